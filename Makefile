@@ -8,7 +8,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-libero demo test test-ray test-lance test-model test-libero check docs figures bench clean help
+.PHONY: setup setup-libero demo test test-ray test-lance test-model test-libero test-ardusub check docs figures bench clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -20,7 +20,7 @@ $(STAMP): pyproject.toml constraints.txt
 	@command -v $(PYTHON) >/dev/null || { echo "make: $(PYTHON) is needed (PYTHON=... names another one, 3.11 or newer)"; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(PIP) --upgrade pip hatchling editables
-	$(PIP) --no-build-isolation --editable '.[contact]' --group dev
+	$(PIP) --no-build-isolation --editable '.[contact,vehicle]' --group dev
 	$(PIP) --no-deps robosuite
 	@touch $@
 
@@ -30,7 +30,7 @@ demo: setup  ## survey the S-shaped reef, make its report and a video
 test: setup  ## the whole test suite
 ifeq ($(BROWSER),)
 	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
-	$(BIN)/python -m pytest -n 2 -m "not ray and not model and not libero and not browser"
+	$(BIN)/python -m pytest -n 2 -m "not ray and not model and not libero and not ardusub and not browser"
 else
 	$(BIN)/python -m pytest -n 2
 endif
@@ -55,6 +55,10 @@ setup-libero: setup  ## the scenes of LIBERO-OBJECT (a download of 360 MB), apar
 
 test-libero: setup-libero  ## the scenes of LIBERO-OBJECT as they really are
 	$(BIN)/python -m pytest -m libero tests/contact/libero
+
+test-ardusub: setup  ## the driver against ArduSub in the loop, in real time (CORAL_ARDUSUB names its folder)
+	@test -n "$(CORAL_ARDUSUB)" || { echo "make: CORAL_ARDUSUB must name the folder with ardusub and sub-6dof.parm"; exit 1; }
+	$(BIN)/python -m pytest -m ardusub tests/reef/sea
 
 check: setup  ## lint, format and types
 	$(BIN)/ruff format --check .

@@ -22,9 +22,11 @@ from coral.usage import usage_error
 
 COMMANDS = {
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
+    "reef sail": ("coral.commands.reef_sail:ReefSail", "survey in real time, with a simulated or a real vehicle"),
     "reef bench": ("coral.commands.reef_bench:ReefBench", "compare variants over many missions, with tables"),
     "reef faults": ("coral.commands.reef_faults:ReefFaults", "break the sensors and see what the vehicle does"),
     "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),
+    "reef autopilot": ("coral.commands.reef_autopilot:ReefAutopilot", "simulate a BlueROV2 that speaks MAVLink"),
     "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),
     "contact run": ("coral.commands.contact_run:ContactRun", "attempt a contact task and write a run folder"),
     "contact bench": ("coral.commands.contact_bench:ContactBench", "compare variants over many trials, with tables"),

@@ -176,6 +176,34 @@ def test_cells_are_classified_as_their_counts_say():
     assert changed == np.count_nonzero(before != solid)
 
 
+def test_a_closed_off_cell_stays_an_obstacle_whatever_is_seen_there():
+    grid = OccupancyMap((10.0, 10.0), CAMERA)
+    closed = np.zeros(grid.target.shape, np.bool_)
+    closed[90:110, 110:130] = True
+    before = grid.version
+    grid.close_off(closed)
+    assert grid.version == before + 1
+    view = empty_frame()
+    view.depth[20:30], view.labels[20:30] = 1.5, Label.SEABED
+    for _ in range(50):
+        grid.integrate(view, Pose(5.0, 5.0, 0.0))
+    assert np.array_equal(grid.obstacle, closed)
+
+
+def test_a_map_recalls_what_another_knew():
+    view = empty_frame()
+    view.depth[15:25], view.labels[15:25] = 2.0, Label.OYSTER
+    view.depth[15:25, :10], view.labels[15:25, :10] = 2.0, Label.OBSTACLE
+    first, second = (OccupancyMap((10.0, 10.0), CAMERA) for _ in range(2))
+    for _ in range(4):
+        first.integrate(view, Pose(4.0, 5.0, 0.0))
+    second.recall(first.memory())
+    assert np.array_equal(first.cells(), second.cells())
+    assert np.array_equal(first.nearest, second.nearest)
+    with pytest.raises(ValueError, match="explored"):
+        second.recall({**first.memory(), "explored": np.zeros((3, 3), np.bool_)})
+
+
 @pytest.mark.parametrize(
     "change",
     [

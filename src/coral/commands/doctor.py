@@ -38,6 +38,7 @@ EXTRAS = {
     "lance": ("lancedb", "an experience memory that several machines share"),
     "ray": ("ray", "campaigns on a cluster"),
     "gym": ("gymnasium", "reefs and tasks as Gymnasium environments"),
+    "vehicle": ("pymavlink", "a BlueROV2 by MAVLink, and the simulated autopilot"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),
 }
 KEYS = ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -126,6 +127,13 @@ class Belief:
     def inspect_m(self) -> float:
         """Distance from which oysters can be counted (m)."""
         return self.cfg.inspect.pixel_m * self.map.focal_px
+
+    def recall(self, tracks: Sequence[Track], trail: NDArray[np.float64]) -> None:
+        """Take over the clusters and the trajectory, Shape=(N, 2), of an earlier survey. The map recalls itself."""
+        self.tracker.recall(tracks)
+        self._trail = [(float(x), float(y)) for x, y in trail]
+        height, width = self.map.target.shape
+        self._seen = (0, height, 0, width)
 
     def write_off(self, index: int) -> None:
         """Give up what is left to see of a cluster: it could not be seen from near."""

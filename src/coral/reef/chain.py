@@ -229,6 +229,11 @@ class CentroidTracker:
         self._inspected: dict[int, NDArray[np.intp]] = {}
         """Cells of each cluster, by label, when it was last inspected."""
 
+    def recall(self, tracks: Sequence[Track]) -> None:
+        """Take over tracks of an earlier survey, with their labels; new ones get labels above them."""
+        self.tracks = list(tracks)
+        self._labels = itertools.count(1 + max((track.index for track in tracks), default=-1))
+
     def update(self, found: Sequence[Component], hints: Sequence[Hint] = ()) -> list[Track]:
         """Match components to tracks, closest pairs first, each at most once; start and drop tracks.
 

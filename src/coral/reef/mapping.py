@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -15,10 +17,13 @@ from coral.errors import InputError
 from coral.reef.camera import CameraCfg, check_picture
 from coral.reef.changes import Box
 from coral.reef.geometry import Frame, Pose
-from coral.reef.mapping_kernels import cell_classes, classify, explore, look, project
+from coral.reef.mapping_kernels import SATURATED, cell_classes, classify, explore, look, project
 
 UNEXPLORED, FREE, OBSTACLE, TARGET = 0, 1, 2, 3
 """Cell classes, in the paper's colours: white, gray, black, green."""
+
+_MEMORY = ("_targets", "_obstacles", "_ground", "explored", "nearest", "unseeable", "_hints")
+"""Arrays that make a map; all others follow from them."""
 
 NEAR_SLACK_M = 1.0
 """Distance that the robot may move before local distances are computed again, if no obstacle has changed."""
@@ -173,6 +178,47 @@ class OccupancyMap:
             math.tan(self._hfov / 2),
             self._reach,
         )
+
+    def close_off(self, cells: NDArray[np.bool_]) -> None:
+        """Make cells obstacles for good, whatever a picture shows there: places where the robot must not go.
+
+        Args:
+            cells: Shape=(NY, NX).
+        """
+        if cells.any():
+            self._obstacles[cells] = SATURATED
+            self.obstacle |= cells
+            self.version += 1
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return the arrays from which `recall` makes the same map again, by name."""
+        return {name: getattr(self, name).copy() for name in _MEMORY}
+
+    def recall(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take over what another map of the same size knew.
+
+        Raises:
+            ValueError: An array is missing or has another shape or type.
+        """
+        for name in _MEMORY:
+            mine, given = getattr(self, name), arrays.get(name)
+            if given is None or given.shape != mine.shape or given.dtype != mine.dtype:
+                raise ValueError(f"{name} is no array of {mine.shape} {mine.dtype}")
+            mine[...] = given
+        cfg, (ny, nx) = self.cfg, self.target.shape
+        classify(
+            self._targets,
+            self._obstacles,
+            self._ground,
+            cfg.target_hits,
+            cfg.obstacle_hits,
+            cfg.target_ratio,
+            cfg.obstacle_ratio,
+            self.target,
+            self.obstacle,
+            (0, ny, 0, nx),
+        )
+        self.version += 1
 
     def agreement(self, cells: NDArray[np.intp]) -> float:
         """Return how far pictures agree that oysters lie in some cells, from 0 to 1; 1 where nothing says otherwise.

@@ -38,6 +38,15 @@ DEFINITIONS = {
     "planner_failures": "Control ticks at which no rollout was feasible and the vehicle braked.",
     "path_replans": "Reference paths planned anew because the vehicle had left the old one.",
     "end_reason": "Why the mission ended.",
+    "judged_by": "Who judged coverage, contacts and clearance of `reef sail`: the truth of a simulated reef, or, where "
+    "nobody knows the truth, the vehicle's own map and sensors.",
+    "late_ticks": "Control ticks of `reef sail` whose work ended over 0.1 s after their time, or that were left out.",
+    "skipped_ticks": "Those of the late ticks that were left out.",
+    "ticks": "Control ticks of `reef sail` that were run.",
+    "worst_tick_ms": "Longest time from a tick's due time to the end of its work (ms).",
+    "recording_failure": "Why the recording stopped during the survey; empty if it did not.",
+    "recording_dropped": "Records that were dropped because too many waited.",
+    "tether_turns": "Turns of the tether at the end, positive to the left.",
     "seconds_in_state": "Time (s) in each state of the vehicle (`reef/states.py`), added up over the robots.",
     "clusters_left": "Clusters that the robot knew of at the end and had not finished; the event `left` says why.",
     "preset": "Name of the water and sensors (`--preset`); none where it was not recorded.",
@@ -101,6 +110,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
             counts[kind] += 1
         if kind == "start":
             clusters_total, preset = int(event["clusters_total"]), event.get("preset")
+        elif kind == "judged" and not clusters_total:  # in real water: those on the vehicle's own map
+            clusters_total = int(event["tracks"])
         elif kind == "question":
             requeries += event["attempt"] > 0
         elif kind == "verdict":

@@ -145,6 +145,8 @@ class Pilot:
         self.last_attempt: Attempt | None = None
         self.end_reason = ""
         """Why this robot has nothing more to do; "" again when it is asked anew and there is something."""
+        self.homing = False
+        """Whether it is on its way home, for good."""
         self._emit, self._log = emit, log
         self._numbers = numbers or itertools.count()
         self._decision = 0
@@ -187,6 +189,14 @@ class Pilot:
             self.driver.reset()
             self.trigger.new_goal()  # to be held is not to be stuck
         return self._steer(reading.t, self.belief.pose, reading.velocity)
+
+    def go_home(self, x: float, y: float) -> None:
+        """Drive to a point (m) around what is on the map, and ask nothing more."""
+        self.clock.withdraw()
+        self._collect()
+        self.homing, self.end_reason = True, ""
+        self.route.follow([Goal(x=x, y=y)], self._now)
+        self._emit("goal", x=x, y=y, source="home", decision=None, index=None, reason="the way home", violates=False)
 
     def stop(self, reason: str) -> None:
         """End the survey."""
@@ -255,6 +265,8 @@ class Pilot:
 
     def _watch(self, t: float, speed: float) -> None:
         """Ask the advisor when Eq. 12 says so; log every change of its verdict."""
+        if self.homing:
+            return
         if self.cfg.synchronous and t < self._acting_until - 1e-9:
             return
         if self.planner.cfg.route.ahead and not self._decided and t < self._began + self.cfg.first_s - 1e-9:

@@ -42,7 +42,9 @@ class OysterRegions:
         for component, _ in touched:
             before[component.cells[:, 0] - y0, component.cells[:, 1] - x0] = True
         for component, box in label_regions(self._target, window, self._cell_m, self._cfg):
-            # Others are parts of regions that stay, cut at the window's edge.
+            # Others are parts of regions that stay, cut at the window's edge; some of these without an oyster cell.
+            if not len(component.cells):
+                continue
             if meet(box, around) or before[component.cells[0, 0] - y0, component.cells[0, 1] - x0]:
                 kept.append((component, box))
         self._regions = sorted(kept, key=lambda region: (region[1][0], region[1][2]))

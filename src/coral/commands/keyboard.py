@@ -1,0 +1,99 @@
+"""The operator's keyboard during a survey: single keys on a terminal, words on a pipe."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import sys
+from collections.abc import Callable, Iterator
+from typing import IO
+
+from coral.reef.sea.operator import WORDS, OperatorWords, Word
+
+KEYS: dict[str, Word] = {" ": "hold", "h": "hold", "r": "resume", "q": "stop", "s": "surface"}
+"""Keys while the survey runs. Disarming has no key: it has to be written."""
+HELP = "space: hold  r: resume  s: surface  q: stop"
+WAIT_S = 0.1
+
+
+class Keyboard:
+    """Reads standard input without ever blocking for longer than `WAIT_S`."""
+
+    def __init__(self, words: OperatorWords, source: IO[str] | None = None) -> None:
+        self._words, self._source = words, source or sys.stdin
+        self._text, self._ended = "", False
+
+    def listen(self, until: Callable[[], bool]) -> None:
+        """Hand what is typed to the survey until it is over."""
+        with self._single_keys() as keys:
+            while not until():
+                for letter in self._read():
+                    self._take(letter, keys)
+
+    def wait_for_arm(self, elsewhere: Callable[[], bool]) -> bool:
+        """Wait until `arm` is typed, or given `elsewhere`; False when the operator gives up or the input ends."""
+        while not elsewhere():
+            for letter in self._read():
+                if letter != "\n":
+                    self._text += letter
+                    continue
+                line, self._text = self._text.strip().lower(), ""
+                if line == "arm":
+                    return True
+                if line in ("q", "quit", "stop", "exit", "no"):
+                    return False
+                if line:
+                    print("type arm to begin, q to give up", file=sys.stderr, flush=True)
+            if self._ended:
+                return False
+        return True
+
+    def _take(self, letter: str, keys: bool) -> None:
+        if keys:
+            if letter in KEYS:
+                self._words.say(KEYS[letter], "keyboard")
+        elif letter == "\n":
+            line, self._text = self._text.strip().lower(), ""
+            word = next((word for word in WORDS if word == line), None) or KEYS.get(line)
+            if word is not None:
+                self._words.say(word, "keyboard")
+        else:
+            self._text += letter
+
+    def _read(self) -> str:
+        if self._ended:
+            select.select([], [], [], WAIT_S)
+            return ""
+        try:
+            descriptor = self._source.fileno()
+            if not select.select([descriptor], [], [], WAIT_S)[0]:
+                return ""
+            data = os.read(descriptor, 1024)
+        except (OSError, ValueError):
+            data = b""
+        self._ended = not data
+        return data.decode("utf-8", "replace")
+
+    @contextlib.contextmanager
+    def _single_keys(self) -> Iterator[bool]:
+        """Read keys one by one if the input is a terminal; yield whether it is."""
+        try:
+            import termios
+            import tty
+
+            descriptor = self._source.fileno()
+            before = termios.tcgetattr(descriptor)
+        except (ImportError, OSError, ValueError, AttributeError):
+            yield False
+            return
+        except Exception as error:  # termios.error is no OSError
+            if type(error).__name__ != "error":
+                raise
+            yield False
+            return
+        tty.setcbreak(descriptor)
+        try:
+            yield True
+        finally:
+            termios.tcsetattr(descriptor, termios.TCSADRAIN, before)

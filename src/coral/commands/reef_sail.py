@@ -1,0 +1,348 @@
+"""`coral reef sail`: a survey in real time, with a simulated vehicle or a real one."""
+
+from __future__ import annotations
+
+import dataclasses
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import tyro
+
+from coral.advisor.attribution import who_decided
+from coral.advisor.consult import DEADLINE_S
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.preflight import preflight
+from coral.advisor.registry import advisor_help, asks_person, make_advisor
+from coral.commands.config_flag import configured
+from coral.commands.keyboard import HELP, Keyboard
+from coral.commands.reef_run import PERSON_DEADLINE_S, render
+from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
+from coral.config import Positive, checked
+from coral.errors import InputError, RunError
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.mission import MissionCfg
+from coral.reef.mistakes import REEF_MISTAKES
+from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
+from coral.reef.sea.operator import OperatorWords
+from coral.reef.sea.safety import SafetyCfg
+from coral.reef.sea.saved_survey import load_survey, save_survey
+from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
+from coral.run_loop import Observer
+from coral.runs import new_run_folder, write_whole
+from coral.view.questions import question_pictures
+from coral.words import many
+
+LOOK_S = 2.0
+"""The preflight list watches the sensors for so long, to measure their rates."""
+PATIENCE_S = 30.0
+"""Sensors that are not there yet are waited for so long before the list is given up."""
+ARM_S = 20.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReefSail:
+    """Survey a reef in real time: rehearse with a simulated vehicle, or drive a BlueROV2."""
+
+    area: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="WORLD_OR_SURVEY")]
+    """A simulated reef to rehearse in (s1, gen:3, a world file), or a survey file with a real area and its geofence."""
+    vehicle: str = "simulated"
+    """simulated: ours, in real time. mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:PORT or
+    mavlink:serial:DEVICE:BAUD: ArduSub, real or in the loop."""
+    camera: str = "simulated"
+    """simulated: pictures of the simulated reef from where the vehicle is. Else a file, an RTSP address or a device for
+    OpenCV; such pictures have no labels yet, so that nothing arms."""
+    dvl: str = "autopilot"
+    """Where position and speed come from: the autopilot, or a Water Linked A50 on the network (a50:HOST)."""
+    truth: str = ""
+    """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
+    advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who decides"))] = "heuristic"
+    seed: int = 0
+    """Seed of the controller's samples."""
+    depth: Positive | None = None
+    """Depth to hold (m), below the surface; by default the survey file's, or 1 m."""
+    start: tuple[float, float, float] | None = None
+    """Where the vehicle is when it begins: x, y (m) and heading (rad) in the area; by default as in the file."""
+    resume: Path | None = None
+    """Run folder of an earlier survey of the same area, to go on with its map. `--start` says where the vehicle is now;
+    by default it is at the area's start again."""
+    camera_latency: float = 0.0
+    """Time from the light to the picture's arrival (s), as calibrated."""
+    camera_rate: Positive = 10.0
+    """Pictures a second of the simulated camera."""
+    yes: bool = False
+    """Arm without asking. For rehearsals only: refused unless the vehicle is a simulation that proves to be one."""
+    check: bool = False
+    """Print the preflight list and end; nothing arms."""
+    preflight: bool = True
+    """Ask a model one small question first."""
+    out: Path | None = None
+    """Run folder, new or empty; by default the next free runs/AREA-sail-NNN."""
+    config: Path | None = None
+    """YAML file with configuration values of the mission; flags override it."""
+    inbox: Path | None = None
+    """Folder for the questions of `--advisor desk`; by default inbox/ in the run folder."""
+    json: bool = False
+    """Print one JSON object on standard output; everything else goes to standard error."""
+    quiet: bool = False
+    """No preflight list and no progress on the terminal."""
+    live: bool = False
+    """Show the survey in a browser, with the operator's buttons; the address goes to standard error."""
+    live_port: int = 0
+    """Port of the page; 0 chooses a free one."""
+    facts: bool = False
+    """Add the numbers shown by the pictures to a model's prompt (a separate experiment)."""
+    model: ModelCfg = field(default_factory=ModelCfg)
+    """Calls of a real model, and the spending limit of the run."""
+    safety: SafetyCfg = field(default_factory=SafetyCfg)
+    """Limits, and what happens when one is reached."""
+    cfg: MissionCfg = field(default_factory=MissionCfg)
+    """The mission."""
+
+    @classmethod
+    def from_file(cls, words: Sequence[str]) -> ReefSail | None:
+        """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
+        cfg = configured(words, MissionCfg())
+        return None if cfg is None else cls(area=tyro.MISSING, cfg=cfg)
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Check, arm on the operator's word, survey."""
+        with ExitStack() as opened:
+            return self._sail(opened)
+
+    def _sail(self, opened: ExitStack) -> Mapping[str, Any]:
+        cfg = self._config()
+        area, world, file_depth = read_area(self.area)
+        if self.start is not None:
+            area = area.begun_at(self.start, "--start")
+        depth = self.depth or file_depth
+        parts = opened.enter_context(open_parts(self, area, world, cfg, depth))
+        if self.yes and not parts.proven_simulation:
+            raise InputError(
+                "--yes",
+                "",
+                f"{self.vehicle}, which may be a real vehicle",
+                "--vehicle simulated, or --truth of a simulation",
+            )
+        folder = self.out or new_run_folder(Path("runs"), f"{area.name}-sail")
+        advisor = self._advisor(folder, cfg)
+        belief = None
+        if self.resume is not None:
+            sim = cfg.simulator
+            belief, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief)
+        if not self.check:
+            warm_up(cfg)
+        words = OperatorWords()
+        crew = Crew(
+            link=parts.link,
+            camera=parts.camera,
+            advisor=advisor,
+            words=words,
+            world=parts.reef,
+            true_pose=parts.true_pose,
+            draw=question_pictures if cfg.record.pictures else None,
+        )
+        equipment = Equipment(
+            vehicle=self.vehicle,
+            pose_source=parts.pose_source,
+            advisor=advisor.name,
+            folder=str(folder),
+            time_limit_s=cfg.time_limit_s,
+            heading_trusted=parts.trust_heading,
+        )
+
+        def look() -> list[CheckLine]:
+            return watch_sensors(parts, area, self.safety, equipment)
+
+        if self.check:
+            lines = look()
+            self._print(lines)
+            return {"ready": not blocking(lines), "preflight": [str(line).strip() for line in lines]}
+        sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth)
+        about = {"vehicle": self.vehicle, "camera": self.camera, "dvl": self.dvl}
+        about |= {"resumed": str(self.resume)} if self.resume is not None else {}
+        lines = look()
+        self._print(lines)
+        if wrong := blocking(lines):
+            raise RunError(f"nothing arms: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
+        mission = SeaMission(area, sail, crew, folder, belief=belief, seed=self.seed, about=about)
+        write_whole(folder / "preflight.txt", "".join(f"{line}\n" for line in lines).encode())
+        with self._page(mission) as observers:
+            for observer in observers:
+                observer.waiting(tuple(str(line) for line in lines))
+            self._arm(mission, parts, words)
+            result = conduct(mission, observers, words)
+        save_survey(folder, mission.belief, mission.belief.pose) if not result["recording_failure"] else None
+        decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
+        return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
+
+    def _config(self) -> MissionCfg:
+        if self.seed < 0:
+            raise InputError("--seed", "", self.seed, "a number from 0 on")
+        if not 0.0 <= self.camera_latency <= 1.0:
+            raise InputError("--camera-latency", "", self.camera_latency, "0 to 1 s")
+        checked(self.safety, "--safety")
+        cfg = checked(self.cfg, "--cfg")
+        if cfg.robots != 1 or cfg.decider != "advisor":
+            found = f"robots {cfg.robots}, decider {cfg.decider}"
+            raise InputError("--cfg", "", found, "one robot whose questions an advisor answers")
+        budget = cfg.pilot.budget.within(PERSON_DEADLINE_S if asks_person(self.advisor) else DEADLINE_S)
+        return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
+
+    def _advisor(self, folder: Path, cfg: MissionCfg) -> Any:
+        inbox = self.inbox or folder / "inbox"
+        model = dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts)
+        rng = np.random.default_rng([self.seed, 7])
+        advisor = make_advisor(self.advisor, rules=REEF_RULES, rng=rng, inbox=inbox, cfg=model, mistakes=REEF_MISTAKES)
+        if self.preflight and not self.check:
+            preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
+        if asks_person(self.advisor):
+            self._say(f"to answer its questions in a browser: coral desk {inbox}")
+        return advisor
+
+    def _say(self, text: str) -> None:
+        if not self.quiet:
+            print(text, file=sys.stderr, flush=True)
+
+    def _print(self, lines: Sequence[CheckLine]) -> None:
+        for line in lines:
+            self._say(str(line))
+
+    def _arm(self, mission: SeaMission, parts: Parts, words: OperatorWords) -> None:
+        """Wait for the operator's word, then arm.
+
+        Raises:
+            RunError: The operator gave up, or the vehicle refused.
+        """
+        if not self.yes:
+            self._say("nothing moves until you type arm and press Enter, or press the button on the page")
+            said: list[str] = []
+
+            def on_page() -> bool:
+                said.extend(word for word, _ in words.take())
+                return any(word in ("arm", "stop") for word in said)
+
+            if not Keyboard(words).wait_for_arm(on_page) or "stop" in said:
+                mission.record.close()
+                raise RunError("not armed: the operator did not say so")
+        mission.align(trust_heading=parts.trust_heading)
+        parts.follow(mission)
+        mission.orders.give("arm")
+        mission.orders.wait(ARM_S, time.sleep)
+        refusals = [result.refusal for result in mission.orders.results() if result.refusal]
+        if refusals or not mission.crew.link.report().armed:
+            mission.record.close()
+            raise RunError(f"the vehicle did not arm: {'; '.join(refusals) or 'no answer'}")
+        self._say(f"armed. {HELP}")
+
+    @contextmanager
+    def _page(self, mission: SeaMission) -> Iterator[list[Any]]:
+        if not self.live:
+            yield []
+            return
+        from coral.view.live.page import LivePage
+        from coral.view.live.sea_survey import LiveSurvey, SurveyControls
+
+        with LivePage(
+            self.live_port, SurveyControls(mission.crew.words), label="CORAL survey", flag="--live-port"
+        ) as page:
+            self._say(f"watch and steer the survey at {page.url}")
+            survey = LiveSurvey(mission, page)
+            try:
+                yield [survey]
+            finally:
+                survey.close()
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """Describe the outcome in a few lines, and list the files."""
+        if self.check:
+            return "ready to arm" if result["ready"] else "not ready to arm"
+        lines = [
+            f"{self.area}: {result['clusters_covered']} of {result['clusters_total']} oyster clusters covered "
+            f"({100 * result['coverage']:.0f} %, by {result['judged_by']}), {many(result['collisions'], 'collision')}, "
+            f"{result['sim_time_s']:.0f} s in real time, {result['late_ticks']} of {result['ticks']} ticks late; "
+            f"ended: {result['end_reason']}",
+            f"run folder: {result['run']}",
+        ]
+        lines += [f"recording stopped: {result['recording_failure']}"] if result["recording_failure"] else []
+        lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
+        lines += [str(result["decided"])] if result["decided"] else []
+        return "\n".join(lines)
+
+    def exit_code(self, result: Mapping[str, Any]) -> int:
+        """Return 1 for a check that found the vehicle not ready."""
+        return int(self.check and not result["ready"])
+
+
+def watch_sensors(parts: Parts, area: Any, safety: SafetyCfg, equipment: Equipment) -> list[CheckLine]:
+    """Watch the sensors for a while and make the preflight list; wait for those that are not there yet."""
+    rates, began = StampRates(), time.monotonic()
+    while True:
+        looked = time.monotonic()
+        while time.monotonic() - looked < LOOK_S:
+            rates.note(parts.link.report())
+            parts.place()
+            time.sleep(0.02)
+        now, report = time.monotonic(), parts.link.report()
+        lines = preflight_list(now, report, rates, parts.camera, area, safety, equipment)
+        waits = [line for line in blocking(lines) if line.subject in ("vehicle", "pose", "velocity", "depth", "camera")]
+        if not waits or now - began > PATIENCE_S:
+            return lines
+
+
+def conduct(mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords) -> dict[str, Any]:
+    """Run the control loop on a thread of its own; keyboard and signals stay here and never interrupt a tick.
+
+    Raises:
+        RunError: The loop failed; the vehicle was told to hold.
+    """
+    result: dict[str, Any] = {}
+    failure: list[BaseException] = []
+
+    def control() -> None:
+        try:
+            result.update(mission.run(observers))
+        except BaseException as error:
+            failure.append(error)
+
+    thread = threading.Thread(target=control, name="coral-control", daemon=True)
+    with signals_as_words(words):
+        thread.start()
+        Keyboard(words).listen(lambda: not thread.is_alive())
+        thread.join()
+    if failure:
+        raise RunError(f"the survey failed: {type(failure[0]).__name__}: {failure[0]}") from failure[0]
+    return result
+
+
+@contextmanager
+def signals_as_words(words: OperatorWords) -> Iterator[None]:
+    """Let Ctrl-C, SIGTERM and SIGHUP stop the survey in order: the vehicle holds before the program ends."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before: dict[int, Callable[..., Any] | int | None] = {}
+
+    def stop(number: int, _: object) -> None:
+        words.say("stop", signal.Signals(number).name)
+        handler = before[number]
+        if number != signal.SIGINT and callable(handler):
+            with suppress(KeyboardInterrupt):
+                handler(number, None)  # notes the signal for the exit code
+
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+            before[number] = signal.signal(number, stop)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,227 @@
+"""The parts of `coral reef sail`, by the names on its command line: area, vehicle, camera, DVL."""
+
+from __future__ import annotations
+
+import dataclasses
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from coral.advisor.rules import RuleAdvisor
+from coral.errors import InputError
+from coral.reef.collision import clearance
+from coral.reef.generated import find_world
+from coral.reef.geometry import Pose
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.mission import Mission, MissionCfg
+from coral.reef.record import RecordCfg
+from coral.reef.scene import Scene
+from coral.reef.sea.address import parse_address
+from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWithDvl
+from coral.reef.sea.link import VehicleLink
+from coral.reef.sea.local_frame import LocalFrame
+from coral.reef.sea.picture import CameraSource, LatestShot
+from coral.reef.sea.sea_mission import SeaMission
+from coral.reef.sea.simulated_camera import SimulatedCamera
+from coral.reef.sea.simulated_link import SimulatedLink
+from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
+from coral.reef.sea.video_camera import VideoCamera
+from coral.reef.world import ReefWorld, load_world
+from coral.view.questions import question_pictures
+
+if TYPE_CHECKING:
+    from coral.commands.reef_sail import ReefSail
+
+DEPTH_M = 1.0
+WARM_UP_S = 6.0
+
+
+def read_area(name: str) -> tuple[SurveyArea, ReefWorld | None, float]:
+    """Read a survey file or a world. Return the area, the reef to simulate if there is one, and the depth (m).
+
+    Raises:
+        InputError: There is no such file or world, or it is broken.
+    """
+    if is_survey(Path(name)):
+        area, file = read_survey(Path(name))
+        world = None if file.rehearse is None else find_world(file.rehearse)
+        if world is not None and tuple(world.size_m) != tuple(file.size_m):
+            found = f"{file.rehearse}, {world.size_m[0]:g} x {world.size_m[1]:g} m"
+            raise InputError(name, "rehearse", found, f"a world of {file.size_m[0]:g} x {file.size_m[1]:g} m")
+        return area, world, file.depth_m
+    world = find_world(name)
+    return SurveyArea.of_world(world), world, DEPTH_M
+
+
+@dataclass
+class Parts:
+    """What was opened, and how it hangs together."""
+
+    link: VehicleLink
+    camera: LatestShot
+    area: SurveyArea
+    reef: ReefWorld | None
+    """The simulated reef around the vehicle; None in real water."""
+    pose_source: str
+    trust_heading: bool
+    """Whether the vehicle's heading counts from east as the area's does: a compass, and a survey file with a start."""
+    proven_simulation: bool
+    """Whether the vehicle cannot be a real one."""
+    truth: Callable[[], tuple[float, Pose] | None]
+    """Monotonic time and true pose, in the frame of the simulation."""
+    frame: LocalFrame = field(default_factory=LocalFrame)
+    placed: bool = False
+    """Whether the survey has begun: the frame stays from then on."""
+
+    def place(self) -> None:
+        """Put the simulated reef around the vehicle, which is at the area's start until the survey begins."""
+        found = None if self.placed else self.truth()
+        if found is not None:
+            self.frame = LocalFrame.from_start(found[1], self.area.start, trust_heading=self.trust_heading)
+
+    def follow(self, mission: SeaMission) -> None:
+        """Keep the reef where it is now: the survey begins."""
+        self.place()
+        self.placed = True
+
+    def where(self) -> tuple[float, Pose] | None:
+        """Return a monotonic time and the true pose of the vehicle in the reef."""
+        found = self.truth()
+        return None if found is None else (found[0], self.frame.to_survey(found[1]))
+
+    def true_pose(self) -> Pose | None:
+        """Return the true pose of the vehicle in the reef, for the judge."""
+        found = self.where()
+        return None if found is None else found[1]
+
+
+@contextmanager
+def open_parts(
+    flags: ReefSail, area: SurveyArea, world: ReefWorld | None, cfg: MissionCfg, depth_m: float
+) -> Iterator[Parts]:
+    """Open vehicle, DVL and camera, and close them at the end.
+
+    Raises:
+        InputError: A name is wrong, or something does not answer.
+    """
+    opened: list[Any] = []
+    try:
+        if flags.vehicle == "simulated":
+            parts = _simulated(flags, area, world, cfg, depth_m)
+        else:
+            parts = _mavlink(flags, area, world, opened)
+        opened.append(parts.link)
+        if flags.dvl != "autopilot":
+            parts.link = LinkWithDvl(parts.link, _dvl(flags.dvl, opened))
+            parts.pose_source = f"DVL A50 at {flags.dvl.removeprefix('a50:')}"
+        source: CameraSource
+        if flags.camera == "simulated":
+            if world is None:
+                raise InputError("--camera", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
+            source = SimulatedCamera(Scene.from_world(world), cfg.simulator.camera, parts.where, flags.camera_rate)
+        else:
+            source = VideoCamera(flags.camera, flags.camera_latency)
+            parts.reef = None
+        parts.camera = LatestShot(source)
+        opened.append(parts.camera)
+        yield parts
+    finally:
+        for each in reversed(opened):
+            each.close()
+
+
+def _simulated(flags: ReefSail, area: SurveyArea, world: ReefWorld | None, cfg: MissionCfg, depth_m: float) -> Parts:
+    if flags.truth:
+        raise InputError("--truth", "", flags.truth, "--vehicle mavlink:...; the simulated vehicle knows its own")
+    if world is None:
+        raise InputError("--vehicle", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
+    outlines = Scene.from_world(world).footprints()
+    link = SimulatedLink(
+        cfg.simulator.vehicle,
+        area.start,
+        depth_m=depth_m,
+        current=(world.current.x_m_s, world.current.y_m_s),
+        contact=(lambda x, y: clearance(outlines, x, y)) if cfg.simulator.contact == "solid" else None,
+    )
+    return Parts(
+        link=link,
+        camera=None,  # type: ignore[arg-type]  # opened next
+        area=area,
+        reef=world,
+        pose_source="simulated vehicle",
+        trust_heading=False,
+        proven_simulation=True,
+        truth=lambda: (time.monotonic(), link.true_pose()),
+    )
+
+
+def _mavlink(flags: ReefSail, area: SurveyArea, world: ReefWorld | None, opened: list[Any]) -> Parts:
+    address = parse_address(flags.vehicle)
+    from coral.reef.sea.mavlink_link import MavlinkLink
+
+    link = MavlinkLink(address)
+    truth, proven = _reported(link), False
+    if flags.truth:
+        from coral.reef.sea.truth import TruthFeed
+
+        feed = TruthFeed(parse_address(flags.truth)).run()
+        opened.append(feed)
+        proven = _answers(feed)
+
+        def truth() -> tuple[float, Pose] | None:
+            state = feed.state
+            return None if state is None else (state.stamp_s, state.pose)
+
+    return Parts(
+        link=link,
+        camera=None,  # type: ignore[arg-type]  # opened next
+        area=area,
+        reef=world,
+        pose_source="autopilot",
+        trust_heading=is_survey(Path(flags.area)),
+        proven_simulation=proven,
+        truth=truth,
+    )
+
+
+def _reported(link: VehicleLink) -> Callable[[], tuple[float, Pose] | None]:
+    """Take what the vehicle reports for the truth: the reef is drawn around wherever it says it is."""
+
+    def truth() -> tuple[float, Pose] | None:
+        report = link.report()
+        return None if report.pose is None else (report.pose_stamp_s, report.pose)
+
+    return truth
+
+
+def _answers(feed: Any, timeout_s: float = 10.0) -> bool:
+    """Wait for the state of a simulation: only a simulation tells one."""
+    end = time.monotonic() + timeout_s
+    while feed.state is None:
+        if time.monotonic() > end:
+            raise InputError("--truth", "", "no SIM_STATE", "the second address of a simulation in the loop")
+        time.sleep(0.05)
+    return True
+
+
+def _dvl(text: str, opened: list[Any]) -> DvlA50:
+    kind, _, place = text.partition(":")
+    host, _, port = place.partition(":")
+    if kind != "a50" or not host or (port and not port.isdigit()):
+        raise InputError("--dvl", "", repr(text), "autopilot, a50:HOST or a50:HOST:PORT")
+    dvl = DvlA50(host, int(port) if port else PORT)
+    opened.append(dvl)
+    return dvl
+
+
+def warm_up(cfg: MissionCfg) -> None:
+    """Run a few simulated seconds, so that nothing has to be compiled or imported under way."""
+    record = RecordCfg(pictures=cfg.record.pictures, frames=cfg.record.frames, report=False)
+    brief = dataclasses.replace(cfg, time_limit_s=WARM_UP_S, latency="fixed:0.5", record=record)
+    with tempfile.TemporaryDirectory() as folder:
+        rules = RuleAdvisor(REEF_RULES)
+        Mission(load_world("s1"), brief, rules, Path(folder) / "warm-up", draw=question_pictures).run()

@@ -1,0 +1,1 @@
+"""From the pilot to a vehicle: links, the simulated autopilot."""

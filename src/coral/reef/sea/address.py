@@ -1,0 +1,45 @@
+"""Where a vehicle is: `mavlink:udp:HOST:PORT` and its sisters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from coral.errors import InputError, nearest
+
+Medium = Literal["udp", "udpin", "tcp", "serial"]
+EXPECTED = "mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:PORT or mavlink:serial:DEVICE:BAUD"
+
+
+@dataclass(frozen=True)
+class VehicleAddress:
+    """A place to exchange bytes with an autopilot."""
+
+    medium: Medium
+    """udp sends to a host, udpin waits for a vehicle that sends to us, tcp connects, serial opens a device."""
+    host: str
+    """Host name or address; the device for serial."""
+    port: int
+    """Port number; baud rate for serial."""
+
+
+def parse_address(text: str) -> VehicleAddress:
+    """Read `mavlink:MEDIUM:WHERE:NUMBER`.
+
+    Raises:
+        InputError: It is none of the four forms, or the number is out of range.
+    """
+    scheme, _, rest = text.partition(":")
+    medium, _, rest = rest.partition(":")
+    host, _, number = rest.rpartition(":")
+    if scheme != "mavlink":
+        raise InputError("--vehicle", "", repr(text), EXPECTED)
+    if medium not in get_args(Medium):
+        raise InputError("--vehicle", "", repr(text), f"{EXPECTED}{nearest(medium, get_args(Medium))}")
+    if not host or not number.isascii() or not number.isdigit():
+        raise InputError("--vehicle", "", repr(text), EXPECTED)
+    most = 10_000_000 if medium == "serial" else 65_535
+    if len(number) > 9 or not 1 <= int(number) <= most:
+        field = "baud" if medium == "serial" else "port"
+        raise InputError("--vehicle", field, number, f"a number from 1 to {most}")
+    return VehicleAddress(medium, host.strip("[]"), int(number))  # type: ignore[arg-type]

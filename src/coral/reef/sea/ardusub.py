@@ -1,0 +1,74 @@
+"""What ArduSub calls its modes and versions, and where its messages come from."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from coral.errors import InputError
+
+MODES = {
+    0: "STABILIZE",
+    1: "ACRO",
+    2: "ALT_HOLD",
+    3: "AUTO",
+    4: "GUIDED",
+    7: "CIRCLE",
+    9: "SURFACE",
+    16: "POSHOLD",
+    19: "MANUAL",
+    20: "MOTOR_DETECT",
+    21: "SURFTRAK",
+}
+NUMBERS = {name: number for number, name in MODES.items()}
+SUBMARINE = 12
+"""MAV_TYPE_SUBMARINE."""
+AUTOPILOT_COMPONENT = 1
+ARMED_BIT = 128
+EKF_POSITION = 8 | 16
+"""EKF_STATUS_REPORT flags of a horizontal position, relative or absolute."""
+EKF_CONST_POSITION = 128
+"""The filter pretends to stand still, for want of measurements."""
+OLDEST, TESTED = (4, 1, 0), (4, 7, 0)
+"""GUIDED takes body velocities with a yaw rate from 4.1 on; the driver was tried with 4.7.0-dev."""
+
+
+def load_dialect() -> Any:
+    """Import MAVLink's messages.
+
+    Raises:
+        InputError: pymavlink is not installed.
+    """
+    try:
+        return importlib.import_module("pymavlink.dialects.v20.ardupilotmega")
+    except ModuleNotFoundError:
+        raise InputError("--vehicle", "", "no pymavlink", "pip install 'coral-robotics[vehicle]'") from None
+
+
+def version_of(number: int) -> tuple[int, int, int]:
+    """Read AUTOPILOT_VERSION.flight_sw_version: major, minor, patch."""
+    return number >> 24 & 255, number >> 16 & 255, number >> 8 & 255
+
+
+def version_text(number: int, git: bytes) -> str:
+    """Describe a version: "ArduSub 4.7.0-dev (507e6101)"."""
+    kind = number & 255
+    stage = "" if kind == 255 else "-rc" if kind >= 192 else "-beta" if kind >= 128 else "-dev"
+    text = "".join(chr(c) for c in git if 48 <= c < 123)
+    return "ArduSub " + ".".join(map(str, version_of(number))) + stage + (f" ({text})" if text else "")
+
+
+def version_warning(number: int) -> str:
+    """Say what a version is not known to do; "" if nothing."""
+    version = version_of(number)
+    shown = ".".join(map(str, version))
+    if version < OLDEST:
+        return f"ArduSub {shown} is older than 4.1: GUIDED may not take velocities"
+    if version[:2] > TESTED[:2]:
+        return f"ArduSub {shown} is newer than 4.7, which the driver was tried with: rehearse GUIDED first"
+    return ""
+
+
+def has_position(flags: int) -> bool:
+    """Check whether the estimator's flags promise a horizontal position."""
+    return bool(flags & EKF_POSITION) and not flags & EKF_CONST_POSITION

@@ -1,0 +1,198 @@
+"""The preflight list: what the vehicle has, how good it is, what is missing, and what that means."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from coral.reef.geometry import wrap
+from coral.reef.sea.link import VehicleReport
+from coral.reef.sea.picture import LatestShot
+from coral.reef.sea.safety import SafetyCfg
+from coral.reef.sea.survey_file import SurveyArea
+
+Level = Literal["good", "lacking", "blocking"]
+SLOW_HZ = 4.0
+"""A pose or a camera slower than this is told: between two of them the vehicle drives 0.15 m."""
+HEADING_RAD = math.radians(30.0)
+
+
+@dataclass(frozen=True)
+class CheckLine:
+    """One line of the list."""
+
+    subject: str
+    text: str
+    level: Level = "good"
+    """lacking: the survey can go on without it. blocking: nothing arms."""
+
+    def __str__(self) -> str:
+        mark = {"good": "  ", "lacking": "! ", "blocking": "X "}[self.level]
+        return f"{mark}{self.subject}: {self.text}"
+
+
+class StampRates:
+    """Measures how often each input of the vehicle really comes, from its time stamps."""
+
+    def __init__(self) -> None:
+        self._seen: dict[str, list[float]] = {"pose": [], "velocity": [], "attitude": [], "depth": []}
+
+    def note(self, report: VehicleReport) -> None:
+        """Take in one report."""
+        for name, stamps in self._seen.items():
+            stamp = getattr(report, f"{name}_stamp_s")
+            if math.isfinite(stamp) and (not stamps or stamp > stamps[-1]):
+                stamps.append(stamp)
+                del stamps[:-50]
+
+    def rate_hz(self, name: str) -> float:
+        """Return the mean rate of the last values; 0 if there are fewer than two."""
+        stamps = self._seen[name]
+        return (len(stamps) - 1) / (stamps[-1] - stamps[0]) if len(stamps) > 1 else 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equipment:
+    """What was chosen on the command line, for the list."""
+
+    vehicle: str
+    pose_source: str
+    """Such as "autopilot" or "DVL A50 at 192.168.2.95"."""
+    advisor: str
+    folder: str
+    time_limit_s: float
+    heading_trusted: bool
+    """Whether the vehicle's heading is taken as it is (compass), or the start's heading in its place."""
+
+
+def preflight_list(
+    now: float,
+    report: VehicleReport,
+    rates: StampRates,
+    camera: LatestShot,
+    area: SurveyArea,
+    safety: SafetyCfg,
+    equipment: Equipment,
+) -> list[CheckLine]:
+    """Make the list.
+
+    Args:
+        now: Monotonic time (s).
+        report: The vehicle's present report.
+        rates: Measured rates of its values.
+        camera: The camera.
+        area: Survey area.
+        safety: Limits.
+        equipment: What was chosen.
+    """
+    return [
+        _link(report, equipment),
+        _pose(now, report, rates, equipment, safety),
+        *([_heading(report, area)] if equipment.heading_trusted and report.yaw_rad is not None else []),
+        _velocity(report, rates),
+        _depth(report, rates),
+        *_camera(now, camera),
+        CheckLine("sonar", "none - obstacles from the camera alone", "lacking"),
+        _battery(report, safety),
+        CheckLine(
+            "leak", f"{safety.on_leak} if detected" if not report.leak else "water inside the hull", _bad(report.leak)
+        ),
+        CheckLine("tether", f"{report.tether_turns:+.1f} turns, {safety.on_tether} beyond {safety.tether_turns:g}"),
+        CheckLine(
+            "area",
+            f"{area.name}, {area.size_m[0]:g} x {area.size_m[1]:g} m, start ({area.start.x:g}, {area.start.y:g}); "
+            f"geofence with {len(area.fence)} corners, {len(area.keep_out)} keep-outs: {safety.on_fence}",
+        ),
+        CheckLine(
+            "time", f"{equipment.time_limit_s:g} s, then {safety.on_time}; home within {safety.reserve_s:g} s of it"
+        ),
+        CheckLine("advisor", equipment.advisor),
+        CheckLine("recording", equipment.folder),
+    ]
+
+
+def blocking(lines: Sequence[CheckLine]) -> list[CheckLine]:
+    """Return the lines that keep the vehicle from arming."""
+    return [line for line in lines if line.level == "blocking"]
+
+
+def _bad(wrong: bool) -> Level:
+    return "blocking" if wrong else "good"
+
+
+def _link(report: VehicleReport, equipment: Equipment) -> CheckLine:
+    if not math.isfinite(report.heartbeat_age_s):
+        return CheckLine("vehicle", f"{equipment.vehicle}: no heartbeat - nothing arms", "blocking")
+    text = f"{report.autopilot or 'version unknown'} at {equipment.vehicle}, mode {report.mode or 'unknown'}"
+    return CheckLine("vehicle", f"{text}, {'ARMED' if report.armed else 'disarmed'}")
+
+
+def _pose(now: float, report: VehicleReport, rates: StampRates, equipment: Equipment, safety: SafetyCfg) -> CheckLine:
+    source, rate = equipment.pose_source, rates.rate_hz("pose")
+    if not report.has_position or report.pose is None:
+        return CheckLine("pose", f"none from the {source} - nothing arms without a position", "blocking")
+    if report.position_std_m is not None:
+        spread = f"standard deviation {report.position_std_m:.2g} m"
+    elif report.position_test_ratio is not None:
+        spread = f"covariance not told, innovation {report.position_test_ratio:.2f} of its limit"
+    else:
+        spread = "covariance not told"
+    age = now - report.pose_stamp_s
+    if age > safety.pose_timeout_s:
+        return CheckLine("pose", f"{source}, {age:.1f} s old - nothing arms on an old position", "blocking")
+    slow = "" if rate >= SLOW_HZ else " - slow: the map blurs"
+    return CheckLine("pose", f"{source}, {rate:.0f} Hz, {spread}{slow}", "lacking" if slow else "good")
+
+
+def _heading(report: VehicleReport, area: SurveyArea) -> CheckLine:
+    assert report.yaw_rad is not None
+    off = wrap(report.yaw_rad - area.start.theta)
+    text = f"compass, {math.degrees(off):+.0f} degrees from the start's"
+    if abs(off) > HEADING_RAD:
+        return CheckLine("heading", f"{text} - is the compass calibrated, is the vehicle at the start?", "lacking")
+    return CheckLine("heading", text)
+
+
+def _velocity(report: VehicleReport, rates: StampRates) -> CheckLine:
+    if report.velocity is None:
+        return CheckLine("velocity", "none - the controller needs it; nothing arms", "blocking")
+    std = report.velocity_std_m_s
+    spread = "covariance not told" if std is None else f"standard deviation {std:.2g} m/s"
+    return CheckLine("velocity", f"{rates.rate_hz('velocity'):.0f} Hz, {spread}")
+
+
+def _depth(report: VehicleReport, rates: StampRates) -> CheckLine:
+    if report.depth_m is None:
+        return CheckLine("depth", "none - the depth cannot be held; nothing arms", "blocking")
+    return CheckLine("depth", f"{report.depth_m:.1f} m, {rates.rate_hz('depth'):.0f} Hz")
+
+
+def _camera(now: float, camera: LatestShot) -> list[CheckLine]:
+    shot, name = camera.latest, camera.source.name
+    if shot is None:
+        why = f" ({camera.failure})" if camera.failure else ""
+        return [CheckLine("camera", f"{name}: no picture{why} - nothing arms", "blocking")]
+    age = now - shot.stamp_s
+    lines = [CheckLine("camera", f"{name}, {camera.rate_hz:.0f} Hz, last picture {max(age, 0.0):.1f} s old")]
+    if camera.source.labelled:
+        return [*lines, CheckLine("labels", "exact, from the simulated camera")]
+    if camera.perception is not None:
+        return [*lines, CheckLine("labels", f"{camera.perception.name}")]
+    told = "none - no network here finds oysters or depth in a real picture; nothing arms"
+    return [*lines, CheckLine("labels", told, "blocking")]
+
+
+def _battery(report: VehicleReport, safety: SafetyCfg) -> CheckLine:
+    if report.battery_fraction is None and report.battery_v is None:
+        return CheckLine("battery", "not told - its limit cannot act", "lacking")
+    told = [] if report.battery_v is None else [f"{report.battery_v:.1f} V"]
+    told += [] if report.battery_fraction is None else [f"{report.battery_fraction:.0%}"]
+    limit = f"{safety.on_battery} below {safety.battery_min:.0%}"
+    if report.battery_fraction is None and not safety.battery_min_v:
+        return CheckLine(
+            "battery", f"{', '.join(told)}; no share of charge is told and no voltage limit is set", "lacking"
+        )
+    low = report.battery_fraction is not None and report.battery_fraction < safety.battery_min
+    return CheckLine("battery", f"{', '.join(told)}, {limit}", _bad(low))

@@ -1,0 +1,40 @@
+"""The survey's frame: how the vehicle's own positions become positions in the survey area."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from coral.reef.geometry import Pose, wrap
+
+
+@dataclass(frozen=True)
+class LocalFrame:
+    """A shift and a turn from the vehicle's frame to the survey's, both ENU.
+
+    A vehicle's position begins somewhere: at its EKF's origin, or where its DVL was last reset. The operator puts it at
+    the survey's start, and what it reports there is the start from then on.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    turn: float = 0.0
+
+    @classmethod
+    def from_start(cls, reported: Pose, start: Pose, *, trust_heading: bool) -> LocalFrame:
+        """Make the frame in which a reported pose is the survey's start.
+
+        Args:
+            reported: The vehicle's pose at the start, in its own frame.
+            start: The survey's start.
+            trust_heading: Whether the reported heading is that of a compass, counted from east as the survey's is. Then
+                only the position is shifted. Otherwise the vehicle is taken to head as the start says.
+        """
+        turn = 0.0 if trust_heading else wrap(start.theta - reported.theta)
+        c, s = math.cos(turn), math.sin(turn)
+        return cls(start.x - (c * reported.x - s * reported.y), start.y - (s * reported.x + c * reported.y), turn)
+
+    def to_survey(self, pose: Pose) -> Pose:
+        """Convert a pose of the vehicle's frame to the survey's."""
+        c, s = math.cos(self.turn), math.sin(self.turn)
+        return Pose(self.x + c * pose.x - s * pose.y, self.y + s * pose.x + c * pose.y, wrap(pose.theta + self.turn))

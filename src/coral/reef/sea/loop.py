@@ -1,0 +1,131 @@
+"""A loop at a fixed rate in wall time: absolute deadlines, no drift, no bursts after a delay."""
+
+from __future__ import annotations
+
+import gc
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+LATE_S = 0.1
+"""A tick is late when its command goes out more than this after its deadline: a whole control period at 10 Hz."""
+COLLECT_S = 1.0
+"""Time between collections of young garbage, in the idle rest of a tick."""
+COLLECT_ALL_S = 30.0
+"""Time between collections of all garbage, in the idle rest of a tick."""
+SWITCH_S = 5e-4
+"""A thread that wants to run Python code waits so long for the one that does (s)."""
+SPARE_S = 0.02
+"""Least idle time for a collection; with less it waits for the next tick."""
+
+
+@dataclass
+class TickCount:
+    """How well the loop kept its rate."""
+
+    done: int = 0
+    """Ticks that were run."""
+    late: int = 0
+    """Ticks whose work ended more than `LATE_S` after their deadline, or that were left out altogether."""
+    skipped: int = 0
+    """Those of the late ticks that were left out, because their deadline had passed before the last one was done."""
+    worst_s: float = 0.0
+    """Longest time from a deadline to the end of its tick's work (s)."""
+
+
+class FixedRate:
+    """Waits for deadlines `start + k * period`. An error of one wait does not shift the later ones.
+
+    After a delay longer than a period the deadlines in between are skipped, not made up for: a vehicle that gets ten
+    old commands at once is worse off than one that gets a new one late.
+    """
+
+    def __init__(
+        self,
+        period_s: float,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+        late_s: float = LATE_S,
+    ) -> None:
+        self.period_s, self.late_s = period_s, late_s
+        self.count = TickCount()
+        self._clock, self._sleep = clock, sleep
+        self._start = clock()
+        self._next = 0
+        self._due = self._start
+
+    def wait(self) -> float:
+        """Wait for the next deadline. Return its time since the loop began (s)."""
+        now = self._clock()
+        passed = int((now - self._start) / self.period_s + 1e-9)  # deadlines at or before now
+        if self.count.done and passed > self._next:
+            # The newest deadline that has passed is run at once, those before it are left out.
+            self.count.skipped += passed - self._next
+            self.count.late += passed - self._next
+            self._next = passed
+        self._due = self._start + self._next * self.period_s
+        while (rest := self._due - self._clock()) > 1e-6:  # less is the clock's own resolution
+            self._sleep(rest)
+        self._next += 1
+        return self._due - self._start
+
+    def finish(self) -> float:
+        """Note that the tick's command is out. Return the time until the next deadline (s); negative if it passed."""
+        behind = self._clock() - self._due
+        self.count.done += 1
+        self.count.late += behind > self.late_s
+        self.count.worst_s = max(self.count.worst_s, behind)
+        return self.period_s - behind
+
+
+class IdleCollector:
+    """Collects Python's garbage in the idle rest of ticks, so that no collection falls into a tick's work."""
+
+    def __init__(
+        self, clock: Callable[[], float] = time.monotonic, collect: Callable[[int], object] = gc.collect
+    ) -> None:
+        self._clock, self._collect = clock, collect
+        self._young = self._all = clock()
+
+    def offer(self, spare_s: float) -> None:
+        """Use `spare_s` of idle time if a collection is due."""
+        now = self._clock()
+        if spare_s < SPARE_S:
+            return
+        if now - self._all >= COLLECT_ALL_S:
+            self._all = self._young = now
+            self._collect(2)
+        elif now - self._young >= COLLECT_S:
+            self._young = now
+            self._collect(1)
+
+
+@contextmanager
+def collected_when_idle() -> Iterator[IdleCollector]:
+    """Turn the automatic collection off, for a loop that offers its idle time instead.
+
+    What exists at the start (libraries, compiled kernels) is frozen: later collections do not look at it again.
+    """
+    was_on = gc.isenabled()
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    try:
+        yield IdleCollector()
+    finally:
+        if was_on:
+            gc.enable()
+        gc.unfreeze()
+
+
+@contextmanager
+def prompt_threads() -> Iterator[None]:
+    """Let the control thread wait for the Python code of another for half a millisecond, not for the usual five."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_S)
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(before)

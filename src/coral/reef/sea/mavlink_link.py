@@ -1,0 +1,399 @@
+"""The link to a BlueROV2: MAVLink with ArduSub, or with the simulated autopilot, which speaks the same."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from coral.config import NonNegative, Positive
+from coral.reef.geometry import Pose
+from coral.reef.sea import ardusub
+from coral.reef.sea.address import VehicleAddress
+from coral.reef.sea.link import LinkRefused, VehicleReport
+from coral.reef.sea.setpoints import NEUTRAL, VELOCITY_AND_YAW_RATE, StickLoop, StickLoopCfg, climb_rate
+from coral.reef.sea.telemetry import Telemetry
+from coral.reef.sea.transport import Transport, open_transport
+
+STREAMS = {30: 20.0, 32: 20.0, 74: 10.0, 193: 5.0, 1: 2.0, 65: 10.0}
+"""Messages asked for, per second: ATTITUDE, LOCAL_POSITION_NED, VFR_HUD, EKF_STATUS_REPORT, SYS_STATUS, RC_CHANNELS."""
+POLL_S = 0.02
+"""The line is read for so long at a time."""
+SET_MESSAGE_INTERVAL, REQUEST_MESSAGE, SET_MODE, ARM_DISARM = 511, 512, 176, 400
+AUTOPILOT_VERSION = 148
+ACCEPTED, IN_PROGRESS = 0, 5
+RESULTS = {
+    1: "temporarily rejected",
+    2: "denied",
+    3: "unsupported",
+    4: "failed",
+    6: "cancelled",
+}
+"""MAV_RESULT in words, where the autopilot gives none of its own."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MavlinkCfg:
+    """How the link behaves."""
+
+    system: int = 0
+    """System id of the vehicle; 0: the first autopilot heard."""
+    own_system: int = 255
+    """Our system id. ArduSub takes joystick axes from MAV_GCS_SYSID alone (255), and counts its heartbeats."""
+    own_component: int = 191
+    """MAV_COMP_ID_ONBOARD_COMPUTER: with the same system id, QGroundControl is component 190."""
+    heartbeat_s: Positive = 0.5
+    """Period of our heartbeats. ArduSub's failsafe acts after 5 s without (FS_GCS_TIMEOUT)."""
+    stick_s: Positive = 0.1
+    """Period of MANUAL_CONTROL when nobody commands in ALT_HOLD."""
+    neutral_s: Positive = 0.5
+    """Period of neutral joystick axes in other modes, so that the failsafe of the pilot's input (3 s) rests."""
+    command_s: Positive = 0.5
+    """Without a new command for so long, the axes are neutral. (In GUIDED the autopilot itself waits 3 s.)"""
+    ask_again_s: Positive = 2.0
+    """Messages that do not come are asked for again so often."""
+    answer_s: Positive = 1.0
+    """An order is repeated when there is no answer for so long."""
+    tries: int = 3
+    settle_s: Positive = 3.0
+    """A mode, or the motors, must be seen as ordered within this time."""
+    words_s: NonNegative = 0.3
+    """So long after a refusal the autopilot's words are waited for."""
+    depth_gain_1_s: Positive = 0.8
+    """Downward speed per metre of depth error."""
+    depth_speed_m_s: Positive = 0.25
+    """Largest speed up or down."""
+    stick_loop: StickLoopCfg = field(default_factory=StickLoopCfg)
+
+
+class MavlinkLink:
+    """A `VehicleLink` over MAVLink: a thread reads, keeps heartbeats and streams alive; commands go out at once.
+
+    With a position estimate `arm` enters GUIDED, and commands are body-frame velocities with a yaw rate. Without one it
+    enters ALT_HOLD, and commands are joystick axes. Only orders change the mode, with one exception: when a joystick
+    moves in GUIDED, the link leaves it for POSHOLD, where the stick steers.
+    """
+
+    def __init__(
+        self,
+        address: VehicleAddress | Transport,
+        cfg: MavlinkCfg | None = None,
+        start: Pose | None = None,
+        clock: Callable[[], float] = time.monotonic,
+        threaded: bool = True,
+    ) -> None:
+        """Open the line and begin to listen.
+
+        Args:
+            address: Where the vehicle is, or a line to it.
+            cfg: Times and gains.
+            start: Where the vehicle stands in the survey's frame when its first pose comes. None: poses are relative
+                to the estimator's origin, x east.
+            clock: Monotonic time (s).
+            threaded: Read in a thread. Otherwise `poll` has to be called, and orders call it while they wait.
+
+        Raises:
+            InputError: The address cannot be used, or pymavlink is missing.
+        """
+        self.cfg = cfg or MavlinkCfg()
+        self._dialect = ardusub.load_dialect()
+        self._line = open_transport(address) if isinstance(address, VehicleAddress) else address
+        self._clock = clock
+        self._lock = threading.RLock()
+        self._heard = threading.Condition(self._lock)
+        self._codec = self._dialect.MAVLink(None, self.cfg.own_system, self.cfg.own_component)
+        self._codec.robust_parsing = True
+        self._out = self._dialect.MAVLink(None, self.cfg.own_system, self.cfg.own_component)
+        self.telemetry = Telemetry(self.cfg.system, start)
+        self._sticks = StickLoop(self.cfg.stick_loop)
+        self._charge = self._driving = False  # in charge since `arm`; driving until the next order
+        self._ordered = ""
+        self._ordered_s = -math.inf
+        self._override = False
+        self._acks: dict[int, tuple[int, float]] = {}
+        self._words: list[tuple[float, str]] = []
+        self._reboots = 0
+        self._external_speed: tuple[float, float] | None = None
+        self._axes: tuple[int, int, int, int] = NEUTRAL
+        self._commanded_s = self._beat_s = self._stick_s = self._asked_s = self._synced_s = -math.inf
+        self._sync_sent: dict[int, float] = {}
+        self._closed = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="mavlink", daemon=True) if threaded else None
+        if self._thread is not None:
+            self._thread.start()
+
+    def report(self) -> VehicleReport:
+        """Return the latest state."""
+        with self._lock:
+            return self.telemetry.report(self._clock(), self._override)
+
+    def measure_speed(self, forward_m_s: float, stamp_s: float) -> None:
+        """Tell the forward speed of a sensor that the autopilot does not have, for driving without a position."""
+        if math.isfinite(forward_m_s):
+            with self._lock:
+                self._external_speed = (forward_m_s, stamp_s)
+
+    def command(self, forward_m_s: float, yaw_rate_rad_s: float, depth_m: float) -> None:
+        """Send one set-point; see `VehicleLink.command`."""
+        if not (math.isfinite(forward_m_s) and math.isfinite(yaw_rate_rad_s)):
+            forward_m_s = yaw_rate_rad_s = 0.0
+        with self._lock:
+            state, now = self.telemetry, self._clock()
+            if not self._driving or self._override or not state.armed:
+                return
+            down = climb_rate(state.depth_m, depth_m, self.cfg.depth_gain_1_s, self.cfg.depth_speed_m_s)
+            dt = min(max(now - self._commanded_s, 0.0), self.cfg.command_s)
+            self._commanded_s = now
+            if self._ordered == "GUIDED":
+                self._send_velocity(forward_m_s, yaw_rate_rad_s, down)
+                return
+            x, y, _, r = self._sticks.axes(forward_m_s, yaw_rate_rad_s, self._fresh(now), dt)
+            self._axes = (x, y, self._throttle(down), r)
+            self._stick(now)
+
+    def _send_velocity(self, forward_m_s: float, yaw_rate_rad_s: float, down_m_s: float) -> None:
+        self._send(
+            self._dialect.MAVLink_set_position_target_local_ned_message(
+                0, self.telemetry.system, ardusub.AUTOPILOT_COMPONENT, self._dialect.MAV_FRAME_BODY_OFFSET_NED,
+                VELOCITY_AND_YAW_RATE, 0.0, 0.0, 0.0, forward_m_s, 0.0, down_m_s, 0.0, 0.0, 0.0, 0.0, -yaw_rate_rad_s,
+            )
+        )  # fmt: skip
+
+    def _fresh(self, now: float) -> tuple[float | None, float | None]:
+        limit = self.cfg.stick_loop.fresh_s
+        speeds = [s for s in (self.telemetry.measured_speed, self._external_speed) if s is not None]
+        speed = max(speeds, key=lambda s: s[1], default=None)
+        turn = self.telemetry.measured_turn
+        return (
+            speed[0] if speed is not None and now - speed[1] <= limit else None,
+            turn[0] if now - turn[1] <= limit else None,
+        )
+
+    def _throttle(self, down_m_s: float) -> int:
+        """Return the z axis for a downward speed, past ArduSub's dead zone."""
+        if abs(down_m_s) < 0.02:
+            return 500
+        return round(min(max(500 - math.copysign(70.0, down_m_s) - 1000.0 * down_m_s, 0.0), 1000.0))
+
+    def arm(self) -> None:
+        """Enter GUIDED (ALT_HOLD without a position) and arm; see `VehicleLink.arm`."""
+        with self._lock:
+            state = self.telemetry
+            if state.heartbeat_s == -math.inf:
+                raise LinkRefused("no autopilot has been heard")
+            if state.kind != ardusub.SUBMARINE:
+                raise LinkRefused(f"the vehicle calls itself type {state.kind}, not a submarine (12)")
+            mode = "GUIDED" if ardusub.has_position(state.flags) else "ALT_HOLD"
+            self._axes, self._sticks.integral = NEUTRAL, 0.0
+        self._enter(mode)
+        self._stick(self._clock())  # the failsafe of the pilot's input would disarm a vehicle that never had any
+        self._tell_motors(True)
+        with self._lock:
+            self._override, self._charge, self._driving = False, True, True
+            state.channels = ()
+            state.foreign_stick_s = -math.inf
+
+    def disarm(self) -> None:
+        """Stop the thrusters; see `VehicleLink.disarm`."""
+        with self._lock:
+            self._charge = self._driving = False
+        self._tell_motors(False)
+
+    def hold(self) -> None:
+        """Enter POSHOLD (ALT_HOLD without a position); see `VehicleLink.hold`."""
+        with self._lock:
+            self._driving = False
+            mode = "POSHOLD" if ardusub.has_position(self.telemetry.flags) else "ALT_HOLD"
+        self._enter(mode)
+
+    def surface(self) -> None:
+        """Enter SURFACE; see `VehicleLink.surface`."""
+        with self._lock:
+            self._driving = False
+        self._enter("SURFACE")
+
+    def close(self) -> None:
+        """Stop sending and free the port."""
+        self._closed.set()
+        if self._thread is not None and threading.current_thread() is not self._thread:
+            self._thread.join(timeout=2.0)
+        self._line.close()
+
+    def _enter(self, mode: str) -> None:
+        with self._lock:
+            self._ordered, self._ordered_s = mode, self._clock()
+            self._axes = NEUTRAL
+        self._order(SET_MODE, (1.0, float(ardusub.NUMBERS[mode])), f"mode {mode}")
+        self._await(lambda: self.telemetry.mode == mode, f"mode {mode}")
+
+    def _tell_motors(self, armed: bool) -> None:
+        what = "arming" if armed else "disarming"
+        if self.telemetry.armed != armed:
+            self._order(ARM_DISARM, (float(armed), 0.0), what)
+            self._await(lambda: self.telemetry.armed == armed, what)
+
+    def _order(self, command: int, parameters: tuple[float, float], what: str) -> None:
+        """Send a command until it is acknowledged.
+
+        Raises:
+            LinkRefused: It was refused, or nobody answered.
+        """
+        with self._heard:
+            since = self._clock()
+            for attempt in range(self.cfg.tries):
+                self._acks.pop(command, None)
+                self._send(self._long(command, *parameters, confirmation=attempt))
+                if self._wait(lambda: self._acks.get(command, (IN_PROGRESS, 0))[0] != IN_PROGRESS, self.cfg.answer_s):
+                    break
+            else:
+                raise LinkRefused(f"{what}: the autopilot did not answer")
+            result = self._acks[command][0]
+            if result != ACCEPTED:
+                self._wait(lambda: False, self.cfg.words_s)
+                words = [text for at, text in self._words if at >= since]
+                reason = "; ".join(dict.fromkeys(words)) or RESULTS.get(result, f"result {result}")
+                raise LinkRefused(f"{what} refused: {reason}")
+
+    def _await(self, done: Callable[[], bool], what: str) -> None:
+        with self._heard:
+            if not self._wait(done, self.cfg.settle_s):
+                raise LinkRefused(f"{what} was acknowledged but did not come")
+
+    def _long(self, command: int, *parameters: float, confirmation: int = 0) -> Any:
+        padded = (*parameters, *[0.0] * (7 - len(parameters)))
+        return self._dialect.MAVLink_command_long_message(
+            self.telemetry.system, ardusub.AUTOPILOT_COMPONENT, command, confirmation, *padded
+        )
+
+    def _send(self, message: Any) -> None:
+        with self._lock:
+            self._line.send(message.pack(self._out))
+            self._out.seq = (self._out.seq + 1) % 256
+
+    def poll(self) -> None:
+        """Take what has come, and send what is due. The thread does nothing else."""
+        data = self._line.receive(POLL_S)
+        with self._heard:
+            now = self._clock()
+            for message in self._parse(data):
+                self._take(message, now)
+            self._watch(now)
+            self._keep_alive(now)
+            if data:
+                self._heard.notify_all()
+
+    def _run(self) -> None:
+        while not self._closed.is_set():
+            self.poll()
+
+    def _wait(self, done: Callable[[], bool], seconds: float) -> bool:
+        """Wait until something holds, so long at most. Return whether it does. The lock is held."""
+        if self._thread is not None:
+            return self._heard.wait_for(done, seconds)
+        until = self._clock() + seconds
+        while not done() and self._clock() < until:
+            self.poll()
+        return done()
+
+    def _parse(self, data: bytes) -> list[Any]:
+        """Decode what is valid; garbage is skipped."""
+        if not data:
+            return []
+        try:
+            return self._codec.parse_buffer(data) or []
+        except Exception:  # the codec promises not to raise in robust mode; a bad line must not end the thread
+            self._codec = self._dialect.MAVLink(None, self.cfg.own_system, self.cfg.own_component)
+            self._codec.robust_parsing = True
+            return []
+
+    def _take(self, message: Any, now: float) -> None:
+        name = message.get_type()
+        if name in ("BAD_DATA", "UNKNOWN") or name.startswith("UNKNOWN"):
+            return
+        ours = self.telemetry.take(message, now)
+        if not ours:
+            return
+        if name == "COMMAND_ACK" and message.target_system in (0, self.cfg.own_system):
+            if getattr(message, "target_component", 0) in (0, self.cfg.own_component):
+                self._acks[message.command] = (message.result, now)
+        elif name == "STATUSTEXT":
+            self._words = [*self._words[-19:], (now, str(message.text).rstrip("\0"))]
+        elif name == "TIMESYNC" and message.tc1 and message.ts1 in self._sync_sent:
+            self.telemetry.clock.synchronise(self._sync_sent.pop(message.ts1), message.tc1 * 1e-9, now)
+
+    def _watch(self, now: float) -> None:
+        """See who else gives orders."""
+        state = self.telemetry
+        if state.clock.reboots != self._reboots:
+            self._reboots = state.clock.reboots
+            self._charge = self._driving = False
+            self._asked_s, self._ordered = -math.inf, ""
+        if not self._charge or self._override:
+            return
+        settled = state.heartbeat_s > self._ordered_s + 1.0
+        if (self._ordered, state.mode) == ("SURFACE", "ALT_HOLD"):
+            self._ordered = "ALT_HOLD"  # ArduSub's own end of SURFACE
+        ours = (2, 3, 4) if self._driving and self._ordered == "ALT_HOLD" else ()
+        if settled and state.mode != self._ordered:
+            self._taken_over(f"mode {state.mode} was chosen elsewhere")
+        elif state.foreign_stick_s > self._ordered_s or (
+            state.channels_s > self._ordered_s + 0.5 and state.stick_moved(ours)
+        ):
+            self._taken_over("the joystick moved")
+            self._hand_over()
+        elif settled and not state.armed:
+            self._charge = self._driving = False
+
+    def _taken_over(self, why: str) -> None:
+        self._override = True
+        self._axes = NEUTRAL
+        self.telemetry.tell(4, f"coral: {why}; commands stop until the operator arms again")
+
+    def _hand_over(self) -> None:
+        """Leave GUIDED for a mode in which the joystick steers: GUIDED takes only its yaw, and goes on for 3 s."""
+        if self._ordered == "GUIDED":
+            self._send_velocity(0.0, 0.0, 0.0)
+            mode = "POSHOLD" if ardusub.has_position(self.telemetry.flags) else "ALT_HOLD"
+            self._send(self._long(SET_MODE, 1.0, float(ardusub.NUMBERS[mode])))
+
+    def _keep_alive(self, now: float) -> None:
+        """Send what is due: heartbeat, time synchronisation, requests, neutral axes."""
+        cfg, m, state = self.cfg, self._dialect, self.telemetry
+        if now - self._beat_s >= cfg.heartbeat_s:
+            self._beat_s = now
+            self._send(
+                m.MAVLink_heartbeat_message(m.MAV_TYPE_GCS, m.MAV_AUTOPILOT_INVALID, 0, 0, m.MAV_STATE_ACTIVE, 3)
+            )
+        if not state.system:
+            return
+        if now - self._synced_s >= 1.0:
+            self._synced_s = now
+            key = int(now * 1e9)
+            self._sync_sent = {**dict(list(self._sync_sent.items())[-4:]), key: now}
+            self._send(m.MAVLink_timesync_message(0, key))
+        silent = now - state.position_heard_s > 1.0 or now - state.channels_s > 1.0 or not state.version
+        if silent and now - self._asked_s >= cfg.ask_again_s:
+            self._asked_s = now
+            for number, rate in STREAMS.items():
+                self._send(self._long(SET_MESSAGE_INTERVAL, float(number), 1e6 / rate))
+            self._send(self._long(REQUEST_MESSAGE, float(AUTOPILOT_VERSION)))
+        if not self._charge or self._override or not state.armed:
+            return
+        if self._driving and self._ordered == "ALT_HOLD":
+            if now - self._commanded_s > cfg.command_s:
+                self._axes = NEUTRAL
+            due = cfg.stick_s
+        else:
+            self._axes, due = NEUTRAL, cfg.neutral_s
+        if now - self._stick_s >= due:
+            self._stick(now)
+
+    def _stick(self, now: float) -> None:
+        self._stick_s = now
+        x, y, z, r = self._axes
+        with contextlib.suppress(ValueError):
+            self._send(self._dialect.MAVLink_manual_control_message(self.telemetry.system, x, y, z, r, 0))

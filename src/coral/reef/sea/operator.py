@@ -1,0 +1,127 @@
+"""The operator's words, from keyboard and page, and the orders to the vehicle that follow from them."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from coral.errors import first_line
+from coral.reef.sea.link import LinkRefused, VehicleLink
+
+Word = Literal["arm", "hold", "resume", "stop", "surface", "disarm"]
+"""arm: let the survey begin. hold: stay where you are. resume: go on. stop: end the survey, holding. surface: end it
+and come up. disarm: stop the thrusters, now."""
+WORDS: tuple[Word, ...] = ("arm", "hold", "resume", "stop", "surface", "disarm")
+Order = Literal["arm", "hold", "surface", "disarm"]
+
+
+class OperatorWords:
+    """Collects what the operator says, on any thread, until the control loop takes it."""
+
+    def __init__(self) -> None:
+        self._said: queue.SimpleQueue[tuple[Word, str]] = queue.SimpleQueue()
+
+    def say(self, word: Word, source: str) -> None:
+        """Say a word; `source` names the keyboard, the page or the signal."""
+        self._said.put((word, source))
+
+    def take(self) -> list[tuple[Word, str]]:
+        """Return what was said since the last call, oldest first."""
+        said = []
+        while not self._said.empty():
+            said.append(self._said.get_nowait())
+        return said
+
+
+@dataclass(frozen=True)
+class OrderResult:
+    """What became of an order."""
+
+    order: Order
+    refusal: str = ""
+    """The vehicle's words, or "" if it obeyed."""
+
+
+class VehicleOrders:
+    """Gives orders to the vehicle off the control thread, since the vehicle may take seconds to confirm them.
+
+    A new order replaces one that has not begun.
+    """
+
+    def __init__(self, link: VehicleLink, *, threaded: bool = True) -> None:
+        """Start the thread; without `threaded` an order is carried out at once, for tests."""
+        self._link, self._threaded = link, threaded
+        self._changed = threading.Condition()
+        self._next: Order | None = None
+        self._busy: Order | None = None
+        self._closed = False
+        self._results: queue.SimpleQueue[OrderResult] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._work, name="coral-orders", daemon=True) if threaded else None
+        if self._thread is not None:
+            self._thread.start()
+
+    @property
+    def pending(self) -> Order | None:
+        """The order that waits or is under way."""
+        return self._next or self._busy
+
+    def give(self, order: Order) -> None:
+        """Give an order; return at once."""
+        with self._changed:
+            if order == self.pending:
+                return
+            self._next = order
+            self._changed.notify()
+        if not self._threaded:
+            self._carry_out()
+
+    def results(self) -> list[OrderResult]:
+        """Return what became of orders since the last call."""
+        found = []
+        while not self._results.empty():
+            found.append(self._results.get_nowait())
+        return found
+
+    def wait(self, timeout_s: float, sleep: Callable[[float], None]) -> None:
+        """Wait until no order is pending, at the end of a survey."""
+        for _ in range(int(timeout_s / 0.05)):
+            if self.pending is None:
+                return
+            sleep(0.05)
+
+    def close(self) -> None:
+        """End the thread; an order under way is finished first."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+        if self._thread is not None:
+            self._thread.join(5.0)
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                while self._next is None and not self._closed:
+                    self._changed.wait()
+                if self._next is None:
+                    return
+            self._carry_out()
+
+    def _carry_out(self) -> None:
+        with self._changed:
+            order, self._next = self._next, None
+            self._busy = order
+        if order is None:
+            return
+        try:
+            getattr(self._link, order)()
+            result = OrderResult(order)
+        except LinkRefused as refused:
+            result = OrderResult(order, str(refused))
+        except Exception as error:  # an order must never end the thread that gives the next one
+            result = OrderResult(order, first_line(error))
+        self._results.put(result)
+        with self._changed:
+            self._busy = None

@@ -1,0 +1,132 @@
+"""The run folder of a survey in real time, written off the control thread."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from coral.advisor.consult import Attempt
+from coral.advisor.log import AttemptRecorder
+from coral.reef.geometry import Frame, Pose
+from coral.reef.record import COLUMNS, FrameRecorder, RecordCfg
+from coral.reef.sea.background import BackgroundWork
+from coral.reef.sea.reef_truth import ReefTruth
+from coral.reef.simulator import SimulatorCfg
+from coral.reef.world import ReefWorld
+from coral.runs import RunWriter
+
+OWN_COLUMNS = tuple(name for name in COLUMNS if not name.startswith(("est_", "odo_")))
+"""Columns of a vehicle of which nobody knows the truth: x, y and theta are where it believed it was."""
+
+
+class SeaRecord:
+    """Takes what happens from the control loop and writes it in the background.
+
+    If the disk fills up, the recording stops and says so; the loop goes on.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        record: RecordCfg,
+        world: ReefWorld | None,
+        simulator: SimulatorCfg,
+        *,
+        threaded: bool = True,
+    ) -> None:
+        """Create the folder.
+
+        Args:
+            folder: Run folder, new or empty.
+            record: What is recorded.
+            world: The simulated reef; None where the reef is real and nobody knows the truth.
+            simulator: Vehicle and camera of the simulated reef.
+            threaded: False for tests; then `work.drain` writes.
+
+        Raises:
+            InputError: The folder cannot be used.
+        """
+        self.folder = folder
+        self.writer = RunWriter(folder, COLUMNS if world is not None else OWN_COLUMNS)
+        self.work = BackgroundWork(threaded=threaded)
+        self.listeners: list[Callable[[dict[str, Any]], None]] = []
+        """Functions called with every event, on the thread that emits it."""
+        self._frames, self._attempts = FrameRecorder(self.writer, record), AttemptRecorder(folder)
+        self._period_s = record.frame_period_s if record.frames else float("inf")
+        self._due_s = 0.0
+        self._step, self._t = 0, 0.0
+        self.truth = None if world is None else ReefTruth(world, simulator, folder, self._told_by_truth)
+
+    def event(self, step: int, t: float, event: str, **fields: Any) -> None:
+        """Record an event."""
+        self._step, self._t = step, t
+        self.work.offer(lambda: self.writer.event(step, t, event, **fields))
+        for hear in self.listeners:
+            hear({"step": step, "t": t, "event": event, **fields})
+
+    def attempt(self, attempt: Attempt) -> None:
+        """Record an attempt at a decision, with its pictures."""
+        self.work.offer(lambda: self._attempts(attempt))
+
+    def tick(
+        self,
+        step: int,
+        t: float,
+        pose: Pose,
+        true_pose: Pose | None,
+        state: tuple[float, ...],
+        own: tuple[float, float, int],
+    ) -> None:
+        """Record one control tick.
+
+        Args:
+            step: Number of the tick.
+            t: Time (s).
+            pose: Where the vehicle believed it was.
+            true_pose: Where it was; None where nobody knows.
+            state: From u to goal_y, as in `OWN_COLUMNS`; nan where there is no goal. Then planner_ok.
+            own: By the vehicle's own map: distance to an obstacle (m), share of its clusters done, their number.
+        """
+        self.work.offer(lambda: self._write_tick(step, t, pose, true_pose, state, own))
+
+    def offer_frame(self, step: int, t: float, cells: Callable[[], Any], frame: Frame) -> None:
+        """Record the map and a picture if they are due. `cells()` must return a new array."""
+        if t < self._due_s - 1e-9:
+            return
+        self._due_s = t + self._period_s
+        now = cells()
+        self.work.offer(lambda: self._frames.offer(step, t, lambda: now, frame))
+
+    def close(self) -> None:
+        """Write what waits and close all files."""
+        self.work.close()
+        self._attempts.close()
+        self.writer.close()
+        if self.truth is not None:
+            self.truth.close()
+
+    def _told_by_truth(self, event: str, **fields: Any) -> None:
+        """Record an event of the truth; this is the background's thread."""
+        self.writer.event(self._truth_step, self._truth_t, event, **fields)
+        for hear in self.listeners:
+            hear({"step": self._truth_step, "t": self._truth_t, "event": event, **fields})
+
+    def _write_tick(
+        self,
+        step: int,
+        t: float,
+        pose: Pose,
+        true_pose: Pose | None,
+        state: tuple[float, ...],
+        own: tuple[float, float, int],
+    ) -> None:
+        u, v, r, v_cmd, omega_cmd, goal_x, goal_y, planner_ok = state
+        goal = ("", "") if goal_x != goal_x else (goal_x, goal_y)
+        if self.truth is None or true_pose is None:
+            self.writer.row(step, t, *pose, u, v, r, v_cmd, omega_cmd, *goal, own[0], planner_ok, *own[1:])
+            return
+        self._truth_step, self._truth_t = step, t
+        self.truth.follow(step, t, true_pose)
+        judged = (self.truth.clearance_m(true_pose), planner_ok, self.truth.coverage, len(self.truth.covered))
+        self.writer.row(step, t, *true_pose, u, v, r, *pose, v_cmd, omega_cmd, *goal, *judged, *pose)

@@ -1,0 +1,78 @@
+"""What really happened in a simulated reef: coverage, imaging and contacts along a vehicle's true path."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.reef.chain import Track
+from coral.reef.collision import ContactCounter
+from coral.reef.coverage import CoverageMeter
+from coral.reef.geometry import Pose
+from coral.reef.imaging import ImagingMeter
+from coral.reef.judge import MissionJudge
+from coral.reef.scene import Scene
+from coral.reef.simulator import SimulatorCfg
+from coral.reef.world import ReefWorld
+
+PATH_M = 0.02
+"""Spacing of the points at which contacts are checked between two poses."""
+
+
+class ReefTruth:
+    """Counts as the simulator does, for a vehicle that moves by itself. No decision reads it."""
+
+    def __init__(self, world: ReefWorld, cfg: SimulatorCfg, folder: Path, emit: Callable[..., None]) -> None:
+        """Begin a record in `folder`; `emit(event, **fields)` is told of contacts and covered clusters."""
+        scene = Scene.from_world(world)
+        self.world, self._emit = world, emit
+        self._coverage = CoverageMeter(scene, cfg.coverage)
+        self._imaging = ImagingMeter(scene, cfg.camera, cfg.imaging, visibility_m=cfg.noise.visibility_m)
+        self._contacts = ContactCounter(scene.footprints(), cfg.vehicle.hull_radius_m)
+        self._judge = MissionJudge(world, self._imaging, folder)
+        self._last: Pose | None = None
+        self.covered: set[int] = set()
+        """Indices of the clusters that have been covered."""
+
+    @property
+    def coverage(self) -> float:
+        """Share of the true clusters covered so far."""
+        return len(self.covered) / len(self.world.clusters)
+
+    def clearance_m(self, pose: Pose) -> float:
+        """Return the true distance from the hull to the nearest obstacle (m)."""
+        return self._contacts.clearance(pose.x, pose.y)
+
+    def follow(self, step: int, t: float, pose: Pose) -> None:
+        """Move on to the vehicle's true pose at a tick."""
+        before = self._last or pose
+        count = max(1, int(np.hypot(pose.x - before.x, pose.y - before.y) / PATH_M))
+        track = np.linspace(before[:2], pose[:2], count + 1)[1:]
+        for x, y, obstacle in self._contacts.follow(track):
+            self._emit("collision", x=round(x, 3), y=round(y, 3), obstacle=obstacle)
+        self._last = pose
+        self._coverage.update(pose)
+        self._imaging.update(pose)
+        fractions = self._coverage.fractions
+        for k in np.flatnonzero(self._coverage.covered()).tolist():
+            if k not in self.covered:
+                self.covered.add(k)
+                name = self.world.clusters[k].name
+                self._emit("cluster_covered", name=name, fraction=round(float(fractions[k]), 4))
+        self._judge.note(step, t, [pose[:2]])
+
+    def verdict(self, tracks: list[Track]) -> dict[str, Any]:
+        """Return the fields of the `judged` event."""
+        return {
+            "clusters": self._judge.clusters(),
+            "tracks": len(tracks),
+            "phantoms": self._judge.phantoms(tracks),
+            "oracle_time_to_90_s": None,
+        }
+
+    def close(self) -> None:
+        """Close its file."""
+        self._judge.close()

@@ -1,0 +1,159 @@
+"""Limits of a survey in real water, and what happens when one is reached."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+from coral.config import Fraction, NonNegative, Positive
+from coral.reef.geometry import Pose
+from coral.reef.sea.link import VehicleReport
+from coral.reef.sea.survey_file import SurveyArea
+
+Action = Literal["none", "hold", "return", "surface"]
+"""none: only reported. hold: the autopilot keeps the vehicle where it is. return: back to the start, around what is on
+the map, and then as `after_return` says. surface: the autopilot brings it up."""
+GRAVITY: dict[str, int] = {"none": 0, "hold": 1, "return": 2, "surface": 3}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SafetyCfg:
+    """Limits, and the action for each."""
+
+    link_timeout_s: Positive = 0.7
+    """Without any news from the vehicle for so long, the link counts as lost. Its state comes ten times a second."""
+    heartbeat_timeout_s: Positive = 3.5
+    """Heartbeats come once a second; three may be missed."""
+    on_link_lost: Action = "hold"
+    """No order reaches a vehicle without a link: the order is repeated, and the autopilot's own failsafes act."""
+    pose_timeout_s: Positive = 0.7
+    """A position older than this is no position."""
+    on_pose_lost: Action = "hold"
+    on_clock_jump: Action = "hold"
+    on_reboot: Action = "hold"
+    """After a restart the autopilot's position has another origin: the survey does not go on by itself."""
+    on_fence: Action = "hold"
+    """Outside the geofence or inside a keep-out. The planner keeps away from both; this is the second line."""
+    on_leak: Action = "surface"
+    battery_min: Fraction = 0.25
+    """Share of the charge at which the survey ends."""
+    battery_min_v: NonNegative = 0.0
+    """The same in volts; 0 for no such limit. 14.0 suits the four cells in series of a BlueROV2."""
+    on_battery: Action = "return"
+    tether_turns: Positive = 5.0
+    """Turns of the tether, either way."""
+    on_tether: Action = "hold"
+    return_speed_m_s: Positive = 0.3
+    """Speed over ground on which the way back is reckoned: half of what is driven."""
+    reserve_s: NonNegative = 30.0
+    """Time kept back for the way home, besides the way itself."""
+    on_time: Action = "return"
+    """When the time left, by the time limit or by the battery's decline, is only just enough for the way back."""
+    on_done: Action = "hold"
+    """What follows when nothing is left to explore."""
+    after_return: Literal["hold", "surface"] = "hold"
+    """What the vehicle does once it is back."""
+    settle_s: Positive = 2.0
+    """A lost link or position must be back for so long before the survey goes on."""
+
+
+@dataclass(frozen=True)
+class Breach:
+    """A limit that has been reached."""
+
+    cause: str
+    """link, pose, clock, reboot, fence, leak, battery, tether or time."""
+    reason: str
+    """In words, with the numbers."""
+    action: Action
+    passing: bool = False
+    """Whether the survey goes on by itself when the cause is gone."""
+
+
+@dataclass
+class _BatteryTrend:
+    """When the battery will reach its limit, by a straight line through what it was."""
+
+    first: tuple[float, float] | None = None
+
+    def left_s(self, t: float, fraction: float | None, least: float) -> float:
+        """Return the time left (s) until the charge is `least`; inf while nothing can be said."""
+        if fraction is None:
+            return math.inf
+        if self.first is None or fraction > self.first[1]:
+            self.first = (t, fraction)
+        spent, since = self.first[1] - fraction, t - self.first[0]
+        if since < 60.0 or spent < 0.02:
+            return math.inf
+        return max(0.0, fraction - least) * since / spent
+
+
+@dataclass
+class SafetyMonitor:
+    """Checks every report of the vehicle against the limits."""
+
+    cfg: SafetyCfg
+    area: SurveyArea
+    time_limit_s: float
+    reboots: int = 0
+    """Restarts of the autopilot that the operator knows of: those before the survey."""
+    clock_jumps: int = 0
+    _trend: _BatteryTrend = field(default_factory=_BatteryTrend)
+
+    def accept(self, report: VehicleReport) -> None:
+        """Take what has happened so far as known: the operator lets the survey begin, or go on."""
+        self.reboots, self.clock_jumps = report.reboots, report.clock_jumps
+
+    def check(self, now: float, t: float, report: VehicleReport, pose: Pose | None) -> Breach | None:
+        """Return the gravest breach of a limit; None if there is none.
+
+        Args:
+            now: Monotonic time (s), that of the report's stamps.
+            t: Time since the survey began (s).
+            report: The vehicle's present report.
+            pose: Its pose in the survey's frame; None if it is unknown.
+        """
+        found = [breach for breach in self._breaches(now, t, report, pose) if breach.action != "none"]
+        return max(found, key=lambda breach: GRAVITY[breach.action], default=None)
+
+    def _breaches(self, now: float, t: float, report: VehicleReport, pose: Pose | None) -> list[Breach]:
+        cfg = self.cfg
+        found = []
+        news = max(report.pose_stamp_s, report.attitude_stamp_s, report.depth_stamp_s, report.velocity_stamp_s)
+        if now - news > cfg.link_timeout_s or report.heartbeat_age_s > cfg.heartbeat_timeout_s:
+            silent = min(now - news, report.heartbeat_age_s) if now - news <= cfg.link_timeout_s else now - news
+            found.append(Breach("link", f"link lost: no news for {silent:.1f} s", cfg.on_link_lost, True))
+        elif not report.has_position or now - report.pose_stamp_s > cfg.pose_timeout_s:
+            age = now - report.pose_stamp_s
+            told = f"{age:.1f} s old" if math.isfinite(age) else "none yet"
+            found.append(Breach("pose", f"position lost: the last one is {told}", cfg.on_pose_lost, True))
+        if report.reboots > self.reboots:
+            found.append(Breach("reboot", "the autopilot restarted", cfg.on_reboot))
+        if report.clock_jumps > self.clock_jumps:
+            self.clock_jumps = report.clock_jumps  # one jump, one hold
+            found.append(Breach("clock", "the autopilot's clock jumped", cfg.on_clock_jump, True))
+        if report.leak:
+            found.append(Breach("leak", "leak: water inside the hull", cfg.on_leak))
+        if report.battery_fraction is not None and report.battery_fraction < cfg.battery_min:
+            found.append(Breach("battery", f"battery at {report.battery_fraction:.0%}", cfg.on_battery))
+        elif report.battery_v is not None and report.battery_v < cfg.battery_min_v:
+            found.append(Breach("battery", f"battery at {report.battery_v:.1f} V", cfg.on_battery))
+        if abs(report.tether_turns) > cfg.tether_turns:
+            found.append(Breach("tether", f"tether twisted by {report.tether_turns:+.1f} turns", cfg.on_tether))
+        if pose is not None:
+            if where := self.area.breach(pose.x, pose.y):
+                found.append(Breach("fence", f"{where} at ({pose.x:.1f}, {pose.y:.1f}) m", cfg.on_fence))
+            found += self._too_late(t, report, pose)
+        return found
+
+    def _too_late(self, t: float, report: VehicleReport, pose: Pose) -> list[Breach]:
+        cfg, home = self.cfg, self.area.start
+        way_m = math.dist(pose[:2], home[:2])
+        need_s = way_m / cfg.return_speed_m_s + cfg.reserve_s
+        battery_s = self._trend.left_s(t, report.battery_fraction, cfg.battery_min)
+        left_s = min(self.time_limit_s - t, battery_s)
+        if left_s > need_s:
+            return []
+        told = "the time limit" if self.time_limit_s - t <= battery_s else "the battery"
+        return [Breach("time", f"{left_s:.0f} s left by {told}, {way_m:.0f} m from the start", cfg.on_time)]

@@ -1,0 +1,104 @@
+"""A survey on disk: map, clusters and last pose, to go on with after the battery was changed."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.errors import InputError, first_line
+from coral.reef.belief import Belief, BeliefCfg
+from coral.reef.camera import CameraCfg
+from coral.reef.chain import Track
+from coral.reef.geometry import Pose
+from coral.reef.mapping import MapCfg, OccupancyMap
+from coral.runs import write_whole
+
+FILE = "survey.npz"
+FORMAT = "coral-saved-survey/1"
+MAX_BYTES = 500_000_000
+
+
+def save_survey(folder: Path, belief: Belief, pose: Pose) -> Path:
+    """Write `survey.npz` into a run folder: everything a later survey needs, atomically.
+
+    Args:
+        folder: Run folder.
+        belief: What the vehicle knows.
+        pose: Where it is, in the survey's frame.
+    """
+    tracks = [
+        {
+            "index": track.index,
+            "x": track.x,
+            "y": track.y,
+            "area_px": track.area_px,
+            "length_m": track.length_m,
+            "far": track.far,
+        }
+        for track in belief.tracks
+    ]
+    head = {
+        "format": FORMAT,
+        "size_m": list(belief.map.size_m),
+        "cell_m": belief.map.cfg.cell_m,
+        "pose": list(pose),
+        "tracks": tracks,
+    }
+    buffer = io.BytesIO()
+    np.savez_compressed(
+        buffer,
+        head=np.frombuffer(json.dumps(head).encode(), np.uint8),
+        trail=belief.trajectory,
+        **belief.map.memory(),  # type: ignore[arg-type]
+    )
+    path = folder / FILE
+    write_whole(path, buffer.getvalue(), durable=True)
+    return path
+
+
+def load_survey(
+    run: Path, size_m: tuple[float, float], camera: CameraCfg, map_cfg: MapCfg, cfg: BeliefCfg
+) -> tuple[Belief, Pose]:
+    """Read the survey that a run folder has saved. Return what is known and the last pose.
+
+    Raises:
+        InputError: There is none, it is broken, or it is of another area or cell size.
+    """
+    path = run / FILE
+    expected = "the run folder of an earlier survey that was ended, not killed"
+    if not path.is_file():
+        raise InputError(str(path), "--resume", "no such file", expected)
+    if path.stat().st_size > MAX_BYTES:
+        raise InputError(str(path), "--resume", f"{path.stat().st_size} bytes", f"at most {MAX_BYTES}")
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        head: dict[str, Any] = json.loads(arrays.pop("head").tobytes())
+        trail = np.asarray(arrays.pop("trail"), np.float64).reshape(-1, 2)
+        if head["format"] != FORMAT:
+            raise ValueError(f"format {head['format']}")
+        pose = Pose(*(float(v) for v in head["pose"]))
+        old_size, old_cell = tuple(head["size_m"]), float(head["cell_m"])
+        tracks = [Track(**{key: track[key] for key in _TRACK_KEYS}) for track in head["tracks"]]
+    except Exception as error:  # zip, JSON and array formats raise all kinds
+        raise InputError(str(path), "", first_line(error), expected) from None
+    if old_size != tuple(size_m) or old_cell != map_cfg.cell_m:
+        found = f"{old_size[0]:g} x {old_size[1]:g} m in cells of {old_cell:g} m"
+        raise InputError(
+            str(path), "size_m", found, f"{size_m[0]:g} x {size_m[1]:g} m in cells of {map_cfg.cell_m:g} m"
+        )
+    cells = OccupancyMap(size_m, camera, map_cfg)
+    try:
+        cells.recall(arrays)
+    except (KeyError, ValueError) as error:
+        raise InputError(str(path), "", first_line(error), expected) from None
+    belief = Belief(cells, cfg)
+    belief.recall(tracks, trail)
+    return belief, pose
+
+
+_TRACK_KEYS = ("index", "x", "y", "area_px", "length_m", "far")

@@ -1,0 +1,91 @@
+"""Set-points as ArduSub takes them: velocities in GUIDED, joystick axes in ALT_HOLD."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from coral.config import Positive
+
+VELOCITY_AND_YAW_RATE = 0b0101_1100_0111
+"""Type mask of SET_POSITION_TARGET_LOCAL_NED: position, acceleration and yaw ignored. ArduSub drops a velocity whose
+acceleration bits are not all set (also after its changes to GUIDED in 2026, which concern positions)."""
+DEPTH_ALONE = 0b1101_1111_1011
+"""Type mask of SET_POSITION_TARGET_GLOBAL_INT: all but the altitude ignored."""
+NEUTRAL = (0, 0, 500, 0)
+"""Axes x, y, z, r of MANUAL_CONTROL that mean: do nothing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StickLoopCfg:
+    """Our own loop over the joystick axes, for a vehicle without a position.
+
+    The feed-forwards were measured with ArduSub 4.7.0-dev and its simulated BlueROV2 Heavy at the default joystick gain
+    of 0.5: x = 500 gives 0.5 m/s; r = 145 gives 0.06 rad/s and r = 200 gives 0.15 rad/s, past a dead zone of 100.
+    """
+
+    x_per_m_s: Positive = 1000.0
+    r_per_rad_s: Positive = 667.0
+    r_dead: float = 100.0
+    """Axis units about the middle that turn nothing."""
+    speed_p: float = 400.0
+    """Axis units per m/s of error."""
+    speed_i: float = 200.0
+    """Axis units per m of error; the integral is limited to half an axis."""
+    yaw_p: float = 300.0
+    """Axis units per rad/s of error."""
+    fresh_s: Positive = 0.5
+    """Older measurements are not used: then the axis is the feed-forward alone."""
+
+
+@dataclass
+class StickLoop:
+    """Velocity and yaw rate to the axes of MANUAL_CONTROL: feed-forward, and PI on what is measured.
+
+    ALT_HOLD keeps depth and heading itself when the axes are neutral.
+    """
+
+    cfg: StickLoopCfg = field(default_factory=StickLoopCfg)
+    integral: float = 0.0
+
+    def axes(
+        self,
+        forward_m_s: float,
+        yaw_rate_rad_s: float,
+        measured: tuple[float | None, float | None],
+        dt: float,
+    ) -> tuple[int, int, int, int]:
+        """Return x, y, z, r (-1000 to 1000; z from 0, neutral 500) for one period of `dt` seconds.
+
+        Args:
+            forward_m_s: Wanted speed.
+            yaw_rate_rad_s: Wanted yaw rate, positive left.
+            measured: Measured speed and yaw rate; None where there is no fresh value.
+            dt: Seconds since the last call.
+        """
+        cfg = self.cfg
+        x, turning = cfg.x_per_m_s * forward_m_s, cfg.r_per_rad_s * yaw_rate_rad_s
+        speed, turn = measured
+        if forward_m_s == 0.0:
+            self.integral = 0.0
+        if speed is not None:
+            error = forward_m_s - speed
+            if forward_m_s != 0.0:
+                self.integral = min(max(self.integral + cfg.speed_i * error * dt, -500.0), 500.0)
+            x += cfg.speed_p * error + self.integral
+        if turn is not None:
+            turning += cfg.yaw_p * (yaw_rate_rad_s - turn)
+        if yaw_rate_rad_s == 0.0:
+            return _axis(x), 0, 500, 0  # the autopilot holds the heading itself
+        return _axis(x), 0, 500, _axis(-turning - math.copysign(cfg.r_dead, turning))
+
+
+def _axis(value: float) -> int:
+    return round(min(max(value, -1000.0), 1000.0))
+
+
+def climb_rate(depth_m: float | None, wanted_m: float, gain_1_s: float, limit_m_s: float) -> float:
+    """Return the downward speed (m/s) that brings the vehicle to a depth; 0 where one of them is no number."""
+    if depth_m is None or not math.isfinite(depth_m) or not math.isfinite(wanted_m):
+        return 0.0
+    return min(max(gain_1_s * (wanted_m - depth_m), -limit_m_s), limit_m_s)

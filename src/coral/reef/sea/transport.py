@@ -1,0 +1,186 @@
+"""Bytes to and from an autopilot, over UDP, TCP or a serial line. A broken line is silence, and is opened again."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import select
+import socket
+import time
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from coral.errors import InputError, first_line
+from coral.reef.sea.address import VehicleAddress
+
+CHUNK = 65536
+RETRY_S = 0.5
+"""A broken TCP or serial line is opened again so often."""
+PEERS = 8
+"""udpin answers so many of the last senders."""
+
+
+class Transport(Protocol):
+    """A line that may lose bytes and never raises for it."""
+
+    def receive(self, timeout_s: float) -> bytes:
+        """Wait so long (s) at most for bytes; b"" if none came."""
+        ...
+
+    def send(self, data: bytes) -> None:
+        """Send bytes, or drop them if that would block."""
+        ...
+
+    def close(self) -> None:
+        """Free the port."""
+        ...
+
+
+class UdpLine:
+    """UDP to a host, or from whoever sends to us."""
+
+    def __init__(self, address: VehicleAddress) -> None:
+        """Open the socket.
+
+        Raises:
+            InputError: The host is unknown, or the port is taken.
+        """
+        self._listens = address.medium == "udpin"
+        self.peers: list[Any] = []
+        """Where to send to; senders, latest last, if we listen."""
+        try:
+            family, _, _, _, where = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_DGRAM)[0]
+            self._socket = socket.socket(family, socket.SOCK_DGRAM)
+            if self._listens:
+                self._socket.bind(where)
+            else:
+                self.peers = [where]
+        except OSError as error:
+            expected = "a port that is free" if self._listens else "a known host"
+            raise InputError(
+                "--vehicle", "", f"{address.host}:{address.port} ({first_line(error)})", expected
+            ) from None
+        self._socket.setblocking(False)
+
+    @property
+    def port(self) -> int:
+        """The local port."""
+        return int(self._socket.getsockname()[1])
+
+    def receive(self, timeout_s: float) -> bytes:
+        """Wait for one datagram."""
+        try:
+            if not select.select([self._socket], [], [], timeout_s)[0]:
+                return b""
+            data, sender = self._socket.recvfrom(CHUNK)
+        except (OSError, ValueError):  # the peer's port is closed, or ours was closed meanwhile
+            return b""
+        if self._listens and sender not in self.peers:
+            self.peers = [*self.peers[1 - PEERS :], sender]
+        return data
+
+    def send(self, data: bytes) -> None:
+        """Send one datagram to every peer."""
+        for peer in self.peers:
+            with contextlib.suppress(OSError):
+                self._socket.sendto(data, peer)
+
+    def close(self) -> None:
+        """Free the port."""
+        self._socket.close()
+
+
+class StreamLine:
+    """A line that is opened again when it breaks: TCP or serial. `connect` returns a file with recv, send, fileno."""
+
+    def __init__(self, connect: Callable[[], Any], clock: Callable[[], float] = time.monotonic) -> None:
+        self._connect, self._clock = connect, clock
+        self._line: Any = None
+        self._tried_s = -RETRY_S
+        self._closed = False
+
+    def _open(self) -> Any:
+        if self._line is None and not self._closed and self._clock() - self._tried_s >= RETRY_S:
+            self._tried_s = self._clock()
+            with contextlib.suppress(OSError):
+                self._line = self._connect()
+        return self._line
+
+    def _break(self) -> None:
+        line, self._line = self._line, None
+        if line is not None:
+            with contextlib.suppress(OSError):
+                line.close()
+
+    def receive(self, timeout_s: float) -> bytes:
+        """Wait for bytes."""
+        line = self._open()
+        if line is None:
+            time.sleep(min(timeout_s, RETRY_S))
+            return b""
+        try:
+            if not select.select([line], [], [], timeout_s)[0]:
+                return b""
+            data = line.recv(CHUNK)
+        except (OSError, ValueError):
+            data = b""
+        if not data:
+            self._break()
+        return bytes(data)
+
+    def send(self, data: bytes) -> None:
+        """Send bytes if the line takes them now."""
+        line = self._line
+        try:
+            if line is not None and select.select([], [line], [], 0.0)[1]:
+                line.send(data)
+        except (OSError, ValueError):
+            self._break()
+
+    def close(self) -> None:
+        """Close the line for good."""
+        self._closed = True
+        self._break()
+
+
+class _SerialDevice:
+    """A serial device with the names of a socket."""
+
+    def __init__(self, device: str, baud: int) -> None:
+        serial = importlib.import_module("serial")
+        self._device = serial.Serial(device, baud, timeout=0, write_timeout=0.05)
+
+    def fileno(self) -> int:
+        return int(self._device.fileno())
+
+    def recv(self, size: int) -> bytes:
+        return bytes(self._device.read(min(size, max(1, self._device.in_waiting))))
+
+    def send(self, data: bytes) -> None:
+        self._device.write(data)
+
+    def close(self) -> None:
+        self._device.close()
+
+
+def open_transport(address: VehicleAddress) -> Transport:
+    """Open a line to an address. TCP and serial lines may come up later.
+
+    Raises:
+        InputError: The address cannot be used, or pyserial is missing.
+    """
+    if address.medium in ("udp", "udpin"):
+        return UdpLine(address)
+    if address.medium == "serial":
+        try:
+            importlib.import_module("serial")
+        except ModuleNotFoundError:
+            raise InputError("--vehicle", "", "no pyserial", "pip install 'coral-robotics[vehicle]'") from None
+        return StreamLine(lambda: _SerialDevice(address.host, address.port))
+
+    def connect() -> socket.socket:
+        line = socket.create_connection((address.host, address.port), timeout=1.0)
+        line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return line
+
+    return StreamLine(connect)

@@ -1,0 +1,67 @@
+"""A real camera, read by OpenCV: a video file, an RTSP or HTTP address, a V4L2 device, a GStreamer pipeline."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+
+from coral.errors import InputError
+from coral.reef.sea.picture import Shot
+
+OPEN_MS = 5000
+"""Longest time to open an address (ms)."""
+
+
+class VideoCamera:
+    """Reads pictures of a stream. They have no depth and no classes: a `Perception` has to make them."""
+
+    labelled = False
+
+    def __init__(self, address: str, latency_s: float = 0.0, clock: Callable[[], float] = time.monotonic) -> None:
+        """Open a stream.
+
+        Args:
+            address: File, URL, device (`/dev/video0` or `0`), or a GStreamer pipeline where OpenCV has GStreamer.
+            latency_s: Time from the light to the picture's arrival here, as calibrated (s).
+            clock: Monotonic time (s).
+
+        Raises:
+            InputError: It cannot be opened, or gives no picture.
+        """
+        self._address, self._latency_s, self._clock = address, latency_s, clock
+        digits = address.removeprefix("/dev/video")
+        where: str | int = int(digits) if digits.isdigit() else address
+        if "://" in address:
+            self._video = cv2.VideoCapture(where, cv2.CAP_ANY, [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, OPEN_MS])
+        else:
+            self._video = cv2.VideoCapture(where)
+        self._video.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # an old picture is worse than none
+        good, first = self._video.read() if self._video.isOpened() else (False, None)
+        if not good or first is None:
+            self._video.release()
+            raise InputError("--camera", "", repr(address), "simulated, or a video that OpenCV can read")
+        height, width = first.shape[:2]
+        self._file_period_s = 1.0 / max(self._video.get(cv2.CAP_PROP_FPS), 1.0) if self._is_file() else 0.0
+        self._due_s = clock()
+        self.name = f"{address}, {width}x{height}"
+
+    def _is_file(self) -> bool:
+        return self._video.get(cv2.CAP_PROP_FRAME_COUNT) > 1
+
+    def read(self) -> Shot | None:
+        """Wait for the next picture; a file plays at its own speed. None at its end or when the stream breaks."""
+        if self._file_period_s:
+            self._due_s = max(self._due_s + self._file_period_s, self._clock() - 1.0)
+            time.sleep(max(0.0, self._due_s - self._clock()))
+        good, bgr = self._video.read()
+        if not good or bgr is None:
+            raise OSError(f"{self._address} gives no more pictures")
+        rgb = np.ascontiguousarray(bgr[:, :, ::-1], dtype=np.uint8)
+        return Shot(stamp_s=self._clock() - self._latency_s, rgb=rgb)
+
+    def close(self) -> None:
+        """Free the stream."""
+        self._video.release()

@@ -1,0 +1,66 @@
+import os
+import pty
+
+import pytest
+
+from coral.commands.keyboard import Keyboard
+from coral.reef.sea.operator import OperatorWords
+
+
+@pytest.fixture
+def words():
+    return OperatorWords()
+
+
+@pytest.fixture
+def pipe():
+    reading, writing = os.pipe()
+    with os.fdopen(reading) as source:
+        yield source, lambda text: os.write(writing, text.encode())
+    os.close(writing)
+
+
+def listening(times):
+    left = iter(range(times))
+    return lambda: next(left, None) is None
+
+
+def test_words_on_a_pipe(words, pipe):
+    source, write = pipe
+    write("hold\nnonsense\nresume\nq\n")
+    Keyboard(words, source).listen(listening(2))
+    assert words.take() == [("hold", "keyboard"), ("resume", "keyboard"), ("stop", "keyboard")]
+
+
+def test_keys_on_a_terminal_need_no_enter(words):
+    master, slave = pty.openpty()
+    with os.fdopen(slave) as source:
+        keyboard = Keyboard(words, source)
+        typed = iter([b" ", b"r", b"x", b"q"])
+
+        def until():
+            key = next(typed, None)
+            if key is not None:
+                os.write(master, key)
+            return key is None
+
+        keyboard.listen(until)
+    os.close(master)
+    assert [word for word, _ in words.take()][:2] == ["hold", "resume"]
+
+
+@pytest.mark.parametrize(("typed", "armed"), [("arm\n", True), ("ARM \n", True), ("q\n", False), ("yes\narm\n", True)])
+def test_arming_takes_the_word(words, pipe, typed, armed):
+    source, write = pipe
+    write(typed)
+    assert Keyboard(words, source).wait_for_arm(lambda: False) is armed
+
+
+def test_arming_may_come_from_the_page(words, pipe):
+    source, _ = pipe
+    assert Keyboard(words, source).wait_for_arm(lambda: True)
+
+
+def test_the_end_of_the_input_arms_nothing(words):
+    with open(os.devnull) as source:
+        assert not Keyboard(words, source).wait_for_arm(lambda: False)

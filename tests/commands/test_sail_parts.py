@@ -1,0 +1,72 @@
+import math
+
+import pytest
+
+from coral.commands.reef_sail import ReefSail
+from coral.commands.sail_parts import open_parts, read_area
+from coral.errors import InputError
+from coral.reef.mission import MissionCfg
+
+SURVEY = "format: coral-survey/1\nname: tank\nsize_m: [22, 22]\nstart: {x: 4, y: 5}\ndepth_m: 2.5\n"
+
+
+@pytest.fixture
+def survey(tmp_path):
+    def write(more=""):
+        path = tmp_path / "tank.yaml"
+        path.write_text(SURVEY + more)
+        return str(path)
+
+    return write
+
+
+def test_a_world_is_its_own_area():
+    area, world, depth = read_area("s1")
+    assert (area.name, world.name, depth) == ("s1", "s1", 1.0)
+
+
+def test_a_survey_file_may_name_a_reef_to_rehearse_in(survey):
+    area, world, depth = read_area(survey("rehearse: s1\n"))
+    assert (area.name, world.name, depth) == ("tank", "s1", 2.5)
+    assert read_area(survey())[1] is None
+
+
+def test_a_rehearsal_needs_a_reef_of_the_same_size(survey):
+    with pytest.raises(InputError, match=r"rehearse: found l1"):
+        read_area(survey("rehearse: l1\n"))
+
+
+def opened(flags):
+    area, world, depth = read_area(flags.area)
+    return open_parts(flags, area, world, MissionCfg(), depth)
+
+
+def test_the_simulated_vehicle_begins_where_the_area_does_and_sees_the_reef():
+    with opened(ReefSail(area="s1")) as parts:
+        assert parts.proven_simulation
+        parts.place()
+        pose, start = parts.true_pose(), parts.area.start
+        assert math.dist(pose[:2], start[:2]) < 0.05  # a current moves it while it is disarmed
+        assert parts.camera.source.labelled
+
+
+@pytest.mark.parametrize(
+    ("flags", "where"),
+    [
+        ({"vehicle": "mavlink:carrier:pigeon"}, "--vehicle"),
+        ({"vehicle": "bluerov"}, "--vehicle"),
+        ({"dvl": "a50:"}, "--dvl"),
+        ({"dvl": "sonar"}, "--dvl"),
+        ({"camera": "/nowhere/video.mp4"}, "--camera"),
+        ({"truth": "mavlink:tcp:127.0.0.1:1"}, "--truth"),
+    ],
+)
+def test_a_wrong_name_is_one_line_with_its_flag(flags, where):
+    with pytest.raises(InputError) as error, opened(ReefSail(area="s1", **flags)):
+        pass
+    assert error.value.where == where
+
+
+def test_a_survey_without_a_reef_has_nothing_to_simulate(survey):
+    with pytest.raises(InputError, match="rehearse: WORLD"), opened(ReefSail(area=survey())):
+        pass

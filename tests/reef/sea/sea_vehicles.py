@@ -1,0 +1,75 @@
+"""Vehicles that tests drive: the simulated autopilot in steps, ArduSub in real time."""
+
+import time
+
+from coral.reef.geometry import Pose
+from coral.reef.sea.address import parse_address
+from coral.reef.sea.autopilot import AutopilotCfg, SimulatedAutopilot
+from coral.reef.sea.autopilot_line import AutopilotLine
+from coral.reef.sea.body import Body, OpenWater
+from coral.reef.sea.mavlink_link import MavlinkLink
+
+START = Pose(1.0, 2.0, 0.0)
+
+
+class SimulatedVehicle:
+    """A link without threads, whose time is the autopilot's: the same calls give the same numbers."""
+
+    name = "simulated"
+
+    def __init__(self, cfg=None, **autopilot):
+        self.autopilot = SimulatedAutopilot(Body(OpenWater()), AutopilotCfg(position_after_s=1.0, **autopilot))
+        self.line = AutopilotLine(self.autopilot)
+        self.link = MavlinkLink(self.line, cfg, START, self.line.clock, threaded=False)
+
+    def run(self, seconds, command=None):
+        """Let time pass; repeat a command ten times a second."""
+        until = self.line.clock() + seconds
+        due = self.line.clock()
+        while self.line.clock() < until - 1e-9:
+            if command is not None and self.line.clock() >= due - 1e-9:
+                self.link.command(*command)
+                due += 0.1
+            self.link.poll()
+        return self.link.report()
+
+    def now(self):
+        return self.line.clock()
+
+    def set_parameter(self, name, value):
+        set_parameter(self.link, name, value)
+        self.run(0.5)
+
+    def close(self):
+        self.link.close()
+
+
+class ArduSub:
+    """The same over TCP, in real time."""
+
+    name = "ardusub"
+
+    def __init__(self, port):
+        self.link = MavlinkLink(parse_address(f"mavlink:tcp:127.0.0.1:{port}"), start=START)
+
+    def run(self, seconds, command=None):
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            if command is not None:
+                self.link.command(*command)
+            time.sleep(0.1)
+        return self.link.report()
+
+    def now(self):
+        return time.monotonic()
+
+    def set_parameter(self, name, value):
+        set_parameter(self.link, name, value)
+        self.run(1.0)
+
+    def close(self):
+        self.link.close()
+
+
+def set_parameter(link, name, value):
+    link._send(link._dialect.MAVLink_param_set_message(1, 1, name.encode(), float(value), 9))

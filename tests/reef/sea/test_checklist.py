@@ -1,0 +1,110 @@
+from dataclasses import replace
+
+import pytest
+
+from coral.reef.geometry import Pose
+from coral.reef.sea.checklist import Equipment, StampRates, blocking, preflight_list
+from coral.reef.sea.link import VehicleReport
+from coral.reef.sea.picture import LatestShot, Shot
+from coral.reef.sea.safety import SafetyCfg
+from coral.reef.sea.survey_file import SurveyArea
+
+AREA = SurveyArea("tank", (20.0, 10.0), Pose(2.0, 5.0, 0.0), ((0, 0), (20, 0), (20, 10), (0, 10)))
+GEAR = Equipment(
+    vehicle="mavlink:udp:192.168.2.1:14550",
+    pose_source="DVL A50",
+    advisor="heuristic",
+    folder="runs/tank-001",
+    time_limit_s=600.0,
+    heading_trusted=True,
+)
+NOW = 100.0
+FINE = VehicleReport(
+    pose=Pose(0.0, 0.0, 0.0),
+    pose_stamp_s=NOW,
+    has_position=True,
+    position_std_m=0.02,
+    yaw_rad=0.1,
+    depth_m=1.0,
+    depth_stamp_s=NOW,
+    velocity=(0.0, 0.0, 0.0),
+    velocity_stamp_s=NOW,
+    heartbeat_age_s=0.3,
+    battery_fraction=0.9,
+    battery_v=16.0,
+    autopilot="ArduSub 4.5.3",
+    mode="MANUAL",
+)
+
+
+class Source:
+    name = "simulated, 160x120"
+
+    def __init__(self, labelled=True):
+        self.labelled = labelled
+
+    def read(self):
+        return Shot(stamp_s=NOW)
+
+    def close(self): ...
+
+
+def listed(report=FINE, labelled=True, shots=1):
+    rates = StampRates()
+    for k in range(21):
+        rates.note(replace(report, pose_stamp_s=NOW - 2.0 + 0.125 * k))
+    camera = LatestShot(Source(labelled), threaded=False)
+    for _ in range(shots):
+        camera.step()
+    lines = preflight_list(NOW, report, rates, camera, AREA, SafetyCfg(), GEAR)
+    return {line.subject: line for line in lines}, lines
+
+
+def test_a_line_says_source_rate_and_covariance():
+    by_name, lines = listed()
+    assert str(by_name["pose"]) == "  pose: DVL A50, 8 Hz, standard deviation 0.02 m"
+    assert str(by_name["sonar"]) == "! sonar: none - obstacles from the camera alone"
+    assert "ArduSub 4.5.3" in by_name["vehicle"].text
+    assert blocking(lines) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "subject"),
+    [
+        ({"has_position": False}, "pose"),
+        ({"pose_stamp_s": NOW - 3.0}, "pose"),
+        ({"heartbeat_age_s": float("inf")}, "vehicle"),
+        ({"velocity": None}, "velocity"),
+        ({"depth_m": None}, "depth"),
+        ({"leak": True}, "leak"),
+        ({"battery_fraction": 0.1}, "battery"),
+    ],
+)
+def test_what_makes_a_survey_impossible_blocks_it(change, subject):
+    _, lines = listed(replace(FINE, **change))
+    assert [line.subject for line in blocking(lines)] == [subject]
+
+
+@pytest.mark.parametrize(
+    ("change", "subject", "told"),
+    [
+        ({"battery_fraction": None, "battery_v": None}, "battery", "cannot act"),
+        ({"yaw_rad": 1.5}, "heading", "compass"),
+    ],
+)
+def test_what_is_missing_is_told_with_its_meaning(change, subject, told):
+    by_name, lines = listed(replace(FINE, **change))
+    assert by_name[subject].level == "lacking"
+    assert told in by_name[subject].text
+    assert blocking(lines) == []
+
+
+def test_a_real_camera_without_a_network_arms_nothing():
+    by_name, lines = listed(labelled=False)
+    assert [line.subject for line in blocking(lines)] == ["labels"]
+    assert "no network here" in by_name["labels"].text
+
+
+def test_a_camera_without_pictures_blocks():
+    _, lines = listed(shots=0)
+    assert [line.subject for line in blocking(lines)] == ["camera"]

@@ -1,0 +1,138 @@
+import json
+import math
+import socket
+import threading
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from coral.errors import InputError
+from coral.reef.geometry import Pose
+from coral.reef.sea.dvl_a50 import DvlA50, DvlState, merge, parse_line
+from coral.reef.sea.link import VehicleReport
+
+VELOCITY = {
+    "type": "velocity",
+    "format": "json_v3",
+    "vx": 0.3,
+    "vy": 0.1,
+    "vz": 0.0,
+    "fom": 0.01,
+    "covariance": [[0.0004, 0, 0], [0, 0.0001, 0], [0, 0, 0.0001]],
+    "altitude": 1.2,
+    "velocity_valid": True,
+    "status": 0,
+    "time_of_validity": 1_000_000,
+    "time_of_transmission": 1_100_000,
+}
+POSITION = {"type": "position_local", "x": 2.0, "y": 1.0, "z": 0.5, "yaw": 90.0, "std": 0.05, "status": 0, "ts": 1.0}
+
+
+def line(report, **changes):
+    return json.dumps({**report, **changes}).encode()
+
+
+def test_a_velocity_turns_from_right_to_left_and_is_as_old_as_it_says():
+    state = parse_line(line(VELOCITY), 50.0, DvlState())
+    assert state.velocity == (0.3, -0.1)
+    assert state.velocity_stamp_s == pytest.approx(49.9)
+    assert state.velocity_std_m_s == pytest.approx(0.02)
+    assert (state.altitude_m, state.bottom_lock) == (1.2, True)
+
+
+def test_a_position_turns_from_right_down_to_left_up():
+    state = parse_line(line(POSITION), 50.0, DvlState())
+    assert state.pose == pytest.approx(Pose(2.0, -1.0, -math.pi / 2))
+    assert (state.pose_stamp_s, state.position_std_m) == (50.0, 0.05)
+
+
+def test_without_bottom_lock_the_old_velocity_grows_old():
+    state = parse_line(line(VELOCITY), 50.0, DvlState())
+    after = parse_line(line(VELOCITY, velocity_valid=False, vx=9.0), 51.0, state)
+    assert (after.velocity, after.velocity_stamp_s) == (state.velocity, state.velocity_stamp_s)
+    assert not after.bottom_lock
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        b"",
+        b"{",
+        b"[1, 2]",
+        b"null",
+        line(VELOCITY, vx="fast"),
+        line(VELOCITY, vx=float("nan")),
+        line(VELOCITY, covariance=[[1]]),
+        line(POSITION, yaw=None),
+        line(POSITION, status=1),
+        b'{"type": "velocity"}',
+        b"[" * 5000,
+    ],
+)
+def test_bad_lines_change_nothing(bad):
+    before = parse_line(line(VELOCITY), 50.0, DvlState())
+    assert parse_line(bad, 51.0, before) == before
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_are_survived(data):
+    parse_line(data, 0.0, DvlState())
+
+
+def test_the_dvl_replaces_pose_and_velocity_and_nothing_else():
+    state = parse_line(line(POSITION), 50.0, parse_line(line(VELOCITY), 50.0, DvlState()))
+    report = merge(VehicleReport(velocity=(9.0, 9.0, 0.2), depth_m=1.5, mode="GUIDED"), state)
+    assert report.velocity == (0.3, -0.1, 0.2)
+    assert report.pose == state.pose
+    assert (report.depth_m, report.mode, report.has_position) == (1.5, "GUIDED", True)
+
+
+class FakeServer:
+    """Sends lines to whoever connects; closes the first connection to see whether the client comes back."""
+
+    def __init__(self):
+        self.socket = socket.create_server(("127.0.0.1", 0))
+        self.port = self.socket.getsockname()[1]
+        self.clients = 0
+        self.sent_again = threading.Event()
+        self.thread = threading.Thread(target=self.work, daemon=True)
+        self.thread.start()
+
+    def work(self):
+        first, _ = self.socket.accept()
+        text = line(VELOCITY) + b"\ngarbage\n" + line(POSITION)
+        first.sendall(text[:40])
+        first.sendall(text[40:] + b"\n")
+        first.close()
+        second, _ = self.socket.accept()
+        second.sendall(line(POSITION, x=7.0) + b"\n")
+        self.sent_again.set()
+        self.second = second
+
+
+def until(holds, event=threading.Event()):  # noqa: B008
+    for _ in range(500):
+        if holds():
+            return True
+        event.wait(0.01)
+    return False
+
+
+def test_a_connection_is_read_in_pieces_and_made_again():
+    server = FakeServer()
+    dvl = DvlA50("127.0.0.1", server.port)
+    assert until(lambda: dvl.state.pose is not None)
+    assert dvl.state.velocity == (0.3, -0.1)
+    assert until(lambda: dvl.state.pose.x == 7.0)
+    server.second.close()
+    server.socket.close()
+    dvl.close()
+
+
+def test_nobody_there_is_one_line():
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with pytest.raises(InputError, match="--dvl: found"):
+        DvlA50("127.0.0.1", port)

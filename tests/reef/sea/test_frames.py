@@ -1,0 +1,60 @@
+"""Frames: by hand for the four headings, and there and back again."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from coral.reef.geometry import Pose, wrap
+from coral.reef.sea.frames import (
+    alignment,
+    compose,
+    pose_from_ned,
+    pose_to_ned,
+    tilt_from_frd,
+    velocity_from_ned,
+    velocity_to_ned,
+)
+
+angles = st.floats(-3.1, 3.1)
+metres = st.floats(-100, 100)
+
+
+@pytest.mark.parametrize(("yaw_deg", "theta_deg"), [(0, 90), (90, 0), (180, -90), (-90, 180)])
+def test_headings_from_north_clockwise_become_angles_from_east(yaw_deg, theta_deg):
+    pose = pose_from_ned(3.0, 4.0, math.radians(yaw_deg))
+    assert (pose.x, pose.y) == (4.0, 3.0)
+    assert wrap(pose.theta - math.radians(theta_deg)) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_vehicle_heading_east_that_moves_north_moves_to_its_left():
+    assert velocity_from_ned(0.5, 0.2, math.pi / 2, 0.1) == pytest.approx((0.2, 0.5, -0.1))
+
+
+def test_nose_up_is_negative_pitch_and_left_side_up_positive_roll():
+    assert tilt_from_frd(0.1, 0.2) == (0.1, -0.2)
+
+
+@given(x=metres, y=metres, theta=angles, velocity=st.tuples(metres, metres, angles))
+def test_there_and_back(x, y, theta, velocity):
+    north, east, yaw = pose_to_ned(Pose(x, y, theta))
+    back = pose_from_ned(north, east, yaw)
+    assert (back.x, back.y) == (x, y)
+    assert wrap(back.theta - theta) == pytest.approx(0.0, abs=1e-9)
+    assert velocity_from_ned(*velocity_to_ned(velocity, yaw)[:2], yaw, -velocity[2]) == pytest.approx(
+        velocity, abs=1e-9
+    )
+
+
+@given(first=st.builds(Pose, metres, metres, angles), start=st.builds(Pose, metres, metres, angles))
+def test_alignment_brings_the_first_pose_to_the_start(first, start):
+    seen = compose(alignment(first, start), first)
+    assert (seen.x, seen.y) == pytest.approx((start.x, start.y), abs=1e-9)
+    assert wrap(seen.theta - start.theta) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_alignment_turns_what_follows():
+    """Heading north in the autopilot's frame, east in ours: a metre ahead is a metre along x."""
+    frame = alignment(Pose(5.0, 5.0, math.pi / 2), Pose(0.0, 0.0, 0.0))
+    assert compose(frame, Pose(5.0, 6.0, math.pi / 2)) == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)

@@ -1,0 +1,90 @@
+import gc
+import sys
+
+import pytest
+
+from coral.reef.sea.loop import COLLECT_ALL_S, COLLECT_S, FixedRate, IdleCollector, collected_when_idle, prompt_threads
+
+
+class FakeClock:
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
+
+    def sleep(self, seconds):
+        self.now += seconds + 0.0003  # a real sleep ends a little late
+
+
+def run(clock, works):
+    loop = FixedRate(0.1, clock, clock.sleep)
+    times = []
+    for work in works:
+        times.append(loop.wait())
+        clock.now += work
+        loop.finish()
+    return loop, times
+
+
+def test_deadlines_do_not_drift():
+    clock = FakeClock()
+    loop, times = run(clock, [0.03] * 1000)
+    assert times == pytest.approx([0.1 * k for k in range(1000)])
+    assert (loop.count.done, loop.count.late, loop.count.skipped) == (1000, 0, 0)
+
+
+def test_a_slow_tick_is_late_and_what_passed_meanwhile_is_left_out():
+    clock = FakeClock()
+    loop, times = run(clock, [0.02, 0.35, 0.02, 0.02])
+    # The second tick is due at 0.1 and ends at 0.45: those of 0.2 and 0.3 are left out, that of 0.4 runs at once.
+    assert times == pytest.approx([0.0, 0.1, 0.4, 0.5])
+    assert loop.count.skipped == 2
+    assert loop.count.late == 3
+
+
+def test_after_a_delay_there_is_no_burst():
+    clock = FakeClock()
+    _, times = run(clock, [2.05] + [0.01] * 5)
+    assert times[1:] == pytest.approx([2.0, 2.1, 2.2, 2.3, 2.4])
+
+
+def test_a_tick_that_ends_within_the_next_period_is_not_late():
+    clock = FakeClock()
+    loop, _ = run(clock, [0.099, 0.099])
+    assert loop.count.late == 0
+    assert loop.count.worst_s == pytest.approx(0.099, abs=1e-3)
+
+
+def test_the_time_left_is_told():
+    clock = FakeClock()
+    loop = FixedRate(0.1, clock, clock.sleep)
+    loop.wait()
+    clock.now += 0.03
+    assert loop.finish() == pytest.approx(0.07)
+
+
+def test_garbage_is_collected_only_in_idle_time():
+    clock, found = FakeClock(), []
+    collector = IdleCollector(clock, found.append)
+    clock.now += COLLECT_S
+    collector.offer(0.001)
+    assert found == []
+    collector.offer(0.05)
+    assert found == [1]
+    clock.now += COLLECT_ALL_S
+    collector.offer(0.05)
+    assert found == [1, 2]
+
+
+def test_the_automatic_collection_is_off_inside_and_on_again_after():
+    with collected_when_idle():
+        assert not gc.isenabled()
+    assert gc.isenabled()
+
+
+def test_threads_switch_faster_inside_and_as_before_after():
+    before = sys.getswitchinterval()
+    with prompt_threads():
+        assert sys.getswitchinterval() < before
+    assert sys.getswitchinterval() == before

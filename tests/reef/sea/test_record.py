@@ -1,0 +1,68 @@
+import csv
+
+import numpy as np
+import pytest
+
+from coral.reef.geometry import Frame, Pose
+from coral.reef.record import COLUMNS, RecordCfg
+from coral.reef.sea.record import OWN_COLUMNS, SeaRecord
+from coral.reef.simulator import SimulatorCfg
+from coral.reef.world import load_world
+from coral.runs import read_events, read_rows
+
+STATE = (0.5, 0.0, 0.1, 0.5, 0.1, float("nan"), float("nan"), 1.0)
+FRAME = Frame(np.ones((2, 2), np.float32), np.zeros((2, 2), np.uint8), np.zeros((2, 2), np.int32))
+
+
+def made(folder, world):
+    return SeaRecord(folder, RecordCfg(), world, SimulatorCfg(), threaded=False)
+
+
+@pytest.mark.parametrize(("world", "columns"), [("s1", COLUMNS), (None, OWN_COLUMNS)])
+def test_a_row_has_a_value_for_every_column(tmp_path, world, columns):
+    record = made(tmp_path / "run", load_world(world) if world else None)
+    record.tick(1, 0.1, Pose(5.0, 6.0, 0.1), Pose(5.1, 6.0, 0.1) if world else None, STATE, (1.2, 0.5, 3))
+    record.close()
+    with open(tmp_path / "run" / "trajectory.csv") as lines:
+        header, row = list(csv.reader(lines))
+    assert tuple(header) == columns
+    assert len(row) == len(columns)
+    found = dict(zip(header, row, strict=True))
+    assert float(found["x"]) == (5.1 if world else 5.0)  # the truth where there is one
+    assert (found["goal_x"], float(found["omega_cmd"])) == ("", 0.1)
+    if world:
+        assert float(found["est_x"]) == 5.0
+    else:
+        assert (float(found["clearance"]), float(found["coverage"])) == (1.2, 0.5)
+
+
+def test_events_are_written_in_order_and_heard(tmp_path):
+    record, heard = made(tmp_path / "run", None), []
+    record.listeners.append(heard.append)
+    record.event(1, 0.1, "limit", cause="leak")
+    record.event(2, 0.2, "end", reason="leak")
+    record.close()
+    assert [event["event"] for event in read_events(tmp_path / "run" / "events.jsonl")] == ["limit", "end"]
+    assert heard[0] == {"step": 1, "t": 0.1, "event": "limit", "cause": "leak"}
+
+
+def test_frames_are_taken_every_two_seconds(tmp_path):
+    record, asked = made(tmp_path / "run", None), []
+
+    def cells():
+        asked.append(1)
+        return np.zeros((4, 4), np.uint8)
+
+    for step in range(50):
+        record.offer_frame(step, 0.1 * step, cells, FRAME)
+    record.close()
+    assert len(asked) == 3
+
+
+def test_nothing_is_written_in_the_callers_thread(tmp_path):
+    record = made(tmp_path / "run", None)
+    record.event(1, 0.1, "limit")
+    record.tick(1, 0.1, Pose(5.0, 6.0, 0.1), None, STATE, (1.2, 0.5, 3))
+    assert list(read_rows(tmp_path / "run" / "trajectory.csv")) == []
+    record.close()
+    assert len(list(read_rows(tmp_path / "run" / "trajectory.csv"))) == 1

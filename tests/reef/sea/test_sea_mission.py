@@ -1,0 +1,156 @@
+import csv
+import errno
+import json
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from voyage import WORLD, Voyage
+
+from coral.reef.geometry import Pose
+from coral.reef.sea.sea_mission import OWN_MAP, TRUTH
+from coral.reef.sea.survey_file import SurveyArea
+from coral.runs import read_events, read_rows
+
+
+def events(folder, *names):
+    return [event for event in read_events(folder / "events.jsonl") if event["event"] in names]
+
+
+def test_a_survey_drives_covers_and_leaves_a_run_folder(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=30.0)
+    result = voyage.run()
+    assert result["clusters_covered"] >= 2
+    assert (result["collisions"], result["late_ticks"], result["judged_by"]) == (0, 0, TRUTH)
+    assert result["distance_m"] > 8.0
+    stored = json.loads((tmp_path / "run" / "metrics.json").read_text())
+    assert stored["ticks"] == result["ticks"] >= 299
+    assert {"config.yaml", "world.yaml", "trajectory.csv", "judge.csv"} <= {
+        p.name for p in (tmp_path / "run").iterdir()
+    }
+    assert voyage.link.report().mode == "POSHOLD"
+    assert voyage.link.report().armed  # never disarmed unless asked
+
+
+def test_the_same_seed_gives_the_same_voyage(tmp_path):
+    tracks = []
+    for name in "ab":
+        Voyage(tmp_path / name, time_limit_s=8.0).run()
+        tracks.append((tmp_path / name / "trajectory.csv").read_bytes())
+    assert tracks[0] == tracks[1]
+
+
+def test_without_truth_the_vehicles_own_map_judges(tmp_path):
+    voyage = Voyage(tmp_path / "run", known=False, time_limit_s=30.0)
+    result = voyage.run()
+    assert result["judged_by"] == OWN_MAP
+    near = [track for track in voyage.mission.belief.tracks if not track.far]
+    assert result["clusters_total"] == len(near) > 0
+    assert result["clusters_covered"] == sum(track.visited for track in near)
+    assert result["inspected"] is None
+    with open(tmp_path / "run" / "trajectory.csv") as lines:
+        assert "est_x" not in next(csv.reader(lines))
+
+
+def test_the_operators_hold_stops_within_a_second_and_resume_goes_on(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=15.0)
+    voyage.on(60, lambda: voyage.words.say("hold", "page")).on(100, lambda: voyage.words.say("resume", "page"))
+    voyage.run()
+    assert voyage.states[60] == "holding"
+    assert voyage.states[105] == "surveying"
+    rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
+    assert all(abs(float(row["u"])) < 0.03 for row in rows[70:99])
+    assert float(rows[115]["u"]) > 0.1
+
+
+def test_a_stop_ends_the_survey_holding(tmp_path):
+    voyage = Voyage(tmp_path / "run")
+    result = voyage.on(30, lambda: voyage.words.say("stop", "SIGTERM")).run()
+    assert result["end_reason"] == "stopped by the operator (SIGTERM)"
+    assert voyage.link.report().mode == "POSHOLD"
+
+
+def test_a_blind_camera_stops_the_vehicle_within_a_second_and_it_recovers(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=15.0)
+    voyage.on(60, lambda: setattr(voyage.camera, "blind", True))
+    voyage.on(100, lambda: setattr(voyage.camera, "blind", False))
+    voyage.run()
+    assert voyage.states[59] == "surveying"
+    assert voyage.states[69] == "holding"
+    assert voyage.states[115] == "surveying"
+
+
+def test_a_lost_link_holds_and_the_survey_goes_on_when_it_is_back(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=15.0)
+    report = voyage.link.report
+    frozen = {}
+
+    def cut():
+        frozen["report"] = report()
+        voyage.link.report = lambda: frozen["report"]
+
+    voyage.on(60, cut).on(90, lambda: setattr(voyage.link, "report", report))
+    voyage.run()
+    assert voyage.states[69] == "holding"
+    assert voyage.states[125] == "surveying"
+
+
+def test_the_way_home_leads_back_to_the_start(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=60.0)
+    report = voyage.link.report
+    voyage.on(120, lambda: setattr(voyage.link, "report", lambda: replace(report(), battery_fraction=0.1)))
+    result = voyage.run()
+    assert result["end_reason"] == "back at the start: battery at 10%"
+    start, here = voyage.area.start, voyage.link.true_pose()
+    assert np.hypot(here.x - start.x, here.y - start.y) < 1.2
+    assert all(event["t"] < 12.5 for event in events(tmp_path / "run", "question"))
+
+
+def test_the_vehicle_keeps_out_of_where_it_must_not_go(tmp_path):
+    start = WORLD.start
+    x, y = start.x + 3.0, start.y
+    wall = ((x, y - 1.5), (x + 1.0, y - 1.5), (x + 1.0, y + 1.5), (x, y + 1.5))
+    border = SurveyArea.of_world(WORLD)
+    area = SurveyArea("fenced", WORLD.size_m, Pose(start.x, start.y, start.theta), border.fence, (("wall", wall),))
+    voyage = Voyage(tmp_path / "run", area=area, time_limit_s=25.0)
+    result = voyage.run()
+    rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
+    assert all(not area.breach(float(row["x"]), float(row["y"])) for row in rows)
+    assert result["distance_m"] > 4.0
+    assert events(tmp_path / "run", "limit") == []
+
+
+def test_a_full_disk_stops_the_recording_and_not_the_vehicle(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=12.0)
+
+    def full(*values, **fields):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "trajectory.csv")
+
+    voyage.on(50, lambda: setattr(voyage.mission.record.writer, "row", full))
+    result = voyage.run()
+    assert "No space left" in result["recording_failure"]
+    assert result["ticks"] > 100
+    assert voyage.states[100] == "surveying"
+    rows = (tmp_path / "run" / "trajectory.csv").read_text().splitlines()
+    assert len(rows) == 51
+
+
+def test_what_the_autopilot_says_is_recorded(tmp_path):
+    Voyage(tmp_path / "run", time_limit_s=3.0).run()
+    texts = [event["text"] for event in events(tmp_path / "run", "vehicle_text")]
+    assert "GUIDED, armed" in texts
+
+
+@pytest.mark.parametrize("where", ["pilot", "link"])
+def test_a_failure_of_the_loop_leaves_the_vehicle_holding(tmp_path, where):
+    voyage = Voyage(tmp_path / "run")
+
+    def broken(*_):
+        raise ValueError("broken")
+
+    target, name = {"pilot": (lambda: voyage.mission.pilot, "tick"), "link": (lambda: voyage.link, "command")}[where]
+    voyage.on(20, lambda: setattr(target(), name, broken))
+    with pytest.raises(ValueError, match="broken"):
+        voyage.run()
+    assert voyage.link.report().mode == "POSHOLD"

@@ -1,0 +1,32 @@
+import numpy as np
+
+from coral.reef.camera import Camera, CameraCfg
+from coral.reef.geometry import Pose
+from coral.reef.scene import Scene
+from coral.reef.sea.simulated_camera import SimulatedCamera
+from coral.reef.world import load_world
+
+
+class FakeClock:
+    now = 0.0
+
+    def __call__(self):
+        return self.now
+
+    def sleep(self, seconds):
+        self.now += seconds
+
+
+def test_it_renders_where_the_vehicle_is_at_its_rate():
+    scene, cfg, clock = Scene.from_world(load_world("s1")), CameraCfg(), FakeClock()
+    pose = Pose(5.0, 5.0, 0.3)
+    camera = SimulatedCamera(scene, cfg, lambda: (clock.now - 0.05, pose), 10.0, clock, clock.sleep)
+    shots = [camera.read() for _ in range(3)]
+    assert [round(shot.stamp_s, 6) for shot in shots] == [-0.05, 0.05, 0.15]
+    assert np.array_equal(shots[0].frame.depth, Camera(scene, cfg).render(pose).depth)
+
+
+def test_without_a_pose_there_is_no_picture():
+    clock = FakeClock()
+    scene = Scene.from_world(load_world("s1"))
+    assert SimulatedCamera(scene, CameraCfg(), lambda: None, 10.0, clock, clock.sleep).read() is None

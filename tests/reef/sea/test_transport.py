@@ -1,0 +1,88 @@
+"""Lines over loopback: what is sent arrives, what breaks is silence."""
+
+import socket
+
+import pytest
+
+from coral.errors import InputError
+from coral.reef.sea.address import VehicleAddress
+from coral.reef.sea.transport import PEERS, RETRY_S, StreamLine, UdpLine, open_transport
+
+
+def bound():
+    line = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    line.bind(("127.0.0.1", 0))
+    line.settimeout(5.0)
+    return line
+
+
+def test_udp_sends_and_receives():
+    with bound() as vehicle:
+        line = open_transport(VehicleAddress("udp", "127.0.0.1", vehicle.getsockname()[1]))
+        line.send(b"hello")
+        data, sender = vehicle.recvfrom(99)
+        vehicle.sendto(b"there", sender)
+        assert (data, line.receive(5.0)) == (b"hello", b"there")
+        line.close()
+        assert line.receive(0.0) == b""
+        line.send(b"into nothing")
+
+
+def test_udpin_answers_whoever_sends_and_remembers_few():
+    line = UdpLine(VehicleAddress("udpin", "127.0.0.1", 0 or bound_free()))
+    line.send(b"to nobody")
+    vehicles = [bound() for _ in range(PEERS + 2)]
+    for vehicle in vehicles:
+        vehicle.sendto(b"x", ("127.0.0.1", line.port))
+        assert line.receive(5.0) == b"x"
+    assert len(line.peers) == PEERS
+    line.send(b"all")
+    assert vehicles[-1].recv(9) == b"all"
+    for vehicle in vehicles:
+        vehicle.close()
+    line.close()
+
+
+def bound_free():
+    with bound() as line:
+        return line.getsockname()[1]
+
+
+def test_a_port_that_is_taken_is_one_line():
+    with bound() as taken, pytest.raises(InputError, match="a port that is free"):
+        open_transport(VehicleAddress("udpin", "127.0.0.1", taken.getsockname()[1]))
+
+
+def test_tcp_is_opened_again_after_the_vehicle_restarts():
+    now = [0.0]
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        server.listen()
+        line = StreamLine(lambda: socket.create_connection(server.getsockname()), clock=lambda: now[0])
+        line.receive(0.0)
+        first, _ = server.accept()
+        first.sendall(b"one")
+        assert line.receive(5.0) == b"one"
+        first.close()
+        assert line.receive(5.0) == b""
+        line.send(b"into nothing")
+        assert line.receive(0.0) == b""
+        now[0] += RETRY_S
+        line.receive(0.0)
+        second, _ = server.accept()
+        second.sendall(b"two")
+        assert line.receive(5.0) == b"two"
+        line.send(b"three")
+        assert second.recv(9) == b"three"
+        second.close()
+        line.close()
+
+
+def test_a_line_that_cannot_be_opened_is_silent():
+    def refuse():
+        raise ConnectionRefusedError
+
+    line = StreamLine(refuse)
+    assert line.receive(0.0) == b""
+    line.send(b"x")
+    line.close()

@@ -1,0 +1,36 @@
+import cv2
+import numpy as np
+import pytest
+
+from coral.errors import InputError
+from coral.reef.sea.video_camera import VideoCamera
+
+
+@pytest.fixture
+def video(tmp_path):
+    path = tmp_path / "reef.avi"
+    out = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 1000.0, (64, 48))
+    for k in range(5):
+        out.write(np.full((48, 64, 3), (0, 0, 40 * k), np.uint8))  # red in BGR
+    out.release()
+    return path
+
+
+def test_a_file_gives_its_pictures_in_rgb_and_then_complains(video):
+    camera = VideoCamera(str(video), latency_s=0.25, clock=lambda: 10.0)
+    shots = [camera.read() for _ in range(4)]  # the first was read to find out the size
+    assert shots[0].stamp_s == 9.75
+    assert shots[3].rgb.shape == (48, 64, 3)
+    red, green, blue = shots[3].rgb.reshape(-1, 3).mean(axis=0)
+    assert red > 120
+    assert max(green, blue) < 40
+    with pytest.raises(OSError, match="no more pictures"):
+        camera.read()
+    assert camera.name.endswith("64x48")
+    camera.close()
+
+
+def test_what_is_no_video_is_refused(tmp_path):
+    (tmp_path / "text.avi").write_text("no video")
+    with pytest.raises(InputError, match="a video that OpenCV can read"):
+        VideoCamera(str(tmp_path / "text.avi"))

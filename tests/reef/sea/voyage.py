@@ -1,0 +1,98 @@
+"""A survey in a simulated reef on a fake clock: nothing sleeps, and the same seed gives the same voyage."""
+
+import numpy as np
+
+from coral.advisor.clock import SimulatedClock
+from coral.advisor.rules import RuleAdvisor
+from coral.reef.camera import Camera
+from coral.reef.heuristic import REEF_RULES
+from coral.reef.mission import MissionCfg
+from coral.reef.record import RecordCfg
+from coral.reef.scene import Scene
+from coral.reef.sea.picture import Shot
+from coral.reef.sea.safety import SafetyCfg
+from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
+from coral.reef.sea.simulated_link import SimulatedLink
+from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.world import load_world
+
+WORLD = load_world("s1")
+
+
+class FakeClock:
+    def __init__(self):
+        self.now = 1000.0
+
+    def __call__(self):
+        return self.now
+
+    def sleep(self, seconds):
+        self.now += max(seconds, 0.0)
+
+
+class FakeCamera:
+    """Takes a picture whenever it is asked for one, unless it is blind."""
+
+    labelled = True
+    name = "fake"
+    rate_hz, failure, perception = 10.0, "", None
+
+    def __init__(self, link, clock, cfg):
+        self.link, self.clock, self.blind, self.last = link, clock, False, None
+        self.camera = Camera(Scene.from_world(WORLD), cfg)
+        self.source = self
+
+    @property
+    def latest(self):
+        if not self.blind:
+            pose = self.link.true_pose()
+            self.last = Shot(stamp_s=self.clock.now, frame=self.camera.render(pose))
+        return self.last
+
+
+class Voyage:
+    def __init__(self, folder, *, known=True, area=None, time_limit_s=20.0, **safety):
+        self.clock = FakeClock()
+        record = RecordCfg(pictures=False)
+        mission = MissionCfg(time_limit_s=time_limit_s, record=record)
+        self.area = area or SurveyArea.of_world(WORLD)
+        self.link = SimulatedLink(mission.simulator.vehicle, self.area.start, clock=self.clock)
+        self.camera = FakeCamera(self.link, self.clock, mission.simulator.camera)
+        crew = Crew(
+            link=self.link,
+            camera=self.camera,
+            advisor=RuleAdvisor(REEF_RULES),
+            world=WORLD if known else None,
+            true_pose=self.link.true_pose if known else lambda: None,
+        )
+        self.words = crew.words
+        self.mission = SeaMission(
+            self.area,
+            SailCfg(mission=mission, safety=SafetyCfg(**{"reserve_s": 0.0, "on_time": "none", **safety})),
+            crew,
+            folder,
+            clock=self.clock,
+            sleep=self.clock.sleep,
+            decision_clock=SimulatedClock("fixed:1", np.random.default_rng(0)),
+            threaded=False,
+        )
+        self.at = {}
+        self.states = []
+        self.link.arm()
+
+    def on(self, step, action):
+        """Do something just after a tick."""
+        self.at[step] = action
+        return self
+
+    def tick(self, mission):
+        self.states.append(mission.states.state.value)
+        mission.record.work.drain()
+        if mission.step in self.at:
+            self.at[mission.step]()
+
+    def stop_requested(self):
+        return ""
+
+    def run(self):
+        return self.mission.run([self])
