@@ -23,13 +23,14 @@ from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.keyboard import HELP, Keyboard
-from coral.commands.reef_run import PERSON_DEADLINE_S, render
+from coral.commands.reef_run import render
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
 from coral.config import Positive, checked
 from coral.errors import InputError, RunError
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
+from coral.reef.resolution import PERSON_DEADLINE_S
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.safety import SafetyCfg
