@@ -73,7 +73,7 @@ def succeeding(monkeypatch, after):
     """Lets the box rise into the hand after so many steps, whatever the hand does; after 0, never."""
 
     def script(k, box):
-        return BodyState(box.position + np.array([0.0, 0.0, 0.2]), box.quaternion) if after and k >= after else box
+        return BodyState(box.position + np.array([0.0, 0.0, 0.12]), box.quaternion) if after and k >= after else box
 
     monkeypatch.setattr(module, "make_world", lambda name, trial, period: ObedientWorld(trial, script))
 

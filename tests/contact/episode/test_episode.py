@@ -40,7 +40,7 @@ def events(folder, *names):
 
 
 def lifted_from(step):
-    return lambda k, box: BodyState(box.position + np.array([0, 0, 0.2]), box.quaternion) if k >= step else box
+    return lambda k, box: BodyState(box.position + np.array([0, 0, 0.12]), box.quaternion) if k >= step else box
 
 
 def test_time_runs_out(run):

@@ -72,7 +72,7 @@ def pick(trial):
             closing.append(1)
         goal = error * [1, 1, 1.0 if over else 0.0]
         if len(closing) > 5:
-            goal = np.array([0, 0, 0.2 + (box[2] - state[2])])
+            goal = np.array([0, 0, 0.13 + (box[2] - state[2])])
         return np.tile([*np.clip(goal / 0.05 * 0.7, -1, 1), 0, 0, 0, 1.0 if closing else -1.0], (10, 1))
 
     return answer

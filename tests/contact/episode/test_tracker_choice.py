@@ -11,8 +11,8 @@ from stub_foundationpose import Oracle, serving
 
 from coral.cli import main
 from coral.commands.contact_bench import ContactBench
-from coral.commands.contact_run import with_tracker
 from coral.contact.episode.episode import Episode
+from coral.contact.episode.resolution import with_tracker
 from coral.contact.perception.camera import RgbdCameraCfg, look_at
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.geometry import rotation_of

@@ -25,7 +25,7 @@ def surprise_after(seconds, period_s, cfg):
     still = HandTarget(np.zeros(3), UPRIGHT, 0.08, 600.0)
     for k in range(round(seconds / period_s) + 2):
         now = observed(k * period_s, 0.05 if k else 0.0)
-        plan = SimpleNamespace(cost=1.0, now={"box_pos": now.objects["box"].position[None, None]})
+        plan = SimpleNamespace(cost=1.0, terms={}, now={"box_pos": now.objects["box"].position[None, None]})
         taken = (Transition(before, still, now),) if k else ()
         monitor.update(PlanReport(k, now, plan, "push", taken))
         before = now
