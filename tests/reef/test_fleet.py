@@ -86,13 +86,10 @@ def test_figures_of_each_add_up_to_the_joint_ones(pair):
         assert sum(one[key] for one in each) == pytest.approx(result[key], abs=2e-3)
 
 
-def test_two_robots_are_done_while_one_is_half_way(tmp_path):
-    world = load_world("s1")
-    two, _ = run(world, tmp_path / "two", 2, time_limit_s=70.0, latency="fixed:10", stop_when_covered=False)
-    one, _ = run(
-        world, tmp_path / "one", 1, time_limit_s=two["time_to_80_s"], latency="fixed:10", stop_when_covered=False
-    )
-    assert one["inspected"] < 0.7
+def test_two_robots_share_a_reef(tmp_path):
+    result, _ = run(load_world("s1"), tmp_path, 2, time_limit_s=115.0, latency="fixed:10", stop_when_covered=False)
+    assert result["inspected"] > 0.99
+    assert min(one["distance_m"] for one in result["per_robot"]) > 15.0
 
 
 def test_one_robot_does_and_writes_what_was_recorded(pond, tmp_path):

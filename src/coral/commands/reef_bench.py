@@ -40,6 +40,7 @@ from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.errors import InputError
 from coral.reef.campaign_episode import run_episode
+from coral.reef.controllers import controller_maker
 from coral.reef.generated import expand_names, find_world
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
@@ -332,6 +333,7 @@ def mission_of(
     """
     cfg, world = apply_preset(preset_of(spec), cfg, world, keep)
     cfg, world = apply_setting([(key, value) for key, value in spec.overrides if key != PRESET], cfg, world)
+    controller_maker(cfg.driver)
     return checked(apply_variant(spec.variant, cfg), "--cfg"), world
 
 

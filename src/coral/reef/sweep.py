@@ -8,6 +8,7 @@ from typing import Any
 
 from coral.config import merge, to_mapping
 from coral.errors import InputError, nearest
+from coral.reef.controllers import controller_maker
 from coral.reef.mission import MissionCfg
 from coral.reef.world import Current, ReefWorld
 
@@ -62,6 +63,8 @@ def apply_setting(overrides: Overrides, cfg: MissionCfg, world: ReefWorld) -> tu
             for part in reversed(dotted.split(".")):
                 changes = {part: changes}
             cfg = merge(cfg, changes, WHERE)
+        if key == "driver":
+            controller_maker(cfg.driver, WHERE, key)
     return cfg, world
 
 
