@@ -45,3 +45,16 @@ def test_a_region_that_goes_is_forgotten():
     assert len(regions.update()) == 1
     target[:] = False
     assert regions.update() == []
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_sparse_oysters_that_closing_joins_have_the_regions_of_the_whole(seed):
+    """A window's edge can cut a region off at a part that closing alone has made, without an oyster cell."""
+    rng = np.random.default_rng(seed)
+    target = np.zeros((90, 120), np.bool_)
+    regions = OysterRegions(target, CELL_M, CFG)
+    for _ in range(150):
+        y, x = rng.integers(0, (90, 120))
+        target[y, x] = rng.random() < 0.9
+        target[y, min(x + 7, 119)] = True
+        assert described(regions.update()) == described(components(target, CELL_M, CFG))
