@@ -36,7 +36,6 @@ from coral.cli import main
         ("reef run s1 --seed 1.5", "coral reef run: --seed: found '1.5', expected a whole number"),
         ("reef run s1 --robots two", "coral reef run: --robots: found 'two', expected a whole number"),
         ("reef run s1 --live-speed fast", "coral reef run: --live-speed: found 'fast', expected a number"),
-        ("reef run s1 --cfg.driver x", "coral reef run: --cfg.driver: found 'x', expected one of ddp-mppi, pd"),
         (
             "contact run pick-box --poses x",
             "coral contact run: --poses: found 'x', expected one of ground-truth, tracked",

@@ -57,9 +57,7 @@ def test_question_is_posted_whole_and_answered(tmp_path):
     assert question["id"] == folder.name == "000001-pick"
     assert question["images"] == ["map.png"]
     assert (folder / "map.png").read_bytes() == b"png"
-    assert question["rejections"] == [
-        {"code": "backward", "reason": "behind", "details": {"index": 1}, "listing": ""}
-    ]
+    assert question["rejections"] == [{"code": "backward", "reason": "behind", "details": {"index": 1}, "listing": ""}]
     assert question["answer_schema"]["properties"]["index"]["maximum"] == 3
     assert json.loads((folder / "closed.json").read_text()) == {"state": "answered"}
 

@@ -66,7 +66,7 @@ def test_the_parts_of_a_tick_add_up_to_the_tick():
     rows = result("mission.py", "--ticks", "15", "--repeats", "1", "--largest", "10")
     (row,) = rows["map"]
     assert row["ticks"] == 10
-    parts = sum(row[f"{part}_ms"] for part in ("sense", "map", "decide", "control", "act"))
+    parts = sum(row[f"{part}_ms"] for part in ("sense", "check", "map", "decide", "control", "act"))
     assert parts == pytest.approx(row["tick_ms"])
 
 

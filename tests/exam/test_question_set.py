@@ -36,7 +36,7 @@ def test_pictures_go_with_questions_that_need_eyes(few):
             assert names == ["map", "segmentation", "depth"]
             assert item.pictures[0].pixel_from_world is not None
         assert all(picture.png.startswith(b"\x89PNG") for picture in item.pictures)
-        assert bool(names) == (item.kind not in ("parameter-repair", "cost-function", "cost-repair"))
+        assert bool(names) == (item.kind != "parameter-repair")
 
 
 def test_a_set_comes_back_from_its_file(tmp_path):

@@ -135,7 +135,11 @@ def test_whoever_sits_at_the_desk_sees_what_the_camera_sees(task, tmp_path, pers
     inbox, heard = person
     attempted(task.model_copy(update={"time_limit_s": 0.04}), tmp_path / "run", "desk", inbox=inbox)
     shown = {question["kind"]: question["images"] for question in heard.values()}
-    assert shown == {"physical-parameters": ["scene.png"], "cost-function": ["scene.png"], "contact-regions": ["scene.png"]}
+    assert shown == {
+        "physical-parameters": ["scene.png"],
+        "cost-function": ["scene.png"],
+        "contact-regions": ["scene.png"],
+    }
     first = next(folder for folder, question in heard.items() if question["images"])
     data = (inbox / first / "scene.png").read_bytes()
     kept = {path.stem for path in (tmp_path / "run" / "pictures").iterdir()}

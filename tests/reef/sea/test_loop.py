@@ -84,7 +84,11 @@ def test_the_automatic_collection_is_off_inside_and_on_again_after():
 
 
 def test_threads_switch_faster_inside_and_as_before_after():
-    before = sys.getswitchinterval()
-    with prompt_threads():
-        assert sys.getswitchinterval() < before
-    assert sys.getswitchinterval() == before
+    found = sys.getswitchinterval()
+    try:
+        sys.setswitchinterval(0.005)
+        with prompt_threads():
+            assert sys.getswitchinterval() < 0.005
+        assert sys.getswitchinterval() == pytest.approx(0.005)
+    finally:
+        sys.setswitchinterval(found)
