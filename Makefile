@@ -8,7 +8,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-libero demo test test-ray test-lance test-model test-libero test-ardusub check docs figures bench clean help
+.PHONY: setup setup-libero demo test test-ray test-lance test-model test-libero test-ardusub check docs site figures bench clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -67,6 +67,10 @@ check: setup  ## lint, format and types
 
 docs: setup  ## run every command that the documentation shows
 	$(BIN)/python -m pytest -n 2 tests/e2e/test_docs.py
+
+site: setup  ## the documentation as pages of a site, with the Python reference, in build/site
+	$(PIP) --group site
+	$(BIN)/python docs/site/build.py build/site
 
 figures: setup  ## make the pictures of the documentation again (needs chromium)
 	for script in docs/figures/*.py; do $(BIN)/python $$script || exit 1; done

@@ -1,0 +1,98 @@
+"""Build the documentation as a site, with a reference of the Python interface made from its docstrings.
+
+Usage: python docs/site/build.py OUT
+
+The pages stay plain Markdown that reads in any viewer. What only a site needs is added to a copy of them: the
+navigation, the project's own files, and the reference. A link that leads nowhere is an error.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+DOCS = Path(__file__).parents[1]
+PROJECT = ("CONTRIBUTING.md", "CHANGELOG.md")
+
+SECTIONS = {
+    "Reef": ["run-a-mission", "read-a-report", "watch-a-mission", "add-a-reef", "many-robots", "robustness",
+             "run-on-a-bluerov2"],
+    "Contact": ["contact-run", "contact-mind", "contact-tasks", "contact-costs", "contact-libero",
+                "read-a-contact-report", "contact-perception", "contact-policy-server"],
+    "Models": ["plug-in-a-model", "is-this-model-good-enough", "answer-as-the-operator"],
+    "Python and data": ["use-from-python", "train-a-policy"],
+    "Experiments": ["compare-variants", "run-on-a-cluster", "benchmarks"],
+}  # fmt: skip
+"""Sections of the navigation. A page that is in none of them stands under More."""
+
+REFERENCE = {
+    "python": ("Missions and tasks", ["coral.interface.mission", "coral.interface.task", "coral.interface.result"]),
+    "reef": ("Parts of a reef mission", ["coral.reef.controllers", "coral.reef.own_trigger", "coral.reef.own_verifier",
+             "coral.reef.verify", "coral.reef.sensing", "coral.reef.geometry", "coral.reef.controller"]),
+    "contact": ("Costs, conditions, planner", ["coral.contact.cost.context", "coral.contact.cost.stages",
+                "coral.contact.scene.condition", "coral.mppi.knots", "coral.mppi.risk", "coral.mppi.weights"]),
+    "advisor": ("Advisors and plugins", ["coral.advisor.question", "coral.plugins"]),
+    "environments": ("Gymnasium environments", ["coral.gym.reef_env", "coral.gym.contact_env"]),
+}  # fmt: skip
+"""Pages of the reference: title and modules."""
+
+
+def collect_pages(folder: Path) -> None:
+    """Copy the pages into `folder`, and add what only the site has."""
+    shutil.copytree(DOCS, folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
+    shutil.copy(DOCS / "site" / "conf.py", folder)
+    for name in PROJECT:
+        text = (DOCS.parent / name).read_text(encoding="utf-8")
+        (folder / name).write_text(text.replace("](docs/", "]("), encoding="utf-8")
+    for page in folder.rglob("*.md"):
+        page.write_text(redirect_links(page.read_text(encoding="utf-8")), encoding="utf-8")
+    (folder / "reference").mkdir()
+    for name, (title, modules) in REFERENCE.items():
+        lines = [title, "=" * len(title)]
+        for module in modules:
+            lines += ["", module, "-" * len(module), "", f".. automodule:: {module}"]
+        (folder / "reference" / f"{name}.rst").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with (folder / "index.md").open("a", encoding="utf-8") as index:
+        index.write(write_navigation(folder))
+
+
+def redirect_links(text: str) -> str:
+    """Let links to the project's files lead to their copies, and keep only the words of links into the source tree."""
+    for name in PROJECT:
+        text = text.replace(f"](../{name}", f"]({name}")
+    return re.sub(r"\[([^\]]+)\]\(\.\./(?:\.\./)?(?:src|tests|benchmarks)/[^)]*\)", r"\1", text)
+
+
+def write_navigation(folder: Path) -> str:
+    """Return the tables of contents of all sections, hidden in the page itself."""
+    sections = {title: list(pages) for title, pages in SECTIONS.items()}
+    placed = {page for pages in sections.values() for page in pages} | {"index", *(Path(n).stem for n in PROJECT)}
+    left = sorted(path.stem for path in folder.glob("*.md") if path.stem not in placed)
+    if left:
+        sections["More"] = left
+    sections["Results"] = sorted(f"results/{path.stem}" for path in (folder / "results").glob("*.md"))
+    sections["Reference"] = [f"reference/{name}" for name in REFERENCE]
+    sections["Project"] = [Path(name).stem for name in PROJECT]
+    blocks = [
+        "\n".join(["", "```{toctree}", ":hidden:", f":caption: {title}", "", *pages, "```", ""])
+        for title, pages in sections.items()
+    ]
+    return "".join(blocks)
+
+
+def main(out: str) -> int:
+    """Build the site into the folder `out`. Return the exit status of Sphinx."""
+    from sphinx.cmd.build import main as build_site
+
+    with tempfile.TemporaryDirectory() as folder:
+        collect_pages(Path(folder))
+        return build_site(["-q", "-W", "--keep-going", "-b", "html", folder, out])
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit("usage: python docs/site/build.py OUT")
+    sys.exit(main(sys.argv[1]))
