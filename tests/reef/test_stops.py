@@ -1,20 +1,36 @@
 import math
 
 import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
 
-from coral.reef.stops import greedy_cover, neighbours, order_stops, rearranged, shifted, unturned, without
+from coral.reef.stops import Sightings, greedy_cover, neighbours, order_stops, rearranged, shifted, unturned, without
+
+
+def sightings(table):
+    return Sightings.of([np.flatnonzero(row) for row in table], np.shape(table)[1])
 
 
 def test_a_cover_has_everything_and_begins_with_the_row_that_adds_most():
-    seen = np.array([[1, 1, 0, 0], [0, 1, 1, 1], [0, 0, 0, 1], [0, 0, 0, 0]], bool)
+    seen = sightings(np.array([[1, 1, 0, 0], [0, 1, 1, 1], [0, 0, 0, 1], [0, 0, 0, 0]]))
     assert greedy_cover(seen, np.ones(4)) == [1, 0]
     # The first column is worth more than the three others together.
     assert greedy_cover(seen, np.array([10.0, 1, 1, 1])) == [0, 1]
-    assert greedy_cover(np.zeros((3, 0), bool), np.zeros(0)) == []
+    assert greedy_cover(sightings(np.zeros((3, 0))), np.zeros(0)) == []
 
 
 def test_columns_without_worth_are_covered_too():
-    assert greedy_cover(np.eye(3, dtype=bool), np.array([1.0, 0.0, 0.0])) == [0, 1, 2]
+    assert greedy_cover(sightings(np.eye(3)), np.array([1.0, 0.0, 0.0])) == [0, 1, 2]
+
+
+@given(st.lists(st.lists(st.booleans(), min_size=5, max_size=5), min_size=1, max_size=6), st.integers(0, 6))
+def test_sightings_equal_a_dense_table(rows, cut):
+    table, weight = np.array(rows), np.array([1.0, 2.0, 4.0, 8.0, 16.0])
+    parts = [sightings(part) for part in (table[:cut], table[cut:]) if len(part)]
+    joined = Sightings.together(parts)
+    assert joined.worth(weight).tolist() == (table @ weight).tolist()
+    assert joined.seen().tolist() == table.any(axis=0).tolist()
+    assert [joined.row(v).tolist() for v in range(len(table))] == [np.flatnonzero(row).tolist() for row in table]
 
 
 def distances(points):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,7 +23,7 @@ from coral.reef.imaging_kernels import INSPECTED
 from coral.reef.mapping import distance_to
 from coral.reef.reachability import free_space, obstacle_outline
 from coral.reef.scene import Scene
-from coral.reef.stops import Place, Stop, greedy_cover, order_stops, rearranged, shifted, unturned, without
+from coral.reef.stops import Place, Sightings, Stop, greedy_cover, order_stops, rearranged, shifted, unturned, without
 from coral.reef.tour_kernels import follow
 from coral.reef.vehicle import VehicleCfg
 from coral.reef.world import ReefWorld
@@ -33,6 +34,8 @@ SLACK = 0.005
 """Share of what can be inspected that the tour may leave out: single points in corners would need long detours."""
 EVALUATIONS = 1500
 """Most tours that the local search drives, from each start."""
+FIELD_MEMORY, LEAST_FIELDS = 256 << 20, 64
+"""Memory (bytes) for cached path lengths, of which each place has a map, and the least number of maps kept."""
 LOOK_PERIOD = 4
 """Only every fourth picture counts while tours are compared. All pictures of the chosen tour count."""
 
@@ -107,20 +110,22 @@ class _Planner:
         self._cell_m, self._clearance = space.cell_m, distance_to(space.solid, space.cell_m)
         # Paths keep away from obstacles if there is room: a vehicle that follows one cuts corners by a few centimetres.
         self._paths = CostFieldCfg(radius_m=vehicle.hull_radius_m + 0.05, band_m=0.2, penalty=1.0)
-        self._fields: dict[Place, CostField] = {}
+        self._fields: OrderedDict[Place, CostField] = OrderedDict()
+        cells = self._clearance.size / self._paths.ratio**2
+        self._most_fields = max(LEAST_FIELDS, int(FIELD_MEMORY / (5 * cells)))
         self._legs: dict[tuple[float, ...], NDArray[np.float64]] = {}
-        self._views: list[tuple[NDArray[np.float64], NDArray[np.bool_]]] = []
+        self._views: list[tuple[NDArray[np.float64], Sightings]] = []
 
     def search(self, spacing_m: float) -> tuple[float, list[Stop]]:
         """Return the share that can be inspected, minus the slack, and stops that cover it, in a short order."""
         poses, seen = self._candidates(spacing_m)
         self._views.append((poses, seen))
         stops = [(float(x), float(y), math.nan) for x, y, _ in poses[greedy_cover(seen, self.weight)]]
-        target = float(self.weight[seen.any(axis=0)].sum()) - SLACK if len(poses) else 0.0
+        target = float(self.weight[seen.seen()].sum()) - SLACK if len(poses) else 0.0
         return target, [stops[k] for k in order_stops(self._distances(stops))]
 
-    def _candidates(self, spacing_m: float) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Return viewpoints that the hull can reach, Shape=(V, 3), and the points each inspects, Shape=(V, M)."""
+    def _candidates(self, spacing_m: float) -> tuple[NDArray[np.float64], Sightings]:
+        """Return viewpoints that the hull can reach, Shape=(V, 3), and the points that each inspects."""
         xy, reach = self.meter.points[:, :2], self.meter.inspection_m
         low, high = xy.min(axis=0) - reach, xy.max(axis=0) + reach
         axes = [np.arange(a, b + spacing_m, spacing_m) for a, b in zip(low, high, strict=True)]
@@ -141,8 +146,8 @@ class _Planner:
                 self.meter.look(Pose(x, y, float(theta)), level, count)
                 if count[INSPECTED].any():
                     poses.append((x, y, float(theta)))
-                    seen.append(level == INSPECTED)
-        return np.array(poses).reshape(-1, 3), np.array(seen, np.bool_).reshape(-1, len(xy))
+                    seen.append(np.flatnonzero(level == INSPECTED))
+        return np.array(poses).reshape(-1, 3), Sightings.of(seen, len(xy))
 
     def _distances(self, stops: Sequence[Stop]) -> NDArray[np.float64]:
         """Compute path lengths (m) from the start and every stop to every stop. Shape=(N + 1, N)."""
@@ -152,12 +157,13 @@ class _Planner:
 
     def complete(self, route: list[Stop], target: float) -> list[Stop]:
         """Add stops with a heading until the target is met, each where it adds the least time."""
-        poses, seen = (np.concatenate(parts) for parts in zip(*self._views, strict=True))
+        poses = np.concatenate([poses for poses, _ in self._views])
+        seen = Sightings.together([seen for _, seen in self._views])
         while True:
             _, level = self._drive(route, target)
             if float(self.weight[level == INSPECTED].sum()) >= target:
                 return route
-            gain = seen.astype(np.float32) @ np.where(level == INSPECTED, 0.0, self.weight).astype(np.float32)
+            gain = seen.worth(np.where(level == INSPECTED, 0.0, self.weight))
             x, y, theta = map(float, poses[int(np.argmax(gain))])
             options = [[*route[:k], (x, y, theta), *route[k:]] for k in range(len(route) + 1)]
             route = min(options, key=self._length)
@@ -258,8 +264,12 @@ class _Planner:
         return self._legs[*a, *b]
 
     def _field(self, goal: Place) -> CostField:
+        """Return the path lengths to a place. The least recently used are given up, and computed again when needed."""
         if goal not in self._fields:
             self._fields[goal] = CostField.compute(self._clearance, goal, cell_m=self._cell_m, cfg=self._paths)
+            while len(self._fields) > self._most_fields:
+                self._fields.popitem(last=False)
+        self._fields.move_to_end(goal)
         return self._fields[goal]
 
     def _nothing(self) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:

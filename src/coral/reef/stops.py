@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,21 +19,61 @@ Stop = tuple[float, float, float]
 Route = list[Stop]
 
 
-def greedy_cover(seen: NDArray[np.bool_], weight: NDArray[np.float64]) -> list[int]:
-    """Choose few rows that together cover what all rows cover, by adding the row that covers most each time.
+@dataclass(frozen=True)
+class Sightings:
+    """Which of M points each of V viewpoints sees: a sparse table, since a viewpoint sees few of the points."""
+
+    points: NDArray[np.int32]
+    """Indices of the points that are seen, viewpoint after viewpoint. Shape=(N,)."""
+    ends: NDArray[np.int64]
+    """Viewpoint v sees points[ends[v - 1] : ends[v]]. Shape=(V,)."""
+    width: int
+    """M."""
+
+    @classmethod
+    def of(cls, rows: Sequence[NDArray[np.intp]], width: int) -> Sightings:
+        """Collect the indices of the points that each viewpoint sees, of `width` points."""
+        ends = np.cumsum([len(points) for points in rows], dtype=np.int64)
+        return cls(np.concatenate([np.empty(0), *rows]).astype(np.int32), ends, width)
+
+    @classmethod
+    def together(cls, parts: Sequence[Sightings]) -> Sightings:
+        """Join tables over the same points, one after another."""
+        before = np.cumsum([0, *(len(part.points) for part in parts[:-1])])
+        ends = np.concatenate([part.ends + n for part, n in zip(parts, before, strict=True)])
+        return cls(np.concatenate([part.points for part in parts]), ends, parts[0].width)
+
+    def row(self, v: int) -> NDArray[np.int32]:
+        """Return the points that viewpoint v sees."""
+        return self.points[self.ends[v - 1] if v else 0 : self.ends[v]]
+
+    def seen(self) -> NDArray[np.bool_]:
+        """Return whether any viewpoint sees each point. Shape=(M,)."""
+        mask = np.zeros(self.width, np.bool_)
+        mask[self.points] = True
+        return mask
+
+    def worth(self, weight: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Add up the weights, Shape=(M,), of the points that each viewpoint sees. Shape=(V,)."""
+        begins = np.concatenate([[0], self.ends[:-1]])[: len(self.ends)]
+        sums = np.add.reduceat(np.append(weight[self.points], 0.0), begins)
+        return np.where(begins < self.ends, sums, 0.0)
+
+
+def greedy_cover(sightings: Sightings, weight: NDArray[np.float64]) -> list[int]:
+    """Choose few viewpoints that together see what all see, by adding the one that adds most each time.
 
     Args:
-        seen: Shape=(V, M), whether row v covers column m.
-        weight: Shape=(M,), weight of each column.
+        sightings: What the viewpoints see.
+        weight: Shape=(M,), weight of each point.
     """
-    left = seen.any(axis=0)
-    table, chosen = seen.astype(np.float32), []
+    left, chosen = sightings.seen(), list[int]()
     while left.any():
-        best = int(np.argmax(table @ np.where(left, weight, 0.0).astype(np.float32)))
-        if not (seen[best] & left).any():
-            best = int(np.argmax((seen & left).any(axis=1)))
+        best = int(np.argmax(sightings.worth(np.where(left, weight, 0.0))))
+        if not left[sightings.row(best)].any():
+            best = int(np.argmax(sightings.worth(left.astype(np.float64))))
         chosen.append(best)
-        left &= ~seen[best]
+        left[sightings.row(best)] = False
     return chosen
 
 
