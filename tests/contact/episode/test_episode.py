@@ -240,3 +240,25 @@ def test_what_fails_at_the_end_does_not_cost_the_record(run, tmp_path):
         run(Forgetful(strategy()))
     assert json.loads((tmp_path / "run" / "metrics.json").read_text())["end_reason"] == "timeout"
     assert events(tmp_path / "run")[-1]["event"] == "end"
+
+
+def late(seconds="fixed:0.08"):
+    return dataclasses.replace(COARSE, planning=dataclasses.replace(COARSE.planning, latency=seconds))
+
+
+def test_with_latency_the_hand_holds_still_until_the_first_plan_and_follows_each_plan_until_the_next(run):
+    result, folder, world = run(cfg=late(), seconds=0.4)
+    assert result["plans"] == 5  # every 0.08 s, four steps each
+    plans = events(folder, "plan")
+    assert [event["ahead_s"] for event in plans] == [0.08] * 5
+    assert result["plan_late_ms_median"] == 80.0
+    assert [round(event["t"], 6) for event in plans] == [0.0, 0.08, 0.16, 0.24, 0.32]
+    first = np.array([command.position for command in world.commands[:4]])
+    assert np.ptp(first, axis=0).max() == 0.0
+    assert np.ptp([command.position for command in world.commands[4:8]], axis=0).max() > 0.0
+
+
+def test_without_latency_a_plan_is_followed_at_once(run):
+    _, folder, world = run(seconds=0.2)
+    assert "ahead_s" not in events(folder, "plan")[0]
+    assert np.ptp([command.position for command in world.commands[:2]], axis=0).max() > 0.0

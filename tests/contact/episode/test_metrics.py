@@ -50,6 +50,7 @@ def test_metrics_of_a_finished_episode():
         "first_touch_s": 0.04,
         "plan_cost": 3.5,
         "plan_cost_jump": 1.0,
+        "plan_late_ms_median": 0.0,
         "effective_samples": 3.0,
         "diverged_rehearsals": 1,
         "track_lost": 0,

@@ -5,7 +5,7 @@ import pytest
 
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, make_strategy
-from coral.contact.plan.stage_beginnings import BeginningsCfg, observation_of, stage_beginnings
+from coral.contact.plan.stage_beginnings import BeginningsCfg, stage_beginnings
 from coral.mppi.knots import KnotMppiCfg
 
 UP = "def state_cost(self):\n    return abs(self.ee_pos[2] - 0.35)"
@@ -36,12 +36,3 @@ def test_a_later_stage_begins_where_the_one_before_it_ends(scene):
 def test_a_stage_that_is_not_reached_has_no_beginning(scene, code, done):
     one = scene("pick-box")
     assert list(found(one, strategy(one, code, done))) == ["rise"]
-
-
-def test_a_state_comes_back_as_an_observation(scene):
-    one = scene("pick-box")
-    now = observation_of(one.world.present(one.now), one.now)
-    np.testing.assert_allclose(now.tool.position, one.now.tool.position, atol=1e-3)
-    np.testing.assert_allclose(now.objects["box"].position, one.now.objects["box"].position, atol=1e-3)
-    assert now.opening_m == pytest.approx(one.now.opening_m, abs=2e-3)
-    assert now.wrench.shape == (6,)

@@ -27,7 +27,7 @@ def surprise_after(seconds, period_s, cfg):
         now = observed(k * period_s, 0.05 if k else 0.0)
         plan = SimpleNamespace(cost=1.0, terms={}, now={"box_pos": now.objects["box"].position[None, None]})
         taken = (Transition(before, still, now),) if k else ()
-        monitor.update(PlanReport(k, now, plan, "push", taken))
+        monitor.update(PlanReport(k, now, plan, "push", taken, next_state=plan.now))
         before = now
     return monitor.surprise_m["box"]
 

@@ -64,7 +64,7 @@ def plan_report(one, t, stage, cost, taken=()):
         0,
     )
     assert body is not None
-    return PlanReport(0, now, plan, stage, taken)
+    return PlanReport(0, now, plan, stage, taken, next_state=plan.now)
 
 
 def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):

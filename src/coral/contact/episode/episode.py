@@ -15,12 +15,16 @@ from coral.config import checked, to_mapping, whole_steps
 from coral.contact.control.hand_controllers import HandController, MakeHandController, hand_controller_maker
 from coral.contact.control.measured_contacts import touched_by, with_measured_contacts
 from coral.contact.control.mppi_controller import HandPlan
+from coral.contact.control.plan_latency import PlanLatency
 from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.control.prediction import state_after
 from coral.contact.control.reactive import Reactive
+from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress, Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.metrics import compute_metrics
+from coral.contact.episode.plan_under_way import PlanUnderWay
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
 from coral.contact.episode.trial_log import end_reason, parameter_fields, start_fields, write_head
 from coral.contact.perception.advisor_camera import make_advisor_camera
@@ -100,6 +104,10 @@ class Episode:
         self.writer = RunWriter(folder, columns(objects))
         self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
         self.listeners: list[Callable[[Mapping[str, Any]], None]] = []
+        self.latency = PlanLatency(cfg.planning.latency, cfg.planning.step_s, cfg.replan_steps, cfg.controller.horizon)
+        self._under_way: PlanUnderWay | None = None
+        self._ahead = 0
+        self._predicted: Observation
         self._without_plan = 0
         self._taken: list[Transition] = []
         self._touched: dict[str, tuple[str, ...]] = {}
@@ -150,26 +158,51 @@ class Episode:
             run_to_end(self, observers)
 
     def advance(self) -> None:
-        """Plan once, and execute the plan's first steps."""
+        """Plan once, and execute the next steps."""
         plan = self._plan()
         if plan is not None:
             self._take(plan, self.cfg.replan_steps)
 
     def _take(self, plan: HandPlan, most: int) -> None:
-        """Execute a plan's first steps.
+        """Execute a plan's first steps; if planning takes time, those of the plan before until this one is ready.
 
         Args:
             plan: The plan.
             most: Upper bound on the configured number of steps.
         """
-        taken = 0
-        for k in range(min(self.cfg.replan_steps, most, len(plan.targets))):
-            if not self._act(plan, k):
+        if self.latency.charged:
+            self._await(plan)
+            return
+        taken, under_way = 0, PlanUnderWay(plan)
+        for _ in range(min(self.cfg.replan_steps, most, len(plan.targets))):
+            if not self._act(under_way):
                 break
-            taken = k + 1
+            taken += 1
             if self.end_reason:
                 break
         self.controller.executed(plan.targets[max(taken - 1, 0)], taken)
+
+    def _await(self, plan: HandPlan) -> None:
+        """Follow the plan under way until `plan` is ready, and hand over to it."""
+        steps = max(self._ahead, self.latency.taken_steps(1e-3 * self.plan_ms[-1]))
+        for _ in range(steps):
+            going = self._hold_still() if self._under_way is None else self._act(self._under_way)
+            if not going or self.end_reason:
+                return
+        self._under_way = PlanUnderWay.beginning(plan, steps - self._ahead, self._predicted, self.now)
+
+    def _plan_start(self) -> tuple[Observation, int]:
+        """Return the state from which to plan and its step: now, or when the plan will be ready."""
+        if not self.latency.charged:
+            return self.now, self.step
+        self._ahead = self.latency.expected_steps()
+        if self._under_way is None:
+            coming = (self._still,) * self._ahead
+        else:
+            coming = self._under_way.coming(self._ahead)
+            self.controller.executed(coming[-1], self._under_way.next + self._ahead)
+        self._predicted = state_after(self.planner, self.now, coming, self.step)
+        return self._predicted, self.step + self._ahead
 
     def emit(self, event: str, **fields: Any) -> None:
         """Append an event at the present step and notify listeners."""
@@ -229,7 +262,7 @@ class Episode:
             return None
         taken, self._taken = tuple(self._taken), []
         try:
-            report = PlanReport(self.step, self.now, plan, stage.name, taken, self._touched)
+            report = PlanReport(self.step, self.now, plan, stage.name, taken, self._touched, self._next_state(plan))
             other = self._ask_strategist(lambda: self.strategist.on_plan(report))
         except CostError as error:
             self._cost_error(error, stage.name)
@@ -237,6 +270,13 @@ class Episode:
         if other is not None:
             self._follow(other)
         return plan if self.step == step and not self.end_reason else None
+
+    def _next_state(self, plan: HandPlan) -> Context | None:
+        """Return the state predicted after the next control step; None without a prediction."""
+        if not self.latency.charged:
+            return plan.now
+        under_way = self._under_way
+        return under_way.plan.now if under_way is not None and under_way.next == 0 else None
 
     def _ask_strategist(self, ask: Callable[[], Strategy | None]) -> Strategy | None:
         """Return the strategist's reply; None if the episode ended meanwhile or for lack of a decision."""
@@ -256,9 +296,11 @@ class Episode:
         """
         stage = self.progress.stage
         begun = time.perf_counter()
-        plan = self.controller.plan(self.now, stage, self.step)
+        start, step = self._plan_start()
+        plan = self.controller.plan(start, stage, step)
         self._touched = touched_by(self.planner, self.now, self._still.opening_m)
-        changed = self.progress.update(with_measured_contacts(plan.now, self.now, self._touched))
+        present = self.planner.present(self.now, self.step) if self.latency.charged else plan.now
+        changed = self.progress.update(with_measured_contacts(present, self.now, self._touched))
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
         self.emit(
             "plan",
@@ -270,6 +312,7 @@ class Episode:
             terms={name: _number(value) for name, value in plan.terms.items()},
             aim=numbers(plan.targets[-1].position, 4),
             touched=sorted({name for names in self._touched.values() for name in names}),
+            **({"ahead_s": round(self._ahead * self.cfg.planning.step_s, 6)} if self.latency.charged else {}),
         )
         if not all(
             np.isfinite([*target.position, *target.quaternion, target.opening_m]).all()
@@ -289,30 +332,26 @@ class Episode:
     def _cost_error(self, error: CostError, stage: str) -> None:
         self.end_reason, self.detail = "cost-error", f"stage {stage!r}: {error}"
 
-    def _act(self, plan: HandPlan, k: int) -> bool:
-        """Execute one control step of a plan; return False if the world failed."""
-        target = self._still = plan.targets[k]
+    def _act(self, under_way: PlanUnderWay) -> bool:
+        """Execute the next control step of a plan; return False if the world failed."""
+        (planned,), k = under_way.coming(1), min(under_way.next, len(under_way.plan.targets) - 1)
+        target = self._still = planned
         if self.tracked is not None:
             target = self.tracked.retreat(target, self.now)
         if not self._step(target):
             return False
-        if target is plan.targets[k]:
-            self.reactive.observe(
-                plan.expected_position[k],
-                plan.expected_force[k],
-                self.now,
-                k,
-                plan.expected_quaternion[k],
-                plan.expected_torque[k],
-            )
+        under_way.next += 1
+        if target is planned:
+            under_way.compare(k, self.now, self.reactive)
         else:
             self.reactive.reset()  # the plan predicted another outcome of this step
         return True
 
-    def _hold_still(self) -> None:
-        """Execute one control step towards the last target of the hand."""
+    def _hold_still(self) -> bool:
+        """Execute one control step towards the last target of the hand; return False if the world failed."""
         self.reactive.reset()
-        self._step(self._still)
+        self._under_way = None
+        return self._step(self._still)
 
     def _step(self, target: HandTarget) -> bool:
         """Execute one control step; return False if the world failed."""

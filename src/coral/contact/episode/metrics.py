@@ -38,6 +38,7 @@ DEFINITIONS = {
     "first_touch_s": "Simulated time (s) at which the hand first touched an object.",
     "plan_cost": "Mean expected cost of the plans.",
     "plan_cost_jump": "Mean change of that cost from one plan to the next within a stage: how erratic planning was.",
+    "plan_late_ms_median": "Median time (ms) between a plan's state and its use, with `planning.latency`; 0 without.",
     "effective_samples": "Mean effective sample size of the plans.",
     "diverged_rehearsals": "Number of rehearsals in the planning world excluded because they diverged.",
     "track_lost": "Number of times that the tracker lost an object.",
@@ -73,6 +74,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     plans = asked = stages = contacts = diverged = 0
     lost = recovered = 0
     effective, strategy = 0.0, ""
+    ahead: list[float] = []
     costs: list[float] = []
     jumps: list[float] = []
     planned: tuple[str, float] = ("", math.nan)
@@ -86,6 +88,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         elif kind == "plan":
             plans += 1
             effective += float(event["ess"])
+            ahead.append(1e3 * float(event.get("ahead_s", 0.0)))
             diverged += int(event["diverged"])
             if event.get("cost") is not None:
                 stage, cost = str(event.get("stage", "")), float(event["cost"])
@@ -147,6 +150,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "first_touch_s": touched,
         "plan_cost": round(fmean(costs), 4) if costs else None,
         "plan_cost_jump": round(fmean(jumps), 4) if jumps else None,
+        "plan_late_ms_median": round(median(ahead), 1) if ahead else None,
         "effective_samples": round(effective / plans, 2) if plans else None,
         "diverged_rehearsals": diverged,
         "track_lost": lost,

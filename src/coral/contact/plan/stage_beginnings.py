@@ -12,12 +12,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from coral.config import Count, Positive
-from coral.contact.control.mppi_controller import Controller, ControllerCfg, HandPlan
-from coral.contact.control.planning_world import ControlSequences, PlanningWorld
-from coral.contact.cost.context import Array, Context
+from coral.contact.control.mppi_controller import Controller, ControllerCfg
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.control.prediction import state_after
 from coral.contact.cost.stages import Progress, Strategy
 from coral.contact.cost_program.errors import CostError
-from coral.contact.scene.observation import BodyState, Observation
+from coral.contact.scene.observation import Observation
 from coral.mppi.knots import KnotMppiCfg
 
 SEED = 20_261
@@ -67,47 +67,8 @@ def stage_beginnings(
                 found.setdefault(progress.stage.name, now)
                 if all(name in found for name in wanted):
                     break
-            now = _after(world, now, plan, stage.stiffness_n_m, cfg.replan_steps, step)
+            now = state_after(world, now, plan.targets[: cfg.replan_steps], step)
             controller.executed(plan.targets[cfg.replan_steps - 1], cfg.replan_steps)
     except CostError:
         pass  # the stages that were reached before have begun nevertheless
     return found
-
-
-def _after(
-    world: PlanningWorld, now: Observation, plan: HandPlan, stiffness: float, count: int, step: int
-) -> Observation:
-    """Return the state after the first steps of a plan under the best belief."""
-    targets = plan.targets[:count]
-    controls = ControlSequences(
-        np.array([target.position for target in targets])[None],
-        np.array([target.quaternion for target in targets])[None],
-        np.array([[target.opening_m for target in targets]]),
-        stiffness,
-    )
-    states, _ = world.rollout(now, controls, step)
-    return observation_of(states, now)
-
-
-def observation_of(states: Context, like: Observation) -> Observation:
-    """Return the last state of the first sequence as an observation.
-
-    Args:
-        states: Rolled-out states.
-        like: An observation of the same objects.
-    """
-
-    def last(name: str) -> Array:
-        value: Array = np.asarray(states[name])[0, -1]
-        return value
-
-    def body(name: str, turn: str = "angvel") -> BodyState:
-        return BodyState(last(f"{name}_pos"), last(f"{name}_quat"), last(f"{name}_vel"), last(f"{name}_{turn}"))
-
-    return Observation(
-        time_s=float(np.asarray(states["time"])[0, -1]),
-        tool=body("ee"),
-        opening_m=float(np.clip(last("gripper_opening"), 0.0, None)),
-        wrench=np.concatenate([last("ee_force"), last("ee_torque")]),
-        objects={name: body(name) for name in like.objects},
-    )

@@ -137,4 +137,7 @@ class ProgressMonitor:
                 off = float(np.linalg.norm(report.taken[0].after.objects[name].position - place))
                 surprise[name] = kept * surprise.get(name, 0.0) + off
         self.surprise_m, self._reported_s = surprise, report.now.time_s
-        self._expected = {name: np.asarray(report.plan.now[f"{name}_pos"])[0, 0] for name in report.now.objects}
+        expected = report.next_state
+        self._expected = (
+            {} if expected is None else {name: np.asarray(expected[f"{name}_pos"])[0, 0] for name in report.now.objects}
+        )

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from coral.contact.control.mppi_controller import HandPlan
 from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.perception.advisor_camera import Look
@@ -45,6 +46,8 @@ class PlanReport:
     """Control steps since the previous plan."""
     touched: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """What the left and the right finger and the rest of the hand touch, as measured."""
+    next_state: Context | None = None
+    """Predicted state after the next control step; None if the hand holds still until this plan is ready."""
 
 
 class NoStrategy(RuntimeError):
