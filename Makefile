@@ -8,7 +8,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-libero demo test test-ray test-lance test-model test-libero test-ardusub check docs site figures bench clean help
+.PHONY: setup setup-libero setup-blender demo test test-ray test-lance test-model test-libero test-ardusub test-blender check docs site figures bench clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -30,7 +30,7 @@ demo: setup  ## survey the S-shaped reef, make its report and a video
 test: setup  ## the whole test suite
 ifeq ($(BROWSER),)
 	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
-	$(BIN)/python -m pytest -n 2 -m "not ray and not model and not libero and not ardusub and not browser"
+	$(BIN)/python -m pytest -n 2 -m "not ray and not model and not libero and not ardusub and not blender and not browser"
 else
 	$(BIN)/python -m pytest -n 2
 endif
@@ -59,6 +59,14 @@ test-libero: setup-libero  ## the scenes of LIBERO-OBJECT as they really are
 test-ardusub: setup  ## the driver against ArduSub in the loop, in real time (CORAL_ARDUSUB names its folder)
 	@test -n "$(CORAL_ARDUSUB)" || { echo "make: CORAL_ARDUSUB must name the folder with ardusub and sub-6dof.parm"; exit 1; }
 	$(BIN)/python -m pytest -m ardusub tests/reef/sea
+
+# bpy wants an older NumPy than ours and fits Python 3.11 only, so it has an environment of its own.
+setup-blender: setup  ## Blender as a package (a download of 374 MB), apart from the environment's packages
+	test -x $(VENV)/share/coral-blender/bin/python || $(PYTHON) -m venv $(VENV)/share/coral-blender
+	$(VENV)/share/coral-blender/bin/python -m pip --disable-pip-version-check install --quiet bpy==5.0.1
+
+test-blender: setup  ## Blender builds and renders a reef, where `make setup-blender` or CORAL_BLENDER_PYTHON has one
+	$(BIN)/python -m pytest -m blender tests/reef/eyes tests/commands/test_reef_blender.py
 
 check: setup  ## lint, format and types
 	$(BIN)/ruff format --check .

@@ -37,6 +37,7 @@ EXTRAS = {
     "memory": ("wordllama", "meanings of task descriptions, for the experience memory"),
     "lance": ("lancedb", "an experience memory that several machines share"),
     "ray": ("ray", "campaigns on a cluster"),
+    "blender": ("bpy", "reefs as .blend files, and photorealistic pictures (make setup-blender)"),
     "gym": ("gymnasium", "reefs and tasks as Gymnasium environments"),
     "vehicle": ("pymavlink", "a BlueROV2 by MAVLink, and the simulated autopilot"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),
@@ -66,6 +67,7 @@ class Doctor:
             "temporary folder": os.access(tempfile.gettempdir(), os.W_OK),
         }
         from coral.contact.cost_program import CostWorker
+        from coral.reef.eyes.blender import blender_python
 
         with CostWorker() as worker:
             filtered = worker.check()
@@ -77,7 +79,10 @@ class Doctor:
             "cores": os.cpu_count(),
             "costs_filtered": filtered,
             "browser": shutil.which("chromium") or shutil.which("google-chrome"),
-            "extras": {name: importlib.util.find_spec(module) is not None for name, (module, _) in EXTRAS.items()},
+            "extras": {
+                name: importlib.util.find_spec(module) is not None if module != "bpy" else blender_python() is not None
+                for name, (module, _) in EXTRAS.items()
+            },
             "keys": {key: key in os.environ for key in KEYS},
         }
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from coral.reef.camera import Camera, CameraCfg
 from coral.reef.collision import ContactCounter, clearance
 from coral.reef.coverage import CoverageCfg, CoverageMeter
-from coral.reef.eyes.painter import Painter, PainterCfg
+from coral.reef.eyes.daylight import PainterCfg
+from coral.reef.eyes.painter import Painter
 from coral.reef.eyes.water_types import WaterType, find_water, water_of_visibility
 from coral.reef.geometry import Frame, Pose
 from coral.reef.imaging import ImagingCfg, ImagingMeter

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from coral.reef.camera import Camera, CameraCfg
-from coral.reef.eyes.painter import Painter, PainterCfg
+from coral.reef.eyes.daylight import PainterCfg
+from coral.reef.eyes.painter import Painter
 from coral.reef.geometry import Label, Pose
 from coral.reef.scene import Scene
 from coral.reef.world import load_world

@@ -3,57 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Fraction, NonNegative, Positive, Signed
 from coral.reef.camera import CameraCfg, T_world_camera
 from coral.reef.eyes import caustics
+from coral.reef.eyes.daylight import PainterCfg, sun_direction
+from coral.reef.eyes.exposure import expose, noise_seed
 from coral.reef.eyes.ground import SeaFloor
 from coral.reef.eyes.materials import Materials
 from coral.reef.eyes.noise_tiles import noise_tile
-from coral.reef.eyes.shading_kernels import shade
-from coral.reef.eyes.water_kernels import attenuate, develop
+from coral.reef.eyes.shading_kernels import SAND, shade
+from coral.reef.eyes.water_kernels import attenuate
 from coral.reef.eyes.water_types import Rgb, WaterType, find_water
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.scene import Scene
-
-_INDEX = 1.34
-"""Refractive index of sea water."""
-_LUMA = (0.2126, 0.7152, 0.0722)
-
-
-@dataclass(frozen=True, kw_only=True)
-class PainterCfg:
-    """Daylight, lens and sensor of the colour pictures. The daylight just below the surface is 1."""
-
-    water_depth_m: Positive = 5.0
-    """Depth of the sea floor. Oyster reefs grow from the intertidal to about 10 m."""
-    sun_elevation_deg: Positive = 55.0
-    """Height of the sun above the horizon, in air."""
-    sun_azimuth_deg: Signed = 140.0
-    """Direction of the sun in the world, counter-clockwise from +x."""
-    sky_share: Fraction = 0.35
-    """Share of the daylight below the surface that does not come straight from the sun."""
-    wave_slope: NonNegative = 0.09
-    """Root mean square slope of the waves that focus the caustics; 0 switches these off."""
-    forward_blur_deg: NonNegative = 2.5
-    """Standard deviation of light scattered forward: half of Petzold's scattering is within 5 degrees."""
-    lens_blur_px: NonNegative = 0.5
-    """Standard deviation of the lens and the pixel (px)."""
-    vignette: Fraction = 0.25
-    """Share of light that is lost in the corners."""
-    exposure: Fraction = 0.40
-    """Mean brightness that the automatic exposure aims at, on the linear scale below white."""
-    white_balance: Fraction = 0.5
-    """How far the automatic white balance goes towards an average of gray."""
-    photons: Positive = 4000.0
-    """Photons of a white pixel in daylight: the smaller, the more noise."""
-    read_noise: NonNegative = 0.004
-    """Standard deviation of the sensor's own noise, as a share of white."""
 
 
 class Painter:
@@ -86,7 +52,7 @@ class Painter:
         self._p = (np.arange(self.camera.width, dtype=np.float64) - cx) / fx
         self._q = (np.arange(self.camera.height, dtype=np.float64) - cy) / fy
         self._focal = fx
-        self.sun: tuple[float, float, float] = _refracted(self.cfg.sun_elevation_deg, self.cfg.sun_azimuth_deg)
+        self.sun: tuple[float, float, float] = sun_direction(self.cfg)
         self._materials = Materials.of(scene, seed)
         self._ground = SeaFloor.of(scene, self.sun)
         self._tile = noise_tile(0)
@@ -98,7 +64,6 @@ class Painter:
         )
         shape = (self.camera.height, self.camera.width, 3)
         self._surface, self._direct, self._forward = (np.empty(shape, np.float32) for _ in range(3))
-        self._curve = _srgb_table()
 
     def paint(
         self,
@@ -124,7 +89,7 @@ class Painter:
             Shape=(H, W, 3), RGB in sRGB.
         """
         light = self.light(frame, pose, height=height, roll=roll, pitch=pitch, t=t)
-        return self._develop(light, hash((self.seed, round(t * 1e6), *(round(v * 1e6) for v in pose))) & 0x7FFFFFFF)
+        return expose(light, self.cfg, noise_seed(self.seed, pose, t))
 
     def light(
         self,
@@ -177,7 +142,7 @@ class Painter:
             _scaled(floor, straight / self.sun[2]),
             _scaled(floor, 1.0 - straight),
             water.diffuse,
-            (0.50, 0.44, 0.34),
+            SAND,
             self._surface,
         )
         # Scattered evenly over the sphere: b E / (4 pi), of irradiance from above that fills about half of it.
@@ -202,23 +167,6 @@ class Painter:
         sigma = math.radians(cfg.forward_blur_deg) * self._focal
         return _blurred(self._direct + _blurred(self._forward, sigma), cfg.lens_blur_px)
 
-    def _develop(self, light: NDArray[np.float32], seed: int) -> NDArray[np.uint8]:
-        cfg = self.cfg
-        mean = np.maximum(light.reshape(-1, 3).mean(axis=0), 1e-9)
-        balance = (mean[1] / mean) ** cfg.white_balance
-        gain = cfg.exposure * 0.5 / float(np.dot(_LUMA, mean * balance))
-        gains = _scaled((float(balance[0]), float(balance[1]), float(balance[2])), gain)
-        picture = np.empty(light.shape, np.uint8)
-        develop(light, gains, cfg.vignette, cfg.photons, cfg.read_noise, seed, self._curve, picture)
-        return picture
-
-
-def _refracted(elevation_deg: float, azimuth_deg: float) -> tuple[float, float, float]:
-    """Return the unit vector towards the sun under water (Snell's law)."""
-    across = math.cos(math.radians(elevation_deg)) / _INDEX
-    azimuth = math.radians(azimuth_deg)
-    return across * math.cos(azimuth), across * math.sin(azimuth), math.sqrt(1.0 - across * across)
-
 
 def _daylight(water: WaterType, depth_m: float) -> Rgb:
     red, green, blue = (math.exp(-k * depth_m) for k in water.diffuse)
@@ -232,10 +180,3 @@ def _scaled(light: Rgb, by: float) -> Rgb:
 
 def _blurred(image: NDArray[np.float32], sigma: float) -> NDArray[np.float32]:
     return np.asarray(cv2.GaussianBlur(image, (0, 0), sigma), np.float32) if sigma > 0.0 else image
-
-
-def _srgb_table() -> NDArray[np.uint8]:
-    """Return the sRGB curve (IEC 61966-2-1) for 4096 linear values from 0 to 1."""
-    x = np.linspace(0.0, 1.0, 4096)
-    curve = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
-    return np.round(255.0 * curve).astype(np.uint8)

@@ -12,6 +12,8 @@ from coral.reef.eyes.noise_tiles import SIZE
 
 SHELL, ROCK, PILE, BLOCK, BUOY, CARD = range(6)
 """Materials: an oyster's shell, a rock, a wooden pile, a concrete block, a painted ball, an even gray card."""
+SAND = (0.50, 0.44, 0.34)
+"""Reflectance of dry quartz sand with some shell, darkened by being wet."""
 _TEXELS = SIZE * SIZE
 _FAST = {"contract", "arcp", "afn", "nsz", "reassoc"}
 """Without the flags that would let the compiler forget infinity, which is the depth of open water."""
