@@ -114,13 +114,15 @@ class ReefSimulator:
     def sense(self, dt: float) -> Sensed:
         """Take a picture and read the navigation sensors `dt` seconds after the last time."""
         height, roll, pitch = self._attitude()
+        u, v, r = (float(x) for x in self.vehicle.state[3:6])
         exact = self._camera.render(self.pose, height, roll=roll, pitch=pitch)
         frame = self._noise.apply(exact)
         self._time_s += dt
         if self._painter is not None:
-            rgb = self._painter.paint(exact, self.pose, height=height, roll=roll, pitch=pitch, t=self._time_s)
+            rgb = self._painter.paint(
+                exact, self.pose, height=height, roll=roll, pitch=pitch, t=self._time_s, velocity=(u, v, r)
+            )
             frame = replace(frame, rgb=rgb)
-        u, v, r = (float(x) for x in self.vehicle.state[3:6])
         return Sensed(frame=frame, pose=self._drift.step(self.pose, dt), velocity=(u, v, r))
 
     @property

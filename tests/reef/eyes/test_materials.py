@@ -3,7 +3,7 @@
 import numpy as np
 
 from coral.reef.eyes.materials import Materials
-from coral.reef.eyes.shading_kernels import BLOCK, BUOY, PILE, ROCK, SHELL
+from coral.reef.eyes.solid_kernels import BLOCK, BUOY, PILE, ROCK, SHELL
 from coral.reef.scene import Scene
 from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 

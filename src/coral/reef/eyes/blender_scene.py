@@ -10,17 +10,16 @@ from numpy.typing import NDArray
 
 from coral.reef.camera import CameraCfg, T_world_camera
 from coral.reef.eyes.daylight import PainterCfg, sun_direction
+from coral.reef.eyes.floor_kernels import SAND
 from coral.reef.eyes.materials import Materials
-from coral.reef.eyes.shading_kernels import BLOCK, BUOY, PILE, ROCK, SAND, SHELL
+from coral.reef.eyes.solid_kernels import BLOCK, BUOY, PILE, ROCK, SHELL
+from coral.reef.eyes.water_kernels import ANISOTROPY
 from coral.reef.eyes.water_types import FORWARD_SHARE, WaterType
 from coral.reef.geometry import Pose
 from coral.reef.scene import BOX, CYLINDER, ELLIPSOID, Scene
 
 _SHAPES = {ELLIPSOID: "ellipsoid", BOX: "box", CYLINDER: "cylinder"}
 _MATERIALS = {SHELL: "shell", ROCK: "rock", PILE: "pile", BLOCK: "block", BUOY: "buoy"}
-_ANISOTROPY = 0.7
-"""Mean cosine of scattering without its forward half. Petzold's whole phase function has about 0.92; the half that goes
-nearly straight on counts as not scattered, as it does for `WaterType.lost`."""
 _TO_BLENDER = np.diag([1.0, -1.0, -1.0, 1.0])
 """Blender's cameras look along -z with y up; ours along z with y down."""
 
@@ -75,7 +74,7 @@ def describe_scene(
             "absorption": list(water.absorption),
             "scattering": [side * b for b in water.scattering],
             "diffuse": list(water.diffuse),
-            "anisotropy": _ANISOTROPY,
+            "anisotropy": ANISOTROPY,
         },
         "floor": {"z_m": scene.seabed_z, "middle": middle, "sand": list(SAND)},
         "solids": [

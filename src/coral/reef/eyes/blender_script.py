@@ -393,7 +393,7 @@ def _gobo(bpy: Any, caustics: dict[str, Any], z: float) -> None:
     clear = nodes.add("BsdfTransparent", {"Color": slide.outputs["Color"]})
     nodes.tree.links.new(clear.outputs[0], nodes.output.inputs["Surface"])
     mesh.materials.append(nodes.material)
-    thing.visible_camera = thing.visible_diffuse = thing.visible_volume_scatter = False
+    thing.visible_camera = thing.visible_diffuse = False
 
 
 def _measure(bpy: Any) -> Any:

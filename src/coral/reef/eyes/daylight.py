@@ -27,6 +27,10 @@ class PainterCfg:
     """Root mean square slope of the waves that focus the caustics; 0 switches these off."""
     forward_blur_deg: NonNegative = 2.5
     """Standard deviation of light scattered forward: half of Petzold's scattering is within 5 degrees."""
+    snow: NonNegative = 1.0
+    """Marine snow: times 60 particles in a cubic metre of water that scatters 1/m; 0 switches it off."""
+    shutter_s: NonNegative = 0.01
+    """Time that the shutter is open."""
     lens_blur_px: NonNegative = 0.5
     """Standard deviation of the lens and the pixel (px)."""
     vignette: Fraction = 0.25

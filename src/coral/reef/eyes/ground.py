@@ -21,8 +21,9 @@ class SeaFloor:
     origin: tuple[float, float]
     """World position of the middle of cell (0, 0) (m)."""
     cell_m: float
-    values: NDArray[np.float32]
-    """Share of the sun that is seen, share of the sky, and density of shell debris, each 0 to 1. Shape=(NY, NX, 3)."""
+    values: NDArray[np.uint8]
+    """Share of the sun that is seen, share of the sky, and density of shell debris; 255 stands for 1.
+    Shape=(NY, NX, 3)."""
 
     @classmethod
     def of(cls, scene: Scene, sun: tuple[float, float, float], softness: float = 0.06) -> SeaFloor:
@@ -34,7 +35,7 @@ class SeaFloor:
             softness: Width of a shadow's edge as a share of the distance to what casts it: waves and haze blur the sun.
         """
         if not len(scene):
-            return cls((0.0, 0.0), 1.0, np.array([[[1.0, 1.0, 0.0]]], np.float32))
+            return cls((0.0, 0.0), 1.0, np.array([[[255, 255, 0]]], np.uint8))
         low = scene.center[:, :2].min(axis=0) - _MARGIN_M
         extent = scene.center[:, :2].max(axis=0) + _MARGIN_M - low
         cell = max(_CELL_M, float(np.sqrt(extent[0] * extent[1] / _MOST_CELLS)))
@@ -53,5 +54,5 @@ class SeaFloor:
             scene.label == Label.OYSTER,
             values,
         )
-        np.minimum(values[:, :, 2], 1.0, out=values[:, :, 2])
-        return cls((float(low[0]), float(low[1])), cell, values)
+        shares = np.round(255.0 * np.minimum(values, 1.0)).astype(np.uint8)
+        return cls((float(low[0]), float(low[1])), cell, shares)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.eyes.shading_kernels import BLOCK, BUOY, PILE, ROCK, SHELL
+from coral.reef.eyes.solid_kernels import BLOCK, BUOY, PILE, ROCK, SHELL
 from coral.reef.geometry import Label
 from coral.reef.scene import BOX, CYLINDER, Scene
 
@@ -23,7 +23,7 @@ class Materials:
     """Material and reflectance of N solids."""
 
     kind: NDArray[np.uint8]
-    """A constant of `shading_kernels`. Shape=(N,)."""
+    """A constant of `solid_kernels`. Shape=(N,)."""
     paint: NDArray[np.float64]
     """Diffuse reflectance in red, green and blue, 0 to 1, linear. Shape=(N, 3)."""
     fate: NDArray[np.float64]

@@ -14,14 +14,15 @@ SMOOTH, GRAIN, FLAKES, PEBBLES = range(4)
 
 
 @cache
-def noise_tile(seed: int) -> NDArray[np.float32]:
+def noise_tile(seed: int) -> NDArray[np.uint8]:
     """Make a tile that repeats without a seam, and its coarser levels, each half the size of the one before.
 
     Args:
         seed: Of its random numbers.
 
     Returns:
-        The texels of all levels, row by row, from fine to coarse. Shape=((4 SIZE^2 - 1) / 3, 4), float32.
+        The texels of all levels, row by row, from fine to coarse. 0 to 255 stand for 0 to 1.
+        Shape=((4 SIZE^2 - 1) / 3, 4), uint8.
     """
     rng = np.random.default_rng([seed, 0x5EAF])
     channels = [
@@ -35,7 +36,7 @@ def noise_tile(seed: int) -> NDArray[np.float32]:
     while len(level) > 1:
         level = 0.25 * (level[::2, ::2] + level[1::2, ::2] + level[::2, 1::2] + level[1::2, 1::2])
         levels.append(np.ascontiguousarray(level))
-    return np.concatenate([level.reshape(-1, 4) for level in levels])
+    return np.round(255.0 * np.concatenate([level.reshape(-1, 4) for level in levels])).astype(np.uint8)
 
 
 def _spectral(rng: np.random.Generator, slope: float) -> NDArray[np.float64]:

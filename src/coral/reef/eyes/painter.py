@@ -12,14 +12,26 @@ from coral.reef.camera import CameraCfg, T_world_camera
 from coral.reef.eyes import caustics
 from coral.reef.eyes.daylight import PainterCfg, sun_direction
 from coral.reef.eyes.exposure import expose, noise_seed
+from coral.reef.eyes.floor_kernels import SAND
 from coral.reef.eyes.ground import SeaFloor
 from coral.reef.eyes.materials import Materials
+from coral.reef.eyes.motion_kernels import blur_motion
 from coral.reef.eyes.noise_tiles import noise_tile
-from coral.reef.eyes.shading_kernels import SAND, shade
-from coral.reef.eyes.water_kernels import attenuate
+from coral.reef.eyes.shading_kernels import shade
+from coral.reef.eyes.snow_kernels import CELL_M, draw_snow
+from coral.reef.eyes.water_kernels import attenuate, transmission_table
 from coral.reef.eyes.water_types import Rgb, WaterType, find_water
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.scene import Scene
+
+_RANGES = 1024
+"""Rows of the table of transmissions."""
+_FAR_M = 80.0
+"""Range at which open water ends in a picture: even in the clearest water the veil is complete by then."""
+_SIDE, _EVEN, _AGAIN = 0.5, 0.03, 0.008
+"""The veil's sources, as shares of scattering: the half that leaves the forward direction, of sun and sky by its angle;
+sunlight that was scattered on its way down, and light scattered many times, from everywhere (1/sr). The last two are
+fitted by eye to pictures by Cycles."""
 
 
 class Painter:
@@ -56,12 +68,9 @@ class Painter:
         self._materials = Materials.of(scene, seed)
         self._ground = SeaFloor.of(scene, self.sun)
         self._tile = noise_tile(0)
-        waves = self.cfg.wave_slope > 0.0
-        self._film = (
-            caustics.caustics(0, self.cfg.water_depth_m, self.cfg.wave_slope)
-            if waves
-            else np.ones((1, 1, 1), np.float32)
-        )
+        self._table = np.empty((_RANGES, 6), np.float32)
+        self._near = 1.01 * self.camera.range_m
+        transmission_table(self.water.beam, self.water.lost, self._near, self._table)
         shape = (self.camera.height, self.camera.width, 3)
         self._surface, self._direct, self._forward = (np.empty(shape, np.float32) for _ in range(3))
 
@@ -74,6 +83,7 @@ class Painter:
         roll: float = 0.0,
         pitch: float = 0.0,
         t: float = 0.0,
+        velocity: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> NDArray[np.uint8]:
         """Paint a frame as the camera's picture.
 
@@ -83,12 +93,13 @@ class Painter:
             height: Height of the camera above the seabed (m); None: as configured.
             roll: As for `T_world_camera`.
             pitch: As for `T_world_camera`.
-            t: Time (s): waves and noise move with it.
+            t: Time (s): waves, snow and noise change with it.
+            velocity: Surge, sway (m/s) and yaw rate (rad/s), for the motion blur.
 
         Returns:
             Shape=(H, W, 3), RGB in sRGB.
         """
-        light = self.light(frame, pose, height=height, roll=roll, pitch=pitch, t=t)
+        light = self.light(frame, pose, height=height, roll=roll, pitch=pitch, t=t, velocity=velocity)
         return expose(light, self.cfg, noise_seed(self.seed, pose, t))
 
     def light(
@@ -100,6 +111,7 @@ class Painter:
         roll: float = 0.0,
         pitch: float = 0.0,
         t: float = 0.0,
+        velocity: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> NDArray[np.float32]:
         """Return the light that reaches the lens, before exposure and noise. The arguments are those of `paint`.
 
@@ -134,43 +146,97 @@ class Painter:
             self._tile,
             self._ground.values,
             (*self._ground.origin, self._ground.cell_m),
-            self._film,
+            self._waves(t),
             caustics.TILE_M,
-            t % caustics.PERIOD_S / caustics.PERIOD_S * len(self._film),
-            spread,
+            0.75 * spread,
             self.sun,
-            _scaled(floor, straight / self.sun[2]),
-            _scaled(floor, 1.0 - straight),
+            _scaled(floor, straight / self.sun[2] / math.pi),
+            _scaled(floor, (1.0 - straight) / math.pi),
             water.diffuse,
             SAND,
             self._surface,
         )
-        # Scattered evenly over the sphere: b E / (4 pi), of irradiance from above that fills about half of it.
-        side = 1.0 / math.pi * 0.25
-        red, green, blue = (side * b * e for b, e in zip(water.scattering, _daylight(water, above), strict=True))
+        lost_sun = 1.0 - cfg.sky_share - straight
         attenuate(
             np.ascontiguousarray(transform[:3, :3]),
             self._p,
             self._q,
-            60.0,
+            self._near,
+            _FAR_M,
             above,
             frame.depth,
             self._surface,
-            water.beam,
+            self._table,
             water.lost,
             water.diffuse,
-            (red, green, blue),
-            (0.5, 0.55, 0.6),
+            _product(water.scattering, _daylight(water, above)),
+            water.scattering,
+            self.sun,
+            (_SIDE * straight, _SIDE * cfg.sky_share, _EVEN * lost_sun + _AGAIN * min(1.0, water.scattering[1])),
             self._direct,
             self._forward,
         )
-        sigma = math.radians(cfg.forward_blur_deg) * self._focal
-        return _blurred(self._direct + _blurred(self._forward, sigma), cfg.lens_blur_px)
+        image = self._direct + _blurred(self._forward, math.radians(cfg.forward_blur_deg) * self._focal)
+        if cfg.snow > 0.0:
+            self._draw_snow(image, transform, frame.depth, t, _scaled(_daylight(water, above), 1.0 / math.pi))
+        if any(velocity):
+            image = self._blur_motion(image, frame.depth, velocity)
+        return _blurred(image, cfg.lens_blur_px)
+
+    def _waves(self, t: float) -> NDArray[np.float32]:
+        """Return the caustics at a time: between two frames of the film."""
+        if self.cfg.wave_slope == 0.0:
+            return np.ones((1, 1), np.float32)
+        film = caustics.caustics(0, self.cfg.water_depth_m, self.cfg.wave_slope)
+        at = t % caustics.PERIOD_S / caustics.PERIOD_S * len(film)
+        share = np.float32(at - int(at))
+        return (1 - share) * film[int(at) % len(film)] + share * film[(int(at) + 1) % len(film)]
+
+    def _draw_snow(
+        self,
+        image: NDArray[np.float32],
+        transform: NDArray[np.float64],
+        depth: NDArray[np.float32],
+        t: float,
+        light: Rgb,
+    ) -> None:
+        """Add particles: as many as the water scatters light."""
+        per_m3 = 60.0 * self.cfg.snow * self.water.scattering[1]
+        draw_snow(
+            transform,
+            self._focal,
+            self.camera.intrinsics[2:],
+            (0.03 * t, 0.02 * t, -0.004 * t),
+            self.scene.seabed_z,
+            min(per_m3 * CELL_M**3, 1.0),
+            light,
+            self.water.lost,
+            self.seed & 0x7FFFFFFF,
+            depth,
+            image,
+        )
+
+    def _blur_motion(
+        self, image: NDArray[np.float32], depth: NDArray[np.float32], velocity: tuple[float, float, float]
+    ) -> NDArray[np.float32]:
+        """Blur what moves while the shutter is open; roll and pitch rates are left out."""
+        surge, sway, rate = (self.cfg.shutter_s * v for v in velocity)
+        tilt = math.radians(self.camera.pitch_down_deg)
+        c, s = math.cos(tilt), math.sin(tilt)
+        # Body forward, left and up in the camera's right, down and forward.
+        shift, turn = np.array([-sway, -s * surge, c * surge]), np.array([0.0, -c * rate, -s * rate])
+        blurred = np.empty_like(image)
+        blur_motion(self._focal, self._p, self._q, shift, turn, depth, image, blurred)
+        return blurred
 
 
 def _daylight(water: WaterType, depth_m: float) -> Rgb:
     red, green, blue = (math.exp(-k * depth_m) for k in water.diffuse)
     return red, green, blue
+
+
+def _product(a: Rgb, b: Rgb) -> Rgb:
+    return a[0] * b[0], a[1] * b[1], a[2] * b[2]
 
 
 def _scaled(light: Rgb, by: float) -> Rgb:
