@@ -30,6 +30,7 @@ from coral.reef.sea.simulated_camera import SimulatedCamera
 from coral.reef.sea.simulated_link import SimulatedLink
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.video_camera import VideoCamera
+from coral.reef.simulator import make_painter
 from coral.reef.world import ReefWorld, load_world
 from coral.view.questions import question_pictures
 
@@ -122,7 +123,14 @@ def open_parts(
         if flags.camera == "simulated":
             if world is None:
                 raise InputError("--camera", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
-            source = SimulatedCamera(Scene.from_world(world), cfg.simulator.camera, parts.where, flags.camera_rate)
+            scene, sim = Scene.from_world(world), cfg.simulator
+            source = SimulatedCamera(
+                scene,
+                sim.camera,
+                parts.where,
+                flags.camera_rate,
+                painter=make_painter(scene, sim, world.seed) if sim.pictures else None,
+            )
         else:
             source = VideoCamera(flags.camera, flags.camera_latency)
             parts.reef = None

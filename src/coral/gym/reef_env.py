@@ -111,7 +111,8 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Return the camera's classes as a picture, Shape=(H, W, 3); None without a render mode."""
         if self.render_mode is None or self._sensed is None:
             return None
-        return np.asarray(COLORS[self._sensed.frame.labels])
+        frame = self._sensed.frame
+        return np.asarray(COLORS[frame.labels]) if frame.rgb is None else frame.rgb
 
     def _coverage(self) -> float:
         """Return the mean of the clusters' shares seen, of what counts as covered; 0 to 1."""

@@ -113,6 +113,8 @@ class FrameRecorder:
         millimetres = np.where(np.isfinite(frame.depth), np.minimum(frame.depth * 1000.0, 65535.0), 0.0)
         for name, image in (("map", cells), ("depth", millimetres.astype(np.uint16)), ("labels", frame.labels)):
             self._writer.bytes(f"frames/{step:06d}_{name}.png", _png(image))
+        if frame.rgb is not None:
+            self._writer.bytes(f"frames/{step:06d}_rgb.png", _png(frame.rgb[..., ::-1]))
 
 
 def _png(image: NDArray[Any]) -> bytes:

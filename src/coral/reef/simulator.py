@@ -78,9 +78,9 @@ class ReefSimulator:
         self.world, self.cfg = world, cfg
         self.scene: Scene = Scene.from_world(world) if first is None else first.scene
         self._camera = Camera(self.scene, cfg.camera)
-        self._painter: Painter | None = (
-            self._make_painter(None if first is None else first._painter) if cfg.pictures else None
-        )
+        self._painter: Painter | None = None if first is None else first._painter
+        if cfg.pictures and self._painter is None:
+            self._painter = make_painter(self.scene, cfg, world.seed)
         self._time_s = 0.0
         self._noise = SensorNoise(cfg.noise, rng, cfg.camera)
         self._drift = PoseDrift(cfg.noise, rng)
@@ -130,18 +130,6 @@ class ReefSimulator:
         """Water of the colour pictures; None when none are taken."""
         return None if self._painter is None else self._painter.water
 
-    def _make_painter(self, shared: Painter | None) -> Painter:
-        """Return the painter of another vehicle in the same reef, or a new one."""
-        if shared is not None:
-            return shared
-        cfg = self.cfg
-        water = (
-            water_of_visibility(cfg.noise.visibility_m)
-            if cfg.water == "auto"
-            else find_water(cfg.water, "simulator.water")
-        )
-        return Painter(self.scene, cfg.camera, water, cfg.painter, seed=self.world.seed)
-
     def _clearance(self, x: float, y: float) -> float:
         free = clearance(self._footprints, x, y)
         for other in self._others:
@@ -182,3 +170,14 @@ def _through_water(cfg: SimulatorCfg) -> CoverageCfg:
     """Limit the range of coverage to the visibility."""
     limit = cfg.noise.visibility_m
     return cfg.coverage if limit is None else replace(cfg.coverage, range_m=min(cfg.coverage.range_m, limit))
+
+
+def make_painter(scene: Scene, cfg: SimulatorCfg, seed: int) -> Painter:
+    """Make the painter of a simulated camera, in the water that its configuration names.
+
+    Raises:
+        InputError: There is no such water.
+    """
+    auto = cfg.water == "auto"
+    water = water_of_visibility(cfg.noise.visibility_m) if auto else find_water(cfg.water, "simulator.water")
+    return Painter(scene, cfg.camera, water, cfg.painter, seed)

@@ -1,4 +1,4 @@
-"""Pictures of one camera frame: classes and depth."""
+"""Pictures of one camera frame: colours, classes and depth."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ LABEL_COLORS: NDArray[np.uint8] = np.array([(164, 205, 230), (38, 166, 76), (33,
 """Colours in the order of `Label`: water pale blue, oysters green, obstacles dark, seabed gray."""
 DEPTH_MAX_M = 8.0
 """Far end of the depth colours; a fixed scale keeps pictures of one mission comparable."""
+CLASS_SHARE = 0.5
+"""How strongly classes are drawn over the colour picture."""
+Kind = Literal["colour", "segmentation", "depth"]
 NOTHING: tuple[int, int, int] = (14, 16, 28)
 
 
@@ -35,17 +38,26 @@ def depth_levels(depth: NDArray[np.float32]) -> NDArray[np.uint8]:
     return np.where(seen, levels, 255).astype(np.uint8)
 
 
-def camera_picture(
-    frame: Frame, kind: Literal["segmentation", "depth"] = "segmentation", size: tuple[int, int] = (640, 480)
-) -> Image:
+def camera_picture(frame: Frame, kind: Kind = "segmentation", size: tuple[int, int] = (640, 480)) -> Image:
     """Draw a frame of the front camera. Shape=(size[1], size[0], 3) RGB.
 
     Args:
         frame: The camera frame.
-        kind: "segmentation" (green oysters, gray seabed, dark obstacles, blue water) or "depth" (bright near, dark far,
-            with a scale in metres).
+        kind: "colour" (what the camera took), "segmentation" (green oysters, gray seabed, dark obstacles, blue water;
+            drawn over the colour picture if there is one) or "depth" (bright near, dark far, with a scale in metres).
         size: Width and height (px).
+
+    Raises:
+        ValueError: The frame has no colours, and the colour picture is asked for.
     """
+    if kind == "colour":
+        if frame.rgb is None:
+            raise ValueError("the frame has no colour picture")
+        return np.asarray(cv2.resize(frame.rgb, size, interpolation=cv2.INTER_CUBIC), np.uint8)
+    if kind == "segmentation" and frame.rgb is not None:
+        classes = cv2.resize(LABEL_COLORS[frame.labels], size, interpolation=cv2.INTER_NEAREST)
+        below = camera_picture(frame, "colour", size)
+        return np.asarray(cv2.addWeighted(classes, CLASS_SHARE, below, 1.0 - CLASS_SHARE, 0.0), np.uint8)
     if kind == "segmentation":
         return np.asarray(cv2.resize(LABEL_COLORS[frame.labels], size, interpolation=cv2.INTER_NEAREST), np.uint8)
     levels = DEPTH_PALETTE[depth_levels(frame.depth)]

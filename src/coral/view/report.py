@@ -119,6 +119,7 @@ def render_report(run: RunFolder) -> str:
         data=Markup(script_data(run, made, pictures)),
         held=HELD,
         has_frames=bool(run.frame_steps),
+        has_colours=any(run.frame(step, "rgb") is not None for step in run.frame_steps[:1]),
         video=(run.path / "mission.mp4").is_file(),
         script=Markup((TEMPLATES / "report.js").read_text("utf-8")),
         style=Markup((TEMPLATES / "report.css").read_text("utf-8")),

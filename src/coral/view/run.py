@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.odd_text import encodable_values
+from coral.reef.geometry import Frame
 from coral.runs import trajectory_name
 from coral.view.records import figures, histogram, is_extent, is_number, shallow, sound
 from coral.words import many
@@ -82,6 +83,16 @@ class RunFolder:
         if not path.is_file():
             return None
         return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+
+    def camera_frame(self, step: int) -> Frame | None:
+        """Read what the camera saw: depth and classes, and the colours if they were kept; None if unreadable."""
+        labels, depth, rgb = (self.frame(step, kind) for kind in ("labels", "depth", "rgb"))
+        if labels is None or depth is None:
+            return None
+        metres = np.where(depth > 0, depth / 1000.0, np.inf).astype(np.float32)
+        fits = rgb is not None and rgb.ndim == 3 and rgb.shape[2] == 3
+        colours = np.ascontiguousarray(rgb[..., ::-1], np.uint8) if rgb is not None and fits else None
+        return Frame(metres, np.minimum(labels, 3).astype(np.uint8), np.zeros(labels.shape, np.int32), colours)
 
     def picture(self, digest: str) -> Path | None:
         """Find a picture of a question by its digest."""

@@ -144,4 +144,8 @@ def _snapshot(run: RunFolder, step: int) -> dict[str, str]:
         found[key] = (
             "data:image/png;base64," + b64encode(palette_png(np.minimum(classes, len(palette) - 1), palette)).decode()
         )
+    colours = run.frame(step, "rgb")
+    if colours is not None:
+        data = cv2.imencode(".webp", colours, [cv2.IMWRITE_WEBP_QUALITY, 75])[1].tobytes()
+        found["rgb"] = "data:image/webp;base64," + b64encode(data).decode()
     return found

@@ -11,8 +11,7 @@ import cv2
 import numpy as np
 
 from coral.errors import InputError
-from coral.reef.geometry import Frame
-from coral.view.cameraview import camera_picture
+from coral.view.cameraview import Kind, camera_picture
 from coral.view.decisions import Decision, decisions
 from coral.view.mapview import MapViewCfg, draw_map
 from coral.view.pictures import Image, draw_text
@@ -95,14 +94,14 @@ def pictures(run: RunFolder) -> Iterator[Image]:
 
 
 def _camera_pictures(run: RunFolder, step: int) -> Image:
-    """Draw segmentation above depth, Shape=(2 EYE[1], EYE[0], 3)."""
-    labels, depth = run.frame(step, "labels"), run.frame(step, "depth")
-    if labels is None or depth is None:
+    """Draw the camera's colours, or its classes, above depth, Shape=(2 EYE[1], EYE[0], 3)."""
+    frame = run.camera_frame(step)
+    if frame is None:
         return np.full((2 * EYE[1], EYE[0], 3), 235, np.uint8)
-    metres = np.where(depth > 0, depth / 1000.0, np.inf).astype(np.float32)
-    frame = Frame(metres, np.minimum(labels, 3).astype(np.uint8), np.zeros(labels.shape, np.int32))
-    both = np.vstack([camera_picture(frame, "segmentation", EYE), camera_picture(frame, "depth", EYE)])
-    for row, name in ((0, "camera: oysters green, obstacles dark"), (EYE[1], "depth")):
+    upper: Kind = "segmentation" if frame.rgb is None else "colour"
+    both = np.vstack([camera_picture(frame, upper, EYE), camera_picture(frame, "depth", EYE)])
+    title = "camera: oysters green, obstacles dark" if frame.rgb is None else "camera"
+    for row, name in ((0, title), (EYE[1], "depth")):
         draw_text(both, name, 10, row + 16, size=15, weight=600, halo=2)
     return both
 

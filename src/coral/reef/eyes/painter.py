@@ -190,7 +190,8 @@ class Painter:
         film = caustics.caustics(0, self.cfg.water_depth_m, self.cfg.wave_slope)
         at = t % caustics.PERIOD_S / caustics.PERIOD_S * len(film)
         share = np.float32(at - int(at))
-        return (1 - share) * film[int(at) % len(film)] + share * film[(int(at) + 1) % len(film)]
+        now, then = film[int(at) % len(film)], film[(int(at) + 1) % len(film)]
+        return np.asarray((1 - share) * now + share * then, np.float32)
 
     def _draw_snow(
         self,

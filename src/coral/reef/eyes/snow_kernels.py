@@ -51,15 +51,14 @@ def draw_snow(
     for i in range(ci - reach, ci + reach + 1):
         for j in range(cj - reach, cj + reach + 1):
             for k in range(ck - reach, ck + reach + 1):
-                state = np.uint32(seed) ^ (np.uint32(i & 0xFFFF) * np.uint32(73856093))
-                state ^= (np.uint32(j & 0xFFFF) * np.uint32(19349663)) ^ (np.uint32(k & 0xFFFF) * np.uint32(83492791))
-                state, first = _next(state)
-                if first >= chance:
+                if _lot(i, j, k, seed, 0) >= chance:
                     continue
-                state, a = _next(state)
-                state, b = _next(state)
-                state, c = _next(state)
-                state, size = _next(state)
+                a, b, c, size = (
+                    _lot(i, j, k, seed, 1),
+                    _lot(i, j, k, seed, 2),
+                    _lot(i, j, k, seed, 3),
+                    _lot(i, j, k, seed, 4),
+                )
                 dx, dy, dz = (i + a) * CELL_M - ox, (j + b) * CELL_M - oy, (k + c) * CELL_M - oz
                 z = pose[0, 2] * dx + pose[1, 2] * dy + pose[2, 2] * dz
                 if z < 0.06 or pose[2, 3] + dz < floor_z:
@@ -88,9 +87,10 @@ def draw_snow(
 
 
 @njit(cache=True, error_model="numpy")
-def _next(state: int) -> tuple[int, float]:
-    """Return the next state of a generator and a number from 0 to 1."""
-    state = np.uint32(np.uint32(state) * np.uint32(747796405) + np.uint32(2891336453))
-    word = np.uint32(((state >> ((state >> np.uint32(28)) + np.uint32(4))) ^ state) * np.uint32(277803737))
-    word = np.uint32((word >> np.uint32(22)) ^ word)
-    return state, word / 4294967296.0
+def _lot(i: int, j: int, k: int, seed: int, number: int) -> float:
+    """Return a number from 0 to 1 that belongs to a cell."""
+    mix = np.uint32(i & 0xFFFF) * np.uint32(73856093) ^ np.uint32(j & 0xFFFF) * np.uint32(19349663)
+    mix ^= np.uint32(k & 0xFFFF) * np.uint32(83492791) ^ np.uint32(seed) ^ np.uint32(number) * np.uint32(2654435761)
+    mix = np.uint32(mix * np.uint32(747796405) + np.uint32(2891336453))
+    word = np.uint32(((mix >> ((mix >> np.uint32(28)) + np.uint32(4))) ^ mix) * np.uint32(277803737))
+    return float(np.uint32((word >> np.uint32(22)) ^ word)) / 4294967296.0

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 from coral.reef.camera import Camera, CameraCfg
-from coral.reef.geometry import Pose
+from coral.reef.eyes.painter import Painter
+from coral.reef.geometry import Frame, Pose
 from coral.reef.scene import Scene
 from coral.reef.sea.loop import FixedRate
 from coral.reef.sea.picture import Shot
@@ -16,7 +18,7 @@ Where = Callable[[], tuple[float, Pose] | None]
 
 
 class SimulatedCamera:
-    """Renders exact depth and classes. Around a real autopilot the reef exists only here."""
+    """Renders exact depth and classes, and colours on request. Around a real autopilot the reef exists only here."""
 
     labelled = True
 
@@ -28,8 +30,10 @@ class SimulatedCamera:
         rate_hz: float = 10.0,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
+        painter: Painter | None = None,
     ) -> None:
-        self._camera, self._where = Camera(scene, cfg), where
+        self._camera, self._where, self._painter = Camera(scene, cfg), where, painter
+        self._begun: float | None = None
         self._rate = FixedRate(1.0 / rate_hz, clock, sleep)
         self.name = f"simulated, {cfg.width}x{cfg.height}"
 
@@ -37,9 +41,17 @@ class SimulatedCamera:
         """Wait for the next exposure; None while nobody knows where the vehicle is."""
         self._rate.wait()
         found = self._where()
-        shot = None if found is None else Shot(stamp_s=found[0], frame=self._camera.render(found[1]))
+        shot = None if found is None else Shot(stamp_s=found[0], frame=self._take(*found))
         self._rate.finish()
         return shot
+
+    def _take(self, stamp_s: float, pose: Pose) -> Frame:
+        frame = self._camera.render(pose)
+        if self._painter is None:
+            return frame
+        if self._begun is None:
+            self._begun = stamp_s
+        return replace(frame, rgb=self._painter.paint(frame, pose, t=stamp_s - self._begun))
 
     def close(self) -> None:
         """Nothing to free."""

@@ -73,11 +73,7 @@ class RecordedRun:
 
     def _frame(self, t: float) -> Frame | None:
         step = step_at(self.run, t)
-        labels, depth = (None, None) if step is None else (self.run.frame(step, k) for k in ("labels", "depth"))
-        if labels is None or depth is None:
-            return None
-        metres = np.where(depth > 0, depth / 1000.0, np.inf).astype(np.float32)
-        return Frame(metres, np.minimum(labels, 3).astype(np.uint8), np.zeros(labels.shape, np.int32))
+        return None if step is None else self.run.camera_frame(step)
 
     def _charts(self, k: int) -> tuple[Chart, ...]:
         run = self.run

@@ -143,13 +143,15 @@ def _outline(shapes: Footprints, k: int) -> NDArray[np.float64]:
 
 
 def cameras(frame: Frame | None) -> tuple[tuple[str, Image], ...]:
-    """Return the picture of the front camera."""
+    """Return the pictures of the front camera: colours if it takes them, classes, depth."""
     if frame is None:
         return ()
-    return (
-        ("Camera: oysters green, obstacles dark", camera_picture(frame, "segmentation", PICTURE)),
-        ("Depth: near is bright", camera_picture(frame, "depth", PICTURE)),
-    )
+    what = "oysters green, obstacles dark"
+    classes, depth = camera_picture(frame, "segmentation", PICTURE), camera_picture(frame, "depth", PICTURE)
+    if frame.rgb is None:
+        return (f"Camera: {what}", classes), ("Depth: near is bright", depth)
+    colours = camera_picture(frame, "colour", PICTURE)
+    return ("Camera", colours), (f"Classes: {what}", classes), ("Depth: near is bright", depth)
 
 
 def numbers(story: Story, coverage: float, speed_m_s: float) -> tuple[Number, ...]:

@@ -71,6 +71,7 @@
     if (RUN.frames.length) {
       const f = RUN.frames[before(frameTimes, t)];
       if (f.map && $("cells")) $("cells").setAttribute("href", f.map);
+      if (f.rgb) $("now-rgb").src = f.rgb;
       if (f.seg) $("now-seg").src = f.seg;
       if (f.dep) $("now-dep").src = f.dep;
     }
