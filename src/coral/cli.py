@@ -27,6 +27,7 @@ COMMANDS = {
     "reef faults": ("coral.commands.reef_faults:ReefFaults", "break the sensors and see what the vehicle does"),
     "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),
     "reef autopilot": ("coral.commands.reef_autopilot:ReefAutopilot", "simulate a BlueROV2 that speaks MAVLink"),
+    "reef picture": ("coral.commands.reef_picture:ReefPicture", "take a colour picture of a reef, in any water"),
     "reef blender": ("coral.commands.reef_blender:ReefBlender", "build a reef in Blender, and render pictures of it"),
     "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),
     "contact run": ("coral.commands.contact_run:ContactRun", "attempt a contact task and write a run folder"),

@@ -1,5 +1,6 @@
 """The pictures that a run folder keeps."""
 
+import dataclasses
 import threading
 
 import cv2
@@ -88,3 +89,21 @@ def test_a_full_disk_is_told_at_the_next_set():
     recorder.offer(0, 0.0, lambda: CELLS, FRAME)
     with pytest.raises(OSError, match="no space left"):
         recorder.close()
+
+
+def test_colours_are_kept_where_there_are_any(tmp_path):
+    kept = {}
+
+    class Shelf:
+        def bytes(self, name, content):
+            kept[name] = content
+
+    rgb = np.zeros((*FRAME.depth.shape, 3), np.uint8)
+    rgb[..., 0] = 200
+    for step, frame in enumerate((FRAME, dataclasses.replace(FRAME, rgb=rgb))):
+        recorder = FrameRecorder(Shelf(), RecordCfg(frame_period_s=1.0))
+        recorder.offer(step, 0.0, lambda: CELLS, frame)
+        recorder.close()
+    assert [name for name in kept if name.endswith("_rgb.png")] == ["frames/000001_rgb.png"]
+    stored = cv2.imdecode(np.frombuffer(kept["frames/000001_rgb.png"], np.uint8), cv2.IMREAD_COLOR)
+    assert np.array_equal(stored[..., ::-1], rgb)

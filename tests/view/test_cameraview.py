@@ -1,8 +1,10 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
 from coral.reef.geometry import Frame
-from coral.view.cameraview import DEPTH_MAX_M, camera_picture, depth_levels
+from coral.view.cameraview import DEPTH_MAX_M, LABEL_COLORS, camera_picture, depth_levels
 
 
 def test_camera_pictures_show_classes_and_distance():
@@ -31,3 +33,22 @@ def test_far_and_near_are_clipped_and_nothing_seen_has_a_level_of_its_own():
 def test_a_picture_has_the_size_that_was_asked_for(kind):
     frame = Frame(np.ones((12, 16), np.float32), np.zeros((12, 16), np.uint8), np.zeros((12, 16), np.int32))
     assert camera_picture(frame, kind, (320, 240)).shape == (240, 320, 3)
+
+
+def coloured():
+    rgb = np.zeros((12, 16, 3), np.uint8)
+    rgb[:, :8] = (200, 40, 0)
+    return Frame(np.ones((12, 16), np.float32), np.ones((12, 16), np.uint8), np.zeros((12, 16), np.int32), rgb)
+
+
+def test_the_colour_picture_is_what_the_camera_took():
+    assert camera_picture(coloured(), "colour", (64, 48))[24, 10].tolist() == [200, 40, 0]
+    with pytest.raises(ValueError, match="no colour picture"):
+        camera_picture(dataclasses.replace(coloured(), rgb=None), "colour")
+
+
+def test_classes_are_drawn_over_the_colours():
+    seen = camera_picture(coloured(), "segmentation", (64, 48)).astype(int)
+    left, right = seen[24, 10], seen[24, 54]
+    assert (left == (LABEL_COLORS[1].astype(int) + (200, 40, 0) + 1) // 2).all()
+    assert right[1] > right[0]

@@ -1,5 +1,6 @@
 import json
 
+import cv2
 import numpy as np
 import pytest
 
@@ -63,3 +64,18 @@ def test_not_a_run(tmp_path):
     for name in ("missing", "empty", "file"):
         with pytest.raises(InputError, match=name):
             RunFolder.read(tmp_path / name)
+
+
+def test_what_the_camera_saw_is_read_with_colours_where_they_were_kept(fresh):
+    run = RunFolder.read(fresh)
+    assert run.camera_frame(400).rgb is None
+    assert run.camera_frame(399) is None
+    labels = run.frame(400, "labels")
+    rgb = np.zeros((*labels.shape, 3), np.uint8)
+    rgb[..., 0] = 200
+    cv2.imwrite(str(fresh / "frames" / "000400_rgb.png"), rgb[..., ::-1])
+    seen = run.camera_frame(400)
+    assert np.array_equal(seen.rgb, rgb)
+    assert np.array_equal(seen.labels, np.minimum(labels, 3))
+    cv2.imwrite(str(fresh / "frames" / "000400_rgb.png"), rgb[..., 0])
+    assert run.camera_frame(400).rgb is None

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import shutil
 
 import cv2
 import numpy as np
@@ -67,3 +68,13 @@ def test_pictures_shrink_until_they_fit(run, monkeypatch):
     monkeypatch.setattr(time_slider, "PICTURE_BUDGET", sum(map(len, large.values())) // 3)
     small = time_slider.shown_pictures(run, made)
     assert max(widths(small)) < max(widths(large))
+
+
+def test_colours_are_in_the_page_where_the_run_kept_them(run, tmp_path):
+    copied = tmp_path / "run"
+    shutil.copytree(run.path, copied)
+    step = run.frame_steps[0]
+    cv2.imwrite(str(copied / "frames" / f"{step:06d}_rgb.png"), np.full((12, 16, 3), 90, np.uint8))
+    frames = json.loads(time_slider.script_data(RunFolder.read(copied), [], {}))["frames"]
+    assert frames[0]["rgb"].startswith("data:image/webp")
+    assert "rgb" not in frames[-1]

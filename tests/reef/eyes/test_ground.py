@@ -23,7 +23,7 @@ def scene(*obstacles):
 
 def at(ground, x, y):
     j, i = round((x - ground.origin[0]) / ground.cell_m), round((y - ground.origin[1]) / ground.cell_m)
-    return ground.values[i, j]
+    return ground.values[i, j] / 255.0
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,12 @@ from coral.reef.eyes.noise_tiles import FLAKES, GRAIN, PEBBLES, SIZE, SMOOTH, no
 def level(k):
     n = SIZE >> k
     start = (4 * SIZE**2 - 4 * n**2) // 3
-    return noise_tile(0)[start : start + n * n].reshape(n, n, 4)
+    return noise_tile(0)[start : start + n * n].reshape(n, n, 4) / 255.0
 
 
 def test_all_levels_are_there_down_to_one_texel():
     assert noise_tile(0).shape == ((4 * SIZE**2 - 1) // 3, 4)
-    np.testing.assert_allclose(level(9)[0, 0], level(0).mean(axis=(0, 1)), atol=1e-4)
+    np.testing.assert_allclose(level(9)[0, 0], level(0).mean(axis=(0, 1)), atol=4e-3)
 
 
 def test_values_are_shares():
@@ -25,7 +25,7 @@ def test_values_are_shares():
 
 def test_a_texel_is_the_mean_of_the_four_below():
     fine = level(0)
-    np.testing.assert_allclose(level(1)[3, 5], fine[6:8, 10:12].mean(axis=(0, 1)), atol=1e-6)
+    np.testing.assert_allclose(level(1)[3, 5], fine[6:8, 10:12].mean(axis=(0, 1)), atol=4e-3)
 
 
 def test_there_is_no_seam():

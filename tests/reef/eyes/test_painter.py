@@ -5,13 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 
-from coral.reef.camera import Camera, CameraCfg
+from coral.reef.camera import Camera, CameraCfg, T_world_camera
+from coral.reef.eyes import painter as painter_module
 from coral.reef.eyes.daylight import PainterCfg
 from coral.reef.eyes.painter import Painter
+from coral.reef.eyes.water_kernels import attenuate, transmission_table
+from coral.reef.eyes.water_types import find_water
 from coral.reef.geometry import Label, Pose
 from coral.reef.scene import Scene
 from coral.reef.world import load_world
 
+CLEAR = find_water("clear")
 SMALL = CameraCfg(width=80, height=60)
 HERE = Pose(5.3, 4.4, 0.6)
 SCENE = Scene.from_world(load_world("s1"))
@@ -66,20 +70,109 @@ def test_classes_do_not_leak_into_colours():
 
 
 def test_textures_are_anchored_to_the_world():
-    """Two cameras that look at one spot from two places see the same sand there."""
-    painter = Painter(SCENE, SMALL, "clear", PainterCfg(wave_slope=0.0, lens_blur_px=0.0, forward_blur_deg=0.0), 1)
-    spots = {}
-    for k, pose in enumerate((Pose(1.0, 14.0, 0.0), Pose(1.1, 14.0, 0.0))):
-        frame = Camera(SCENE, SMALL).render(pose)
-        light = painter._surface
-        painter.light(frame, pose)
-        spots[k] = (frame, light.copy())
-    (one, first), (two, second) = spots[0], spots[1]
-    # The same spot, 0.1 m further ahead for the first camera: rows of equal depth along the middle column.
-    ahead_one, ahead_two = (f.depth[:, 40] * 1.0 for f in (one, two))
-    assert np.isfinite(ahead_one[-5:]).all()
-    assert np.isfinite(ahead_two[-5:]).all()
-    assert not np.array_equal(first, second)
+    """A camera that moves 0.2 m ahead sees the same sand where it looks at the same spot."""
+    camera = CameraCfg(width=160, height=120, pitch_down_deg=60.0, hfov_deg=60.0)
+    cfg = PainterCfg(wave_slope=0.0, lens_blur_px=0.0, forward_blur_deg=0.0, snow=0.0)
+    painter = Painter(SCENE, camera, CLEAR, cfg, 1)
+    seen = {}
+    for pose in (Pose(1.0, 14.0, 0.0), Pose(1.2, 14.0, 0.0)):
+        frame = Camera(SCENE, camera).render(pose)
+        floor = frame.labels.ravel() == Label.SEABED
+        light = painter.light(frame, pose)
+        transform = T_world_camera(pose, camera)
+        fx, fy, cx, cy = camera.intrinsics
+        v, u = np.mgrid[:120, :160]
+        rays = np.stack([(u - cx) / fx, (v - cy) / fy, np.ones(u.shape)], axis=-1) @ transform[:3, :3].T
+        spots = transform[:2, 3] + frame.depth[..., None] * rays[..., :2]
+        keys = np.floor(spots / 0.02).astype(int).reshape(-1, 2)[floor].tolist()
+        for key, value in zip(keys, light[..., 1].ravel()[floor], strict=True):
+            seen.setdefault(tuple(key), {}).setdefault(pose.x, []).append(value)
+    both = np.array([[np.mean(values) for values in found.values()] for found in seen.values() if len(found) == 2])
+    assert len(both) > 300
+    assert np.corrcoef(both.T)[0, 1] > 0.9
+
+
+@pytest.mark.parametrize("water", ["jerlov-IB", "jerlov-3C", "jerlov-5C"])
+def test_a_gray_card_fades_by_the_law_of_beer_and_lambert(water):
+    """A wall of one gray at 1, 3 and 6 m: what it sends minus what a black wall sends, per channel.
+
+    Straight and forward-scattered light together fall by a + b / 2; straight light alone by c = a + b.
+    """
+    found = find_water(water)
+    camera = CameraCfg(width=40, height=30, hfov_deg=20.0, pitch_down_deg=0.0)
+    shape, light = (30, 40), {}
+    p = (np.arange(40) - 19.5) / camera.intrinsics[0]
+    q = (np.arange(30) - 14.5) / camera.intrinsics[0]
+    lengths = np.sqrt(1.0 + p[None, :] ** 2 + q[:, None] ** 2)
+    for distance in (1.0, 3.0, 6.0):
+        depth = (distance / lengths).astype(np.float32)
+        table = np.empty((1024, 6), np.float32)
+        transmission_table(found.beam, found.lost, 12.0, table)
+        for gray in (0.0, 0.18):
+            direct, forward = np.empty((*shape, 3), np.float32), np.empty((*shape, 3), np.float32)
+            attenuate(
+                np.eye(3), p, q, 12.0, 80.0, 4.0, depth, np.full((*shape, 3), gray, np.float32), table, found.lost,
+                found.diffuse, (0.1, 0.1, 0.1), (0.1, 0.1, 0.1), (0.0, 0.0, 1.0), (0.3, 0.2, 0.1), direct, forward,
+            )  # fmt: skip
+            light[distance, gray] = direct.astype(float), forward.astype(float)
+        straight = (light[distance, 0.18][0] - light[distance, 0.0][0]).mean(axis=(0, 1))
+        astray = light[distance, 0.18][1].mean(axis=(0, 1))
+        np.testing.assert_allclose(straight, 0.18 * np.exp(-np.array(found.beam) * distance), rtol=2e-3, atol=1e-7)
+        np.testing.assert_allclose(straight + astray, 0.18 * np.exp(-np.array(found.lost) * distance), rtol=2e-3)
+
+
+def test_the_veil_is_the_integral_along_the_ray():
+    """Straight up the closed form equals a sum of small steps through water that grows brighter."""
+    found, phase = find_water("bay"), 0.2
+    p = q = np.zeros(2)
+    up = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 0.6, 0.8]])  # rises by 0.8 for every metre
+    table = np.zeros((8, 6), np.float32)
+    direct, forward = np.empty((2, 2, 3), np.float32), np.empty((2, 2, 3), np.float32)
+    depth = np.full((2, 2), 3.0, np.float32)
+    attenuate(
+        up, p, q, 12.0, 80.0, 9.0, depth, np.zeros((2, 2, 3), np.float32), table, found.lost, found.diffuse,
+        (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, phase), direct, forward,
+    )  # fmt: skip
+    s = (np.arange(30000) + 0.5) * 1e-4
+    for k in range(3):
+        steps = phase * np.exp((0.8 * found.diffuse[k] - found.lost[k]) * s) * 1e-4
+        assert direct[0, 0, k] == pytest.approx(steps.sum(), rel=1e-4)
+
+
+@pytest.mark.parametrize("size", [(40, 30)])
+def test_kernels_equal_their_python_twins(size):
+    """Compiled and interpreted, the kernels give the same picture: no shortcut of the compiler shows."""
+    camera = CameraCfg(width=size[0], height=size[1])
+    frame = Camera(SCENE, camera).render(HERE)
+    compiled = Painter(SCENE, camera, "bay", PainterCfg(), 1).light(frame, HERE, t=1.0, velocity=(0.6, 0.1, 0.5))
+    kernels = ("shade", "attenuate", "transmission_table", "draw_snow", "blur_motion")
+    with pytest.MonkeyPatch.context() as patch:
+        for name in kernels:
+            patch.setattr(painter_module, name, getattr(painter_module, name).py_func)
+        with np.errstate(over="ignore"):
+            painter = Painter(SCENE, camera, "bay", PainterCfg(), 1)
+            plain = painter.light(frame, HERE, t=1.0, velocity=(0.6, 0.1, 0.5))
+    np.testing.assert_allclose(compiled, plain, rtol=2e-3, atol=2e-5)
+
+
+def test_turning_blurs_the_picture_along_its_rows():
+    frame = Camera(SCENE, SMALL).render(HERE)
+    painter = Painter(SCENE, SMALL, CLEAR, PainterCfg(shutter_s=0.1), 1)
+    still, turning = (painter.light(frame, HERE, velocity=(0.0, 0.0, rate)) for rate in (0.0, 1.0))
+    across, along = (lambda image, axis=axis: np.abs(np.diff(image, axis=axis)).mean() for axis in (0, 1))
+    assert along(turning) < 0.75 * along(still)
+    assert across(turning) > across(still) * along(turning) / along(still)
+
+
+def test_snow_is_drawn_in_front_and_drifts():
+    frame = Camera(SCENE, SMALL).render(HERE)
+    without = Painter(SCENE, SMALL, "hard", PainterCfg(snow=0.0), 1)
+    snowing = Painter(SCENE, SMALL, "hard", PainterCfg(snow=5.0), 1)
+    flakes = [snowing.light(frame, HERE, t=t) - without.light(frame, HERE, t=t) for t in (0.0, 0.0, 2.0)]
+    assert flakes[0].min() > -1e-5
+    assert 0.001 < (flakes[0].max(axis=2) > 1e-4).mean() < 0.5
+    assert np.array_equal(flakes[0], flakes[1])
+    assert not np.array_equal(flakes[0], flakes[2])
 
 
 @pytest.mark.parametrize("water", ["jerlov-I", "jerlov-9C"])

@@ -1,6 +1,7 @@
 import numpy as np
 
 from coral.reef.camera import Camera, CameraCfg
+from coral.reef.eyes.painter import Painter
 from coral.reef.geometry import Pose
 from coral.reef.scene import Scene
 from coral.reef.sea.simulated_camera import SimulatedCamera
@@ -30,3 +31,12 @@ def test_without_a_pose_there_is_no_picture():
     clock = FakeClock()
     scene = Scene.from_world(load_world("s1"))
     assert SimulatedCamera(scene, CameraCfg(), lambda: None, 10.0, clock, clock.sleep).read() is None
+
+
+def test_it_takes_colours_with_a_painter():
+    scene, cfg, clock = Scene.from_world(load_world("s1")), CameraCfg(width=40, height=30), FakeClock()
+    pose, painter = Pose(5.0, 5.0, 0.3), Painter(scene, cfg, "bay", seed=1)
+    camera = SimulatedCamera(scene, cfg, lambda: (100.0 + clock.now, pose), 10.0, clock, clock.sleep, painter)
+    first, second = camera.read().frame, camera.read().frame
+    assert np.array_equal(first.rgb, painter.paint(first, pose, t=0.0))
+    assert not np.array_equal(first.rgb, second.rgb)

@@ -1,7 +1,9 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Pose
+from coral.reef.geometry import Frame, Pose
 from coral.reef.world import load_world
 from coral.view.live import reef_scene
 from coral.view.live.story import Story
@@ -70,3 +72,11 @@ def test_numbers_tell_good_from_bad(coverage, tone):
 def test_the_state_of_the_vehicle_is_shown(state, tone):
     shown = reef_scene.numbers(Story(state=state), 0.5, 0.0)[-1]
     assert (shown.name, shown.value, shown.tone) == ("state", state, tone)
+
+
+def test_the_page_shows_colours_first_where_the_camera_takes_them():
+    plain = Frame(np.ones((12, 16), np.float32), np.ones((12, 16), np.uint8), np.zeros((12, 16), np.int32))
+    coloured = dataclasses.replace(plain, rgb=np.zeros((12, 16, 3), np.uint8))
+    assert [name.split(":")[0] for name, _ in reef_scene.cameras(plain)] == ["Camera", "Depth"]
+    assert [name.split(":")[0] for name, _ in reef_scene.cameras(coloured)] == ["Camera", "Classes", "Depth"]
+    assert not reef_scene.cameras(coloured)[0][1].any()

@@ -1,0 +1,94 @@
+"""`coral reef picture`: what the robot's camera would take, in one water or several."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import tyro
+
+from coral.errors import InputError
+from coral.reef.eyes.daylight import PainterCfg
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReefPicture:
+    """Take one colour picture of a reef; with several waters, a contact sheet."""
+
+    world: Annotated[str, tyro.conf.Positional]
+    """Name of a reef or a world file."""
+    out: Path
+    """The PNG file to write."""
+    water: tuple[str, ...] = ("clear",)
+    """Jerlov types (jerlov-3C) or presets (clear, bay, hard); all: every Jerlov type."""
+    at: Annotated[tuple[float, float, float] | None, tyro.conf.arg(metavar="X Y HEADING")] = None
+    """Place of the robot (m) and heading (degrees, counter-clockwise from +x); a place near oysters by default."""
+    size: tuple[int, int] = (640, 480)
+    """Width and height of a picture (px)."""
+    t: float = 0.0
+    """Time (s): waves and snow move."""
+    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    """Of the place, where --at names none."""
+    painter: PainterCfg = field(default_factory=PainterCfg)
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Take the pictures and write them."""
+        from coral.config import checked
+        from coral.reef.camera import Camera, CameraCfg
+        from coral.reef.eyes.painter import Painter
+        from coral.reef.eyes.viewpoints import choose_viewpoints
+        from coral.reef.eyes.water_types import JERLOV, find_water
+        from coral.reef.generated import find_world
+        from coral.reef.geometry import Pose
+        from coral.reef.scene import Scene
+        from coral.view.contact_sheet import contact_sheet
+        from coral.view.mapview import png
+
+        world, cfg = find_world(self.world), checked(self.painter, "--painter")
+        names = list(JERLOV) if self.water == ("all",) else list(self.water)
+        waters = [find_water(name, "--water") for name in names]
+        if not waters:
+            raise InputError("--water", "", "nothing", "at least one water")
+        if self.out.suffix.lower() != ".png":
+            raise InputError("--out", "", str(self.out), "a file name that ends in .png")
+        if self.out.exists():
+            raise InputError("--out", "", f"{self.out} exists", "a new file")
+        if self.seed < 0:
+            raise InputError("--seed", "", self.seed, "a number from 0 on")
+        if not all(map(math.isfinite, (self.t, *(self.at or ())))) or self.t < 0.0:
+            raise InputError("--at or --t", "", "no finite number", "metres, degrees and seconds")
+        camera = CameraCfg(width=self.size[0], height=self.size[1])
+        scene = Scene.from_world(world)
+        if self.at is None:
+            (pose,) = choose_viewpoints(scene, 1, np.random.default_rng(self.seed))
+        else:
+            pose = Pose(self.at[0], self.at[1], math.radians(self.at[2]))
+        frame = Camera(scene, camera).render(pose)
+        taken = [
+            (f"{water.name}, visibility {water.visibility_m:.1f} m",
+             Painter(scene, camera, water, cfg, world.seed).paint(frame, pose, t=self.t))
+            for water in waters
+        ]  # fmt: skip
+        picture = taken[0][1] if len(taken) == 1 else contact_sheet(taken, columns=2 if len(taken) <= 4 else 5)
+        try:
+            self.out.parent.mkdir(parents=True, exist_ok=True)
+            self.out.write_bytes(png(picture))
+        except OSError as error:
+            raise InputError("--out", str(self.out), error.strerror or error, "a file that can be written") from None
+        return {
+            "picture": str(self.out),
+            "waters": {water.name: round(water.visibility_m, 2) for water in waters},
+            "at": [round(pose.x, 3), round(pose.y, 3), round(math.degrees(pose.theta), 1)],
+        }
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """Return where the picture is and what it shows."""
+        x, y, heading = result["at"]
+        seen = ", ".join(f"{name} (visibility {v:g} m)" for name, v in result["waters"].items())
+        return f"{result['picture']}: from ({x:g}, {y:g}) m, heading {heading:g}°, in {seen}"
