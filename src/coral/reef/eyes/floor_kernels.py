@@ -65,7 +65,7 @@ def floor_surface(
     red, green = red + gravel * (1.1 * stone - red), green + gravel * (stone - green)
     blue += gravel * (0.9 * stone - blue)
     # Fewer bits away from the reef; between them the mud that a reef gathers.
-    mud = 0.5 * debris
+    mud = 0.35 * debris
     red, green, blue = red * (1.0 - mud), green * (1.0 - 0.92 * mud), blue * (1.0 - 0.95 * mud)
     bit = (0.05 + 0.95 * debris) * smooth_step(0.36, 0.6, flake)
     pale = 0.18 + 0.42 * flake * (0.7 + 0.6 * (middle_grain - 0.5))
