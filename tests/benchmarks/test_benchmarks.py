@@ -108,3 +108,9 @@ def test_a_cost_is_the_same_in_every_way_of_evaluating_it():
     assert found["cost"]["one_by_one_agrees"]
     assert found["cost"]["terms"] == 11
     assert len(found["beliefs"]) == 6
+
+
+def test_pictures_are_timed_by_size_and_water():
+    rows = result("pictures.py", "--poses", "2")
+    assert [(row["size"], row["water"]) for row in rows][:2] == [("160x120", "clear"), ("160x120", "bay")]
+    assert all(row["picture_ms"] > row["ray_cast_ms"] > 0.0 for row in rows)

@@ -24,6 +24,8 @@ from coral.reef.eyes.water_types import Rgb, WaterType, find_water
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.scene import Scene
 
+__all__ = ["Painter", "PainterCfg"]
+
 _RANGES = 1024
 """Rows of the table of transmissions."""
 _FAR_M = 80.0
