@@ -121,6 +121,38 @@ def test_a_gray_card_fades_by_the_law_of_beer_and_lambert(water):
         np.testing.assert_allclose(straight + astray, 0.18 * np.exp(-np.array(found.lost) * distance), rtol=2e-3)
 
 
+def henyey(cosine, g=0.7):
+    return (1 - g * g) / (4 * np.pi * (1 + g * g - 2 * g * cosine) ** 1.5)
+
+
+def test_the_water_equals_its_numpy_twin():
+    """Every pixel of a tilted camera, with the sun and the sky by their angles, as arrays."""
+    rng, water = np.random.default_rng(0), find_water("bay")
+    turn = T_world_camera(Pose(0.0, 0.0, 0.7), SMALL, roll=0.1, pitch=-0.2)[:3, :3].copy()
+    fx, _, cx, cy = SMALL.intrinsics
+    p, q = (np.arange(80) - cx) / fx, (np.arange(60) - cy) / fx
+    depth = rng.uniform(0.2, 5.0, (60, 80)).astype(np.float32)
+    surface = rng.uniform(0.0, 0.2, (60, 80, 3)).astype(np.float32)
+    sun, mix, veil = (0.3, -0.2, 0.933), (0.2, 0.1, 0.02), np.array([0.1, 0.3, 0.2])
+    table = np.empty((4096, 6), np.float32)
+    transmission_table(water.beam, water.lost, 25.0, table)
+    direct, forward = np.empty((60, 80, 3), np.float32), np.empty((60, 80, 3), np.float32)
+    attenuate(
+        turn, p, q, 25.0, 80.0, 4.0, depth, surface, table, water.lost, water.diffuse, tuple(veil), (0.0, 0.0, 0.0),
+        sun, mix, direct, forward,
+    )  # fmt: skip
+    rays = np.stack([*np.meshgrid(p, q), np.ones((60, 80))], axis=-1)
+    length = np.linalg.norm(rays, axis=-1, keepdims=True)
+    way, r = (rays / length) @ turn.T, depth[..., None] * length
+    rise = way[..., 2:]
+    sky = 0.479 * np.sqrt(1.0 - rise**2) + 0.878 * rise
+    phase = mix[0] * henyey((way * sun).sum(axis=-1, keepdims=True)) + mix[1] * henyey(sky) + mix[2]
+    rate = np.array(water.lost) - np.array(water.diffuse) * rise
+    straight = np.exp(-np.array(water.beam) * r)
+    np.testing.assert_allclose(direct, surface * straight + phase * veil * (1 - np.exp(-rate * r)) / rate, rtol=2e-4)
+    np.testing.assert_allclose(forward, surface * (np.exp(-np.array(water.lost) * r) - straight), rtol=2e-3, atol=1e-6)
+
+
 def test_the_veil_is_the_integral_along_the_ray():
     """Straight up the closed form equals a sum of small steps through water that grows brighter."""
     found, phase = find_water("bay"), 0.2
