@@ -26,8 +26,8 @@ def clock():
     made.close()
 
 
-def cost_to_go_of(belief, clock, most_cells=200_000):
-    return CostToGo(belief, clock, CostFieldCfg(), period_s=1.0, most_cells=most_cells, prepare_s=0.3)
+def cost_to_go_of(belief, clock, most_cells=200_000, **more):
+    return CostToGo(belief, clock, CostFieldCfg(), period_s=1.0, most_cells=most_cells, prepare_s=0.3, **more)
 
 
 def test_a_new_goal_has_its_cost_to_go_at_once(belief, clock):
@@ -91,3 +91,16 @@ def test_the_map_of_a_far_cost_to_go_is_that_of_the_moment_it_was_asked_for(beli
     guide.update(0.5)
     assert guide.field.goal == (28.0, 28.0)
     assert guide.field.ok
+
+
+def test_a_straight_one_leads_through_what_lies_between(belief, clock):
+    belief.map.obstacle[60:140, 126:130] = True
+    around, straight = cost_to_go_of(belief, clock), cost_to_go_of(belief, clock, straight=True)
+    around.update(0.0)
+    assert straight.update(0.0)
+    assert around.field.lookup(5.0, 5.0) > 3.5
+    assert straight.field.lookup(5.0, 5.0) == pytest.approx(3.0, abs=0.05)
+    assert not straight.update(1.0)
+    belief.goal = (6.4, 5.0)  # inside the obstacle
+    assert straight.update(1.1)
+    assert straight.field.ok

@@ -44,6 +44,7 @@ def changes(variant):
         ("no-topology", ".planner.topology.enabled", False),
         ("no-trigger", ".pilot.trigger.always", True),
         ("no-ddp", ".controller.uniform", True),
+        ("no-cost-to-go", ".pilot.cost_to_go", False),
         ("random", ".decider", "random"),
     ],
 )
@@ -69,3 +70,9 @@ def test_variants_are_told_apart():
 def test_unknown_variants_are_named():
     with pytest.raises(InputError, match="did you mean 'full'"):
         apply_variant("ful", QUIET)
+
+
+def test_a_random_advisor_without_checks_loses_what_no_verification_loses():
+    drawn = changes("random")
+    assert changes("random-unchecked") == {**changes("no-verification"), **drawn}
+    assert changes("no-cost-to-go-no-ddp") == {**changes("no-cost-to-go"), **changes("no-ddp")}

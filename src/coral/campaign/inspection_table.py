@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from coral.campaign.measures import Measure, Row, field, mean_text
 from coral.campaign.table import Table
 
-BASELINES = ("blind-sweep", "random", "oracle")
-"""Rows of every table that compares variants, if they ran: blind survey, random choice, upper bound."""
+BASELINES = ("blind-sweep", "random", "random-unchecked", "oracle")
+"""Rows of every table that compares variants, if they ran: blind survey, random choice with and without checks, upper
+bound."""
 
 INSPECTED = field("inspected", "inspected (%)", "inspected", 100.0)
 TIME_TO_90 = field("time_to_90", "to 90 % (s)", "time_to_90_s", digits=0)
@@ -33,8 +34,8 @@ NOTES = (
     "Inspected: mean share of the clusters’ oyster area that the true camera had in its picture at pixels of 0.05 m or "
     "less; imaged: within 6 m. Times and the area, the mean share over the first 600 s, are of inspected; (28/30): "
     "only 28 of 30 missions reached it.",
-    "Random: the whole system with a random advisor. Blind sweep: straight lanes, through whatever is in the "
-    "way. Oracle: a tour with the true reef, at cruise speed, without inertia; a heuristic, not a proven optimum. "
+    "Random: the whole system with a random advisor; without checks: whatever it draws is driven to. Blind "
+    "sweep: straight lanes, through whatever is in the way. Oracle: a tour with the true reef, at cruise speed, without inertia; a heuristic, not a proven optimum. "
     "These two continue to their own end; the other missions only with --cfg.no-stop-when-covered.",
 )
 

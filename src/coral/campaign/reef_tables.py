@@ -38,7 +38,17 @@ DEVIATIONS = field("deviations", "deviations", "deviations", digits=2)
 MISSION_TIME = field("sim_time", "mission time (s)", "sim_time_s", digits=0)
 DISTANCE = field("distance", "distance (m)", "distance_m")
 TABLE_I = ("dream", "pd", "full")
-TABLE_II = ("full", "no-verification", "no-centroid-selection", "rule-based", "no-trigger", "no-ddp", "no-topology")
+TABLE_II = (
+    "full",
+    "no-verification",
+    "no-centroid-selection",
+    "rule-based",
+    "no-trigger",
+    "no-ddp",
+    "no-cost-to-go",
+    "no-cost-to-go-no-ddp",
+    "no-topology",
+)
 TABLE_III = ("L", "S", "O", "K", "E")
 REFERENCE = "full"
 SWEPT = (COVERAGE, INSPECTED, TIME_TO_90, COLLISIONS, MISSION_TIME, DISTANCE, CALLS, DEVIATIONS)

@@ -68,8 +68,8 @@ NOTES = (
     "missions have that number.",
     f"To 90 %: time until nine tenths of the oysters’ area were inspected; at most {HORIZON_S:.0f} s: the same, with "
     f"{HORIZON_S:.0f} s for missions that never got there. × oracle: over the time of a tour that knows the reef.",
-    "Blind sweep, random advisor and oracle are references, and ask no advisor. Nobody decides for a method whose "
-    "answers fail; §: decisions that were not reached.",
+    "Blind sweep, random advisor (with and without checks) and oracle are references, and ask no "
+    "advisor. Nobody decides for a method whose answers fail; §: decisions that were not reached.",
 )
 
 

@@ -28,6 +28,7 @@ class CostToGo:
         period_s: float,
         most_cells: int,
         prepare_s: float,
+        straight: bool = False,
     ) -> None:
         """Set up that of one robot.
 
@@ -38,11 +39,13 @@ class CostToGo:
             period_s: Shortest time between updates when only the map has changed (s).
             most_cells: Cells that are searched at most within a control tick.
             prepare_s: Simulated time that a larger search takes (s).
+            straight: Use the straight distance to the goal, whatever lies between.
         """
         self.field: CostField | None = None
         """None before the first update."""
         self._belief, self._clock, self._cfg = belief, clock, cfg
         self._period_s, self._most_cells, self._prepare_s = period_s, most_cells, prepare_s
+        self._straight = straight
         self._key: tuple[tuple[float, float], int] | None = None
         self._at_s = -math.inf
         self._asked = 0
@@ -56,6 +59,9 @@ class CostToGo:
         if self._key is None or self._key[0] != goal or (key != self._key and t - self._at_s >= self._period_s - 1e-9):
             self._key, self._at_s = key, t
             self._asked += 1
+            if self._straight:
+                self.field = CostField.straight(belief.map.obstacle.shape, goal, cell_m=belief.map.cfg.cell_m)
+                return self._leads_elsewhere()
             water, start = belief.water(self._cfg), belief.pose[:2]
             field = self._search(water, start, goal, None if self.field is None else self._most_cells)
             if field is None:
@@ -63,6 +69,9 @@ class CostToGo:
                 self._clock.start(self._search_far(still, start, goal))
             else:
                 self.field = field
+        return self._leads_elsewhere()
+
+    def _leads_elsewhere(self) -> bool:
         if self.field is None or self.field.goal == self._led_to:
             return False
         self._led_to = self.field.goal

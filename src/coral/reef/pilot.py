@@ -95,6 +95,9 @@ class PilotCfg:
     """The first question is asked so long after the start: a map of one picture shows too little."""
     local_m: float = 5.0
     """How far about itself the robot keeps its distances to obstacles up to date; beyond the sensing range."""
+    cost_to_go: bool = True
+    """False is the ablation "w/o cost-to-go": the controller is given the straight distance to the goal, whatever lies
+    between, as a local planner alone would have it. The paper describes no cost-to-go."""
     field_period_s: float = 1.0
     """Shortest time between updates of the cost-to-go when only the map has changed."""
     field_cells: Count = 200_000
@@ -137,6 +140,7 @@ class Pilot:
             period_s=self.cfg.field_period_s,
             most_cells=self.cfg.field_cells,
             prepare_s=self._prepare_s,
+            straight=not self.cfg.cost_to_go,
         )
         self.safety = SafetyWatch(SensorGuard(belief.map.camera, belief.map.size_m, self.cfg.guard), emit)
         """Checks the sensors; its `states` say what the vehicle is doing, and why."""

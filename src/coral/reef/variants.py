@@ -65,6 +65,16 @@ def _no_ddp(cfg: MissionCfg) -> MissionCfg:
     return replace(cfg, controller=replace(cfg.controller, uniform=True))
 
 
+def _no_cost_to_go(cfg: MissionCfg) -> MissionCfg:
+    """Drive by the straight distance to the goal: only the rollouts see what lies between."""
+    return replace(cfg, pilot=replace(cfg.pilot, cost_to_go=False))
+
+
+def _no_cost_to_go_no_ddp(cfg: MissionCfg) -> MissionCfg:
+    """Do without both: what DDP is worth where no cost-to-go leads around obstacles."""
+    return _no_ddp(_no_cost_to_go(cfg))
+
+
 def _pd(cfg: MissionCfg) -> MissionCfg:
     """Use a PD controller in place of DDP-MPPI ("w/o low-level planner").
 
@@ -108,6 +118,11 @@ def _random(cfg: MissionCfg) -> MissionCfg:
     return _alone(replace(cfg, decider="random"))
 
 
+def _random_unchecked(cfg: MissionCfg) -> MissionCfg:
+    """Drive wherever the random advisor draws: what chance is worth without verification."""
+    return _no_verification(_random(cfg))
+
+
 def _glided(cfg: MissionCfg) -> MissionCfg:
     """Use a vehicle without inertia that follows a plan to its end."""
     vehicle = replace(cfg.simulator.vehicle, model="kinematic")
@@ -138,8 +153,11 @@ VARIANTS: dict[str, Change] = {
     "no-centroid-selection": _no_centroid_selection,
     "no-trigger": _no_trigger,
     "no-ddp": _no_ddp,
+    "no-cost-to-go": _no_cost_to_go,
+    "no-cost-to-go-no-ddp": _no_cost_to_go_no_ddp,
     "no-topology": _no_topology,
     "random": _random,
+    "random-unchecked": _random_unchecked,
     "blind-sweep": _blind_sweep,
     "oracle": _oracle,
 }
