@@ -34,9 +34,10 @@ NOTES = (
     "Inspected: mean share of the clusters’ oyster area that the true camera had in its picture at pixels of 0.05 m or "
     "less; imaged: within 6 m. Times and the area, the mean share over the first 600 s, are of inspected; (28/30): "
     "only 28 of 30 missions reached it.",
-    "Random: the whole system with a random advisor; without checks: whatever it draws is driven to. Blind "
-    "sweep: straight lanes, through whatever is in the way. Oracle: a tour with the true reef, at cruise speed, without inertia; a heuristic, not a proven optimum. "
-    "These two continue to their own end; the other missions only with --cfg.no-stop-when-covered.",
+    "Random: the whole system with a random advisor; no checks: whatever it draws is driven to. Blind sweep: straight "
+    "lanes, through whatever is in the way. Oracle: a tour with the true reef, at cruise speed, without inertia; a "
+    "heuristic, not a proven optimum. Sweep and oracle continue to their own end; the other missions only with "
+    "--cfg.no-stop-when-covered.",
 )
 
 
