@@ -1,10 +1,12 @@
 """Safety of the controller in clutter it discovers as it goes: collisions, failures, speed, time to goal.
 
-Usage: python benchmarks/control_safety.py [--seeds 30] [--seconds 120] [--variant ddp] [--set key=value] [--png DIR]
+Usage: python benchmarks/control_safety.py [--seeds 30] [--seconds 120] [--variant ddp] [--straight] [--set key=value]
+       [--png DIR]
 
 A 20 x 20 m field of discs and boxes, passages 1.0 to 1.4 m wide. The robot knows an obstacle's surface once a ray of
 its 120 degree camera has hit it within 4 m (the paper's sensing range). Collisions are counted against the exact
-shapes at every integration step of the vehicle.
+shapes at every integration step of the vehicle. With --straight the controller gets the straight distance to the goal
+instead of the cost-to-go around what it knows. A goal is given up after 20 s on one spot, and the next one is drawn.
 """
 
 from __future__ import annotations
@@ -28,6 +30,8 @@ from coral.reef.pd import PdController
 from coral.reef.vehicle import Vehicle, VehicleCfg, VehicleState
 
 SIZE_M, CELL_M, HULL_M = 20.0, 0.05, 0.3
+PATIENCE = 200
+"""Ticks on one spot after which a goal is given up: 20 s, as in the paper's trigger."""
 VARIANTS = {
     "ddp": {},
     "uniform": {"uniform": True},
@@ -106,6 +110,7 @@ class Result:
     stuck_s: float = 0.0
     goals: int = 0
     unreachable: int = 0
+    given_up: int = 0
     distance_m: float = 0.0
     ideal_m: float = 0.0
     seconds: float = 0.0
@@ -123,7 +128,9 @@ def free_point(rng: np.random.Generator, shapes: NDArray[np.float64], clear: flo
             return float(x), float(y)
 
 
-def mission(seed: int, seconds: float, overrides: dict[str, object] | None, reach_m: float) -> Result:
+def mission(
+    seed: int, seconds: float, overrides: dict[str, object] | None, reach_m: float, *, straight: bool = False
+) -> Result:
     """Drive from random goal to random goal; overrides None is the PD controller."""
     rng = np.random.default_rng(seed)
     shapes = clutter(rng)
@@ -149,7 +156,9 @@ def mission(seed: int, seconds: float, overrides: dict[str, object] | None, reac
             fresh = True
         else:
             fresh = False
-        if cost_field is None or (fresh and tick % 3 == 0):
+        if straight and cost_field is None:
+            cost_field = CostField.straight(known.shape, goal, cell_m=CELL_M)
+        elif cost_field is None or (fresh and tick % 3 == 0 and not straight):
             cost_field = CostField.compute(distance, goal, start=(s.x, s.y), cell_m=CELL_M)
         t0 = time.perf_counter()
         plan = driver.plan(s, cost_field, distance, cell_m=CELL_M)
@@ -168,13 +177,16 @@ def mission(seed: int, seconds: float, overrides: dict[str, object] | None, reac
         command = np.array(plan.command)
         out.jerk += float(np.abs(command - last).sum())
         last = command
-        recent = [*recent[-99:], (e.x, e.y)]
-        if len(recent) == 100 and np.ptp(np.array(recent), axis=0).max() < 0.2:
+        recent = [*recent[-PATIENCE + 1 :], (e.x, e.y)]
+        half = np.array(recent[-PATIENCE // 2 :])
+        if len(half) == PATIENCE // 2 and np.ptp(half, axis=0).max() < 0.2:
             out.stuck_s += 0.1
+        given_up = len(recent) == PATIENCE and np.ptp(np.array(recent), axis=0).max() < 0.2
         out.log.append((e.x, e.y, e.theta, e.u, *plan.command, float(plan.ok), *goal))
-        if math.hypot(goal[0] - e.x, goal[1] - e.y) < 0.5 or cost_field.failure:
+        if math.hypot(goal[0] - e.x, goal[1] - e.y) < 0.5 or cost_field.failure or given_up:
             out.unreachable += bool(cost_field.failure)
-            out.goals += not cost_field.failure
+            out.given_up += given_up
+            out.goals += not cost_field.failure and not given_up
             goal = free_point(rng, shapes, 0.45)
             cost_field, recent = None, []
     out.seconds = seconds
@@ -226,6 +238,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seconds", type=float, default=120.0)
     parser.add_argument("--variant", choices=VARIANTS, default="ddp")
+    parser.add_argument("--straight", action="store_true")
     parser.add_argument("--set", nargs="*", default=[], metavar="KEY=VALUE")
     parser.add_argument("--reach", type=float, default=4.0)
     parser.add_argument("--png", type=Path)
@@ -235,7 +248,7 @@ def main() -> None:
         overrides = overrides | {k: ast.literal_eval(v) for k, v in (s.split("=") for s in args.set)}
     total: list[Result] = []
     for seed in range(args.first, args.first + args.seeds):
-        r = mission(seed, args.seconds, overrides, args.reach)
+        r = mission(seed, args.seconds, overrides, args.reach, straight=args.straight)
         total.append(r)
         if args.png:
             draw(args.png, seed, r)
@@ -243,14 +256,16 @@ def main() -> None:
             print(f"seed {seed}: collisions {r.collisions} {r.reasons} stuck {r.stuck_s:.1f} s")
     ms = np.concatenate([r.ms[5:] for r in total])
     n = len(total)
+    goals, name = [r.goals for r in total], f"{args.variant}{' straight' if args.straight else ''} {args.set}"
     print(
-        f"{args.variant} {args.set} | collisions {sum(r.collisions for r in total)} in "
-        f"{sum(r.collisions > 0 for r in total)}/{n} runs | failed ticks {sum(r.failures for r in total)} | stuck "
-        f"{sum(r.stuck_s for r in total):.0f} s in {sum(r.stuck_s > 0 for r in total)} | speed "
-        f"{sum(r.distance_m for r in total) / sum(r.seconds for r in total):.3f} m/s | goals "
-        f"{sum(r.goals for r in total)} ({sum(r.seconds for r in total) / max(1, sum(r.goals for r in total)):.1f} s "
-        f"each) | min clearance {min(r.clearance_m for r in total):.3f} m | command change "
-        f"{np.mean([r.jerk for r in total]):.4f} | {np.median(ms):.2f} ms median {np.percentile(ms, 99):.2f} p99"
+        f"{name} | collisions {sum(r.collisions for r in total)} in {sum(r.collisions > 0 for r in total)}/{n} runs | "
+        f"failed ticks {sum(r.failures for r in total)} | "
+        f"stuck {sum(r.stuck_s for r in total):.0f} s in {sum(r.stuck_s > 0 for r in total)} | "
+        f"speed {sum(r.distance_m for r in total) / sum(r.seconds for r in total):.3f} m/s | "
+        f"goals {sum(goals)} {goals} ({sum(r.seconds for r in total) / max(1, sum(goals)):.1f} s each), "
+        f"given up {sum(r.given_up for r in total)} | min clearance {min(r.clearance_m for r in total):.3f} m | "
+        f"command change {np.mean([r.jerk for r in total]):.4f} | "
+        f"{np.median(ms):.2f} ms median {np.percentile(ms, 99):.2f} p99"
     )
 
 
