@@ -25,12 +25,13 @@ from coral.commands.config_flag import configured
 from coral.commands.keyboard import HELP, Keyboard
 from coral.commands.reef_run import render
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
-from coral.config import Positive, checked
+from coral.config import Positive, checked, read_config
 from coral.errors import InputError, RunError
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
 from coral.reef.resolution import PERSON_DEADLINE_S
+from coral.reef.response import VehicleResponse
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.safety import SafetyCfg
@@ -71,6 +72,8 @@ class ReefSail:
     """Depth to hold (m), below the surface; by default the survey file's, or 1 m."""
     start: tuple[float, float, float] | None = None
     """Where the vehicle is when it begins: x, y (m) and heading (rad) in the area; by default as in the file."""
+    response: Path | None = None
+    """File of `coral reef identify`: how this vehicle follows its set-points; by default as the simulated one does."""
     resume: Path | None = None
     """Run folder of an earlier survey of the same area, to go on with its map. `--start` says where the vehicle is now;
     by default it is at the area's start again."""
@@ -124,6 +127,7 @@ class ReefSail:
         if self.start is not None:
             area = area.begun_at(self.start, "--start")
         depth = self.depth or file_depth
+        response = None if self.response is None else read_config(self.response, VehicleResponse())
         parts = opened.enter_context(open_parts(self, area, world, cfg, depth))
         if self.yes and not parts.proven_simulation:
             raise InputError(
@@ -166,7 +170,7 @@ class ReefSail:
             lines = look()
             self._print(lines)
             return {"ready": not blocking(lines), "preflight": [str(line).strip() for line in lines]}
-        sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth)
+        sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth, response=response)
         about = {"vehicle": self.vehicle, "camera": self.camera, "dvl": self.dvl}
         about |= {"resumed": str(self.resume)} if self.resume is not None else {}
         lines = look()

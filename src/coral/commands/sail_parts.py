@@ -178,7 +178,7 @@ def _mavlink(flags: ReefSail, area: SurveyArea, world: ReefWorld | None, opened:
 
         feed = TruthFeed(parse_address(flags.truth)).run()
         opened.append(feed)
-        proven = _answers(feed)
+        proven = proves_simulation(feed)
 
         def truth() -> tuple[float, Pose] | None:
             state = feed.state
@@ -206,7 +206,7 @@ def _reported(link: VehicleLink) -> Callable[[], tuple[float, Pose] | None]:
     return truth
 
 
-def _answers(feed: Any, timeout_s: float = 10.0) -> bool:
+def proves_simulation(feed: Any, timeout_s: float = 10.0) -> bool:
     """Wait for the state of a simulation: only a simulation tells one."""
     end = time.monotonic() + timeout_s
     while feed.state is None:

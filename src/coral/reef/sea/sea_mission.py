@@ -22,6 +22,7 @@ from coral.advisor.thread import AdvisorThread
 from coral.config import Positive, to_mapping
 from coral.reef.belief import Belief
 from coral.reef.controller import DdpMppi
+from coral.reef.delay_aware_driver import DelayAwareDriver
 from coral.reef.geometry import Pose
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.leftover import what_is_left
@@ -30,6 +31,7 @@ from coral.reef.metrics import compute_metrics
 from coral.reef.mission import MissionCfg
 from coral.reef.pilot import Command, Pilot
 from coral.reef.planner import HighLevelPlanner
+from coral.reef.response import VehicleResponse
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.loop import FixedRate, IdleCollector, collected_when_idle, prompt_threads
@@ -58,6 +60,8 @@ class SailCfg:
     safety: SafetyCfg = field(default_factory=SafetyCfg)
     depth_m: Positive = 1.0
     """Depth to hold."""
+    response: VehicleResponse | None = None
+    """How the vehicle follows its set-points, as `coral reef identify` measured it; None: as the simulated one does."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,12 +121,16 @@ class SeaMission:
         self._clock, self._sleep, self._threaded = clock, sleep, threaded
         self.belief = belief or Belief(OccupancyMap(area.size_m, mission.simulator.camera, mission.map), mission.belief)
         self.belief.map.close_off(area.forbidden(mission.map.cell_m, self.belief.map.target.shape))
-        self.driver = DdpMppi(
-            mission.controller,
+        self.response = cfg.response or VehicleResponse.of_vehicle(mission.simulator.vehicle)
+        margin_m = mission.controller.margin_m + self.response.margin_m
+        controller = DdpMppi(
+            dataclasses.replace(mission.controller, margin_m=margin_m),
             mission.simulator.vehicle,
             np.random.default_rng([seed, 1]),
             control_period_s=mission.control_period_s,
+            response=self.response,
         )
+        self.driver = DelayAwareDriver(controller, mission.control_period_s)
         self.step, self.t, self.end_reason = 0, 0.0, ""
         self.calls = self.collisions = 0
         self.control_ms: list[float] = []
@@ -179,8 +187,9 @@ class SeaMission:
         command = self.pilot.tick(self._observe(report, pose))
         self.supervisor.update(now, self.t, report, pose, self.crew.words.take())
         self.command = command if self.states.state is PilotState.SURVEYING else (0.0, 0.0)
+        self.driver.note(self.command)
         if self.supervisor.sends_commands:
-            self.crew.link.command(*self.command, self.cfg.depth_m)
+            self.crew.link.command(*self.response.setpoint(*self.command), self.cfg.depth_m)
         self.step += 1
         self._record(report)
         if self.pilot.end_reason and not self.supervisor.returning and self.states.state is not PilotState.TAKEN_OVER:
@@ -248,6 +257,7 @@ class SeaMission:
                 "mission": to_mapping(self.cfg.mission),
                 "safety": to_mapping(self.cfg.safety),
                 "depth_m": self.cfg.depth_m,
+                "response": to_mapping(self.response),
                 "frame": dataclasses.asdict(self.frame),
                 "provenance": provenance(),
             },
