@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import tyro
@@ -34,6 +34,7 @@ from coral.reef.resolution import PERSON_DEADLINE_S
 from coral.reef.response import VehicleResponse
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.operator import OperatorWords
+from coral.reef.sea.priority import describe_priority, prefer_process, prefer_thread
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
@@ -81,6 +82,9 @@ class ReefSail:
     """Time from the light to the picture's arrival (s), as calibrated."""
     camera_rate: Positive = 10.0
     """Pictures a second of the simulated camera."""
+    priority: Literal["high", "normal"] = "high"
+    """high: the program and its control thread go before other programs, where the system allows it (root, or limits
+    for nice and rtprio)."""
     yes: bool = False
     """Arm without asking. For rehearsals only: refused unless the vehicle is a simulation that proves to be one."""
     check: bool = False
@@ -123,6 +127,7 @@ class ReefSail:
 
     def _sail(self, opened: ExitStack) -> Mapping[str, Any]:
         cfg = self._config()
+        first = self.priority == "high" and prefer_process()
         area, world, file_depth = read_area(self.area)
         if self.start is not None:
             area = area.begun_at(self.start, "--start")
@@ -183,7 +188,7 @@ class ReefSail:
             for observer in observers:
                 observer.waiting(tuple(str(line) for line in lines))
             self._arm(mission, parts, words)
-            result = conduct(mission, observers, words)
+            result = conduct(mission, observers, words, first=first)
         save_survey(folder, mission.belief, mission.belief.pose) if not result["recording_failure"] else None
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
@@ -302,8 +307,12 @@ def watch_sensors(parts: Parts, area: Any, safety: SafetyCfg, equipment: Equipme
             return lines
 
 
-def conduct(mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords) -> dict[str, Any]:
+def conduct(
+    mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords, *, first: bool = False
+) -> dict[str, Any]:
     """Run the control loop on a thread of its own; keyboard and signals stay here and never interrupt a tick.
+
+    With `first`, the thread goes before all ordinary programs, where the system allows it.
 
     Raises:
         RunError: The loop failed; the vehicle was told to hold.
@@ -313,6 +322,7 @@ def conduct(mission: SeaMission, observers: Sequence[Observer[SeaMission]], word
 
     def control() -> None:
         try:
+            mission.about["priority"] = describe_priority(first, first and prefer_thread())
             result.update(mission.run(observers))
         except BaseException as error:
             failure.append(error)

@@ -39,6 +39,7 @@ from coral.reef.sea.operator import OperatorWords, VehicleOrders
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.record import SeaRecord
 from coral.reef.sea.safety import SafetyCfg, SafetyMonitor
+from coral.reef.sea.stages import StageTimes
 from coral.reef.sea.supervisor import Supervisor
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.sensing import Attitude, Stamped, VehicleObservation
@@ -150,6 +151,8 @@ class SeaMission:
         self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s)
         self._recording = True
         self._idle: IdleCollector | None = None
+        self._stages = StageTimes(clock)
+        self._shown_s = 0.0
 
     def align(self, start: Pose | None = None, *, trust_heading: bool) -> None:
         """Take what the vehicle reports now as the survey's start."""
@@ -169,9 +172,11 @@ class SeaMission:
             try:
                 while not self.end_reason:
                     self.advance()
+                    shown = self._clock()
                     for observer in observers:
                         observer.tick(self)
                         self.end_reason = self.end_reason or observer.stop_requested()
+                    self._shown_s = self._clock() - shown
             finally:
                 result = self._finish()
         return result
@@ -180,24 +185,29 @@ class SeaMission:
         """Run one control tick."""
         self.rate.wait()
         now = self._clock()
+        self._stages.begin(page_before=self._shown_s, woken=self.rate.behind_s)
         self.t = round(now - self._began, 6)
         report = self.report = self.crew.link.report()
         pose = self.pose = None if report.pose is None else self.frame.to_survey(report.pose)
         self._tell_texts(report)
+        self._stages.mark("report")
         command = self.pilot.tick(self._observe(report, pose))
+        self._stages.mark("pilot")
         self.supervisor.update(now, self.t, report, pose, self.crew.words.take())
         self.command = command if self.states.state is PilotState.SURVEYING else (0.0, 0.0)
         self.driver.note(self.command)
         if self.supervisor.sends_commands:
             self.crew.link.command(*self.response.setpoint(*self.command), self.cfg.depth_m)
+        self._stages.mark("command")
         self.step += 1
         self._record(report)
+        self._stages.mark("record")
         if self.pilot.end_reason and not self.supervisor.returning and self.states.state is not PilotState.TAKEN_OVER:
             self.supervisor.complete(self.t, self.pilot.end_reason)
         self.end_reason = self.supervisor.end_reason
         late, spare_s = self.rate.count.late, self.rate.finish()
         if self.rate.count.late > late:
-            self.emit("late_tick", behind_ms=round(1e3 * (self.rate.period_s - spare_s)))
+            self.emit("late_tick", behind_ms=round(1e3 * (self.rate.period_s - spare_s)), **self._stages.told_ms())
         self.control_ms.append(1e3 * (self._clock() - now))
         if self._idle is not None:
             self._idle.offer(spare_s)
