@@ -27,6 +27,7 @@ from coral.commands.reef_run import render
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
 from coral.config import Positive, checked, read_config
 from coral.errors import InputError, RunError
+from coral.reef.faults import parse_fault
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
@@ -78,6 +79,9 @@ class ReefSail:
     resume: Path | None = None
     """Run folder of an earlier survey of the same area, to go on with its map. `--start` says where the vehicle is now;
     by default it is at the area's start again."""
+    fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
+    """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. For rehearsals only,
+    as `--yes`. `coral reef faults --list` names them."""
     camera_latency: float = 0.0
     """Time from the light to the picture's arrival (s), as calibrated."""
     camera_rate: Positive = 10.0
@@ -134,9 +138,10 @@ class ReefSail:
         depth = self.depth or file_depth
         response = None if self.response is None else read_config(self.response, VehicleResponse())
         parts = opened.enter_context(open_parts(self, area, world, cfg, depth))
-        if self.yes and not parts.proven_simulation:
+        rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else ""
+        if rehearsed and not parts.proven_simulation:
             raise InputError(
-                "--yes",
+                rehearsed,
                 "",
                 f"{self.vehicle}, which may be a real vehicle",
                 "--vehicle simulated, or --truth of a simulation",
@@ -199,7 +204,9 @@ class ReefSail:
         if not 0.0 <= self.camera_latency <= 1.0:
             raise InputError("--camera-latency", "", self.camera_latency, "0 to 1 s")
         checked(self.safety, "--safety")
-        cfg = checked(self.cfg, "--cfg")
+        cfg = checked(dataclasses.replace(self.cfg, faults=(*self.cfg.faults, *self.fault)), "--cfg")
+        for fault in cfg.faults:
+            parse_fault(fault)
         if cfg.robots != 1 or cfg.decider != "advisor":
             found = f"robots {cfg.robots}, decider {cfg.decider}"
             raise InputError("--cfg", "", found, "one robot whose questions an advisor answers")

@@ -23,6 +23,7 @@ from coral.config import Positive, to_mapping
 from coral.reef.belief import Belief
 from coral.reef.controller import DdpMppi
 from coral.reef.delay_aware_driver import DelayAwareDriver
+from coral.reef.faults import FaultySensors, parse_fault
 from coral.reef.geometry import Pose
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.leftover import what_is_left
@@ -149,6 +150,7 @@ class SeaMission:
         self._decision_clock = decision_clock
         self.orders = VehicleOrders(crew.link, threaded=threaded)
         self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s)
+        self._faults = FaultySensors(map(parse_fault, mission.faults))
         self._recording = True
         self._idle: IdleCollector | None = None
         self._stages = StageTimes(clock)
@@ -191,7 +193,7 @@ class SeaMission:
         pose = self.pose = None if report.pose is None else self.frame.to_survey(report.pose)
         self._tell_texts(report)
         self._stages.mark("report")
-        command = self.pilot.tick(self._observe(report, pose))
+        command = self.pilot.tick(self._faults.apply(self._observe(report, pose)))
         self._stages.mark("pilot")
         self.supervisor.update(now, self.t, report, pose, self.crew.words.take())
         self.command = command if self.states.state is PilotState.SURVEYING else (0.0, 0.0)
