@@ -64,7 +64,8 @@ class ReefSail:
     """simulated: pictures of the simulated reef from where the vehicle is. Else a file, an RTSP address or a device for
     OpenCV; such pictures have no labels yet, so that nothing arms."""
     dvl: str = "autopilot"
-    """Where position and speed come from: the autopilot, or a Water Linked A50 on the network (a50:HOST)."""
+    """Where position and speed come from: the autopilot, or a Water Linked A50 on the network (a50:HOST). watch:HOST:
+    from the autopilot, but lost as soon as the A50, from which it has them, falls silent."""
     truth: str = ""
     """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
     advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who decides"))] = "heuristic"

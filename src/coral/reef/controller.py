@@ -155,9 +155,7 @@ def schedule(cfg: MppiCfg, response: VehicleResponse) -> Schedule:
     for t in range(n):
         angle = 2.0 * math.pi * np.arange(points[t]) / points[t]
         circle[t, : points[t]] = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return Schedule(
-        dt, substeps, rate, yaw_rate, points, circle, response.trail, -np.expm1(-h / response.trail_lag_s)
-    )
+    return Schedule(dt, substeps, rate, yaw_rate, points, circle, response.trail, -np.expm1(-h / response.trail_lag_s))
 
 
 def shift_matrix(dt: Array, by_s: float) -> Array:

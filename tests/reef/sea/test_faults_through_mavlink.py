@@ -9,7 +9,9 @@ AT_S = 3.0
 STEP = 30
 
 
-@pytest.mark.parametrize("fault", ["nan-pose", "stale-pose", "nan-velocity", "blind-camera", "wrong-size", "stale-frame"])
+@pytest.mark.parametrize(
+    "fault", ["nan-pose", "stale-pose", "nan-velocity", "blind-camera", "wrong-size", "stale-frame"]
+)
 def test_a_sensor_that_fails_holds_the_vehicle_and_lets_it_go_on(tmp_path, fault):
     voyage = MavlinkVoyage(tmp_path / "run", faults=(f"{fault}@{AT_S:g}:2",), time_limit_s=8.0)
     voyage.run()

@@ -69,7 +69,10 @@ def fit_step_response(t: Array, y: Array, at: Array, command: Array, *, trails: 
         slow = [lagged(t, at, command, lag, delay) for lag in (TRAIL_LAGS_S if trails else ())]
         for lag in LAGS_S:
             fast = lagged(t, at, command, lag, delay)
-            for trail_lag, shapes in [(2.0, (fast,)), *((T, (fast, s)) for T, s in zip(TRAIL_LAGS_S, slow, strict=False))]:
+            for trail_lag, shapes in [
+                (2.0, (fast,)),
+                *((T, (fast, s)) for T, s in zip(TRAIL_LAGS_S, slow, strict=False)),
+            ]:
                 found = np.linalg.lstsq(np.stack(shapes, axis=1), y, rcond=None)[0]
                 if np.any(found <= 0.0):
                     continue
