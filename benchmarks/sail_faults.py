@@ -3,8 +3,9 @@
 Usage: python benchmarks/sail_faults.py --vehicle mavlink:tcp:HOST:PORT --truth ADDRESS --station ADDRESS [--only WORDS]
 
 Vehicle, truth and station are three lines to one simulation: ArduSub in the loop has a port for each, the simulated
-autopilot (`coral reef autopilot s1 --listen tcp:127.0.0.1:5790`) takes all on one. Each row is a survey of its own in real
-time; the fault begins under way. *Held*: seconds until the state changed; *stood*: until the true speed was below 0.1 m/s.
+autopilot (`coral reef autopilot s1 --listen tcp:127.0.0.1:5790`) takes all on one. Each row is a survey of its own in
+real time; the fault begins under way. *Held*: seconds until the state changed; *stood*: until the true speed was below
+0.1 m/s.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ import csv
 import json
 import math
 import os
-import resource
 import signal
 import socket
 import subprocess
@@ -159,11 +159,6 @@ def _cut(bench: Bench) -> None:
     threading.Timer(LASTS_S, lambda: setattr(bench.proxy, "cut", False)).start()
 
 
-def _full(bench: Bench) -> None:
-    """Let no file of this process grow further than it has."""
-    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, resource.RLIM_INFINITY))
-
-
 def _killed(bench: Bench) -> dict:
     """Kill the program itself, and watch the vehicle."""
     folder = Path(tempfile.mkdtemp()) / "run"
@@ -206,11 +201,6 @@ def _rows(bench: Bench, only: str) -> list[dict]:
         battery(12.6)
         return row
 
-    def full() -> dict:
-        row = bench.survey("disk full", lambda: _full(bench))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-        return row
-
     trials: dict[str, Callable[[], dict]] = {
         "arming": refused,
         **{fault: (lambda fault=fault: bench.survey(fault, None, fault)) for fault in
@@ -218,7 +208,6 @@ def _rows(bench: Bench, only: str) -> list[dict]:
         "link": lambda: bench.survey("link lost for 3 s", lambda: _cut(bench)),
         "leak": lambda: bench.survey("leak", lambda: _leak(bench)),
         "battery": low,
-        "disk": full,
         "pilot": lambda: bench.survey("pilot chooses POSHOLD", lambda: bench.command(176, 1.0, 16.0)),
         "killed": lambda: _killed(bench),
     }  # fmt: skip

@@ -59,7 +59,8 @@ def run(start, controls, scene, cfg=None, guide=None, response=SIMULATED):
     k, n = controls.shape[:2]
     path, costs, ok = np.empty((k, n + 1, 3)), np.empty((k, N_COSTS)), np.empty(k, np.bool_)
     rollout(
-        np.array([*start, 0.0, 0.0][:8], dtype=float), np.zeros(2), controls, np.zeros(k) if guide is None else guide, table, scene,
+        np.array([*start, 0.0, 0.0][:8], dtype=float), np.zeros(2), controls,
+        np.zeros(k) if guide is None else guide, table, scene,
         MODEL, path, costs, ok,
     )  # fmt: skip
     return path, costs, ok

@@ -129,7 +129,8 @@ class ReefIdentify:
         return (
             f"speed: {found.surge_gain:.0%} of what is asked, lag {found.surge_lag_s:.2f} s after "
             f"{found.surge_delay_s:.2f} s\n"
-            f"turn: {found.yaw_gain:.0%} of what is asked, lag {found.yaw_lag_s:.2f} s after {found.yaw_delay_s:.2f} s\n"
+            f"turn: {found.yaw_gain:.0%} of what is asked, lag {found.yaw_lag_s:.2f} s after "
+            f"{found.yaw_delay_s:.2f} s\n"
             f"{found.trail:.0%} of the speed trails behind, with a lag of {found.trail_lag_s:.1f} s\n"
             f"positions predicted 1 s ahead err by up to {found.margin_m:.2f} m (95 %): the margin\n"
             f"written to {result['file']}"

@@ -27,8 +27,8 @@ class VehicleResponse:
 
     A share `trail` of the wanted velocity is followed slowly, in a frame that does not turn with the vehicle; the rest
     at once, but for a lag: body velocity' = ((1 - trail) wanted + trailing - velocity) / lag, and
-    trailing' = (trail wanted - trailing) / trail_lag. So a vehicle whose autopilot integrates the error of a velocity in
-    north and east coasts on after a stop, and along the old course in a turn.
+    trailing' = (trail wanted - trailing) / trail_lag. So a vehicle whose autopilot integrates the error of a velocity
+    in north and east coasts on after a stop, and along the old course in a turn.
     """
 
     surge_gain: Positive = 1.0
