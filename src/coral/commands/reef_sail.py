@@ -330,8 +330,8 @@ def conduct(
 
     def control() -> None:
         try:
-            mission.about["priority"] = describe_priority(first, first and prefer_thread())
-            result.update(mission.run(observers))
+            allowed = describe_priority(first, first and prefer_thread())
+            result.update(mission.run(observers), priority=allowed)
         except BaseException as error:
             failure.append(error)
 
