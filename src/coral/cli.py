@@ -23,6 +23,7 @@ from coral.usage import usage_error
 COMMANDS = {
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
     "reef sail": ("coral.commands.reef_sail:ReefSail", "survey in real time, with a simulated or a real vehicle"),
+    "reef identify": ("coral.commands.reef_identify:ReefIdentify", "measure how a vehicle follows its set-points"),
     "reef bench": ("coral.commands.reef_bench:ReefBench", "compare variants over many missions, with tables"),
     "reef faults": ("coral.commands.reef_faults:ReefFaults", "break the sensors and see what the vehicle does"),
     "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),

@@ -32,10 +32,13 @@ from coral.reef.controller_kernels import (
 )
 from coral.reef.costfield import UNREACHABLE, CostField
 from coral.reef.dynamics import Thrusters, parameter_set, planar
+from coral.reef.response import VehicleResponse
 from coral.reef.vehicle import Vehicle, VehicleCfg, VehicleState
 
 CELL = 0.05
 MODEL = planar(parameter_set("A"), Thrusters())
+SIMULATED = VehicleResponse.of_vehicle(VehicleCfg())
+SLUGGISH = VehicleResponse(surge_lag_s=0.15, yaw_lag_s=0.3, trail=0.3, trail_lag_s=2.0)
 OPEN = np.full((240, 240), np.inf, np.float32)
 
 
@@ -51,12 +54,13 @@ def scene_of(distance, field, **changes):
     return scene._replace(**changes)
 
 
-def run(start, controls, scene, cfg=None, guide=None):
-    table = schedule(cfg or MppiCfg(), VehicleCfg())
+def run(start, controls, scene, cfg=None, guide=None, response=SIMULATED):
+    table = schedule(cfg or MppiCfg(), response)
     k, n = controls.shape[:2]
     path, costs, ok = np.empty((k, n + 1, 3)), np.empty((k, N_COSTS)), np.empty(k, np.bool_)
     rollout(
-        np.array(start, dtype=float), np.zeros(2), controls, np.zeros(k) if guide is None else guide, table, scene,
+        np.array([*start, 0.0, 0.0][:8], dtype=float), np.zeros(2), controls,
+        np.zeros(k) if guide is None else guide, table, scene,
         MODEL, path, costs, ok,
     )  # fmt: skip
     return path, costs, ok
@@ -76,7 +80,7 @@ def test_boundary_points_of_eq_11():
 
 
 def test_the_uniform_ablation_keeps_every_point_and_step():
-    table = schedule(MppiCfg(uniform=True), VehicleCfg())
+    table = schedule(MppiCfg(uniform=True), SIMULATED)
     assert table.dt == pytest.approx(np.full(10, 0.5))
     assert table.points.tolist() == [32] * 10
     assert table.substeps.tolist() == [10] * 10
@@ -97,9 +101,10 @@ def test_fast_turn_is_a_rotation():
         )
 
 
-def numpy_rollout(start, controls, table, distance, hull=0.3, margin=0.08):
+def numpy_rollout(start, controls, table, distance, response, hull=0.3, margin=0.08):
     """Twin of `rollout`: one sequence, every boundary point at every check, plain NumPy and math."""
-    x, y, th, u, v, r = start
+    x, y, th, u, v, r = start[:6]
+    trailing = np.array(start[6:] or (0.0, 0.0))
     poses, free = [(x, y, th)], True
 
     def blocked(px, py, n):
@@ -116,19 +121,23 @@ def numpy_rollout(start, controls, table, distance, hull=0.3, margin=0.08):
     m = MODEL
     for t, (cv, cw) in enumerate(controls):
         h = table.dt[t] / table.substeps[t]
-        decay = (1 - math.exp(-4.0 * h)) / h
+        surge, yaw = (1 - math.exp(-h / response.surge_lag_s)) / h, (1 - math.exp(-h / response.yaw_lag_s)) / h
         for _ in range(table.substeps[t]):
             nu = np.array([u, v, r])
             mass = np.array([m.m11, m.m22, m.m66])
             drag = np.array([m.du, m.dv, m.dr]) + np.array([m.duu, m.dvv, m.drr]) * np.abs(nu)
             coriolis = np.array([-m.m22 * v * r, m.m11 * u * r, (m.m22 - m.m11) * u * v])
-            wanted = mass * decay * (np.array([cv, 0.0, cw]) - nu) + drag * nu + coriolis
+            rates = np.array([surge, surge, yaw])
+            ahead, left = np.array([math.cos(th), math.sin(th)]), np.array([-math.sin(th), math.cos(th)])
+            follow = np.array([(1 - response.trail) * cv + ahead @ trailing, left @ trailing, cw])
+            wanted = mass * rates * (follow - nu) + drag * nu + coriolis
             n = np.clip(wanted[2], -m.thrust_max * m.moment_arm, m.thrust_max * m.moment_arm)
             left = m.thrust_max - abs(n / m.moment_arm)
             fy = np.clip(wanted[1], -left * m.force_arm, left * m.force_arm)
             left -= abs(fy / m.force_arm)
             fx = np.clip(wanted[0], -left * m.force_arm, left * m.force_arm)
             new = nu + h * (np.array([fx, fy, n]) - drag * nu - coriolis) / mass
+            trailing += (1 - math.exp(-h / response.trail_lag_s)) * (response.trail * cv * ahead - trailing)
             um, vm, rm = 0.5 * (nu + new)
             heading = th + 0.5 * h * rm
             dx = h * (math.cos(heading) * um - math.sin(heading) * vm)
@@ -144,17 +153,18 @@ def numpy_rollout(start, controls, table, distance, hull=0.3, margin=0.08):
     return poses, True
 
 
-def test_rollouts_match_the_numpy_twin():
+@pytest.mark.parametrize("response", [SIMULATED, SLUGGISH], ids=["simulated", "sluggish"])
+def test_rollouts_match_the_numpy_twin(response):
     rng = np.random.default_rng(5)
     distance = discs((6.0, 7.5, 0.5), (7.5, 6.0, 0.4), (5.0, 4.5, 0.3))
     field = CostField.compute(distance, (10.0, 10.0))
-    start = (6.0, 6.0, 0.7, 0.4, 0.05, -0.2)
+    start = (6.0, 6.0, 0.7, 0.4, 0.05, -0.2, *(response.trail * np.array([0.3, 0.2])))
     controls = np.stack([rng.uniform(0, 0.6, (60, 10)), rng.uniform(-0.6, 0.6, (60, 10))], axis=2)
-    path, _, ok = run(start, controls, scene_of(distance, field))
-    table = schedule(MppiCfg(), VehicleCfg())
+    path, _, ok = run(start, controls, scene_of(distance, field), response=response)
+    table = schedule(MppiCfg(), response)
     assert 10 < ok.sum() < 50
     for k in range(60):
-        poses, free = numpy_rollout(start, controls[k], table, distance)
+        poses, free = numpy_rollout(start, controls[k], table, distance, response)
         assert free == ok[k]
         assert path[k, : len(poses)] == pytest.approx(np.array(poses), abs=1e-5)
 
@@ -165,7 +175,7 @@ def test_coarse_rollouts_stay_close_to_the_simulated_vehicle():
     field = CostField.straight((240, 240), (10.0, 6.0))
     controls = np.stack([rng.uniform(0, 0.6, (10, 10)), rng.uniform(-0.6, 0.6, (10, 10))], axis=2)
     path, _, _ = run((6.0, 6.0, 0.3, 0.3, 0.0, 0.1), controls.copy(), scene_of(OPEN, field))
-    dt = schedule(MppiCfg(), VehicleCfg()).dt
+    dt = schedule(MppiCfg(), SIMULATED).dt
     for k in range(10):
         vehicle = Vehicle(VehicleCfg(), VehicleState(6.0, 6.0, 0.3, 0.3, 0.0, 0.1))
         for t in range(10):

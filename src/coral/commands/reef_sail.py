@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import tyro
@@ -25,14 +25,17 @@ from coral.commands.config_flag import configured
 from coral.commands.keyboard import HELP, Keyboard
 from coral.commands.reef_run import render
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
-from coral.config import Positive, checked
+from coral.config import Positive, checked, read_config
 from coral.errors import InputError, RunError
+from coral.reef.faults import parse_fault
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
 from coral.reef.resolution import PERSON_DEADLINE_S
+from coral.reef.response import VehicleResponse
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.operator import OperatorWords
+from coral.reef.sea.priority import describe_priority, prefer_process, prefer_thread
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
@@ -61,7 +64,8 @@ class ReefSail:
     """simulated: pictures of the simulated reef from where the vehicle is. Else a file, an RTSP address or a device for
     OpenCV; such pictures have no labels yet, so that nothing arms."""
     dvl: str = "autopilot"
-    """Where position and speed come from: the autopilot, or a Water Linked A50 on the network (a50:HOST)."""
+    """Where position and speed come from: the autopilot, or a Water Linked A50 on the network (a50:HOST). watch:HOST:
+    from the autopilot, but lost as soon as the A50, from which it has them, falls silent."""
     truth: str = ""
     """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
     advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who decides"))] = "heuristic"
@@ -71,13 +75,21 @@ class ReefSail:
     """Depth to hold (m), below the surface; by default the survey file's, or 1 m."""
     start: tuple[float, float, float] | None = None
     """Where the vehicle is when it begins: x, y (m) and heading (rad) in the area; by default as in the file."""
+    response: Path | None = None
+    """File of `coral reef identify`: how this vehicle follows its set-points; by default as the simulated one does."""
     resume: Path | None = None
     """Run folder of an earlier survey of the same area, to go on with its map. `--start` says where the vehicle is now;
     by default it is at the area's start again."""
+    fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
+    """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. For rehearsals only,
+    as `--yes`. `coral reef faults --list` names them."""
     camera_latency: float = 0.0
     """Time from the light to the picture's arrival (s), as calibrated."""
     camera_rate: Positive = 10.0
     """Pictures a second of the simulated camera."""
+    priority: Literal["high", "normal"] = "high"
+    """high: the program and its control thread go before other programs, where the system allows it (root, or limits
+    for nice and rtprio)."""
     yes: bool = False
     """Arm without asking. For rehearsals only: refused unless the vehicle is a simulation that proves to be one."""
     check: bool = False
@@ -120,14 +132,17 @@ class ReefSail:
 
     def _sail(self, opened: ExitStack) -> Mapping[str, Any]:
         cfg = self._config()
+        first = self.priority == "high" and prefer_process()
         area, world, file_depth = read_area(self.area)
         if self.start is not None:
             area = area.begun_at(self.start, "--start")
         depth = self.depth or file_depth
+        response = None if self.response is None else read_config(self.response, VehicleResponse())
         parts = opened.enter_context(open_parts(self, area, world, cfg, depth))
-        if self.yes and not parts.proven_simulation:
+        rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else ""
+        if rehearsed and not parts.proven_simulation:
             raise InputError(
-                "--yes",
+                rehearsed,
                 "",
                 f"{self.vehicle}, which may be a real vehicle",
                 "--vehicle simulated, or --truth of a simulation",
@@ -166,7 +181,7 @@ class ReefSail:
             lines = look()
             self._print(lines)
             return {"ready": not blocking(lines), "preflight": [str(line).strip() for line in lines]}
-        sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth)
+        sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth, response=response)
         about = {"vehicle": self.vehicle, "camera": self.camera, "dvl": self.dvl}
         about |= {"resumed": str(self.resume)} if self.resume is not None else {}
         lines = look()
@@ -179,7 +194,7 @@ class ReefSail:
             for observer in observers:
                 observer.waiting(tuple(str(line) for line in lines))
             self._arm(mission, parts, words)
-            result = conduct(mission, observers, words)
+            result = conduct(mission, observers, words, first=first)
         save_survey(folder, mission.belief, mission.belief.pose) if not result["recording_failure"] else None
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
@@ -190,7 +205,9 @@ class ReefSail:
         if not 0.0 <= self.camera_latency <= 1.0:
             raise InputError("--camera-latency", "", self.camera_latency, "0 to 1 s")
         checked(self.safety, "--safety")
-        cfg = checked(self.cfg, "--cfg")
+        cfg = checked(dataclasses.replace(self.cfg, faults=(*self.cfg.faults, *self.fault)), "--cfg")
+        for fault in cfg.faults:
+            parse_fault(fault)
         if cfg.robots != 1 or cfg.decider != "advisor":
             found = f"robots {cfg.robots}, decider {cfg.decider}"
             raise InputError("--cfg", "", found, "one robot whose questions an advisor answers")
@@ -298,8 +315,12 @@ def watch_sensors(parts: Parts, area: Any, safety: SafetyCfg, equipment: Equipme
             return lines
 
 
-def conduct(mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords) -> dict[str, Any]:
+def conduct(
+    mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords, *, first: bool = False
+) -> dict[str, Any]:
     """Run the control loop on a thread of its own; keyboard and signals stay here and never interrupt a tick.
+
+    With `first`, the thread goes before all ordinary programs, where the system allows it.
 
     Raises:
         RunError: The loop failed; the vehicle was told to hold.
@@ -309,7 +330,8 @@ def conduct(mission: SeaMission, observers: Sequence[Observer[SeaMission]], word
 
     def control() -> None:
         try:
-            result.update(mission.run(observers))
+            allowed = describe_priority(first, first and prefer_thread())
+            result.update(mission.run(observers), priority=allowed)
         except BaseException as error:
             failure.append(error)
 

@@ -21,7 +21,7 @@ from coral.reef.mission import Mission, MissionCfg
 from coral.reef.record import RecordCfg
 from coral.reef.scene import Scene
 from coral.reef.sea.address import parse_address
-from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWithDvl
+from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWatchedByDvl, LinkWithDvl
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import CameraSource, LatestShot
@@ -117,8 +117,13 @@ def open_parts(
             parts = _mavlink(flags, area, world, opened)
         opened.append(parts.link)
         if flags.dvl != "autopilot":
-            parts.link = LinkWithDvl(parts.link, _dvl(flags.dvl, opened))
-            parts.pose_source = f"DVL A50 at {flags.dvl.removeprefix('a50:')}"
+            dvl, place = _dvl(flags.dvl, opened), flags.dvl.partition(":")[2]
+            if flags.dvl.startswith("watch:"):
+                parts.link = LinkWatchedByDvl(parts.link, dvl)
+                parts.pose_source = f"{parts.pose_source}, watched at the DVL A50 at {place}"
+            else:
+                parts.link = LinkWithDvl(parts.link, dvl)
+                parts.pose_source = f"DVL A50 at {place}"
         source: CameraSource
         if flags.camera == "simulated":
             if world is None:
@@ -178,7 +183,7 @@ def _mavlink(flags: ReefSail, area: SurveyArea, world: ReefWorld | None, opened:
 
         feed = TruthFeed(parse_address(flags.truth)).run()
         opened.append(feed)
-        proven = _answers(feed)
+        proven = proves_simulation(feed)
 
         def truth() -> tuple[float, Pose] | None:
             state = feed.state
@@ -206,7 +211,7 @@ def _reported(link: VehicleLink) -> Callable[[], tuple[float, Pose] | None]:
     return truth
 
 
-def _answers(feed: Any, timeout_s: float = 10.0) -> bool:
+def proves_simulation(feed: Any, timeout_s: float = 10.0) -> bool:
     """Wait for the state of a simulation: only a simulation tells one."""
     end = time.monotonic() + timeout_s
     while feed.state is None:
@@ -219,8 +224,8 @@ def _answers(feed: Any, timeout_s: float = 10.0) -> bool:
 def _dvl(text: str, opened: list[Any]) -> DvlA50:
     kind, _, place = text.partition(":")
     host, _, port = place.partition(":")
-    if kind != "a50" or not host or (port and not port.isdigit()):
-        raise InputError("--dvl", "", repr(text), "autopilot, a50:HOST or a50:HOST:PORT")
+    if kind not in ("a50", "watch") or not host or (port and not port.isdigit()):
+        raise InputError("--dvl", "", repr(text), "autopilot, a50:HOST, watch:HOST, or these with :PORT")
     dvl = DvlA50(host, int(port) if port else PORT)
     opened.append(dvl)
     return dvl

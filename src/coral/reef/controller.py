@@ -16,11 +16,13 @@ from coral.mppi.weights import effective_sample_size, softmax_weights, weighted_
 from coral.reef.controller_kernels import N_COSTS, RolloutScene, Schedule, clearance_at, rollout, shape_samples
 from coral.reef.costfield import CostField
 from coral.reef.dynamics import parameter_set, planar
+from coral.reef.response import Trailing, VehicleResponse
 from coral.reef.vehicle import VehicleCfg, VehicleState
 
 Array = NDArray[np.float64]
 
 COSTS = ("goal", "obstacle", "speed", "path", "heading", "smooth")
+NOTHING_TRAILS = Trailing()
 NO_FEASIBLE = "no feasible rollout"
 NOT_FINITE = "the state is not finite"
 
@@ -136,21 +138,24 @@ def boundary_points(n: int, n_steps: int, p: float) -> NDArray[np.int64]:
     return np.asarray(np.ceil(n * (1.0 - (np.arange(n_steps) / n_steps) ** p)), dtype=np.int64)
 
 
-def schedule(cfg: MppiCfg, vehicle: VehicleCfg) -> Schedule:
-    """Compute interval, integration steps and boundary points of every step of the horizon."""
+def schedule(cfg: MppiCfg, response: VehicleResponse) -> Schedule:
+    """Compute interval, integration steps and boundary points of every step of the horizon, and how velocities follow.
+
+    The delay of the response is not in it: plan from the state in which the command will find the vehicle.
+    """
     n = cfg.n_steps
     dt = intervals(cfg.horizon_s, n, 1.0 if cfg.uniform else cfg.p)
     points = np.full(n, cfg.n_points) if cfg.uniform else boundary_points(cfg.n_points, n, cfg.p)
     h_max = np.linspace(cfg.substep_near_s, cfg.substep_near_s if cfg.uniform else cfg.substep_far_s, n)
     substeps = np.maximum(1, np.ceil(dt / h_max - 1e-9)).astype(np.int64)
     h = dt / substeps
-    rate = -np.expm1(-vehicle.tracking_rate_1_s * h) / h
-    yaw_rate = -np.expm1(-vehicle.yaw_tracking_rate_1_s * h) / h
+    rate = -np.expm1(-h / response.surge_lag_s) / h
+    yaw_rate = -np.expm1(-h / response.yaw_lag_s) / h
     circle = np.zeros((n, cfg.n_points, 2))
     for t in range(n):
         angle = 2.0 * math.pi * np.arange(points[t]) / points[t]
         circle[t, : points[t]] = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return Schedule(dt, substeps, rate, yaw_rate, points, circle)
+    return Schedule(dt, substeps, rate, yaw_rate, points, circle, response.trail, -np.expm1(-h / response.trail_lag_s))
 
 
 def shift_matrix(dt: Array, by_s: float) -> Array:
@@ -182,6 +187,7 @@ class DdpMppi:
         vehicle: Limits, hull and dynamics of the vehicle.
         rng: Source of the samples.
         control_period_s: Time between two plans (s), by which the warm start is shifted.
+        response: How the vehicle follows commands; by default as the simulated one does.
     """
 
     def __init__(
@@ -191,12 +197,14 @@ class DdpMppi:
         rng: np.random.Generator | None = None,
         *,
         control_period_s: float = 0.1,
+        response: VehicleResponse | None = None,
     ) -> None:
         self.cfg = cfg = cfg or MppiCfg()
         self.vehicle = vehicle = vehicle or VehicleCfg()
+        self.response = response = response or VehicleResponse.of_vehicle(vehicle)
         self._rng = rng or np.random.default_rng(0)
         self._model = planar(parameter_set(vehicle.parameters), vehicle.thrusters, vehicle.thrust_max_n)
-        self.schedule = schedule(cfg, vehicle)
+        self.schedule = schedule(cfg, response)
         self._times = np.concatenate([[0.0], np.cumsum(self.schedule.dt)])
         self._shift = shift_matrix(self.schedule.dt, control_period_s)
         c = cfg.costs
@@ -232,6 +240,7 @@ class DdpMppi:
         distance_map: NDArray[np.float32],
         *,
         cell_m: float = 0.05,
+        trailing: Trailing = NOTHING_TRAILS,
     ) -> Plan:
         """Compute the command of this tick.
 
@@ -240,6 +249,7 @@ class DdpMppi:
             cost_field: Cost-to-go to the goal. If it failed, the plan fails with the same reason.
             distance_map: Distance (m) to the nearest known obstacle, inf without any. Shape=(H, W), float32.
             cell_m: Edge of a cell of `distance_map` (m); cell (0, 0) at the world's origin.
+            trailing: Part of the velocity that follows slowly, by the vehicle's response.
         """
         if not all(map(math.isfinite, state)):
             return self._stop(VehicleState(0.0, 0.0, 0.0), NOT_FINITE, ok=False)
@@ -247,7 +257,7 @@ class DdpMppi:
             return self._stop(state, cost_field.failure, ok=False)
         if math.hypot(cost_field.target[0] - state.x, cost_field.target[1] - state.y) < self.cfg.hold_m:
             return self._stop(state, "", ok=True)
-        start = np.array(state, dtype=np.float64)
+        start = np.array([*state, *trailing], dtype=np.float64)
         scene = self._scene(start, cost_field, distance_map, cell_m)
         controls = self._sample(start)
         total = self._evaluate(start, controls, self._guide, scene)
@@ -310,7 +320,7 @@ class DdpMppi:
         if spare >= margin:
             return scene
         if spare > 0.0:
-            stopping = math.hypot(start[3], start[4]) / self.vehicle.tracking_rate_1_s
+            stopping = math.hypot(start[3], start[4]) * self.response.surge_lag_s
             return scene._replace(margin_m=max(spare - stopping, 0.0))
         return scene._replace(margin_m=0.0, hull_m=max(clearance_at(distance, cell_m, x, y) - 2.0 * slack, 0.05))
 

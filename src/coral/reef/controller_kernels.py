@@ -36,6 +36,10 @@ class Schedule(NamedTuple):
     """Number of boundary points checked at each step, Eq. 11."""
     circle: Array
     """Unit vectors to those points. Shape=(T, n, 2)."""
+    trail: float
+    """Share of the wanted velocity that follows slowly, in the world frame; 0 with our own velocity loop."""
+    trail_share: Array
+    """1 - exp(-h / trail_lag) of one integration step."""
 
 
 class RolloutScene(NamedTuple):
@@ -181,7 +185,7 @@ def rollout(
     The thrust lag (0.03 s) is omitted.
 
     Args:
-        start: Shape=(6,), x, y, theta, u, v, r.
+        start: Shape=(8,), x, y, theta, u, v, r, and the trailing velocity in the world frame.
         previous: Shape=(2,), command being executed, for the smoothness term.
         controls: Shape=(K, T, 2), speed and yaw rate. A guided rollout writes the commands that it chose.
         guide_speed: Shape=(K,). If positive, the rollout steers down the cost-to-go at about this speed, and its row of
@@ -197,7 +201,7 @@ def rollout(
     x0, y0 = start[0], start[1]
     v0 = lookup(scene.value, scene.value_cell_m, x0, y0)[0]
     c0, s0 = math.cos(start[2]), math.sin(start[2])
-    horizon = schedule.dt.sum()
+    horizon, at_once = schedule.dt.sum(), 1.0 - schedule.trail
     inv_m11, inv_m22, inv_m66 = 1.0 / model.m11, 1.0 / model.m22, 1.0 / model.m66
     distance, cell, hull, margin, circle = scene.distance, scene.cell_m, scene.hull_m, scene.margin_m, schedule.circle
     range2, cell2 = scene.range_m * scene.range_m, cell * cell
@@ -206,6 +210,7 @@ def rollout(
     clear = hull + margin + 1.5 * cell
     for k in range(n_rollouts):
         x, y, th, u, v, r = start[0], start[1], start[2], start[3], start[4], start[5]
+        wx, wy = start[6], start[7]
         c, s = c0, s0
         path[k, 0, 0], path[k, 0, 1], path[k, 0, 2] = x, y, th
         ok = True
@@ -227,6 +232,7 @@ def rollout(
             pv, pw = cv, cw
             h = dt / schedule.substeps[t]
             rate, yaw_rate, n_points = schedule.rate[t], schedule.yaw_rate[t], schedule.points[t]
+            slow = schedule.trail_share[t]
             nearest = 1e9
             for _ in range(schedule.substeps[t]):
                 # Drag and Coriolis forces, then the wrench of the velocity loop within the thrusters' limits.
@@ -234,14 +240,16 @@ def rollout(
                 cor_v = -model.m11 * u * r - (model.dv + model.dvv * abs(v)) * v
                 cor_r = (model.m11 - model.m22) * u * v - (model.dr + model.drr * abs(r)) * r
                 fx, fy, n = limit_wrench(
-                    model.m11 * rate * (cv - u) - cor_u,
-                    -model.m22 * rate * v - cor_v,
+                    model.m11 * rate * (at_once * cv + c * wx + s * wy - u) - cor_u,
+                    model.m22 * rate * (c * wy - s * wx - v) - cor_v,
                     model.m66 * yaw_rate * (cw - r) - cor_r,
                     model,
                 )
                 u1 = u + h * (fx + cor_u) * inv_m11
                 v1 = v + h * (fy + cor_v) * inv_m22
                 r1 = r + h * (n + cor_r) * inv_m66
+                wx += slow * (schedule.trail * cv * c - wx)
+                wy += slow * (schedule.trail * cv * s - wy)
                 um, vm = 0.5 * (u + u1), 0.5 * (v + v1)
                 half = 0.25 * h * (r + r1)
                 cm, sm = turn(c, s, half)

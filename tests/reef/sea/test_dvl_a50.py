@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from coral.errors import InputError
 from coral.reef.geometry import Pose
-from coral.reef.sea.dvl_a50 import DvlA50, DvlState, merge, parse_line
+from coral.reef.sea.dvl_a50 import DvlA50, DvlState, merge, parse_line, watched
 from coral.reef.sea.link import VehicleReport
 
 VELOCITY = {
@@ -136,3 +136,26 @@ def test_nobody_there_is_one_line():
         port = free.getsockname()[1]
     with pytest.raises(InputError, match="--dvl: found"):
         DvlA50("127.0.0.1", port)
+
+
+AUTOPILOTS = VehicleReport(pose=Pose(1.0, 2.0, 0.0), pose_stamp_s=100.0, has_position=True)
+
+
+def test_while_the_dvl_measures_the_autopilots_position_is_taken():
+    state = DvlState(velocity=(0.3, 0.0), velocity_stamp_s=99.8, bottom_lock=True)
+    assert watched(AUTOPILOTS, state, 100.0) is AUTOPILOTS
+
+
+@pytest.mark.parametrize(
+    ("state", "stamp_s"),
+    [
+        (DvlState(velocity=(0.3, 0.0), velocity_stamp_s=99.3, bottom_lock=True), 99.3),
+        (DvlState(velocity=(0.3, 0.0), velocity_stamp_s=99.9, bottom_lock=False), 99.9),
+        (DvlState(), -math.inf),
+    ],
+    ids=["silent", "no-bottom-lock", "never"],
+)
+def test_a_dvl_that_does_not_measure_takes_the_autopilots_position_away(state, stamp_s):
+    report = watched(AUTOPILOTS, state, 100.0)
+    assert not report.has_position
+    assert report.pose_stamp_s == stamp_s

@@ -22,6 +22,8 @@ from coral.reef.sea.link import VehicleLink, VehicleReport
 PORT = 16171
 TIMEOUT_S = 2.0
 """Without a line for so long the connection is made anew; the slowest rate of the device is 2 Hz."""
+SILENT_S = 0.6
+"""A velocity older than this is none: the device sends 4 to 15 a second, 2 at its slowest."""
 MAX_LINE = 65_536
 OLDEST_S = 1.0
 """A report that says it is older than this has a wrong clock; its arrival is taken instead."""
@@ -168,6 +170,34 @@ class LinkWithDvl:
         """Close both."""
         self.dvl.close()
         self.link.close()
+
+
+class LinkWatchedByDvl:
+    """A vehicle whose autopilot makes the position from a DVL, and whose silence is seen at the DVL itself.
+
+    An estimator goes on by dead reckoning (7.5 s in ArduSub) with fresh stamps; nothing in its messages tells.
+    """
+
+    def __init__(self, link: VehicleLink, dvl: DvlA50, clock: Callable[[], float] = time.monotonic) -> None:
+        self.link, self.dvl, self._clock = link, dvl, clock
+        self.arm, self.disarm, self.hold, self.surface = link.arm, link.disarm, link.hold, link.surface
+        self.command = link.command
+
+    def report(self) -> VehicleReport:
+        """Return the autopilot's report; without a fresh velocity over ground its position is no position."""
+        return watched(self.link.report(), self.dvl.state, self._clock())
+
+    def close(self) -> None:
+        """Close both."""
+        self.dvl.close()
+        self.link.close()
+
+
+def watched(report: VehicleReport, state: DvlState, now: float) -> VehicleReport:
+    """Return a report whose position is lost, and as old as the DVL's last velocity, if that is missing or old."""
+    if state.bottom_lock and now - state.velocity_stamp_s <= SILENT_S:
+        return report
+    return replace(report, has_position=False, pose_stamp_s=min(report.pose_stamp_s, state.velocity_stamp_s))
 
 
 def merge(report: VehicleReport, state: DvlState) -> VehicleReport:

@@ -71,9 +71,14 @@ class FixedRate:
         self._next += 1
         return self._due - self._start
 
+    @property
+    def behind_s(self) -> float:
+        """Time since the present deadline (s)."""
+        return self._clock() - self._due
+
     def finish(self) -> float:
         """Note that the tick's command is out. Return the time until the next deadline (s); negative if it passed."""
-        behind = self._clock() - self._due
+        behind = self.behind_s
         self.count.done += 1
         self.count.late += behind > self.late_s
         self.count.worst_s = max(self.count.worst_s, behind)

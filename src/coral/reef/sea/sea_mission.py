@@ -22,6 +22,8 @@ from coral.advisor.thread import AdvisorThread
 from coral.config import Positive, to_mapping
 from coral.reef.belief import Belief
 from coral.reef.controller import DdpMppi
+from coral.reef.delay_aware_driver import DelayAwareDriver
+from coral.reef.faults import FaultySensors, parse_fault
 from coral.reef.geometry import Pose
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.leftover import what_is_left
@@ -30,6 +32,7 @@ from coral.reef.metrics import compute_metrics
 from coral.reef.mission import MissionCfg
 from coral.reef.pilot import Command, Pilot
 from coral.reef.planner import HighLevelPlanner
+from coral.reef.response import VehicleResponse
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.loop import FixedRate, IdleCollector, collected_when_idle, prompt_threads
@@ -37,6 +40,7 @@ from coral.reef.sea.operator import OperatorWords, VehicleOrders
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.record import SeaRecord
 from coral.reef.sea.safety import SafetyCfg, SafetyMonitor
+from coral.reef.sea.stages import StageTimes
 from coral.reef.sea.supervisor import Supervisor
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.sensing import Attitude, Stamped, VehicleObservation
@@ -58,6 +62,8 @@ class SailCfg:
     safety: SafetyCfg = field(default_factory=SafetyCfg)
     depth_m: Positive = 1.0
     """Depth to hold."""
+    response: VehicleResponse | None = None
+    """How the vehicle follows its set-points, as `coral reef identify` measured it; None: as the simulated one does."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,12 +123,16 @@ class SeaMission:
         self._clock, self._sleep, self._threaded = clock, sleep, threaded
         self.belief = belief or Belief(OccupancyMap(area.size_m, mission.simulator.camera, mission.map), mission.belief)
         self.belief.map.close_off(area.forbidden(mission.map.cell_m, self.belief.map.target.shape))
-        self.driver = DdpMppi(
-            mission.controller,
+        self.response = cfg.response or VehicleResponse.of_vehicle(mission.simulator.vehicle)
+        margin_m = mission.controller.margin_m + self.response.margin_m
+        controller = DdpMppi(
+            dataclasses.replace(mission.controller, margin_m=margin_m),
             mission.simulator.vehicle,
             np.random.default_rng([seed, 1]),
             control_period_s=mission.control_period_s,
+            response=self.response,
         )
+        self.driver = DelayAwareDriver(controller, mission.control_period_s)
         self.step, self.t, self.end_reason = 0, 0.0, ""
         self.calls = self.collisions = 0
         self.control_ms: list[float] = []
@@ -140,8 +150,11 @@ class SeaMission:
         self._decision_clock = decision_clock
         self.orders = VehicleOrders(crew.link, threaded=threaded)
         self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s)
+        self._faults = FaultySensors(map(parse_fault, mission.faults))
         self._recording = True
         self._idle: IdleCollector | None = None
+        self._stages = StageTimes(clock)
+        self._shown_s = 0.0
 
     def align(self, start: Pose | None = None, *, trust_heading: bool) -> None:
         """Take what the vehicle reports now as the survey's start."""
@@ -161,9 +174,11 @@ class SeaMission:
             try:
                 while not self.end_reason:
                     self.advance()
+                    shown = self._clock()
                     for observer in observers:
                         observer.tick(self)
                         self.end_reason = self.end_reason or observer.stop_requested()
+                    self._shown_s = self._clock() - shown
             finally:
                 result = self._finish()
         return result
@@ -172,23 +187,29 @@ class SeaMission:
         """Run one control tick."""
         self.rate.wait()
         now = self._clock()
+        self._stages.begin(page_before=self._shown_s, woken=self.rate.behind_s)
         self.t = round(now - self._began, 6)
         report = self.report = self.crew.link.report()
         pose = self.pose = None if report.pose is None else self.frame.to_survey(report.pose)
         self._tell_texts(report)
-        command = self.pilot.tick(self._observe(report, pose))
+        self._stages.mark("report")
+        command = self.pilot.tick(self._faults.apply(self._observe(report, pose)))
+        self._stages.mark("pilot")
         self.supervisor.update(now, self.t, report, pose, self.crew.words.take())
         self.command = command if self.states.state is PilotState.SURVEYING else (0.0, 0.0)
+        self.driver.note(self.command)
         if self.supervisor.sends_commands:
-            self.crew.link.command(*self.command, self.cfg.depth_m)
+            self.crew.link.command(*self.response.setpoint(*self.command), self.cfg.depth_m)
+        self._stages.mark("command")
         self.step += 1
         self._record(report)
+        self._stages.mark("record")
         if self.pilot.end_reason and not self.supervisor.returning and self.states.state is not PilotState.TAKEN_OVER:
             self.supervisor.complete(self.t, self.pilot.end_reason)
         self.end_reason = self.supervisor.end_reason
         late, spare_s = self.rate.count.late, self.rate.finish()
         if self.rate.count.late > late:
-            self.emit("late_tick", behind_ms=round(1e3 * (self.rate.period_s - spare_s)))
+            self.emit("late_tick", behind_ms=round(1e3 * (self.rate.period_s - spare_s)), **self._stages.told_ms())
         self.control_ms.append(1e3 * (self._clock() - now))
         if self._idle is not None:
             self._idle.offer(spare_s)
@@ -248,6 +269,7 @@ class SeaMission:
                 "mission": to_mapping(self.cfg.mission),
                 "safety": to_mapping(self.cfg.safety),
                 "depth_m": self.cfg.depth_m,
+                "response": to_mapping(self.response),
                 "frame": dataclasses.asdict(self.frame),
                 "provenance": provenance(),
             },

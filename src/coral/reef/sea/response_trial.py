@@ -1,0 +1,162 @@
+"""The calibration drive: steps of speed and yaw rate, from which a vehicle's response is identified."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.errors import RunError
+from coral.reef.geometry import Pose
+from coral.reef.response import DelayedCommands, VehicleResponse
+from coral.reef.sea.link import VehicleLink
+from coral.reef.sea.step_response import StepResponse, fit_step_response
+from coral.reef.vehicle import VehicleState
+
+PERIOD_S = 0.1
+AHEAD_S = 1.0
+"""The margin is the error of positions predicted so far ahead: a vehicle at cruise speed stands by then."""
+SHARE = 0.95
+"""Share of the predictions that the margin covers."""
+FEWEST = 100
+"""With fewer new velocities than this nothing is identified."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """One step of the drive."""
+
+    forward_m_s: float
+    yaw_rate_rad_s: float
+    seconds: float
+
+
+def legs(speed_m_s: float, yaw_rate_rad_s: float) -> tuple[Leg, ...]:
+    """Return the drive: straight steps there and back, turns on the spot, curves to both sides. It needs 5 m around."""
+    half = Leg(0.0, yaw_rate_rad_s, math.pi / yaw_rate_rad_s)
+    back = Leg(0.0, -yaw_rate_rad_s, math.pi / yaw_rate_rad_s)
+    stand, run = Leg(0.0, 0.0, 4.0), Leg(speed_m_s, 0.0, 5.0)
+    slow = Leg(0.6 * speed_m_s, 0.0, 5.0)
+    left, right = (Leg(speed_m_s, side * 0.7 * yaw_rate_rad_s, 4.0) for side in (1.0, -1.0))
+    return (stand, run, stand, half, stand, run, stand, back, stand, slow, stand, half, stand, slow, stand,
+            run, left, run, stand, back, stand, run, right, run, stand)  # fmt: skip
+
+
+@dataclass
+class TrialLog:
+    """What was commanded and measured, all times on one clock (s)."""
+
+    commands: list[tuple[float, float, float]] = field(default_factory=list)
+    """Time, forward speed, yaw rate of every set-point."""
+    velocities: list[tuple[float, float, float, float]] = field(default_factory=list)
+    """Stamp and velocity (m/s forward, m/s left, rad/s left) of every new measurement."""
+    poses: list[tuple[float, float, float, float]] = field(default_factory=list)
+    """Stamp and pose of every new measurement."""
+
+
+def drive(
+    link: VehicleLink,
+    plan: tuple[Leg, ...],
+    depth_m: float,
+    clock: Callable[[], float],
+    sleep: Callable[[float], None],
+    stopped: Callable[[], str] = lambda: "",
+) -> TrialLog:
+    """Drive the legs with an armed vehicle; record what it did.
+
+    Args:
+        link: The vehicle.
+        plan: The legs.
+        depth_m: Depth to hold.
+        clock: Time of the vehicle's stamps (s).
+        sleep: Waits so long (s).
+        stopped: Returns why the drive must end, or "".
+
+    Raises:
+        RunError: Somebody took over, the position was lost, or the operator stopped the drive.
+    """
+    log, due = TrialLog(), clock()
+    for forward, yaw_rate in _setpoints(plan):
+        link.command(forward, yaw_rate, depth_m)
+        log.commands.append((clock(), forward, yaw_rate))
+        due += PERIOD_S
+        while clock() < due - 1e-6:
+            _note(link, log)
+            sleep(min(0.02, max(due - clock(), 0.0)))
+        report = link.report()
+        lost = not report.has_position or clock() - report.pose_stamp_s > 1.0
+        why = stopped() or ("taken over" if report.manual_override or not report.armed else "")
+        if why or lost:
+            link.command(0.0, 0.0, depth_m)
+            raise RunError(f"the calibration drive ended early: {why or 'the position was lost'}")
+    return log
+
+
+def _setpoints(plan: tuple[Leg, ...]) -> Iterator[tuple[float, float]]:
+    for leg in plan:
+        for _ in range(round(leg.seconds / PERIOD_S)):
+            yield leg.forward_m_s, leg.yaw_rate_rad_s
+
+
+def _note(link: VehicleLink, log: TrialLog) -> None:
+    report = link.report()
+    if report.velocity is not None and (not log.velocities or report.velocity_stamp_s > log.velocities[-1][0]):
+        log.velocities.append((report.velocity_stamp_s, *report.velocity))
+    if report.pose is not None and (not log.poses or report.pose_stamp_s > log.poses[-1][0]):
+        log.poses.append((report.pose_stamp_s, *report.pose))
+
+
+def identify(log: TrialLog) -> tuple[VehicleResponse, StepResponse, StepResponse]:
+    """Return the response of the vehicle, and the fits of its forward speed and of its yaw rate.
+
+    Raises:
+        RunError: Too little was measured, or the vehicle did not follow.
+    """
+    if min(len(log.velocities), len(log.poses)) < FEWEST:
+        raise RunError(f"{len(log.velocities)} new velocities came during the drive, where {FEWEST} are needed")
+    sent, seen = np.array(log.commands), np.array(log.velocities)
+    surge = fit_step_response(seen[:, 0], seen[:, 1], sent[:, 0], sent[:, 1], trails=True)
+    yaw = fit_step_response(seen[:, 0], seen[:, 3], sent[:, 0], sent[:, 2], trails=False)
+    response = VehicleResponse(
+        surge_gain=round(surge.gain, 3),
+        surge_lag_s=round(surge.lag_s, 3),
+        surge_delay_s=round(surge.delay_s, 3),
+        trail=round(surge.trail, 3),
+        trail_lag_s=round(surge.trail_lag_s, 3),
+        yaw_gain=round(yaw.gain, 3),
+        yaw_lag_s=round(yaw.lag_s, 3),
+        yaw_delay_s=round(yaw.delay_s, 3),
+    )
+    margin_m = float(np.quantile(prediction_errors(response, log), SHARE))
+    return replace(response, margin_m=round(margin_m, 3)), surge, yaw
+
+
+def prediction_errors(response: VehicleResponse, log: TrialLog) -> NDArray[np.float64]:
+    """Predict the position `AHEAD_S` after each command, with the commands that followed. Errors (m), Shape=(N,)."""
+    seen, poses = np.array(log.velocities), np.array(log.poses)
+    heading = np.unwrap(poses[:, 3])
+    ahead, errors = round(AHEAD_S / PERIOD_S), []
+    wanted = [(response.surge_gain * v, response.yaw_gain * w) for _, v, w in log.commands]
+    under_way = DelayedCommands(response, PERIOD_S)
+    for k in range(len(log.commands) - ahead):
+        t = log.commands[k][0]
+        if k >= ahead:
+            now = _interpolated(t, poses[:, 0], poses[:, 1], poses[:, 2], heading)
+            state = VehicleState(*now, *_interpolated(t, seen[:, 0], seen[:, 1], seen[:, 2], seen[:, 3]))
+            trailing = under_way.trailing(state)
+            for j in range(k, k + ahead):
+                surge = wanted[max(0, j - round(response.surge_delay_s / PERIOD_S))][0]
+                yaw = wanted[max(0, j - round(response.yaw_delay_s / PERIOD_S))][1]
+                step_s = log.commands[j + 1][0] - log.commands[j][0]
+                state, trailing = response.advance(state, trailing, (surge, yaw), step_s)
+            true = _interpolated(log.commands[k + ahead][0], poses[:, 0], poses[:, 1], poses[:, 2], heading)
+            errors.append(math.dist(state[:2], true[:2]))
+        under_way.note(wanted[k])
+    return np.array(errors)
+
+
+def _interpolated(t: float, at: NDArray[np.float64], *values: NDArray[np.float64]) -> Pose:
+    return Pose(*(float(np.interp(t, at, value)) for value in values))
