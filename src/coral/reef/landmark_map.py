@@ -100,12 +100,12 @@ class LandmarkMap:
     def compare(self, sighting: Sighting, odometry: Pose, candidate_m: float) -> Comparison:
         """Compare a sighting with the landmarks within `candidate_m` (m) of it."""
         args = (self._state, self._covariance, self._radii)
-        return Comparison(*compare(*args, tuple(odometry), _outline(sighting), self._sigmas, candidate_m))
+        return Comparison(*compare(*args, _floats(odometry), _outline(sighting), self._sigmas, candidate_m))
 
     def corrected(self, landmark: int, sighting: Sighting, odometry: Pose, now_s: float) -> LandmarkMap:
         """Return the map after a sighting of a landmark."""
         radius = sighting.radius_m if sighting.whole else float(self._radii[landmark])
-        args = (self._state, self._covariance, landmark, radius, tuple(odometry), _outline(sighting), self._sigmas)
+        args = (self._state, self._covariance, landmark, radius, _floats(odometry), _outline(sighting), self._sigmas)
         after = self._with(*correct(*args))
         after._radii, after._hits, after.last_s = self._radii.copy(), self._hits.copy(), self.last_s.copy()
         after.last_s[landmark] = now_s
@@ -116,7 +116,7 @@ class LandmarkMap:
 
     def extended(self, sighting: Sighting, odometry: Pose, now_s: float) -> LandmarkMap:
         """Return the map with one more landmark, a body that is seen whole."""
-        after = self._with(*start(self._state, self._covariance, tuple(odometry), _outline(sighting), self._sigmas))
+        after = self._with(*start(self._state, self._covariance, _floats(odometry), _outline(sighting), self._sigmas))
         after._radii, after._hits = np.append(self._radii, sighting.radius_m), np.append(self._hits, 1.0)
         after.last_s = np.append(self.last_s, now_s)
         return after
@@ -125,6 +125,10 @@ class LandmarkMap:
         other = LandmarkMap(self.cfg)
         other._state, other._covariance = state, covariance
         return other
+
+
+def _floats(pose: Pose) -> tuple[float, float, float]:
+    return pose.x, pose.y, pose.theta
 
 
 def _outline(sighting: Sighting) -> Outline:
