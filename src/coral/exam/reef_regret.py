@@ -25,7 +25,7 @@ class TrueReef:
     """The true free water and the true clusters of one world."""
 
     def __init__(self, world: ReefWorld) -> None:
-        outlines = [obstacle_outline(obstacle) for obstacle in world.obstacles]
+        outlines = [obstacle_outline(obstacle) for obstacle in world.solids]
         space = free_space(world.size_m, outlines, (world.start.x, world.start.y))
         self._cell_m, self._distance = space.cell_m, distance_to(space.solid, space.cell_m)
         self._cfg = CostFieldCfg(radius_m=HULL_RADIUS_M + 0.05, band_m=0.2, penalty=1.0)

@@ -105,7 +105,7 @@ class _Planner:
         self.vehicle, self.dt = vehicle, dt
         self.weight: NDArray[np.float64] = 1.0 / (len(world.clusters) * self.meter.size[self.meter.group])
         """Share that each point adds. Shape=(M,)."""
-        outlines = [obstacle_outline(obstacle) for obstacle in world.obstacles]
+        outlines = [obstacle_outline(obstacle) for obstacle in world.solids]
         space = free_space(world.size_m, outlines, self.start[:2])
         self._cell_m, self._clearance = space.cell_m, distance_to(space.solid, space.cell_m)
         # Paths keep away from obstacles if there is room: a vehicle that follows one cuts corners by a few centimetres.

@@ -103,7 +103,7 @@ def free_space(
 
 def unreachable_clusters(world: ReefWorld) -> list[int]:
     """Return the indices of clusters that the hull cannot reach within `VIEW_M`, in line of sight, from the start."""
-    outlines = [obstacle_outline(obstacle) for obstacle in world.obstacles]
+    outlines = [obstacle_outline(obstacle) for obstacle in world.solids]
     space = free_space(world.size_m, outlines, (world.start.x, world.start.y))
     missing = []
     for k, cluster in enumerate(world.clusters):

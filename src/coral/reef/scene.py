@@ -60,15 +60,16 @@ class Scene:
         """Make the arrays of a world, in the order of its file."""
         oysters = [oyster for cluster in world.clusters for oyster in cluster.oysters]
         cluster = [i for i, group in enumerate(world.clusters) for _ in group.oysters]
-        solids: list[Oyster | Obstacle] = [*oysters, *world.obstacles]
-        rpy = [o.rpy for o in oysters] + [(0.0, 0.0, o.yaw) for o in world.obstacles]
+        obstacles = world.solids
+        solids: list[Oyster | Obstacle] = [*oysters, *obstacles]
+        rpy = [o.rpy for o in oysters] + [(0.0, 0.0, o.yaw) for o in obstacles]
         return cls(
-            kind=np.array([ELLIPSOID] * len(oysters) + [_KINDS[o.shape] for o in world.obstacles], np.int8),
+            kind=np.array([ELLIPSOID] * len(oysters) + [_KINDS[o.shape] for o in obstacles], np.int8),
             center=np.array([(o.x, o.y, o.z) for o in solids], np.float64),
-            half=np.array([o.radii for o in oysters] + [o.size for o in world.obstacles], np.float64),
+            half=np.array([o.radii for o in oysters] + [o.size for o in obstacles], np.float64),
             rotation=rotations(rpy),
-            label=np.array([Label.OYSTER] * len(oysters) + [Label.OBSTACLE] * len(world.obstacles), np.uint8),
-            cluster=np.array(cluster + [-1] * len(world.obstacles), np.int32),
+            label=np.array([Label.OYSTER] * len(oysters) + [Label.OBSTACLE] * len(obstacles), np.uint8),
+            cluster=np.array(cluster + [-1] * len(obstacles), np.int32),
             seabed_z=world.seabed.z_m,
             cluster_names=tuple(group.name for group in world.clusters),
         )
@@ -77,7 +78,7 @@ class Scene:
         return len(self.kind)
 
     def footprints(self) -> Footprints:
-        """Return the outlines of the obstacles, in the order of the world's `obstacles`."""
+        """Return the outlines of the obstacles, in the order of the world's `solids`."""
         return self.outlines(np.flatnonzero(self.label == Label.OBSTACLE))
 
     def outlines(self, index: NDArray[np.intp]) -> Footprints:

@@ -9,12 +9,13 @@ from __future__ import annotations
 import contextlib
 import os
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError
 
 from coral.errors import InputError, nearest
 from coral.odd_text import encodable
+from coral.reef.structures import Angle, Coordinate, Extent, Metres, Obstacle, Speed, Tank, Wall, WorldPart, structures
 from coral.reef.world_check import check_world
 from coral.reef.world_yaml import read_mapping, to_text
 from coral.validation_errors import input_error, shown
@@ -37,25 +38,14 @@ __all__ = [
 WORLDS_DIR = Path(__file__).parent / "worlds"
 FORMAT: Literal["coral-reef/1"] = "coral-reef/1"
 
-# Strict: neither "true" nor text is accepted as a number.
-Metres = Annotated[float, Field(gt=0, le=1000, strict=True)]
-Extent = Annotated[float, Field(ge=0.001, le=100, strict=True)]
-Coordinate = Annotated[float, Field(ge=-1000, le=1000, strict=True)]
-Angle = Annotated[float, Field(ge=-7, le=7, strict=True)]
-Speed = Annotated[float, Field(ge=-1, le=1, strict=True)]
 
-
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Seabed(_Part):
+class Seabed(WorldPart):
     """Flat sea floor."""
 
     z_m: Coordinate = 0.0
 
 
-class Start(_Part):
+class Start(WorldPart):
     """Where the vehicle begins, heading `theta` (rad)."""
 
     x: Coordinate
@@ -63,14 +53,14 @@ class Start(_Part):
     theta: Angle = 0.0
 
 
-class Current(_Part):
+class Current(WorldPart):
     """Steady ocean current: the water's velocity in the world frame (m/s)."""
 
     x_m_s: Speed = 0.0
     y_m_s: Speed = 0.0
 
 
-class Oyster(_Part):
+class Oyster(WorldPart):
     """One oyster: an ellipsoid with half-axes `radii` (m), turned by roll, pitch, yaw (rad, z-y-x)."""
 
     x: Coordinate
@@ -80,37 +70,14 @@ class Oyster(_Part):
     rpy: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
 
 
-class Cluster(_Part):
+class Cluster(WorldPart):
     """Oysters that settled together; what coverage is counted in."""
 
     name: str = Field(min_length=1, max_length=40)
     oysters: tuple[Oyster, ...] = Field(min_length=1)
 
 
-class Obstacle(_Part):
-    """Something to keep clear of. `size`: half-extents (m) along its own axes.
-
-    sphere: (r, r, r); ellipsoid: half-axes; cylinder (upright): (r, r, half height); box: half edges.
-    """
-
-    shape: Literal["sphere", "ellipsoid", "cylinder", "box"]
-    x: Coordinate
-    y: Coordinate
-    z: Coordinate
-    size: tuple[Extent, Extent, Extent]
-    yaw: Angle = 0.0
-
-    @model_validator(mode="after")
-    def _round_shapes_are_round(self) -> Obstacle:
-        a, b, c = self.size
-        if self.shape == "sphere" and not a == b == c:
-            raise ValueError("a sphere has three equal half-extents")
-        if self.shape == "cylinder" and a != b:
-            raise ValueError("a cylinder has two equal radii: (r, r, half height)")
-        return self
-
-
-class ReefWorld(_Part):
+class ReefWorld(WorldPart):
     """A whole environment, as read from a YAML file."""
 
     format: Literal["coral-reef/1"] = FORMAT
@@ -123,8 +90,17 @@ class ReefWorld(_Part):
     clusters: tuple[Cluster, ...] = Field(min_length=1)
     obstacles: tuple[Obstacle, ...] = ()
     seed: int = Field(default=0, ge=0, lt=2**63, strict=True)
+    water_depth_m: Metres | None = None
+    """Depth of the water above the sea floor (m); null: not stated."""
+    tank: Tank | None = None
+    walls: tuple[Wall, ...] = ()
     spine: tuple[tuple[tuple[Coordinate, Coordinate], ...], ...] = ()
     """Polylines (m) that the reef was grown along; for drawings only, no decision reads them."""
+
+    @property
+    def solids(self) -> tuple[Obstacle, ...]:
+        """Everything to keep clear of: the obstacles in the file's order, then tethers, anchors, walls and the tank."""
+        return (*self.obstacles, *structures(self.obstacles, self.walls, self.tank, self.seabed.z_m))
 
 
 def shipped_worlds() -> list[str]:
@@ -166,7 +142,7 @@ def save_world(world: ReefWorld, path: Path, comment: str = "") -> None:
     Raises:
         InputError: The file cannot be written.
     """
-    text = to_text(world.model_dump(mode="json"), comment.splitlines())
+    text = to_text(world.model_dump(mode="json", exclude_none=True), comment.splitlines())
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         part.write_text(encodable(text), encoding="utf-8")

@@ -33,10 +33,11 @@ def check_world(world: ReefWorld, where: str) -> None:
     _check_size(world, where)
     _check_places(world, where)
     start = world.start
-    for i, obstacle in enumerate(world.obstacles):
+    for i, obstacle in enumerate(world.solids):
         gap = distance_to(obstacle_outline(obstacle), start.x, start.y)
         if gap < HULL_RADIUS_M:
-            found = f"({start.x:g}, {start.y:g}), {'inside' if gap < 0 else f'{gap:.2f} m from'} obstacles[{i}]"
+            what = f"obstacles[{i}]" if i < len(world.obstacles) else "a wall, the tank or an anchor"
+            found = f"({start.x:g}, {start.y:g}), {'inside' if gap < 0 else f'{gap:.2f} m from'} {what}"
             raise InputError(where, "start", found, f"a place at least {HULL_RADIUS_M:g} m from every obstacle")
     for i in unreachable_clusters(world):
         raise InputError(
@@ -85,6 +86,27 @@ def _check_places(world: ReefWorld, where: str) -> None:
             raise InputError(
                 where, f"obstacles[{i}].z", f"{obstacle.z:g}, all of it below the seabed", f"a top above {floor:g} m"
             )
+        if obstacle.tether is not None and obstacle.z - obstacle.size[2] <= floor:
+            raise InputError(
+                where,
+                f"obstacles[{i}].tether",
+                f"a tether of an obstacle that reaches down to {obstacle.z - obstacle.size[2]:g} m",
+                f"an obstacle that floats, all of it above {floor:g} m",
+            )
+    for i, wall in enumerate(world.walls):
+        for end, at in (("begin", wall.begin), ("end", wall.end)):
+            _inside(world, where, f"walls[{i}].{end}", *at)
+    if (tank := world.tank) is not None:
+        for axis, value, edge in (("x", tank.x, world.size_m[0]), ("y", tank.y, world.size_m[1])):
+            if not tank.radius_m <= value <= edge - tank.radius_m:
+                raise InputError(
+                    where,
+                    f"tank.{axis}",
+                    f"{value:g} with a radius of {tank.radius_m:g} m",
+                    f"a tank inside the world, 0 to {edge:g} m",
+                )
+        if not math.dist((tank.x, tank.y), (world.start.x, world.start.y)) < tank.radius_m:
+            raise InputError(where, "start", f"({world.start.x:g}, {world.start.y:g})", "a place inside the tank")
 
 
 def _inside(world: ReefWorld, where: str, field: str, x: float, y: float) -> None:

@@ -17,6 +17,8 @@ MAX_VALUES = 500_000
 
 _LONG = ("spine", "clusters", "obstacles")
 """Keys whose entries are written line by line, in this order at the end of the file."""
+_RARE = ("walls",)
+"""Keys that are left out where they hold nothing."""
 _DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 
 
@@ -41,7 +43,9 @@ def to_text(world: Mapping[str, Any], header: Sequence[str] = ()) -> str:
         header: Lines of the comment at the head.
     """
     lines = [f"# {line}".rstrip() for line in header]
-    lines += [f"{key}: {_flow(value)}" for key, value in world.items() if key not in _LONG]
+    lines += [
+        f"{key}: {_flow(value)}" for key, value in world.items() if key not in _LONG and (value or key not in _RARE)
+    ]
     for key in _LONG:
         lines.append(f"{key}:" if world[key] else f"{key}: []")
         for item in world[key]:
