@@ -175,3 +175,20 @@ def test_no_garbage_raises_and_nothing_that_is_not_finite_passes(garbage):
             assert value is None or np.isfinite(value).all()
         if reading.frame is not None:
             assert reading.frame.depth.shape == (6, 8)
+
+
+def test_a_picture_comes_with_the_attitude_in_which_it_was_taken():
+    watch, level = guard(), Attitude(roll=0.0, pitch=0.0, depth_m=1.0)
+    tilted = dataclasses.replace(level, roll=0.2)
+    watch.check(good(0.0, attitude=Stamped(0.0, tilted)))
+    reading = watch.check(good(0.1, attitude=Stamped(0.1, level), frame=Stamped(0.05, picture(depth=4.0))))
+    assert reading.attitude == tilted
+    assert watch.check(good(0.2, frame=None)).attitude is None
+    assert watch.check(good(0.9)).attitude is None  # too old to be that of the picture
+
+
+def test_attitudes_follow_a_clock_that_was_set():
+    watch = guard(gap_s=1.0)
+    for t in (0.0, 0.1):
+        watch.check(good(t, attitude=Stamped(t, Attitude(roll=t, pitch=0.0, depth_m=1.0))))
+    assert watch.check(good(30.1)).attitude == Attitude(roll=0.1, pitch=0.0, depth_m=1.0)

@@ -223,3 +223,26 @@ def test_a_picture_of_another_size_or_type_never_reaches_the_kernels(change):
 def test_a_pose_that_is_not_finite_never_reaches_the_kernels(bad):
     with pytest.raises(InputError, match="pose"):
         OccupancyMap((4.0, 4.0), CAMERA).integrate(empty_frame(), Pose(2.0, bad, 0.0))
+
+
+@pytest.mark.parametrize(("roll", "pitch"), [(0.3, 0.0), (0.0, -0.25), (-0.2, 0.15)])
+def test_a_picture_of_a_tilted_vehicle_lands_where_equation_1_puts_it(roll, pitch):
+    pose, (u, v, z) = Pose(4.0, 5.0, 0.7), (25, 20, 2.0)
+    view = empty_frame()
+    view.depth[v, u], view.labels[v, u] = z, Label.OYSTER
+    grid = OccupancyMap((10.0, 10.0), CAMERA, MapCfg(target_hits=1))
+    grid.integrate(view, pose, roll, pitch)
+    fx, fy, cx, cy = CAMERA.intrinsics
+    p = T_world_camera(pose, CAMERA, roll=roll, pitch=pitch) @ [(u - cx) / fx * z, (v - cy) / fy * z, z, 1.0]
+    assert np.argwhere(grid.target).tolist() == [[int(p[1] / 0.05), int(p[0] / 0.05)]]
+
+
+def test_a_level_attitude_changes_no_bit():
+    rng, (plain, level) = np.random.default_rng(4), [OccupancyMap((10.0, 10.0), CAMERA) for _ in range(2)]
+    for k in range(3):
+        shape = (CAMERA.height, CAMERA.width)
+        view = frame(rng.uniform(0.5, 7.0, shape), rng.integers(0, 4, shape))
+        plain.integrate(view, Pose(4.0 + 0.1 * k, 5.0, 0.4))
+        level.integrate(view, Pose(4.0 + 0.1 * k, 5.0, 0.4), 0.0, 0.0)
+    for name, array in plain.memory().items():
+        assert array.tobytes() == level.memory()[name].tobytes(), name

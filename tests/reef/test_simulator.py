@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
+from coral.reef.belief import Belief
 from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Pose
+from coral.reef.mapping import OccupancyMap
 from coral.reef.noise import SensorNoiseCfg
 from coral.reef.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.vehicle import VehicleCfg
@@ -125,3 +127,26 @@ def test_the_water_of_pictures_follows_the_visibility_or_is_named():
     assert simulator(there).water is None
     with pytest.raises(InputError, match=r"simulator\.water"):
         simulator(there, pictures=True, water="tap")
+
+
+def test_a_rolling_and_pitching_vehicle_maps_oysters_where_they_are():
+    camera = CameraCfg()
+    there = world(disc(7.0, 5.6, r=0.15), disc(7.2, 4.2, r=0.15, name="d"))
+    sim = simulator(there, vehicle=VehicleCfg(model="six_dof"), camera=camera)
+    belief = Belief(OccupancyMap(there.size_m, camera))
+    for roll, pitch in ((0.3, 0.0), (-0.25, 0.1), (0.1, -0.15), (0.0, 0.2)):
+        sim.vehicle._full[3:5] = roll, pitch
+        sensed = sim.sense(0.1)
+        assert (sensed.attitude.roll, sensed.attitude.pitch) == pytest.approx((roll, pitch))
+        belief.update(sensed.frame, sensed.pose, sensed.attitude)
+    found = (np.argwhere(belief.map.target)[:, ::-1] + 0.5) * 0.05
+    nearest = np.min([np.hypot(*(found - at).T) for at in ((7.0, 5.6), (7.2, 4.2))], axis=0)
+    assert len(found) > 20
+    assert nearest.max() < 0.15 + 0.08  # the radius, and a cell and a half
+
+
+def test_the_depth_of_the_water_is_the_worlds_or_the_configured_one():
+    there = world(disc(15.0, 15.0))
+    assert simulator(there).sense(0.0).attitude.depth_m == pytest.approx(4.0)
+    shallow = simulator(there.model_copy(update={"water_depth_m": 1.5})).sense(0.0).attitude
+    assert (shallow.depth_m, shallow.altitude_m) == (pytest.approx(0.5), 1.0)

@@ -18,6 +18,7 @@ from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Pose, to_robot
 from coral.reef.mapping import OccupancyMap
 from coral.reef.regions import OysterRegions
+from coral.reef.sensing import Attitude
 from coral.reef.water import Water, WaterMap
 
 
@@ -98,12 +99,19 @@ class Belief:
             self._waters[cfg] = WaterMap(self.map, cfg)
         return self._waters[cfg].now()
 
-    def update(self, frame: Frame | None, pose: Pose) -> None:
-        """Take in the robot's pose and the camera picture taken from it; None if there is no new one."""
+    def update(self, frame: Frame | None, pose: Pose, attitude: Attitude | None = None) -> None:
+        """Take in the robot's pose and the camera picture taken from it; None if there is no new one.
+
+        Args:
+            frame: The picture.
+            pose: Where it was taken.
+            attitude: Roll and pitch of the body then; None: level.
+        """
         self.pose = pose
         if frame is not None:
             self.frame = frame
-            self.map.integrate(frame, pose)
+            roll, pitch = (0.0, 0.0) if attitude is None else (attitude.roll, attitude.pitch)
+            self.map.integrate(frame, pose, roll, pitch)
             view = self.map.view_box(pose)
             self._seen = view if self._seen is None else joined(self._seen, view)
         if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:

@@ -14,7 +14,7 @@ from coral.config import Fraction, NonNegative, Positive
 from coral.reef import checks
 from coral.reef.camera import CameraCfg
 from coral.reef.checks import UnfitMeasurement, finite_numbers
-from coral.reef.dead_reckoning import PoseHistory
+from coral.reef.dead_reckoning import REMEMBERED, PoseHistory
 from coral.reef.frozen import FrozenCamera
 from coral.reef.geometry import Frame, Pose
 from coral.reef.loop_time import LoopTime
@@ -99,6 +99,8 @@ class Reading:
     """A new picture; None if there is none, or nobody knows where it was taken."""
     frame_pose: Pose | None
     """The pose at which it was taken."""
+    attitude: Attitude | None
+    """The attitude in which it was taken: the last one not later than the picture; None: unknown."""
     refusals: tuple[Refusal, ...]
     """What was refused in this tick."""
     lost: str
@@ -136,6 +138,7 @@ class SensorGuard:
         self._frozen = FrozenCamera(self.cfg.frozen_m, self.cfg.frozen_rad)
         self.attitude: Attitude | None = None
         """The last attitude that passed."""
+        self._attitudes: deque[Stamped[Attitude]] = deque(maxlen=REMEMBERED)
 
     def check(self, seen: VehicleObservation) -> Reading:
         """Check an observation. Never raises, whatever is in it."""
@@ -151,6 +154,7 @@ class SensorGuard:
         attitude = self._take("attitude", seen.attitude, self._check_attitude, refused)
         if attitude is not None:
             self.attitude = attitude.value
+            self._attitudes.append(attitude)
         frame = self._take("camera", seen.frame, self._check_frame, refused)
         self._why |= {refusal.input: refusal for refusal in refused}
         located = self._age("pose") <= self.cfg.pose_timeout_s + TINY_S
@@ -161,6 +165,7 @@ class SensorGuard:
             velocity=self._poses.velocity,
             frame=frame.value if frame is not None and there is not None else None,
             frame_pose=there,
+            attitude=None if frame is None else self._attitude_at(frame.t),
             refusals=tuple(refused),
             lost=self._lost(),
         )
@@ -189,6 +194,8 @@ class SensorGuard:
         if self._time.offset != offset:
             self._stamps.clear()
             self._poses.shift(offset - self._time.offset)
+            moved = [replace(each, t=each.t + offset - self._time.offset) for each in self._attitudes]
+            self._attitudes = deque(moved, maxlen=REMEMBERED)
             if self._reference is not None:
                 self._reference = replace(self._reference, t=self._reference.t + offset - self._time.offset)
 
@@ -257,6 +264,13 @@ class SensorGuard:
         roll, pitch, depth_m = finite_numbers((found.roll, found.pitch, found.depth_m), 3)
         checks.check_attitude(roll, pitch, depth_m, self.cfg.max_tilt_rad)
         return found
+
+    def _attitude_at(self, t: float) -> Attitude | None:
+        """Return the last attitude not later than `t` (s), if it is not too old."""
+        for each in reversed(self._attitudes):
+            if each.t <= t + TINY_S:
+                return each.value if t - each.t <= self._timeouts["attitude"] + TINY_S else None
+        return None
 
     def _check_frame(self, stamped: Stamped[Any]) -> Frame:
         frame = checks.check_frame(stamped.value, self._camera, self.cfg.min_seen)

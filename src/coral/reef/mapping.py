@@ -109,22 +109,34 @@ class OccupancyMap:
         self._hfov = math.radians(camera.hfov_deg)
         self._reach = np.zeros(camera.width)
 
-    def integrate(self, frame: Frame, pose: Pose) -> None:
+    def integrate(self, frame: Frame, pose: Pose, roll: float = 0.0, pitch: float = 0.0) -> None:
         """Fuse a camera picture taken at `pose`, the robot's own estimate.
+
+        The grid is flat: of Eq. 1's point, its height is dropped. The camera's height is in the depth of the picture.
+
+        Args:
+            frame: The picture.
+            pose: Pose of the body.
+            roll: About body x (rad), as in `T_world_camera`.
+            pitch: About body y (rad).
 
         Raises:
             InputError: The picture is not of the configured size and type, or the pose is not finite. The kernels check
                 neither, and would write beyond their arrays.
         """
         check_picture(frame, self.camera)
-        if not all(map(math.isfinite, pose)):
-            raise InputError("pose", "", tuple(pose), "finite numbers")
+        if not all(map(math.isfinite, (*pose, roll, pitch))):
+            raise InputError("pose", "", (*pose, roll, pitch), "finite numbers")
+        rays, looks = self._rays, self._looks
+        if roll or pitch:
+            rays = pixel_rays(self.camera, roll, pitch)[0]
+            looks = np.ascontiguousarray(np.concatenate([rays, self._looks[..., 2:]], axis=2))
         cfg = self.cfg
         self._pictures += 1
         project(
             frame.depth,
             frame.labels,
-            self._rays,
+            rays,
             self._lever,
             (pose.x, pose.y, pose.theta),
             cfg.cell_m,
@@ -140,7 +152,7 @@ class OccupancyMap:
         look(
             frame.depth,
             frame.labels,
-            self._looks,
+            looks,
             self._lever,
             (pose.x, pose.y, pose.theta),
             cfg.cell_m,
@@ -317,14 +329,26 @@ def distance_to(mask: NDArray[np.bool_], cell_m: float) -> NDArray[np.float32]:
     return np.asarray(distances * cell_m, dtype=np.float32)
 
 
-def pixel_rays(camera: CameraCfg) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Forward and left components of each pixel's ray at unit depth, and the camera's place in the body frame."""
+def pixel_rays(
+    camera: CameraCfg, roll: float = 0.0, pitch: float = 0.0
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return where each pixel's ray leads in the plane, and the camera's place in the body frame.
+
+    Args:
+        camera: The camera.
+        roll: Of the body about its x axis (rad).
+        pitch: Of the body about its y axis (rad).
+
+    Returns:
+        Horizontal components of the rays at unit depth, along the heading and to its left, Shape=(H, W, 2), and the
+        camera's place (m), Shape=(2,).
+    """
     from coral.reef.camera import T_world_camera
 
     fx, fy, cx, cy = camera.intrinsics
     u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
     optical = np.stack([(u - cx) / fx, (v - cy) / fy, np.ones_like(u, dtype=float)], axis=-1)
-    body_camera = T_world_camera(Pose(0.0, 0.0, 0.0), camera)
+    body_camera = T_world_camera(Pose(0.0, 0.0, 0.0), camera, roll=roll, pitch=pitch)
     body = optical @ body_camera[:3, :3].T
     return np.ascontiguousarray(body[..., :2]), np.ascontiguousarray(body_camera[:2, 3])
 

@@ -182,7 +182,7 @@ class Pilot:
     def drive(self, reading: Reading) -> Command:
         """Take in a checked reading, whose poses a robot may have corrected; return the command until the next."""
         if reading.frame is not None and reading.frame_pose is not None:
-            self.belief.update(reading.frame, reading.frame_pose)
+            self.belief.update(reading.frame, reading.frame_pose, reading.attitude)
             self.belief.pose = reading.pose or reading.frame_pose
         elif reading.pose is not None:
             self.belief.update(None, reading.pose)

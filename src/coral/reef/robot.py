@@ -61,7 +61,8 @@ class Robot:
     def sense(self, t: float, dt: float) -> VehicleObservation:
         """Measure at time `t` (s), `dt` seconds after the last time. Faults that are due spoil what is measured."""
         sensed = self.sensed = self.simulator.sense(dt)
-        self.seen = self.faults.apply(VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame))
+        seen = VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude)
+        self.seen = self.faults.apply(seen)
         return self.seen
 
     @property

@@ -35,6 +35,8 @@ class Attitude:
     """About body y (rad); positive lowers the nose, as in REP-103."""
     depth_m: float
     """Depth below the surface (m)."""
+    altitude_m: float | None = None
+    """Height above the sea floor (m), as an altimeter or a Doppler log measures it; None: unknown."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +59,14 @@ class VehicleObservation:
     attitude: Stamped[Attitude] | None = None
 
     @classmethod
-    def at(cls, t: float, pose: Pose, velocity: Velocity, frame: Frame) -> VehicleObservation:
+    def at(
+        cls, t: float, pose: Pose, velocity: Velocity, frame: Frame, attitude: Attitude | None = None
+    ) -> VehicleObservation:
         """Observe everything at the same moment `t` (s), as a simulator does."""
-        return cls(t=t, pose=Stamped(t, pose), velocity=Stamped(t, velocity), frame=Stamped(t, frame))
+        return cls(
+            t=t,
+            pose=Stamped(t, pose),
+            velocity=Stamped(t, velocity),
+            frame=Stamped(t, frame),
+            attitude=None if attitude is None else Stamped(t, attitude),
+        )

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Positive
 from coral.reef.camera import Camera, CameraCfg
 from coral.reef.collision import ContactCounter, clearance
 from coral.reef.coverage import CoverageCfg, CoverageMeter
@@ -20,6 +21,7 @@ from coral.reef.geometry import Frame, Pose
 from coral.reef.imaging import ImagingCfg, ImagingMeter
 from coral.reef.noise import PoseDrift, SensorNoise, SensorNoiseCfg
 from coral.reef.scene import Scene
+from coral.reef.sensing import Attitude
 from coral.reef.vehicle import Vehicle, VehicleCfg, VehicleState
 from coral.reef.world import ReefWorld
 
@@ -33,6 +35,9 @@ class SimulatorCfg:
     noise: SensorNoiseCfg = field(default_factory=SensorNoiseCfg)
     coverage: CoverageCfg = field(default_factory=CoverageCfg)
     imaging: ImagingCfg = field(default_factory=ImagingCfg)
+    water_depth_m: Positive = 5.0
+    """Depth of the water where the world's file does not say it; only the depth sensor reads it. Oyster reefs lie in
+    shallow water: this is the upper end of their usual depth. No paper gives it."""
     contact: Literal["solid", "ghost"] = "solid"
     """solid: obstacles stop the hull. ghost: contacts count, but the vehicle passes through."""
     pictures: bool = False
@@ -52,6 +57,8 @@ class Sensed:
     """By odometry alone; equals the truth unless drift is on."""
     velocity: tuple[float, float, float]
     """Ground-relative surge, sway (m/s) and yaw rate (rad/s) in the body frame."""
+    attitude: Attitude
+    """Roll, pitch, depth and altitude, without error."""
 
 
 class ReefSimulator:
@@ -107,6 +114,11 @@ class ReefSimulator:
         return Pose(*self.vehicle.state[:3])
 
     @property
+    def water_depth_m(self) -> float:
+        """Depth of the water (m), as the world says or as configured."""
+        return self.world.water_depth_m or self.cfg.water_depth_m
+
+    @property
     def clearance_m(self) -> float:
         """True distance from the hull to the nearest obstacle (m); negative in contact."""
         return self._contacts.clearance(*self.pose[:2])
@@ -123,7 +135,9 @@ class ReefSimulator:
                 exact, self.pose, height=height, roll=roll, pitch=pitch, t=self._time_s, velocity=(u, v, r)
             )
             frame = replace(frame, rgb=rgb)
-        return Sensed(frame=frame, pose=self._drift.step(self.pose, dt), velocity=(u, v, r))
+        altitude = self.cfg.camera.altitude_m if height is None else height
+        attitude = Attitude(roll=roll, pitch=pitch, depth_m=self.water_depth_m - altitude, altitude_m=altitude)
+        return Sensed(frame=frame, pose=self._drift.step(self.pose, dt), velocity=(u, v, r), attitude=attitude)
 
     @property
     def water(self) -> WaterType | None:
