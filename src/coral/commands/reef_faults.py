@@ -21,6 +21,7 @@ from coral.reef.generated import find_world
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg
 from coral.reef.record import RecordCfg
+from coral.reef.resolution import with_sonar
 from coral.runs import read_events, read_rows
 
 AFTER_S = 3.0
@@ -78,7 +79,7 @@ class ReefFaults:
         """Run the mission with one fault, and measure."""
         fault = SensorFault(name, self.at, self.duration)
         cfg = dataclasses.replace(
-            self.cfg,
+            with_sonar(self.cfg) if FAULTS[name].needs_sonar else self.cfg,
             faults=(f"{name}@{self.at:g}:{self.duration:g}",),
             time_limit_s=self.at + self.duration + AFTER_S,
             stop_when_covered=False,

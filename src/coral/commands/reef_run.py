@@ -28,7 +28,7 @@ from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
 from coral.reef.presets import CLEAR, preset_help
-from coral.reef.resolution import resolve_mission
+from coral.reef.resolution import resolve_mission, with_sonar
 from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
@@ -52,6 +52,8 @@ class ReefRun:
     again), fail (end the mission)."""
     preflight: bool = True
     """Ask a model one small question first, and refuse the run if it cannot be used."""
+    sonar: bool = False
+    """Give the vehicle an imaging sonar, a simulated Sonar 3D-15, whose obstacles go onto the map."""
     seed: int = 0
     """Seed of all random numbers."""
     fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
@@ -105,7 +107,7 @@ class ReefRun:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
         asks_people = asks_person(self.advisor)
         cfg, world = resolve_mission(
-            dataclasses.replace(self.cfg, faults=(*self.cfg.faults, *self.fault)),
+            dataclasses.replace(self._with_sonar(), faults=(*self.cfg.faults, *self.fault)),
             world,
             variant=self.variant,
             preset=self.preset,
@@ -157,6 +159,10 @@ class ReefRun:
             progress.close()
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
+
+    def _with_sonar(self) -> MissionCfg:
+        """Return the configuration, with the sonar if the flag or the configuration asks for it."""
+        return with_sonar(self.cfg) if self.sonar else self.cfg
 
     @contextmanager
     def _page(self) -> Iterator[Callable[[Mission], list[Observer[Mission]]]]:

@@ -19,6 +19,7 @@ from coral.reef.geometry import Frame, Pose, to_robot
 from coral.reef.mapping import OccupancyMap
 from coral.reef.regions import OysterRegions
 from coral.reef.sensing import Attitude
+from coral.reef.sonar.range_image import RangeImage
 from coral.reef.water import Water, WaterMap
 
 
@@ -125,6 +126,16 @@ class Belief:
             else:
                 self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
         self._ticks += 1
+
+    def hear(self, image: RangeImage, pose: Pose, attitude: Attitude | None = None) -> None:
+        """Take in a range image of the sonar, taken at `pose` in `attitude`; None: level."""
+        self.map.hear(image, pose, attitude)
+
+    def distance_in_known_water(self, radius_m: float, hull_m: float) -> NDArray[np.float32]:
+        """Return the distances (m) to all that is not known to be free, about the robot; see the map."""
+        here = np.array([[self.pose.x, self.pose.y]])
+        trail = np.concatenate([self.trajectory, here])
+        return self.map.distance_to_unknown(self.pose.x, self.pose.y, radius_m, trail, hull_m)
 
     def _inspect(self, seen: Box | None = None) -> None:
         cells = self.map

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Frame, Label, Pose, wrap
+from coral.reef.sonar.range_image import RangeImage
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 
 SURFACE_M = 0.5
 """A depth sensor may put a vehicle at the surface so far above it: waves, and its own offset."""
@@ -124,6 +126,36 @@ def check_frame(frame: object, camera: CameraCfg, least_seen: float) -> Frame:
     if seen < least_seen:
         raise UnfitMeasurement("blind", f"{seen:.1%} of the pixels have a return")
     return frame
+
+
+def check_range_image(image: object, sonar: SonarCfg, least_heard: float) -> RangeImage:
+    """Return a range image after checking its type, shape, field of view, its values, and that there are echoes.
+
+    Args:
+        image: The image.
+        sonar: Gives its shape and field of view.
+        least_heard: Share of the beams that must have an echo.
+    """
+    if not isinstance(image, RangeImage):
+        raise UnfitMeasurement("wrong type", f"{type(image).__name__}, not a RangeImage")
+    ranges = image.ranges
+    if not isinstance(ranges, np.ndarray) or ranges.dtype != np.float32:
+        kind = ranges.dtype if isinstance(ranges, np.ndarray) else type(ranges).__name__
+        raise UnfitMeasurement("wrong type", f"ranges are {kind}, not float32")
+    if ranges.shape != (sonar.height, sonar.width):
+        found = "x".join(map(str, ranges.shape[::-1]))
+        raise UnfitMeasurement("wrong size", f"ranges are {found}, the configured sonar {sonar.width}x{sonar.height}")
+    view, wanted = finite_numbers((image.hfov_deg, image.vfov_deg), 2), (sonar.hfov_deg, sonar.vfov_deg)
+    if max(abs(a - b) for a, b in zip(view, wanted, strict=True)) > 0.5:
+        raise UnfitMeasurement(
+            "wrong field of view", f"{view[0]:g} by {view[1]:g} degrees, not {wanted[0]:g} by {wanted[1]:g}"
+        )
+    if not (ranges > 0.0).all():
+        raise UnfitMeasurement("not positive", "a range that is no number above 0 m; what has no echo is inf")
+    heard = np.count_nonzero(np.isfinite(ranges)) / ranges.size
+    if heard < least_heard:
+        raise UnfitMeasurement("blind", f"{heard:.1%} of the beams have an echo")
+    return image
 
 
 def has_landmarks(labels: NDArray[np.uint8]) -> bool:

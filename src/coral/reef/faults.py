@@ -29,6 +29,8 @@ class FaultKind:
     spoil: Spoil
     means: str
     """What it is, in a few words."""
+    needs_sonar: bool = False
+    """Whether it is one of the sonar, which not every vehicle has."""
 
 
 def _pose(now: VehicleObservation, pose: Pose | None) -> VehicleObservation:
@@ -82,7 +84,16 @@ def _clock_set(now: VehicleObservation, seconds: float) -> VehicleObservation:
         pose=_delayed(now.pose, seconds),
         velocity=_delayed(now.velocity, seconds),
         frame=_delayed(now.frame, seconds),
+        attitude=_delayed(now.attitude, seconds),
+        sonar=_delayed(now.sonar, seconds),
     )
+
+
+def _deaf(now: VehicleObservation, _: VehicleObservation) -> VehicleObservation:
+    if now.sonar is None:
+        return now
+    image = now.sonar.value
+    return replace(now, sonar=Stamped(now.sonar.t, replace(image, ranges=np.full_like(image.ranges, np.inf))))
 
 
 FAULTS: Mapping[str, FaultKind] = {
@@ -106,6 +117,11 @@ FAULTS: Mapping[str, FaultKind] = {
     ),
     "clock-back": FaultKind(lambda now, _: _clock_set(now, -30.0), "the computer's clock is 30 s behind"),
     "clock-ahead": FaultKind(lambda now, _: _clock_set(now, 30.0), "the computer's clock is 30 s ahead"),
+    "blind-sonar": FaultKind(_deaf, "range images without any echo", needs_sonar=True),
+    "missing-sonar": FaultKind(lambda now, _: replace(now, sonar=None), "no range image arrives", needs_sonar=True),
+    "stale-sonar": FaultKind(
+        lambda now, _: replace(now, sonar=_delayed(now.sonar, -2.0)), "range images arrive 2 s late", needs_sonar=True
+    ),
 }
 """All faults by name. None draws random numbers."""
 

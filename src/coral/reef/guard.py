@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeVar
 
@@ -19,12 +19,14 @@ from coral.reef.frozen import FrozenCamera
 from coral.reef.geometry import Frame, Pose
 from coral.reef.loop_time import LoopTime
 from coral.reef.sensing import Attitude, Stamped, VehicleObservation, Velocity
+from coral.reef.sonar.range_image import RangeImage
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 
 T = TypeVar("T")
 
-Input = Literal["clock", "pose", "velocity", "camera", "attitude"]
+Input = Literal["clock", "pose", "velocity", "camera", "attitude", "sonar"]
 NEEDED: tuple[Input, ...] = ("pose", "velocity", "camera")
-"""Without one of these nothing moves."""
+"""Without one of these nothing moves. A sonar that works stands in for the camera once there have been pictures."""
 
 TINY_S = 1e-9
 """Ticks are multiples of 0.1 s in floating point."""
@@ -43,6 +45,8 @@ class GuardCfg:
     frame_timeout_s: Positive = 0.35
     """Age at which the camera is lost: three pictures at 10 Hz. A camera whose pictures take 0.2 s to arrive and to be
     labelled needs as much more."""
+    sonar_timeout_s: Positive = 0.45
+    """Age at which the sonar is lost: two images at 5 Hz. A vehicle at cruise speed then stands within 1 s."""
     future_s: NonNegative = 0.05
     """A stamp may be so far ahead of the control loop's clock: half a period."""
     gap_s: Positive = 1.0
@@ -66,6 +70,8 @@ class GuardCfg:
     may look the same everywhere."""
     frozen_rad: Positive = 0.05
     """The same for a turn."""
+    min_heard: Fraction = 0.01
+    """Share of the sonar's beams that must have an echo. It is mounted so that it always hears the sea floor."""
     recover_s: NonNegative = 1.0
     """Inputs must have passed for so long before a held vehicle goes on."""
     surface_after_s: Positive | None = 60.0
@@ -105,6 +111,14 @@ class Reading:
     """What was refused in this tick."""
     lost: str
     """What has been missing or wrong for too long, in words; "" while everything needed is there."""
+    sonar: RangeImage | None = None
+    """A new range image; None if there is none, or nobody knows where it was taken."""
+    sonar_pose: Pose | None = None
+    """The pose at which it was taken."""
+    sonar_attitude: Attitude | None = None
+    """The attitude in which it was taken, as that of the picture."""
+    blind: str = ""
+    """Why there are no pictures, in words, while the sonar alone shows the way; "" while the camera works."""
 
 
 class SensorGuard:
@@ -115,14 +129,32 @@ class SensorGuard:
     accepts it on a person's word.
     """
 
-    def __init__(self, camera: CameraCfg, size_m: tuple[float, float], cfg: GuardCfg | None = None) -> None:
-        """Set up for a camera and a survey area of `size_m` (m) whose corner is the origin."""
+    def __init__(
+        self,
+        camera: CameraCfg,
+        size_m: tuple[float, float],
+        cfg: GuardCfg | None = None,
+        sonar: SonarCfg | None = None,
+        *,
+        sonar_alone: bool = False,
+    ) -> None:
+        """Set up.
+
+        Args:
+            camera: The camera.
+            size_m: Size of the survey area (m), whose corner is the origin.
+            cfg: Limits.
+            sonar: The sonar; None without one: its images are then not looked at.
+            sonar_alone: Whether only the sonar finds obstacles: then nothing moves without it.
+        """
         self.cfg, self._camera, self._size_m = cfg or GuardCfg(), camera, size_m
+        self._sonar, self._sonar_alone = sonar, sonar_alone
         self._timeouts: dict[Input, float] = {
             "pose": self.cfg.pose_timeout_s,
             "velocity": self.cfg.velocity_timeout_s,
             "camera": self.cfg.frame_timeout_s,
             "attitude": self.cfg.pose_timeout_s,
+            "sonar": self.cfg.sonar_timeout_s,
         }
         self._time = LoopTime(self.cfg.gap_s)
         self._stamps: dict[Input, float] = {}
@@ -135,6 +167,8 @@ class SensorGuard:
         self._reference: Stamped[Pose] | None = None
         """Pose from which the next one may not have jumped, and since when it may have moved."""
         self._jumped = False
+        self._last_heard: Stamped[RangeImage] | None = None
+        self._same_m = 0.0
         self._frozen = FrozenCamera(self.cfg.frozen_m, self.cfg.frozen_rad)
         self.attitude: Attitude | None = None
         """The last attitude that passed."""
@@ -156,9 +190,11 @@ class SensorGuard:
             self.attitude = attitude.value
             self._attitudes.append(attitude)
         frame = self._take("camera", seen.frame, self._check_frame, refused)
+        heard = None if self._sonar is None else self._take("sonar", seen.sonar, self._check_sonar, refused)
         self._why |= {refusal.input: refusal for refusal in refused}
         located = self._age("pose") <= self.cfg.pose_timeout_s + TINY_S
         there = self._poses.at(frame.t) if frame is not None and located else None
+        heard_from = self._poses.at(heard.t) if heard is not None and located else None
         return Reading(
             t=self._time.t,
             pose=self._poses.at(self._time.t - self._time.offset if self._time.clock is None else self._time.clock),
@@ -168,6 +204,10 @@ class SensorGuard:
             attitude=None if frame is None else self._attitude_at(frame.t),
             refusals=tuple(refused),
             lost=self._lost(),
+            sonar=heard.value if heard is not None and heard_from is not None else None,
+            sonar_pose=heard_from,
+            sonar_attitude=None if heard is None else self._attitude_at(heard.t),
+            blind=self._missing(("camera",)) if self._sonar_stands_in else "",
         )
 
     def rate_hz(self, name: Input) -> float:
@@ -281,14 +321,39 @@ class SensorGuard:
         # Kernels are compiled for contiguous arrays: another layout would compile them again, for seconds.
         return replace(frame, depth=np.ascontiguousarray(frame.depth), labels=np.ascontiguousarray(frame.labels))
 
+    def _check_sonar(self, stamped: Stamped[Any]) -> RangeImage:
+        assert self._sonar is not None
+        image = checks.check_range_image(stamped.value, self._sonar, self.cfg.min_heard)
+        last, self._last_heard = self._last_heard, Stamped(stamped.t, image)
+        if last is None or not np.array_equal(last.value.ranges, image.ranges):
+            self._same_m = 0.0
+            return image
+        self._same_m += math.hypot(*self._poses.velocity[:2]) * max(stamped.t - last.t, 0.0)
+        if self._same_m > self.cfg.frozen_m:
+            raise UnfitMeasurement("frozen", "the same image while the vehicle moves")
+        return image
+
+    @property
+    def _sonar_stands_in(self) -> bool:
+        """Whether the sonar works, and may stand in for a camera that has worked before."""
+        heard = self._age("sonar") <= self._timeouts["sonar"] + TINY_S
+        return self._sonar is not None and heard and math.isfinite(self._age("camera"))
+
     def _age(self, name: Input) -> float:
         """Return the age of the last good measurement of an input (s); inf before the first."""
         return self._time.t - self._good[name][-1] if self._good[name] else math.inf
 
     def _lost(self) -> str:
         """Name the needed inputs without a good measurement within their time."""
+        needed = [name for name in NEEDED if name != "camera" or not self._sonar_stands_in]
+        if self._sonar is not None and (self._sonar_alone or self._missing(("camera",))) and "sonar" not in needed:
+            needed.append("sonar")
+        return self._missing(needed)
+
+    def _missing(self, names: Iterable[Input]) -> str:
+        """Name those of some inputs that have no good measurement within their time, and why."""
         found = []
-        for name in NEEDED:
+        for name in names:
             age = self._age(name)
             if age > self._timeouts[name] + TINY_S:
                 why = self._why.get(name) or self._why.get("clock")

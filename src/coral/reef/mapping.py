@@ -5,8 +5,8 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import cv2
 import numpy as np
@@ -18,6 +18,10 @@ from coral.reef.camera import CameraCfg, check_picture
 from coral.reef.changes import Box
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping_kernels import SATURATED, cell_classes, classify, explore, look, project
+from coral.reef.sensing import Attitude
+from coral.reef.sonar.obstacle_layer import ObstacleLayer, SonarLayerCfg
+from coral.reef.sonar.range_image import RangeImage
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 
 UNEXPLORED, FREE, OBSTACLE, TARGET = 0, 1, 2, 3
 """Cell classes, in the paper's colours: white, gray, black, green."""
@@ -57,6 +61,11 @@ class MapCfg:
     """Edge of a cell of the hints: at 8 to 12 m a row of pixels covers about as much of the seabed."""
     hint_hits: Count = 5
     """Pictures that must show oysters in such a cell, half a second of looking."""
+    obstacles: Literal["both", "sonar"] = "both"
+    """Whose obstacles the vehicle keeps clear of when it has a sonar. The paper's vehicle has its sonar for that, and
+    its map takes obstacles from the camera too. sonar: the camera's obstacles count for nothing, as where its depth is
+    only estimated. Without a sonar it is the camera's."""
+    sonar: SonarLayerCfg = field(default_factory=SonarLayerCfg)
 
 
 @dataclass(frozen=True)
@@ -73,7 +82,21 @@ class Hint:
 class OccupancyMap:
     """Persistent 2D grid over the survey area. Arrays are indexed [iy, ix], cell (0, 0) at the world's origin."""
 
-    def __init__(self, size_m: tuple[float, float], camera: CameraCfg, cfg: MapCfg | None = None) -> None:
+    def __init__(
+        self,
+        size_m: tuple[float, float],
+        camera: CameraCfg,
+        cfg: MapCfg | None = None,
+        sonar: SonarCfg | None = None,
+    ) -> None:
+        """Set up an empty map.
+
+        Args:
+            size_m: Width and height of the survey area (m).
+            camera: The camera that takes the pictures.
+            cfg: Cells, ranges and thresholds.
+            sonar: The sonar that takes the range images; None without one.
+        """
         self.cfg = cfg = cfg or MapCfg()
         self.size_m = size_m
         shape = (math.ceil(size_m[1] / cfg.cell_m - 1e-9), math.ceil(size_m[0] / cfg.cell_m - 1e-9))
@@ -88,6 +111,10 @@ class OccupancyMap:
         """Obstacle cells. Shape=(NY, NX)."""
         self.explored = np.zeros(shape, np.bool_)
         """Cells that have been in view. Shape=(NY, NX)."""
+        self.layer = None if sonar is None or not sonar.enabled else ObstacleLayer(shape, cfg.cell_m, sonar, cfg.sonar)
+        """Obstacles by the sonar; None without one."""
+        self._seen_obstacle = self.obstacle if self.layer is None else np.zeros(shape, np.bool_)
+        self._closed = np.zeros(shape, np.bool_)
         self.version = 0
         """Grows whenever an obstacle cell appears or goes."""
         self.nearest = np.full(shape, np.inf, np.float32)
@@ -172,10 +199,12 @@ class OccupancyMap:
             cfg.target_ratio,
             cfg.obstacle_ratio,
             self.target,
-            self.obstacle,
+            self._seen_obstacle,
             self._window(pose, cfg.range_m),
         )
         self.version += changed > 0
+        if changed:
+            self._combine(self._window(pose, cfg.range_m))
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         origin = (pose.x + c * self._lever[0] - s * self._lever[1], pose.y + s * self._lever[0] + c * self._lever[1])
         explore(
@@ -191,6 +220,68 @@ class OccupancyMap:
             self._reach,
         )
 
+    def hear(self, image: RangeImage, pose: Pose, attitude: Attitude | None = None) -> None:
+        """Fuse a range image of the sonar into the obstacle layer, apart from what the camera has seen.
+
+        Args:
+            image: The image.
+            pose: Pose of the body, the robot's own estimate.
+            attitude: Roll, pitch, depth and altitude of the body; None: level, at the camera's configured height.
+
+        Raises:
+            InputError: The map has no sonar, or the pose is not finite.
+        """
+        if self.layer is None:
+            raise InputError("sonar", "", "a range image", "none: the map has been made without a sonar")
+        if not all(map(math.isfinite, pose)):
+            raise InputError("pose", "", tuple(pose), "finite numbers")
+        known = attitude or Attitude(roll=0.0, pitch=0.0, depth_m=math.inf)
+        altitude_m = self.camera.altitude_m if known.altitude_m is None else known.altitude_m
+        changed = self.layer.integrate(
+            image, pose, altitude_m, roll=known.roll, pitch=known.pitch, depth_m=known.depth_m
+        )
+        if changed:
+            self.version += 1
+            self._combine(self._window(pose, max(self.cfg.sonar.range_m, self.cfg.sonar.clear_m)))
+
+    def _combine(self, window: Box) -> None:
+        """Put together the obstacles of camera and sonar within a window."""
+        if self.layer is None:
+            return
+        at = slice(*window[:2]), slice(*window[2:])
+        self.obstacle[at] = self.layer.obstacle[at] | self._closed[at]
+        if self.cfg.obstacles == "both":
+            self.obstacle[at] |= self._seen_obstacle[at]
+        self.target[at] &= ~self.obstacle[at]
+
+    def distance_to_unknown(
+        self, x: float, y: float, radius_m: float, trail: NDArray[np.float64], passed_m: float
+    ) -> NDArray[np.float32]:
+        """Return `distance_near` with all that nobody has found free as an obstacle, for a vehicle without a camera.
+
+        Args:
+            x: Place of the vehicle (m).
+            y: Place of the vehicle (m).
+            radius_m: How far about it distances are computed; farther away they are 0.
+            trail: Places where it has been (m), which are free. Shape=(N, 2).
+            passed_m: Radius about each of them (m).
+        """
+        y0, y1, x0, x1 = self._window(Pose(x, y, 0.0), radius_m)
+        free = self.explored[y0:y1, x0:x1].copy()
+        if self.layer is not None:
+            free |= self.layer.free[y0:y1, x0:x1]
+        cell = self.cfg.cell_m
+        near = trail[np.abs(trail - (x, y)).max(axis=1, initial=0.0) <= radius_m] if len(trail) else trail
+        if len(near):
+            been = np.ones(free.shape, np.uint8)
+            column, row = (near[:, 0] // cell).astype(int) - x0, (near[:, 1] // cell).astype(int) - y0
+            inside = (column >= 0) & (row >= 0) & (row < free.shape[0]) & (column < free.shape[1])
+            been[row[inside], column[inside]] = 0
+            free |= cv2.distanceTransform(been, cv2.DIST_L2, 5) * cell <= passed_m
+        distance = np.zeros(self.obstacle.shape, np.float32)
+        distance[y0:y1, x0:x1] = distance_to(~free | self.obstacle[y0:y1, x0:x1], cell)
+        return distance
+
     def close_off(self, cells: NDArray[np.bool_]) -> None:
         """Make cells obstacles for good, whatever a picture shows there: places where the robot must not go.
 
@@ -200,6 +291,8 @@ class OccupancyMap:
         if cells.any():
             self._obstacles[cells] = SATURATED
             self.obstacle |= cells
+            self._seen_obstacle |= cells
+            self._closed |= cells
             self.version += 1
 
     def memory(self) -> dict[str, NDArray[Any]]:
@@ -227,9 +320,10 @@ class OccupancyMap:
             cfg.target_ratio,
             cfg.obstacle_ratio,
             self.target,
-            self.obstacle,
+            self._seen_obstacle,
             (0, ny, 0, nx),
         )
+        self._combine((0, ny, 0, nx))
         self.version += 1
 
     def agreement(self, cells: NDArray[np.intp]) -> float:

@@ -29,7 +29,7 @@ from coral.reef.bound import oracle_bound
 from coral.reef.controller import MppiCfg
 from coral.reef.controllers import ControllerSetup, MakeController, controller_maker, part_name
 from coral.reef.encounter import Encounters
-from coral.reef.faults import FaultySensors, parse_fault
+from coral.reef.faults import FAULTS, FaultySensors, parse_fault
 from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.judge import MissionJudge
@@ -165,7 +165,8 @@ class Mission:
                 for k in range(1, cfg.robots)
             ),
         ]
-        belief = Belief(OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map), cfg.belief)
+        cells = OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map, cfg.simulator.sonar)
+        belief = Belief(cells, cfg.belief)
         beliefs = [belief, *(belief.companion() for _ in starts[1:])]
         localizers = [Localizer(cfg.simulator.camera, cfg.localization) for _ in starts]
         latency = _latency(advisor, cfg.latency)
@@ -182,6 +183,9 @@ class Mission:
         ]
         commands = planned(world, cfg)
         faults = [parse_fault(text) for text in cfg.faults]
+        for fault in faults:
+            if FAULTS[fault.name].needs_sonar and not cfg.simulator.sonar.enabled:
+                raise InputError("--fault", "", fault.name, "a fault of a sensor that the vehicle has: add --sonar")
         # All inputs have been validated: create the folder only now.
         self.writer = RunWriter(folder, COLUMNS, cfg.robots)
         self.judge = MissionJudge(world, first.imaging, folder)

@@ -19,7 +19,7 @@ from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
 from coral.advisor.fallback import FOR_RUNS, Fallback, failed
 from coral.advisor.inner_loop import run_alone
 from coral.advisor.question import Advisor, Question, Rejection, Withdrawn
-from coral.config import Count, NonNegative
+from coral.config import Count, NonNegative, Positive
 from coral.reef.belief import Belief
 from coral.reef.chain import Track
 from coral.reef.controller import Plan
@@ -98,6 +98,9 @@ class PilotCfg:
     cost_to_go: bool = True
     """False is the ablation "w/o cost-to-go": the controller is given the straight distance to the goal, whatever lies
     between, as a local planner alone would have it. The paper describes no cost-to-go."""
+    passed_m: Positive = 0.45
+    """Without a camera, water within this distance of where the vehicle has been is free: it fitted there. The hull,
+    the controller's margin and a cell."""
     field_period_s: float = 1.0
     """Shortest time between updates of the cost-to-go when only the map has changed."""
     field_cells: Count = 200_000
@@ -142,7 +145,15 @@ class Pilot:
             prepare_s=self._prepare_s,
             straight=not self.cfg.cost_to_go,
         )
-        self.safety = SafetyWatch(SensorGuard(belief.map.camera, belief.map.size_m, self.cfg.guard), emit)
+        layer = belief.map.layer
+        guard = SensorGuard(
+            belief.map.camera,
+            belief.map.size_m,
+            self.cfg.guard,
+            None if layer is None else layer.sonar,
+            sonar_alone=belief.map.cfg.obstacles == "sonar",
+        )
+        self.safety = SafetyWatch(guard, emit)
         """Checks the sensors; its `states` say what the vehicle is doing, and why."""
         self.plan: Plan | None = None
         self.open_question: Question[Any] | None = None
@@ -163,6 +174,7 @@ class Pilot:
         """Labels of the clusters that were on a map when a question was asked."""
         self._acting_until = self._began = self._asked_s = -math.inf
         self._now, self._stood = 0.0, False
+        self._blind = False
         self._by_rules = False
         """Whether the decision under way is the fallback's."""
 
@@ -186,8 +198,11 @@ class Pilot:
             self.belief.pose = reading.pose or reading.frame_pose
         elif reading.pose is not None:
             self.belief.update(None, reading.pose)
+        if reading.sonar is not None and reading.sonar_pose is not None:
+            self.belief.hear(reading.sonar, reading.sonar_pose, reading.sonar_attitude)
         if not self.safety.driving:
             return self._stand(reading.t)
+        self._tell_blind(reading.blind)
         if self._stood:
             self._stood = False
             self.driver.reset()
@@ -238,20 +253,36 @@ class Pilot:
         if self.planner.cfg.route.ahead and self.route.update(t):
             self.trigger.new_goal()
         self._route(t)
-        self._watch(t, math.hypot(velocity[0], velocity[1]))
-        self._route(t)
+        if not self._blind:
+            self._watch(t, math.hypot(velocity[0], velocity[1]))
+            self._route(t)
         assert self.field is not None
         cells = self.belief.map
-        distance = cells.distance_near(pose.x, pose.y, self.cfg.local_m)
+        if self._blind:
+            distance = self.belief.distance_in_known_water(self.cfg.local_m, self.cfg.passed_m)
+        else:
+            distance = cells.distance_near(pose.x, pose.y, self.cfg.local_m)
         if self.belief.others:
             distance = self.traffic.stamped(distance, cells.cfg.cell_m, pose, self.belief.others)
         self.plan = self.driver.plan(VehicleState(*pose, *velocity), self.field, distance, cell_m=cells.cfg.cell_m)
-        self.trigger.planner(self.plan.ok)
-        if not self.plan.ok:
+        if not self._blind:
+            self.trigger.planner(self.plan.ok)
+        if not self.plan.ok and not self._blind:
             self._emit("planner_failure", reason=self.plan.failure)
         if self.cfg.synchronous and self.pending:
             return 0.0, 0.0
         return self.traffic.held(self.plan.command, pose, self.belief.others)
+
+    def _tell_blind(self, reason: str) -> None:
+        """Note whether the sonar alone shows the way: then the goals at hand are finished, and nothing is decided.
+
+        The vehicle then drives only where camera or sonar have found free water, and stands where that ends.
+        """
+        if bool(reason) == self._blind:
+            return
+        self._blind = bool(reason)
+        self._emit("blind", blind=self._blind, reason=reason)
+        self.trigger.new_goal()  # to wait for the camera is not to be stuck
 
     def _initial(self, pose: Pose) -> tuple[float, float]:
         """Return the initial waypoint: far enough ahead to drive while the first answer is awaited."""

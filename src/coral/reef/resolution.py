@@ -55,6 +55,12 @@ def resolve_mission(
     return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget)), world
 
 
+def with_sonar(cfg: MissionCfg) -> MissionCfg:
+    """Return the configuration of a vehicle that has the sonar."""
+    sonar = dataclasses.replace(cfg.simulator.sonar, enabled=True)
+    return dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, sonar=sonar))
+
+
 def with_fallback(cfg: MissionCfg, fallback: Fallback | None) -> MissionCfg:
     """Return the configuration with another fallback; None leaves it as configured."""
     return (

@@ -61,7 +61,7 @@ class Robot:
     def sense(self, t: float, dt: float) -> VehicleObservation:
         """Measure at time `t` (s), `dt` seconds after the last time. Faults that are due spoil what is measured."""
         sensed = self.sensed = self.simulator.sense(dt)
-        seen = VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude)
+        seen = VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude, sensed.sonar)
         self.seen = self.faults.apply(seen)
         return self.seen
 
@@ -83,7 +83,8 @@ class Robot:
             locate = self.localizer.locate
             self.pose = locate(reading.pose)
             there = None if reading.frame_pose is None else locate(reading.frame_pose)
-            reading = replace(reading, pose=self.pose, frame_pose=there)
+            heard = None if reading.sonar_pose is None else locate(reading.sonar_pose)
+            reading = replace(reading, pose=self.pose, frame_pose=there, sonar_pose=heard)
         self._reading = reading
         return self.pose
 

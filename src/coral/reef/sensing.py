@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.geometry import Frame, Pose
+from coral.reef.sonar.range_image import RangeImage
 
 T = TypeVar("T")
 
@@ -57,10 +58,18 @@ class VehicleObservation:
     covariance: NDArray[np.float64] | None = None
     """Of the pose (x, y, theta), in m and rad. Shape=(3, 3). None: unknown."""
     attitude: Stamped[Attitude] | None = None
+    sonar: Stamped[RangeImage] | None = None
+    """Stamped with the time of the ping."""
 
     @classmethod
     def at(
-        cls, t: float, pose: Pose, velocity: Velocity, frame: Frame, attitude: Attitude | None = None
+        cls,
+        t: float,
+        pose: Pose,
+        velocity: Velocity,
+        frame: Frame,
+        attitude: Attitude | None = None,
+        sonar: RangeImage | None = None,
     ) -> VehicleObservation:
         """Observe everything at the same moment `t` (s), as a simulator does."""
         return cls(
@@ -69,4 +78,5 @@ class VehicleObservation:
             velocity=Stamped(t, velocity),
             frame=Stamped(t, frame),
             attitude=None if attitude is None else Stamped(t, attitude),
+            sonar=None if sonar is None else Stamped(t, sonar),
         )

@@ -22,6 +22,8 @@ from coral.reef.imaging import ImagingCfg, ImagingMeter
 from coral.reef.noise import PoseDrift, SensorNoise, SensorNoiseCfg
 from coral.reef.scene import Scene
 from coral.reef.sensing import Attitude
+from coral.reef.sonar.range_image import RangeImage
+from coral.reef.sonar.sonar_3d15 import Sonar3d15, SonarCfg
 from coral.reef.vehicle import Vehicle, VehicleCfg, VehicleState
 from coral.reef.world import ReefWorld
 
@@ -35,6 +37,7 @@ class SimulatorCfg:
     noise: SensorNoiseCfg = field(default_factory=SensorNoiseCfg)
     coverage: CoverageCfg = field(default_factory=CoverageCfg)
     imaging: ImagingCfg = field(default_factory=ImagingCfg)
+    sonar: SonarCfg = field(default_factory=SonarCfg)
     water_depth_m: Positive = 5.0
     """Depth of the water where the world's file does not say it; only the depth sensor reads it. Oyster reefs lie in
     shallow water: this is the upper end of their usual depth. No paper gives it."""
@@ -59,6 +62,8 @@ class Sensed:
     """Ground-relative surge, sway (m/s) and yaw rate (rad/s) in the body frame."""
     attitude: Attitude
     """Roll, pitch, depth and altitude, without error."""
+    sonar: RangeImage | None = None
+    """The sonar's image, if one is due; None without a sonar."""
 
 
 class ReefSimulator:
@@ -91,6 +96,13 @@ class ReefSimulator:
         self._time_s = 0.0
         self._noise = SensorNoise(cfg.noise, rng, cfg.camera)
         self._drift = PoseDrift(cfg.noise, rng)
+        self._sonar: Sonar3d15 | None = None
+        if cfg.sonar.enabled:
+            deep = world.water_depth_m
+            surface_z = None if deep is None else world.seabed.z_m + deep
+            # A stream of its own: the camera's noise is the same with and without a sonar.
+            self._sonar = Sonar3d15(self.scene, cfg.sonar, rng.spawn(1)[0], surface_z=surface_z)
+        self._since_ping_s = math.inf
         self._footprints = self.scene.footprints()
         self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
         if first is None:
@@ -137,7 +149,23 @@ class ReefSimulator:
             frame = replace(frame, rgb=rgb)
         altitude = self.cfg.camera.altitude_m if height is None else height
         attitude = Attitude(roll=roll, pitch=pitch, depth_m=self.water_depth_m - altitude, altitude_m=altitude)
-        return Sensed(frame=frame, pose=self._drift.step(self.pose, dt), velocity=(u, v, r), attitude=attitude)
+        return Sensed(
+            frame=frame,
+            pose=self._drift.step(self.pose, dt),
+            velocity=(u, v, r),
+            attitude=attitude,
+            sonar=self._ping(attitude, altitude, dt),
+        )
+
+    def _ping(self, attitude: Attitude, altitude_m: float, dt: float) -> RangeImage | None:
+        """Take an image of the sonar, `dt` seconds after the last call, if one is due."""
+        if self._sonar is None:
+            return None
+        self._since_ping_s += dt
+        if self._since_ping_s < 1.0 / self.cfg.sonar.rate_hz - 1e-9:
+            return None
+        self._since_ping_s = 0.0
+        return self._sonar.image(self.pose, altitude_m, roll=attitude.roll, pitch=attitude.pitch)
 
     @property
     def water(self) -> WaterType | None:
