@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from coral.reef.geometry import Frame, Pose
 from coral.reef.sensing import Attitude, Stamped, VehicleObservation
+from coral.reef.sonar.range_image import RangeImage
 
 ANY = st.one_of(
     st.none(), st.text(max_size=3), st.floats(), st.integers(-3, 3), st.binary(max_size=3),
@@ -23,6 +24,16 @@ def frames(draw, height, width):
     return Frame(depth, np.full(shape, draw(st.integers(0, 5)), labels), np.full(shape, -1, np.int32))
 
 
+@st.composite
+def range_images(draw):
+    """Range images, some of them of a sonar with 4 rows and 8 columns."""
+    shape = draw(st.sampled_from([(4, 8), (4, 8), (8, 4), (0, 8), (1, 1)]))
+    ranges = np.full(shape, draw(st.floats(width=32)), draw(st.sampled_from([np.float32, np.float64])))
+    if ranges.size:
+        ranges[0, 0] = draw(st.floats(width=32))
+    return RangeImage(draw(st.one_of(st.just(ranges), ANY)), draw(st.one_of(st.just(90.0), ANY)), 40.0)
+
+
 def observations(t, height, width):
     """Observations at about time `t` (s) of a vehicle in a survey area of 20 m, in part good, in part not."""
     times = st.one_of(st.just(t), st.floats(t - 1.0, t + 1.0), st.floats(), st.none())
@@ -38,4 +49,5 @@ def observations(t, height, width):
         frame=stamped(frames(height, width)),
         covariance=st.one_of(st.none(), ANY, st.just(np.eye(3))),
         attitude=stamped(st.builds(Attitude, roll=ANY, pitch=st.floats(), depth_m=st.floats())),
+        sonar=stamped(range_images()),
     )

@@ -1,5 +1,7 @@
 """Faults on command."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -8,9 +10,12 @@ from coral.reef.camera import CameraCfg
 from coral.reef.faults import FAULTS, FaultySensors, SensorFault, parse_fault
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.guard import SensorGuard
-from coral.reef.sensing import VehicleObservation
+from coral.reef.sensing import Stamped, VehicleObservation
+from coral.reef.sonar.range_image import RangeImage
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 
 CAMERA = CameraCfg(width=8, height=6)
+SMALL = SonarCfg(enabled=True, width=8, height=4)
 
 
 def seen(t):
@@ -67,3 +72,21 @@ def test_an_unknown_fault_suggests_the_nearest():
 
 def test_every_fault_says_what_it_is():
     assert all(kind.means for kind in FAULTS.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("blind-sonar", "sonar blind"), ("missing-sonar", "sonar missing"), ("stale-sonar", "sonar stale")],
+)
+def test_a_fault_of_the_sonar_is_told_while_the_camera_shows_the_way(name, said):
+    echo = np.full((SMALL.height, SMALL.width), 4.0, np.float32)
+    guard, sensors = SensorGuard(CAMERA, (20.0, 20.0), sonar=SMALL), FaultySensors([SensorFault(name, 2.0, 3.0)])
+    readings = {}
+    for k in range(80):
+        image = RangeImage(echo + 0.01 * k, SMALL.hfov_deg, SMALL.vfov_deg)
+        now = dataclasses.replace(seen(k / 10), sonar=Stamped(k / 10, image))
+        readings[k] = guard.check(sensors.apply(now))
+    deaf = [k for k, reading in readings.items() if reading.deaf]
+    assert (min(deaf), max(deaf)) == (24, 49)
+    assert readings[30].deaf.startswith(said)
+    assert not any(reading.lost for reading in readings.values())

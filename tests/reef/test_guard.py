@@ -13,8 +13,11 @@ from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.guard import GuardCfg, SensorGuard
 from coral.reef.sensing import Attitude, Stamped, VehicleObservation
+from coral.reef.sonar.range_image import RangeImage
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 
 CAMERA = CameraCfg(width=8, height=6)
+SONAR = SonarCfg(enabled=True, width=8, height=4)
 STILL = (0.0, 0.0, 0.0)
 
 
@@ -166,7 +169,7 @@ def test_a_picture_in_another_memory_layout_is_copied_and_not_refused():
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.lists(st.floats(0.0, 3.0), max_size=6).flatmap(lambda ts: st.tuples(*[observations(t, 6, 8) for t in ts])))
 def test_no_garbage_raises_and_nothing_that_is_not_finite_passes(garbage):
-    watch, last = guard(), -math.inf
+    watch, last = SensorGuard(CAMERA, (20.0, 20.0), sonar=SONAR), -math.inf
     for seen in garbage:
         reading = watch.check(seen)
         assert reading.t >= last
@@ -175,6 +178,9 @@ def test_no_garbage_raises_and_nothing_that_is_not_finite_passes(garbage):
             assert value is None or np.isfinite(value).all()
         if reading.frame is not None:
             assert reading.frame.depth.shape == (6, 8)
+        if reading.sonar is not None:
+            assert reading.sonar.ranges.shape == (4, 8)
+            assert (reading.sonar.ranges > 0.0).all()
 
 
 def test_a_picture_comes_with_the_attitude_in_which_it_was_taken():
@@ -192,3 +198,98 @@ def test_attitudes_follow_a_clock_that_was_set():
     for t in (0.0, 0.1):
         watch.check(good(t, attitude=Stamped(t, Attitude(roll=t, pitch=0.0, depth_m=1.0))))
     assert watch.check(good(30.1)).attitude == Attitude(roll=0.1, pitch=0.0, depth_m=1.0)
+
+
+def echo(t, value=4.0, shape=(4, 8), dtype=np.float32, view=(90.0, 40.0)):
+    return Stamped(t, RangeImage(np.full(shape, value, dtype), *view))
+
+
+def listening(**keys):
+    return SensorGuard(CAMERA, (20.0, 20.0), GuardCfg(), SONAR, **keys)
+
+
+def test_a_range_image_passes_with_the_pose_and_the_attitude_of_its_ping():
+    watch, tilted = listening(), Attitude(roll=0.1, pitch=0.0, depth_m=1.0)
+    watch.check(good(0.0, x=5.0, attitude=Stamped(0.0, tilted)))
+    reading = watch.check(good(0.1, x=5.1, sonar=echo(0.05)))
+    assert reading.sonar_pose.x == pytest.approx(5.05)
+    assert reading.sonar_attitude == tilted
+    assert reading.sonar.ranges[0, 0] == 4.0
+
+
+@pytest.mark.parametrize(
+    ("image", "reason"),
+    [
+        (echo(1.0, np.inf), "blind"),
+        (echo(1.0, np.nan), "not positive"),
+        (echo(1.0, -1.0), "not positive"),
+        (echo(1.0, shape=(8, 4)), "wrong size"),
+        (echo(1.0, dtype=np.float64), "wrong type"),
+        (echo(1.0, view=(40.0, 40.0)), "wrong field of view"),
+        (echo(1.0, view=(None, 40.0)), "wrong type"),
+        (Stamped(1.0, np.ones((4, 8), np.float32)), "wrong type"),
+        (echo(0.2), "stale"),
+        (echo(1.2), "from the future"),
+        (echo(1.0).value, "wrong type"),
+    ],
+)
+def test_a_range_image_that_cannot_be_used_is_refused_by_name(image, reason):
+    watch = listening()
+    for k in range(10):
+        watch.check(good(k / 10, sonar=echo(k / 10)))
+    assert refusals(watch.check(good(1.0, sonar=image))) == [("sonar", reason)]
+
+
+def test_a_sonar_that_hangs_is_noticed_once_the_vehicle_has_moved():
+    watch = listening()
+    said = [
+        refusals(watch.check(good(t, x=5 + t, velocity=Stamped(t, (0.5, 0, 0)), sonar=echo(t))))
+        for t in (0.0, 0.1, 0.2, 0.3)
+    ]
+    assert said == [[], [], [("sonar", "frozen")], [("sonar", "frozen")]]
+
+
+def blinded(watch, seconds, **changes):
+    """Readings of two seconds with everything, then `seconds` without a picture."""
+    early = [watch.check(good(k / 10, sonar=echo(k / 10, 4.0 + 0.01 * k))) for k in range(20)]
+    late = [
+        watch.check(good(k / 10, frame=None, **{"sonar": echo(k / 10, 4.0 + 0.01 * k), **changes}))
+        for k in range(20, 20 + round(10 * seconds))
+    ]
+    return early, late
+
+
+def test_a_sonar_stands_in_for_the_camera():
+    _, late = blinded(listening(), 60.0)
+    assert not any(reading.lost for reading in late)
+    assert [reading.blind for reading in late[:2]] == ["", ""]
+    assert all("camera missing" in reading.blind for reading in late[4:])
+
+
+def test_without_camera_and_sonar_nothing_moves_and_both_are_named():
+    _, late = blinded(listening(), 1.0, sonar=None)
+    held = next(k for k, reading in enumerate(late) if reading.lost)
+    assert held <= 5
+    assert "camera missing" in late[-1].lost
+    assert "sonar missing" in late[-1].lost
+    assert late[-1].blind == ""
+
+
+def test_a_start_needs_the_camera():
+    watch = listening()
+    assert "camera missing" in watch.check(good(0.0, frame=None, sonar=echo(0.0))).lost
+
+
+def test_where_only_the_sonar_finds_obstacles_nothing_moves_without_it():
+    for alone in (False, True):
+        watch = listening(sonar_alone=alone)
+        for k in range(20):
+            watch.check(good(k / 10, sonar=echo(k / 10, 4.0 + 0.01 * k)))
+        late = [watch.check(good(k / 10)) for k in range(20, 30)]
+        assert ("sonar missing" in late[-1].lost) == alone
+        assert "sonar missing" in late[-1].deaf
+
+
+def test_without_a_sonar_its_images_are_not_looked_at():
+    reading = guard().check(good(0.0, sonar="nonsense"))
+    assert (reading.sonar, reading.deaf, reading.refusals) == (None, "", ())

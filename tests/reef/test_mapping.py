@@ -3,12 +3,14 @@ import math
 
 import numpy as np
 import pytest
+from echoes import SMALL, flat_floor
 
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg, T_world_camera
 from coral.reef.geometry import Frame, Label, Pose
 from coral.reef.mapping import FREE, OBSTACLE, TARGET, UNEXPLORED, MapCfg, OccupancyMap, distance_to
 from coral.reef.mapping_kernels import classify
+from coral.reef.sensing import Attitude
 
 CAMERA = CameraCfg(width=40, height=30)
 
@@ -246,3 +248,70 @@ def test_a_level_attitude_changes_no_bit():
         level.integrate(view, Pose(4.0 + 0.1 * k, 5.0, 0.4), 0.0, 0.0)
     for name, array in plain.memory().items():
         assert array.tobytes() == level.memory()[name].tobytes(), name
+
+
+def ahead(range_m=2.0):
+    """An image with one echo: straight ahead, 15 degrees down, from a post."""
+    image = flat_floor()
+    image.ranges[10, 15] = range_m
+    return image
+
+
+def seen_post(x=8.0):
+    """A picture of an obstacle somewhere else."""
+    view = empty_frame()
+    view.depth[10:20, 10:14], view.labels[10:20, 10:14] = 2.0, Label.OBSTACLE
+    return view
+
+
+@pytest.mark.parametrize("whose", ["both", "sonar"])
+def test_the_sonars_obstacles_are_a_layer_of_their_own(whose):
+    grid, pose = OccupancyMap((10.0, 10.0), CAMERA, MapCfg(obstacles=whose), SMALL), Pose(4.0, 5.0, 0.0)
+    for _ in range(3):
+        grid.integrate(seen_post(), pose)
+        grid.hear(ahead(), pose)
+    heard = int(5.0 / 0.05), int((4.0 + 2.0 * math.cos(math.radians(15.0))) / 0.05)
+    assert grid.obstacle[heard]
+    assert grid.layer.obstacle.sum() == 1
+    assert (grid.obstacle.sum() > 1) == (whose == "both")
+    grid.integrate(seen_post(), pose)  # the camera cannot see it, and says nothing about it
+    assert grid.obstacle[heard]
+
+
+def test_closed_off_cells_stay_obstacles_whatever_the_sonar_hears():
+    grid = OccupancyMap((10.0, 10.0), CAMERA, MapCfg(obstacles="sonar"), SMALL)
+    cells = np.zeros(grid.obstacle.shape, np.bool_)
+    cells[100, 118:122] = True
+    grid.close_off(cells)
+    for _ in range(3):
+        grid.hear(ahead(), Pose(4.0, 5.0, 0.0), Attitude(roll=0.0, pitch=0.0, depth_m=5.0, altitude_m=1.0))
+    assert grid.obstacle[cells].all()
+
+
+def test_a_recalled_map_keeps_what_the_sonar_has_heard_since():
+    first, pose = OccupancyMap((10.0, 10.0), CAMERA), Pose(4.0, 5.0, 0.0)
+    for _ in range(3):
+        first.integrate(seen_post(), pose)
+    grid = OccupancyMap((10.0, 10.0), CAMERA, MapCfg(), SMALL)
+    for _ in range(3):
+        grid.hear(ahead(), pose)
+    grid.recall(first.memory())
+    assert np.array_equal(grid.obstacle, first.obstacle | grid.layer.obstacle)
+
+
+def test_a_map_without_a_sonar_takes_no_range_image():
+    with pytest.raises(InputError, match="without a sonar"):
+        OccupancyMap((10.0, 10.0), CAMERA).hear(ahead(), Pose(4.0, 5.0, 0.0))
+
+
+def test_unknown_water_is_an_obstacle_for_a_blind_vehicle_but_not_where_it_has_been():
+    fine = dataclasses.replace(SMALL, width=121, height=61)
+    grid, pose = OccupancyMap((10.0, 10.0), CAMERA, MapCfg(), fine), Pose(4.0, 5.0, 0.0)
+    grid.hear(flat_floor(fine), pose)
+    distance = grid.distance_to_unknown(4.0, 5.0, 3.0, np.array([[3.0, 5.0], [4.0, 5.0]]), 0.45)
+    row = distance[100]
+    assert row[80] > 0.3  # where it is
+    assert row[60] > 0.3  # where it was
+    assert row[122] > 0.1  # clear by sonar, 2.1 m ahead
+    assert distance[160, 80] == 0.0  # beside it
+    assert distance[100, 10] == 0.0  # far away

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from coral.errors import InputError
 from coral.reef.generate import GeneratorCfg, generate
+from coral.reef.pool import PREFIX as POOL
+from coral.reef.pool import pool_by_name
 from coral.reef.spines import Topology
 from coral.reef.world import ReefWorld, load_world, shipped_worlds
 
@@ -60,12 +62,14 @@ def generated(name: str) -> ReefWorld:
 
 
 def find_world(name: str | Path) -> ReefWorld:
-    """Return a shipped reef, a generated one, or that of a world file.
+    """Return a shipped reef, a generated one, a pool, or that of a world file.
 
     Raises:
         InputError: There is no such world, or the file is broken.
     """
     text = str(name)
+    if text.startswith(POOL) and not Path(text).exists():
+        return pool_by_name(text)
     return generated(text) if re.fullmatch(rf"{PREFIX}\S*", text) and not Path(text).exists() else load_world(text)
 
 

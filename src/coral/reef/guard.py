@@ -117,6 +117,8 @@ class Reading:
     """The pose at which it was taken."""
     sonar_attitude: Attitude | None = None
     """The attitude in which it was taken, as that of the picture."""
+    deaf: str = ""
+    """Why there are no range images, in words, although the vehicle has a sonar; "" while it works."""
     blind: str = ""
     """Why there are no pictures, in words, while the sonar alone shows the way; "" while the camera works."""
 
@@ -207,6 +209,7 @@ class SensorGuard:
             sonar=heard.value if heard is not None and heard_from is not None else None,
             sonar_pose=heard_from,
             sonar_attitude=None if heard is None else self._attitude_at(heard.t),
+            deaf=self._missing(("sonar",)) if self._sonar is not None else "",
             blind=self._missing(("camera",)) if self._sonar_stands_in else "",
         )
 

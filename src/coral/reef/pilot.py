@@ -174,7 +174,7 @@ class Pilot:
         """Labels of the clusters that were on a map when a question was asked."""
         self._acting_until = self._began = self._asked_s = -math.inf
         self._now, self._stood = 0.0, False
-        self._blind = False
+        self._blind = self._deaf = False
         self._by_rules = False
         """Whether the decision under way is the fallback's."""
 
@@ -203,6 +203,7 @@ class Pilot:
         if not self.safety.driving:
             return self._stand(reading.t)
         self._tell_blind(reading.blind)
+        self._tell_deaf(reading.deaf)
         if self._stood:
             self._stood = False
             self.driver.reset()
@@ -283,6 +284,12 @@ class Pilot:
         self._blind = bool(reason)
         self._emit("blind", blind=self._blind, reason=reason)
         self.trigger.new_goal()  # to wait for the camera is not to be stuck
+
+    def _tell_deaf(self, reason: str) -> None:
+        """Note whether the sonar is silent while the camera shows the way."""
+        if bool(reason) != self._deaf:
+            self._deaf = bool(reason)
+            self._emit("deaf", deaf=self._deaf, reason=reason)
 
     def _initial(self, pose: Pose) -> tuple[float, float]:
         """Return the initial waypoint: far enough ahead to drive while the first answer is awaited."""
