@@ -156,15 +156,23 @@ class _Planner:
         return np.stack(columns, axis=1) if stops else np.empty((1, 0))
 
     def complete(self, route: list[Stop], target: float) -> list[Stop]:
-        """Add stops with a heading until the target is met, each where it adds the least time."""
+        """Add stops with a heading until the target is met, each where it adds the least time.
+
+        A view is added once: a drive that does not quite get there sees less than the view does, and would never end.
+        """
         poses = np.concatenate([poses for poses, _ in self._views])
         seen = Sightings.together([seen for _, seen in self._views])
+        added = np.zeros(len(poses), np.bool_)
         while True:
             _, level = self._drive(route, target)
             if float(self.weight[level == INSPECTED].sum()) >= target:
                 return route
             gain = seen.worth(np.where(level == INSPECTED, 0.0, self.weight))
-            x, y, theta = map(float, poses[int(np.argmax(gain))])
+            chosen = int(np.argmax(np.where(added, 0.0, gain)))
+            if added[chosen] or gain[chosen] <= 0.0:
+                return route
+            added[chosen] = True
+            x, y, theta = map(float, poses[chosen])
             options = [[*route[:k], (x, y, theta), *route[k:]] for k in range(len(route) + 1)]
             route = min(options, key=self._length)
 

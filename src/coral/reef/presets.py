@@ -59,6 +59,23 @@ def _drift(xy: float, reason: str) -> tuple[Condition, ...]:
     )
 
 
+def _small_water() -> tuple[Condition, ...]:
+    """The lengths of a survey for the paper's pool of 3.66 m, where those for reefs of 20 to 30 m see nothing left."""
+    survey = "planner.survey."
+    return (
+        Condition(key="planner.separation_m", value=0.5, reason="heaps of shells lie 1 m apart, not 3 m"),
+        Condition(key=f"{survey}cell_m", value=0.1, reason="two map cells: passages are 0.8 m wide"),
+        Condition(key=f"{survey}min_region_m2", value=0.15, reason="a heap is 0.3 m²: half of one may be hidden"),
+        Condition(key=f"{survey}min_frontier_m", value=0.3, reason="the width of the vehicle's hull radius"),
+        Condition(key=f"{survey}tile_m", value=1.0, reason="a third of the tank"),
+        Condition(key=f"{survey}gain_radius_m", value=1.0, reason="a third of the tank"),
+        Condition(key=f"{survey}border_m", value=0.2, reason="the tank's wall is nearer to the border than 0.5 m"),
+        Condition(key=f"{survey}look_m", value=1.5, reason="balls and walls hide what is farther away"),
+        Condition(key=f"{survey}reef_reach_m", value=2.0, reason="half of the tank"),
+        Condition(key=f"{survey}ahead_m", value=2.0, reason="half of the tank"),
+    )
+
+
 CLEAR = "clear"
 PRESETS: dict[str, Preset] = {
     preset.name: preset
@@ -104,9 +121,14 @@ PRESETS: dict[str, Preset] = {
                 Condition(key=CURRENT, value=0.1, reason="as in `bay`: what is hard here is to see, not to drive"),
             ),
         ),
+        Preset(
+            name="pool",
+            what="clear water in a tank of a few metres: what counts as unexplored is as small as the place",
+            conditions=_small_water(),
+        ),
     )
 }
-"""In order of difficulty: no value of one is easier than that of the one before."""
+"""clear, bay and hard in order of difficulty: no value of one is easier than that of the one before."""
 
 
 def named(name: str) -> Preset:
