@@ -45,8 +45,9 @@ class GuardCfg:
     frame_timeout_s: Positive = 0.35
     """Age at which the camera is lost: three pictures at 10 Hz. A camera whose pictures take 0.2 s to arrive and to be
     labelled needs as much more."""
-    sonar_timeout_s: Positive = 0.45
-    """Age at which the sonar is lost: two images at 5 Hz. A vehicle at cruise speed then stands within 1 s."""
+    sonar_timeout_s: Positive = 0.35
+    """Age at which the sonar is lost: at 5 Hz, one image may be missing. A vehicle without a camera, which drives at
+    half speed, then stands within 1 s of the loss."""
     future_s: NonNegative = 0.05
     """A stamp may be so far ahead of the control loop's clock: half a period."""
     gap_s: Positive = 1.0

@@ -98,6 +98,8 @@ class PilotCfg:
     cost_to_go: bool = True
     """False is the ablation "w/o cost-to-go": the controller is given the straight distance to the goal, whatever lies
     between, as a local planner alone would have it. The paper describes no cost-to-go."""
+    blind_speed_m_s: Positive = 0.3
+    """Speed without a camera, half the cruise speed: if the sonar is lost too, the vehicle stands within 1 s."""
     passed_m: Positive = 0.45
     """Without a camera, water within this distance of where the vehicle has been is free: it fitted there. The hull,
     the controller's margin and a cell."""
@@ -272,7 +274,12 @@ class Pilot:
             self._emit("planner_failure", reason=self.plan.failure)
         if self.cfg.synchronous and self.pending:
             return 0.0, 0.0
-        return self.traffic.held(self.plan.command, pose, self.belief.others)
+        return self.traffic.held(self._slowed(self.plan.command), pose, self.belief.others)
+
+    def _slowed(self, command: Command) -> Command:
+        """Return a command at no more than the speed of a blind vehicle, on the same arc."""
+        share = min(1.0, self.cfg.blind_speed_m_s / max(abs(command[0]), 1e-9)) if self._blind else 1.0
+        return share * command[0], share * command[1]
 
     def _tell_blind(self, reason: str) -> None:
         """Note whether the sonar alone shows the way: then the goals at hand are finished, and nothing is decided.

@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.reef.structures import solid_records
 from coral.view.companions import COLORS
 from coral.view.decisions import Decision
 from coral.view.mapframe import CELL_COLORS, nice_step
@@ -76,7 +77,7 @@ class MapSvg:
     def _truth(self) -> str:
         covered = {str(e.get("name")): float(e["t"]) for e in self.run.select("cluster_covered")}
         parts = []
-        for obstacle in _records(self.run.world.get("obstacles")):
+        for obstacle in _records(solid_records(self.run.world)):
             points = footprint(obstacle)
             if len(points):
                 parts.append(f'<path d="{self._closed_path(points)}" class="rock"/>')

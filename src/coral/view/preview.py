@@ -104,7 +104,7 @@ def _draw(axes: Any, world: ReefWorld, *, size: float, numbers: bool = True) -> 
     ]
     axes.add_collection(PatchCollection(oysters, facecolor=OYSTER, edgecolor="none", zorder=2))
     axes.add_collection(
-        PatchCollection([_outline(o) for o in world.obstacles], facecolor=ROCK, edgecolor="none", zorder=3)
+        PatchCollection([_outline(o) for o in world.solids], facecolor=ROCK, edgecolor="none", zorder=3)
     )
     for k, cluster in enumerate(world.clusters if numbers else ()):
         x = float(np.mean([o.x for o in cluster.oysters]))
