@@ -73,7 +73,7 @@ def blind(folder: Path) -> None:
 def main() -> None:
     """Run one of the two."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("which", choices=("pool", "blind"))
+    parser.add_argument("which", nargs="?", choices=("pool", "blind"), default="pool")
     parser.add_argument("--seeds", type=int, default=10)
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:

@@ -18,7 +18,7 @@ DOCS = Path(__file__).parents[1]
 PROJECT = ("CONTRIBUTING.md", "CHANGELOG.md")
 
 SECTIONS = {
-    "Reef": ["run-a-mission", "read-a-report", "watch-a-mission", "add-a-reef", "many-robots", "robustness",
+    "Reef": ["run-a-mission", "read-a-report", "watch-a-mission", "add-a-reef", "many-robots", "robustness", "sonar-and-navigation",
              "run-on-a-bluerov2"],
     "Contact": ["contact-run", "contact-mind", "contact-tasks", "contact-costs", "contact-libero",
                 "read-a-contact-report", "contact-perception", "contact-policy-server"],
