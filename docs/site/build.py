@@ -18,8 +18,8 @@ DOCS = Path(__file__).parents[1]
 PROJECT = ("CONTRIBUTING.md", "CHANGELOG.md")
 
 SECTIONS = {
-    "Reef": ["run-a-mission", "read-a-report", "watch-a-mission", "add-a-reef", "many-robots", "robustness", "sonar-and-navigation",
-             "run-on-a-bluerov2"],
+    "Reef": ["run-a-mission", "read-a-report", "watch-a-mission", "add-a-reef", "many-robots", "robustness",
+             "sonar-and-navigation", "run-on-a-bluerov2"],
     "Contact": ["contact-run", "contact-mind", "contact-tasks", "contact-costs", "contact-libero",
                 "read-a-contact-report", "contact-perception", "contact-policy-server"],
     "Models": ["plug-in-a-model", "is-this-model-good-enough", "answer-as-the-operator"],

@@ -87,6 +87,6 @@ def test_a_fault_of_the_sonar_is_told_while_the_camera_shows_the_way(name, said)
         now = dataclasses.replace(seen(k / 10), sonar=Stamped(k / 10, image))
         readings[k] = guard.check(sensors.apply(now))
     deaf = [k for k, reading in readings.items() if reading.deaf]
-    assert (min(deaf), max(deaf)) == (24, 49)
+    assert (min(deaf), max(deaf)) == (23, 49)
     assert readings[30].deaf.startswith(said)
     assert not any(reading.lost for reading in readings.values())
