@@ -141,4 +141,5 @@ def _entry(kind: int, o: NDArray[np.float64], d0: float, d1: float, d2: float) -
             return np.inf
     if leave < 0.0:
         return np.inf
-    return enter if enter >= 0.0 else leave
+    found: float = enter if enter >= 0.0 else leave
+    return found

@@ -62,7 +62,7 @@ class ObstacleLayer:
     @property
     def free(self) -> NDArray[np.bool_]:
         """Cells in which nothing stands and nothing floats at the vehicle's height. Shape=(NY, NX)."""
-        return (self._clear == LOW | LEVEL) & ~self.obstacle
+        return np.asarray((self._clear == LOW | LEVEL) & ~self.obstacle)
 
     def integrate(
         self,
