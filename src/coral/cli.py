@@ -29,6 +29,7 @@ COMMANDS = {
     "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),
     "reef autopilot": ("coral.commands.reef_autopilot:ReefAutopilot", "simulate a BlueROV2 that speaks MAVLink"),
     "reef picture": ("coral.commands.reef_picture:ReefPicture", "take a colour picture of a reef, in any water"),
+    "reef eyes": ("coral.commands.reef_eyes:ReefEyes", "train a network for RGB pictures, or measure one"),
     "reef blender": ("coral.commands.reef_blender:ReefBlender", "build a reef in Blender, and render pictures of it"),
     "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),
     "contact run": ("coral.commands.contact_run:ContactRun", "attempt a contact task and write a run folder"),

@@ -315,3 +315,15 @@ def test_unknown_water_is_an_obstacle_for_a_blind_vehicle_but_not_where_it_has_b
     assert row[122] > 0.1  # clear by sonar, 2.1 m ahead
     assert distance[160, 80] == 0.0  # beside it
     assert distance[100, 10] == 0.0  # far away
+
+
+def test_doubtful_oysters_are_no_evidence():
+    cells = OccupancyMap((10.0, 10.0), CAMERA)
+    labels = np.full((CAMERA.height, CAMERA.width), Label.OYSTER, np.uint8)
+    depth, nobody = np.full(labels.shape, 2.0, np.float32), np.full(labels.shape, -1, np.int32)
+    for _ in range(3):
+        cells.integrate(Frame(depth, labels, nobody, doubt=np.full(labels.shape, 0.9, np.float32)), Pose(5.0, 5.0, 0.0))
+    assert not cells.target.any()
+    for _ in range(3):
+        cells.integrate(Frame(depth, labels, nobody, doubt=np.full(labels.shape, 0.1, np.float32)), Pose(5.0, 5.0, 0.0))
+    assert cells.target.any()

@@ -38,6 +38,8 @@ EXTRAS = {
     "lance": ("lancedb", "an experience memory that several machines share"),
     "ray": ("ray", "campaigns on a cluster"),
     "blender": ("bpy", "reefs as .blend files, and photorealistic pictures (make setup-blender)"),
+    "vision": ("onnxruntime", "missions by RGB pictures (--perception)"),
+    "train": ("torch", "training networks for them (coral reef eyes train)"),
     "gym": ("gymnasium", "reefs and tasks as Gymnasium environments"),
     "vehicle": ("pymavlink", "a BlueROV2 by MAVLink, and the simulated autopilot"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),

@@ -54,6 +54,9 @@ class ReefRun:
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     sonar: bool = False
     """Give the vehicle an imaging sonar, a simulated Sonar 3D-15, whose obstacles go onto the map."""
+    perception: Annotated[str | None, tyro.conf.arg(metavar="exact|rgb|FILE.onnx")] = None
+    """Where classes and depth come from: the ray caster (exact, the default), the network that comes with CORAL (rgb)
+    or one of yours, both on colour pictures alone."""
     seed: int = 0
     """Seed of all random numbers."""
     fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
@@ -107,7 +110,11 @@ class ReefRun:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
         asks_people = asks_person(self.advisor)
         cfg, world = resolve_mission(
-            dataclasses.replace(self._with_sonar(), faults=(*self.cfg.faults, *self.fault)),
+            dataclasses.replace(
+                self._with_sonar(),
+                faults=(*self.cfg.faults, *self.fault),
+                perception=self.cfg.perception if self.perception is None else self.perception,
+            ),
             world,
             variant=self.variant,
             preset=self.preset,

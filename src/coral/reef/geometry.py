@@ -41,6 +41,8 @@ class Frame:
     only: no decision reads it."""
     rgb: NDArray[np.uint8] | None = None
     """The colour picture, sRGB; None where none was taken. Shape=(H, W, 3), uint8."""
+    doubt: NDArray[np.float32] | None = None
+    """Probability that the label of a pixel is wrong; None where labels are exact. Shape=(H, W), float32."""
 
 
 def wrap(angle: float) -> float:

@@ -16,6 +16,7 @@ from coral.config import CellSize, Count, NonNegative
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg, check_picture
 from coral.reef.changes import Box
+from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping_kernels import SATURATED, cell_classes, classify, explore, look, project
 from coral.reef.sensing import Attitude
@@ -66,6 +67,8 @@ class MapCfg:
     its map takes obstacles from the camera too. sonar: the camera's obstacles count for nothing, as where its depth is
     only estimated. Without a sonar it is the camera's."""
     sonar: SonarLayerCfg = field(default_factory=SonarLayerCfg)
+    doubt: DoubtCfg = field(default_factory=DoubtCfg)
+    """Doubt with which a pixel still counts, where perception states one."""
 
 
 @dataclass(frozen=True)
@@ -152,6 +155,7 @@ class OccupancyMap:
                 neither, and would write beyond their arrays.
         """
         check_picture(frame, self.camera)
+        frame = drop_doubtful(frame, self.cfg.doubt)
         if not all(map(math.isfinite, (*pose, roll, pitch))):
             raise InputError("pose", "", (*pose, roll, pitch), "finite numbers")
         rays, looks = self._rays, self._looks

@@ -29,6 +29,7 @@ from coral.reef.bound import oracle_bound
 from coral.reef.controller import MppiCfg
 from coral.reef.controllers import ControllerSetup, MakeController, controller_maker, part_name
 from coral.reef.encounter import Encounters
+from coral.reef.eyes.backends import EXACT, open_eyes
 from coral.reef.faults import FAULTS, FaultySensors, parse_fault
 from coral.reef.fleet import MOST_ROBOTS
 from coral.reef.heuristic import REEF_RULES
@@ -69,6 +70,9 @@ class MissionCfg:
     stop_when_covered: bool = True
     """End when every true cluster is covered. The experimenter stops the mission, as for the paper's coverage time; the
     robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
+    perception: str = EXACT
+    """Where classes and depth come from: exact, by the simulator's ray caster; rgb, from the colour pictures by the
+    network that comes with the package; or a network of your own, FILE.onnx."""
     driver: str = "ddp-mppi"
     """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
     decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"
@@ -144,12 +148,15 @@ class Mission:
         if cfg.decider != "advisor":
             advisor = RuleAdvisor(baseline_rules(cfg.decider, np.random.default_rng([seed, 11])), name=cfg.decider)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
+        eyes = open_eyes(cfg.perception)
         self.preset = preset
         """Name of the water and sensors, for the record; `cfg` and `world` have their values."""
         self.step, self.t = 0, 0.0
         self.control_ms: list[float] = []
         """Wall time of each robot's computation at each tick (ms)."""
         self.tick_ms: list[float] = []
+        if eyes is not None and not cfg.simulator.pictures:
+            cfg = self.cfg = dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, pictures=True))
         first = ReefSimulator(world, cfg.simulator, streams[0])
         starts = (
             starts_beside(
@@ -219,7 +226,7 @@ class Mission:
             return pilot
 
         self.robots = [
-            Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1, faults=FaultySensors(faults))
+            Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1, faults=FaultySensors(faults), eyes=eyes)
             for k, parts in enumerate(zip(simulators, beliefs, localizers, drivers, clocks, strict=True))
         ]
         lead = self.robots[0]

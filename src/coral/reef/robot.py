@@ -10,6 +10,7 @@ import numpy as np
 
 from coral.advisor.clock import SimulatedClock
 from coral.reef.belief import Belief
+from coral.reef.eyes.perception import Perception, perceive_frame
 from coral.reef.faults import FaultySensors
 from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Pose
@@ -39,6 +40,7 @@ class Robot:
         build: Build,
         alone: bool,
         faults: FaultySensors | None = None,
+        eyes: Perception | None = None,
     ) -> None:
         self.number, self.simulator, self.belief, self.driver, self.clock = number, simulator, belief, driver, clock
         self.localizer, self.pose = localizer, simulator.pose
@@ -46,7 +48,7 @@ class Robot:
         self._emit, self._alone = emit, alone
         self.sensed: Sensed | None = None
         """What the simulator measured, before any fault."""
-        self.faults = faults or FaultySensors(())
+        self.faults, self._eyes = faults or FaultySensors(()), eyes
         self.seen: VehicleObservation
         """What reached the pilot."""
         self._reading: Reading
@@ -60,7 +62,11 @@ class Robot:
 
     def sense(self, t: float, dt: float) -> VehicleObservation:
         """Measure at time `t` (s), `dt` seconds after the last time. Faults that are due spoil what is measured."""
-        sensed = self.sensed = self.simulator.sense(dt)
+        sensed = self.simulator.sense(dt)
+        if self._eyes is not None:
+            camera, attitude = self.simulator.cfg.camera, self.simulator.camera_attitude
+            sensed = replace(sensed, frame=perceive_frame(sensed.frame, self._eyes, camera, attitude))
+        self.sensed = sensed
         seen = VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude, sensed.sonar)
         self.seen = self.faults.apply(seen)
         return self.seen

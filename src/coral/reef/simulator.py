@@ -16,6 +16,7 @@ from coral.reef.collision import ContactCounter, clearance
 from coral.reef.coverage import CoverageCfg, CoverageMeter
 from coral.reef.eyes.daylight import PainterCfg
 from coral.reef.eyes.painter import Painter
+from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.water_types import WaterType, find_water, water_of_visibility
 from coral.reef.geometry import Frame, Pose
 from coral.reef.imaging import ImagingCfg, ImagingMeter
@@ -177,6 +178,11 @@ class ReefSimulator:
         for other in self._others:
             free = min(free, math.dist(other, (x, y)) - self.cfg.vehicle.hull_radius_m)
         return free
+
+    @property
+    def camera_attitude(self) -> CameraAttitude:
+        """Height, roll and pitch of the camera, as the vehicle measures them: without error."""
+        return CameraAttitude(*self._attitude())
 
     def _attitude(self) -> tuple[float | None, float, float]:
         """Return the camera's height above the seabed (m; None: as configured), roll and pitch (rad)."""

@@ -1,0 +1,183 @@
+"""`coral reef eyes`: train a network for the reef, or measure how well one sees."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+import tyro
+
+from coral.config import Count, Positive
+from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from coral.reef.camera import CameraCfg
+    from coral.reef.geometry import Frame
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReefEyes:
+    """Train our network on pictures of generated reefs, or score eyes on pictures whose truth is known."""
+
+    action: Annotated[Literal["train", "score"], tyro.conf.Positional]
+    """train: write --out FILE.onnx; needs the extra `train`. score: overlap of classes and error of depth by range."""
+    perception: str = "rgb"
+    """score: rgb or FILE.onnx."""
+    worlds: tuple[str, ...] = ("all",)
+    """score: reefs to take pictures of; `all` are the ten shipped ones, on which nothing is trained."""
+    waters: tuple[str, ...] = ("clear", "1C", "bay")
+    """score: waters of these pictures."""
+    folder: tuple[Path, ...] = ()
+    """score: sets of pictures instead, as written by `coral reef blender`."""
+    pictures: Count = 6
+    """Pictures of each reef (and water)."""
+    reefs: Count = 40
+    """train: generated reefs."""
+    epochs: Count = 24
+    """train: passes over all pictures."""
+    limit_s: Positive = 7200.0
+    """train: longest time."""
+    out: Path | None = None
+    """train: the file to write."""
+    seed: int = 0
+    """Of all random numbers."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Train or score."""
+        if self.seed < 0:
+            raise InputError("--seed", "", self.seed, "a number from 0 on")
+        return self._train() if self.action == "train" else self._score()
+
+    def _train(self) -> Mapping[str, Any]:
+        if self.out is None or self.out.suffix != ".onnx" or self.out.exists():
+            raise InputError("--out", "", str(self.out), "a new file that ends in .onnx")
+        try:
+            from coral.reef.eyes.training import TrainingCfg, TrainingData, export, train
+        except ImportError as error:
+            raise InputError("coral reef eyes train", "", f"no package {error.name}", "the extra `train`") from None
+        from coral.reef.eyes.training_set import make_samples
+
+        samples = []
+        for sample in make_samples(self.seed, self.reefs, self.pictures):
+            samples.append((sample.picture.astype(np.float16), sample.labels, sample.depth.astype(np.float16)))
+            if len(samples) % 100 == 0:
+                _tell(f"{len(samples)} of {self.reefs * self.pictures} pictures")
+        data = TrainingData(*(np.stack(part) for part in zip(*samples, strict=True)))
+        net = train(data, TrainingCfg(epochs=self.epochs, limit_s=self.limit_s), self.seed, _tell)
+        self.out.parent.mkdir(parents=True, exist_ok=True)
+        export(net, self.out)
+        return {"file": str(self.out), "pictures": len(samples)}
+
+    def _score(self) -> Mapping[str, Any]:
+        from coral.reef.eyes.backends import open_eyes
+        from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
+        from coral.reef.eyes.ground_plane import ray_lengths
+        from coral.reef.eyes.perception import CameraAttitude, Seen, perceive_frame
+        from coral.reef.eyes.score import BANDS_M, EyesScore
+        from coral.reef.geometry import Label
+
+        eyes = open_eyes(self.perception)
+        if eyes is None:
+            raise InputError("--perception", "", "exact", "rgb or FILE.onnx: exact perception has no errors")
+        scores: dict[str, EyesScore] = {}
+        spent = 0.0
+        for kind, camera, frame in self._taken():
+            begun = time.process_time()
+            perceived = perceive_frame(frame, eyes, camera, CameraAttitude())
+            spent += time.process_time() - begun
+            kept = drop_doubtful(perceived, DoubtCfg())
+            assert kept.doubt is not None
+            seen = Seen(kept.labels, kept.depth, kept.doubt)
+            scores.setdefault(kind, EyesScore()).add(seen, frame, ray_lengths(camera))
+        total = sum(score.pictures for score in scores.values())
+        return {
+            "perception": self.perception,
+            "bands_m": list(BANDS_M),
+            "cpu_ms_per_picture": round(1e3 * spent / max(total, 1), 1),
+            "rows": [
+                {
+                    "water": kind,
+                    "pictures": score.pictures,
+                    "oyster_iou": score.overlap(Label.OYSTER),
+                    "oyster_iou_within_3_m": score.overlap(Label.OYSTER, 3.0)[0],
+                    "obstacle_recall": score.recall(Label.OBSTACLE),
+                    "obstacle_iou": score.overlap(Label.OBSTACLE),
+                    "depth_error": score.depth_error(),
+                }
+                for kind, score in scores.items()
+            ],
+        }
+
+    def _taken(self) -> Iterator[tuple[str, CameraCfg, Frame]]:
+        """Yield a name of the kind of picture, its camera, and the picture with its truth."""
+        from coral.reef.camera import Camera, CameraCfg
+        from coral.reef.eyes.painter import Painter
+        from coral.reef.eyes.picture_set import read_pictures
+        from coral.reef.eyes.viewpoints import choose_viewpoints
+        from coral.reef.eyes.water_types import find_water
+        from coral.reef.generated import expand_names, find_world
+        from coral.reef.scene import Scene
+
+        camera = CameraCfg()
+        for folder in self.folder:
+            for about, frame in read_pictures(folder):
+                view = replace(
+                    camera, altitude_m=about.height, pitch_down_deg=about.pitch_down_deg, hfov_deg=about.hfov_deg
+                )
+                yield about.water, view, _shrunk(frame, (view.width, view.height))
+        for name in () if self.folder else expand_names(self.worlds):
+            world = find_world(name)
+            scene = Scene.from_world(world)
+            caster, rng = Camera(scene, camera), np.random.default_rng([self.seed, world.seed])
+            poses = choose_viewpoints(scene, self.pictures, rng)
+            for water in self.waters:
+                painter = Painter(scene, camera, find_water(water, "--waters"), seed=world.seed)
+                for k, pose in enumerate(poses):
+                    frame = caster.render(pose)
+                    yield painter.water.name, camera, replace(frame, rgb=painter.paint(frame, pose, t=7.0 * k))
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """Return the file, or a table in Markdown."""
+        if self.action == "train":
+            return f"{result['file']}, from {result['pictures']} pictures"
+        bands = [f"{a:g}-{b:g} m" for a, b in zip(result["bands_m"][:-1], result["bands_m"][1:], strict=True)]
+        lines = [f"| water | pictures | what | {' | '.join(bands)} |", f"|---|---|---|{'---|' * len(bands)}"]
+        for row in result["rows"]:
+            for key, what in (
+                ("oyster_iou", "oysters, IoU"),
+                ("obstacle_recall", "obstacles, recall"),
+                ("depth_error", "depth, median error"),
+            ):
+                values = " | ".join("" if value is None else f"{value:.2f}" for value in row[key])
+                lines.append(f"| {row['water']} | {row['pictures']} | {what} | {values} |")
+        within = ", ".join(f"{row['water']} {row['oyster_iou_within_3_m']}" for row in result["rows"])
+        return "\n".join(
+            [*lines, f"oysters within 3 m, IoU: {within}", f"{result['cpu_ms_per_picture']} ms of CPU a picture"]
+        )
+
+
+def _shrunk(frame: Frame, size: tuple[int, int]) -> Frame:
+    """Return a picture at another size: colours by area, truth by the nearest pixel."""
+    import cv2
+
+    def nearest(image: NDArray[Any]) -> NDArray[Any]:
+        return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_NEAREST), image.dtype)
+
+    assert frame.rgb is not None
+    rgb = np.asarray(cv2.resize(frame.rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
+    return replace(
+        frame, depth=nearest(frame.depth), labels=nearest(frame.labels), instances=nearest(frame.instances), rgb=rgb
+    )
+
+
+def _tell(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)

@@ -1,0 +1,54 @@
+"""Which pixels are too doubtful to go onto the map, and which class is meant where a network hesitates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Fraction
+from coral.reef.geometry import Frame, Label
+
+
+@dataclass(frozen=True, kw_only=True)
+class DoubtCfg:
+    """Largest doubt, by class, with which a pixel is evidence on the map. Frames of exact perception have no doubt."""
+
+    oyster: Fraction = 0.5
+    """A pixel that is an oyster with less than this certainty is no evidence: it was as likely something else."""
+    obstacle: Fraction = 0.7
+    """More than for oysters: an obstacle too many costs a detour, one too few a collision."""
+    seabed: Fraction = 0.5
+    """Seabed counts against oysters and obstacles of its cell, so it has to be likelier than not."""
+
+
+def drop_doubtful(frame: Frame, cfg: DoubtCfg) -> Frame:
+    """Return a frame in which pixels with too much doubt have become water; the same frame if it has no doubt."""
+    if frame.doubt is None:
+        return frame
+    most = np.array([1.0, cfg.oyster, cfg.obstacle, cfg.seabed], np.float32)
+    lost = frame.doubt > most[np.minimum(frame.labels, len(most) - 1)]
+    return replace(
+        frame,
+        depth=np.where(lost, np.float32(np.inf), frame.depth).astype(np.float32),
+        labels=np.where(lost, np.uint8(Label.WATER), frame.labels).astype(np.uint8),
+    )
+
+
+def choose_labels(logits: NDArray[np.float32], obstacle_from: float) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    """Choose the likeliest class of every pixel, or obstacle where that is likely enough.
+
+    Args:
+        logits: In the order of `Label`. Shape=(4, H, W).
+        obstacle_from: Probability from which a pixel is an obstacle, whatever else it may be.
+
+    Returns:
+        Labels and the probability that they are wrong. Shape=(H, W) each.
+    """
+    powers = np.exp(logits - logits.max(axis=0))
+    shares = powers / powers.sum(axis=0)
+    labels = shares.argmax(axis=0).astype(np.uint8)
+    labels[shares[Label.OBSTACLE] >= obstacle_from] = Label.OBSTACLE
+    chosen = np.take_along_axis(shares, labels[None].astype(np.intp), axis=0)[0]
+    return labels, (1.0 - chosen).astype(np.float32)

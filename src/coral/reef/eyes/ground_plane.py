@@ -1,0 +1,59 @@
+"""The sea floor's depth in every pixel, from the camera's height and attitude alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.camera import CameraCfg, T_world_camera
+from coral.reef.geometry import Pose
+
+NEAR_PER_M, FAR_PER_M = 4.0, 0.0
+"""Bounds of the inverse depth that networks are given (1/m): 0.25 m and the horizon."""
+
+
+def ground_depth(
+    camera: CameraCfg, height: float | None = None, *, roll: float = 0.0, pitch: float = 0.0
+) -> NDArray[np.float32]:
+    """Compute the depth at which each pixel's ray meets a flat sea floor.
+
+    Args:
+        camera: The camera.
+        height: Of the camera above the floor (m); None: as configured.
+        roll: As for `T_world_camera`.
+        pitch: As for `T_world_camera`.
+
+    Returns:
+        Depth along the optical axis (m), inf at and above the horizon. Shape=(H, W).
+    """
+    fx, fy, cx, cy = camera.intrinsics
+    transform = T_world_camera(Pose(0.0, 0.0, 0.0), camera, altitude=height, roll=roll, pitch=pitch)
+    p = (np.arange(camera.width) - cx) / fx
+    q = (np.arange(camera.height) - cy) / fy
+    falling = -(transform[2, 0] * p[None, :] + transform[2, 1] * q[:, None] + transform[2, 2])
+    depth = np.full(falling.shape, np.inf)
+    np.divide(transform[2, 3], falling, out=depth, where=falling > 1e-9)
+    return depth.astype(np.float32)
+
+
+def ray_lengths(camera: CameraCfg) -> NDArray[np.float32]:
+    """Return the length of each pixel's ray at unit depth: range = depth x length. Shape=(H, W)."""
+    fx, fy, cx, cy = camera.intrinsics
+    p, q = (np.arange(camera.width) - cx) / fx, (np.arange(camera.height) - cy) / fy
+    return np.sqrt(1.0 + p[None, :] ** 2 + q[:, None] ** 2).astype(np.float32)
+
+
+def network_input(rgb: NDArray[np.uint8], ground: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Stack a picture and the inverse depth of the sea floor, as our networks read them.
+
+    Args:
+        rgb: Shape=(H, W, 3).
+        ground: Of `ground_depth`. Shape=(H, W).
+
+    Returns:
+        Red, green and blue from -1 to 1, inverse depth (1/m). Shape=(4, H, W).
+    """
+    stacked = np.empty((4, *ground.shape), np.float32)
+    stacked[:3] = rgb.transpose(2, 0, 1).astype(np.float32) / 127.5 - 1.0
+    stacked[3] = np.clip(1.0 / ground, FAR_PER_M, NEAR_PER_M)
+    return stacked

@@ -1,0 +1,71 @@
+"""What eyes are: a picture in; classes, metric depth and their doubt out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.camera import CameraCfg
+from coral.reef.geometry import Frame, Label
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What eyes make of a picture."""
+
+    labels: NDArray[np.uint8]
+    """`Label` of every pixel. Shape=(H, W)."""
+    depth: NDArray[np.float32]
+    """Depth along the optical axis (m); inf for water. Shape=(H, W)."""
+    doubt: NDArray[np.float32]
+    """Probability that the label is wrong, 0 to 1. Shape=(H, W)."""
+    depth_doubt: NDArray[np.float32] | None = None
+    """Expected error of the depth as a share of it; None where it is not known. Shape=(H, W)."""
+
+
+@dataclass(frozen=True)
+class CameraAttitude:
+    """Where the camera is, outside the plane."""
+
+    height: float | None = None
+    """Above the sea floor (m); None: as configured."""
+    roll: float = 0.0
+    """As for `T_world_camera` (rad)."""
+    pitch: float = 0.0
+    """As for `T_world_camera` (rad)."""
+
+
+class Perception(Protocol):
+    """Eyes."""
+
+    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> Seen:
+        """Find classes and depth in a picture.
+
+        Args:
+            rgb: sRGB. Shape=(H, W, 3).
+            camera: That took it.
+            attitude: Of the camera then, as measured.
+        """
+        ...
+
+
+def perceive_frame(frame: Frame, eyes: Perception, camera: CameraCfg, attitude: CameraAttitude) -> Frame:
+    """Replace the depth and the classes of a frame by what eyes see in its colours; nothing of the truth remains.
+
+    Raises:
+        ValueError: The frame has no colours.
+    """
+    if frame.rgb is None:
+        raise ValueError("the frame has no colours")
+    seen = eyes.perceive(frame.rgb, camera, attitude)
+    unseen = (seen.labels == Label.WATER) | ~np.isfinite(seen.depth)
+    return replace(
+        frame,
+        depth=np.where(unseen, np.float32(np.inf), seen.depth).astype(np.float32),
+        labels=np.where(unseen, np.uint8(Label.WATER), seen.labels).astype(np.uint8),
+        instances=np.full(seen.labels.shape, -1, np.int32),
+        doubt=seen.doubt,
+    )

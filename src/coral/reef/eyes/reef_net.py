@@ -1,0 +1,68 @@
+"""Our own network as eyes: a picture and the sea floor's depth in; classes, depth and doubt out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.errors import InputError
+from coral.reef.camera import CameraCfg
+from coral.reef.eyes.doubt import choose_labels
+from coral.reef.eyes.ground_plane import ground_depth, network_input, ray_lengths
+from coral.reef.eyes.onnx_file import OnnxFile
+from coral.reef.eyes.perception import CameraAttitude, Seen
+from coral.reef.geometry import Label
+
+SHIPPED = Path(__file__).parent / "weights" / "reef_net.onnx"
+"""The network that comes with the package."""
+OUTPUTS = {"logits": 4, "depth": 1, "depth_doubt": 1}
+"""Channels by name."""
+OBSTACLE_FROM = 0.4
+"""Probability from which a pixel is an obstacle."""
+
+
+class ReefNetEyes:
+    """Runs a network with the layout of `coral.reef.eyes.unet`, on pictures of any size."""
+
+    def __init__(self, file: OnnxFile, obstacle_from: float = OBSTACLE_FROM) -> None:
+        """Check the layout.
+
+        Raises:
+            InputError: The file has another layout.
+        """
+        self.file, self.obstacle_from = file, obstacle_from
+        shape = file.input_shape
+        for name, channels in OUTPUTS.items():
+            found = file.outputs.get(name)
+            if found is None or len(found) != 4 or found[1] != channels:
+                raise InputError(
+                    file.path, f"outputs.{name}", found or "none", f"a map of shape (1, {channels}, height, width)"
+                )
+        if shape[2] is None or shape[3] is None:
+            raise InputError(file.path, "inputs", str(shape), "a fixed height and width")
+        self.size = shape[3], shape[2]
+        """Width and height of the network's own pictures (px)."""
+
+    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> Seen:
+        """Find classes and depth. A picture of another size is scaled, and so is the result."""
+        width, height = self.size
+        same = (camera.width, camera.height) == self.size
+        small = rgb if same else cv2.resize(rgb, self.size, interpolation=cv2.INTER_AREA)
+        view = camera if same else replace(camera, width=width, height=height)
+        ground = ground_depth(view, attitude.height, roll=attitude.roll, pitch=attitude.pitch)
+        out = self.file.run(network_input(np.asarray(small, np.uint8), ground)[None])
+        logits, depth, depth_doubt = out["logits"][0], out["depth"][0, 0], out["depth_doubt"][0, 0]
+        labels, doubt = choose_labels(logits, self.obstacle_from)
+        if not same:
+            full = (camera.width, camera.height)
+            labels, doubt, depth, depth_doubt = (
+                cv2.resize(image, full, interpolation=cv2.INTER_NEAREST)
+                for image in (labels, doubt, depth, depth_doubt)
+            )
+        far = (labels == Label.WATER) | (depth * ray_lengths(camera) > camera.range_m)
+        depth = np.where(far, np.float32(np.inf), np.maximum(depth, np.float32(camera.near_m)))
+        return Seen(labels, depth.astype(np.float32), doubt, depth_doubt)

@@ -1,0 +1,32 @@
+import numpy as np
+
+from coral.reef.eyes.doubt import DoubtCfg, choose_labels, drop_doubtful
+from coral.reef.geometry import Frame, Label
+
+
+def frame(labels, doubt):
+    labels = np.array([labels], np.uint8)
+    doubt = None if doubt is None else np.array([doubt], np.float32)
+    return Frame(np.ones(labels.shape, np.float32), labels, np.full(labels.shape, -1, np.int32), doubt=doubt)
+
+
+def test_exact_frames_pass_as_they_are():
+    exact = frame([1, 2, 3], None)
+    assert drop_doubtful(exact, DoubtCfg()) is exact
+
+
+def test_doubtful_pixels_become_water_by_the_limit_of_their_class():
+    kept = drop_doubtful(frame([1, 2, 3, 1], [0.6, 0.6, 0.6, 0.4]), DoubtCfg(oyster=0.5, obstacle=0.7, seabed=0.5))
+    assert kept.labels.tolist() == [[Label.WATER, Label.OBSTACLE, Label.WATER, Label.OYSTER]]
+    assert np.isinf(kept.depth).tolist() == [[True, False, True, False]]
+
+
+def test_a_class_that_does_not_exist_is_left_to_the_checks_of_the_map():
+    assert drop_doubtful(frame([9], [0.2]), DoubtCfg()).labels.tolist() == [[9]]
+
+
+def test_the_likeliest_class_is_chosen_and_obstacles_early():
+    logits = np.log(np.array([[0.1, 0.0001], [0.5, 0.5998], [0.4, 0.3], [0.0001, 0.1]], np.float32))[:, None, :]
+    labels, doubt = choose_labels(logits, obstacle_from=0.35)
+    assert labels.tolist() == [[Label.OBSTACLE, Label.OYSTER]]
+    np.testing.assert_allclose(doubt, [[0.6, 0.4]], atol=1e-3)

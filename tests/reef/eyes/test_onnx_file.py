@@ -1,0 +1,30 @@
+import sys
+
+import pytest
+
+from coral.errors import InputError
+from coral.reef.eyes.onnx_file import open_onnx
+from coral.reef.eyes.reef_net import SHIPPED
+
+
+def test_the_shipped_network_tells_its_layout():
+    pytest.importorskip("onnxruntime")
+    file = open_onnx(SHIPPED)
+    assert file.inputs == {"picture": (1, 4, 120, 160)}
+    assert file.outputs["logits"] == (1, 4, 120, 160)
+
+
+def test_a_missing_and_a_broken_file_are_one_clear_line(tmp_path):
+    pytest.importorskip("onnxruntime")
+    with pytest.raises(InputError, match="found no file, expected an ONNX file"):
+        open_onnx(tmp_path / "none.onnx")
+    broken = tmp_path / "broken.onnx"
+    broken.write_bytes(b"nonsense")
+    with pytest.raises(InputError, match="onnxruntime refuses"):
+        open_onnx(broken)
+
+
+def test_without_onnxruntime_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "onnxruntime", None)
+    with pytest.raises(InputError, match=r"--perception: found no package onnxruntime, expected the extra `vision`"):
+        open_onnx(SHIPPED)

@@ -1,0 +1,33 @@
+import numpy as np
+import pytest
+
+from coral.reef.camera import CameraCfg
+from coral.reef.eyes.perception import CameraAttitude, Seen, perceive_frame
+from coral.reef.geometry import Frame, Label
+
+CAMERA = CameraCfg(width=2, height=2)
+
+
+class Eyes:
+    def perceive(self, rgb, camera, attitude):
+        assert attitude.height == 0.9
+        labels = np.array([[Label.OYSTER, Label.WATER]] * 2, np.uint8)
+        return Seen(labels, np.array([[2.0, 3.0]] * 2, np.float32), np.array([[0.1, 0.2]] * 2, np.float32))
+
+
+def frame(rgb):
+    truth = np.array([[7.0, 8.0]] * 2, np.float32)
+    return Frame(truth, np.full((2, 2), Label.OBSTACLE, np.uint8), np.array([[4, 5]] * 2, np.int32), rgb)
+
+
+def test_nothing_of_the_truth_remains():
+    seen = perceive_frame(frame(np.zeros((2, 2, 3), np.uint8)), Eyes(), CAMERA, CameraAttitude(height=0.9))
+    assert seen.labels.tolist() == [[Label.OYSTER, Label.WATER]] * 2
+    assert seen.depth.tolist() == [[2.0, np.inf]] * 2
+    assert seen.instances.tolist() == [[-1, -1]] * 2
+    np.testing.assert_allclose(seen.doubt, [[0.1, 0.2]] * 2)
+
+
+def test_a_frame_without_colours_is_a_mistake():
+    with pytest.raises(ValueError, match="no colours"):
+        perceive_frame(frame(None), Eyes(), CAMERA, CameraAttitude())

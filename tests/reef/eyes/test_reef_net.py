@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+from given_networks import given, one_hot
+
+from coral.errors import InputError
+from coral.reef.camera import CameraCfg
+from coral.reef.eyes.perception import CameraAttitude
+from coral.reef.eyes.reef_net import ReefNetEyes
+from coral.reef.geometry import Label
+
+LABELS = [[0, 2, 1, 3], [3, 2, 3, 3]]
+
+
+def outputs(depth=2.0):
+    flat = np.full((1, 1, 2, 4), depth, np.float32)
+    return {"logits": one_hot(LABELS), "depth": flat, "depth_doubt": flat * 0.1}
+
+
+def test_classes_depth_and_doubt_come_out_and_water_has_no_depth():
+    camera = CameraCfg(width=4, height=2)
+    file = given(outputs(), channels=4)
+    seen = ReefNetEyes(file).perceive(np.zeros((2, 4, 3), np.uint8), camera, CameraAttitude())
+    assert seen.labels.tolist() == LABELS
+    assert np.isinf(seen.depth).tolist() == [[True, False, False, False], [False] * 4]
+    assert (seen.doubt < 0.01).all()
+    assert file.session.fed.shape == (1, 4, 2, 4)
+
+
+def test_surfaces_beyond_the_cameras_range_are_not_seen():
+    camera = CameraCfg(width=4, height=2, range_m=1.5)
+    seen = ReefNetEyes(given(outputs(), channels=4)).perceive(np.zeros((2, 4, 3), np.uint8), camera, CameraAttitude())
+    assert np.isinf(seen.depth).all()
+
+
+def test_pictures_of_another_size_are_scaled_and_so_is_the_result():
+    camera = CameraCfg(width=8, height=4)
+    seen = ReefNetEyes(given(outputs(), channels=4)).perceive(np.zeros((4, 8, 3), np.uint8), camera, CameraAttitude())
+    assert seen.labels.tolist() == np.repeat(np.repeat(LABELS, 2, 0), 2, 1).tolist()
+    assert seen.depth.shape == seen.doubt.shape == (4, 8)
+
+
+def test_another_layout_names_the_output():
+    wrong = outputs()
+    wrong["depth"] = np.zeros((1, 2, 2, 4), np.float32)
+    with pytest.raises(InputError, match=r"net\.onnx: outputs\.depth: found \(1, 2, 2, 4\), expected"):
+        ReefNetEyes(given(wrong, channels=4))
+
+
+def test_an_obstacle_counts_before_it_is_the_likeliest():
+    out = outputs()
+    out["logits"][0, :, 0, 2] = np.log([0.02, 0.03, 0.45, 0.5])
+    seen = ReefNetEyes(given(out, channels=4)).perceive(
+        np.zeros((2, 4, 3), np.uint8), CameraCfg(width=4, height=2), CameraAttitude()
+    )
+    assert seen.labels[0, 2] == Label.OBSTACLE
