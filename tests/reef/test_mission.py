@@ -222,3 +222,21 @@ def test_a_fault_that_there_is_not_is_refused_before_anything_is_written(pond, t
     with pytest.raises(InputError, match="nan-pose"):
         run(pond, tmp_path / "run", cfg=dataclasses.replace(QUIET, faults=("nan-poses@1:1",)))
     assert not (tmp_path / "run").exists()
+
+
+def test_with_eyes_nothing_but_what_they_see_reaches_the_pilot(pond, tmp_path):
+    pytest.importorskip("onnxruntime")
+    cfg = dataclasses.replace(QUIET, perception="rgb", time_limit_s=0.2)
+    mission = Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run")
+    mission.run()
+    seen = mission.robots[0].seen.frame
+    assert seen is not None
+    assert seen.value.doubt is not None
+    assert seen.value.rgb is not None
+    assert (seen.value.instances == -1).all()
+
+
+def test_eyes_that_do_not_exist_are_refused_before_a_folder_is_made(pond, tmp_path):
+    with pytest.raises(InputError, match=r"--perception: found 'rbg'"):
+        Mission(pond, dataclasses.replace(QUIET, perception="rbg"), RuleAdvisor(REEF_RULES), tmp_path / "run")
+    assert not (tmp_path / "run").exists()

@@ -22,7 +22,7 @@ def _block(inputs: int, outputs: int) -> nn.Sequential:
     return nn.Sequential(*layers)
 
 
-class ReefNet(nn.Module):
+class ReefNet(nn.Module):  # type: ignore[misc]  # torch is not there when types are checked
     """Maps `network_input` to classes and metric depth.
 
     Pixels are rearranged into 2 x 2 blocks first (space to depth), so that all convolutions run at half size or less:
