@@ -81,7 +81,7 @@ class ReefEyes:
         from coral.reef.eyes.backends import open_eyes
         from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
         from coral.reef.eyes.ground_plane import ray_lengths
-        from coral.reef.eyes.perception import CameraAttitude, Seen, perceive_frame
+        from coral.reef.eyes.perception import CameraAttitude, SeenPicture, perceive_frame
         from coral.reef.eyes.score import BANDS_M, EyesScore
         from coral.reef.geometry import Label
 
@@ -96,7 +96,7 @@ class ReefEyes:
             spent += time.process_time() - begun
             kept = drop_doubtful(perceived, DoubtCfg())
             assert kept.doubt is not None
-            seen = Seen(kept.labels, kept.depth, kept.doubt)
+            seen = SeenPicture(kept.labels, kept.depth, kept.doubt)
             scores.setdefault(kind, EyesScore()).add(seen, frame, ray_lengths(camera))
         total = sum(score.pictures for score in scores.values())
         return {

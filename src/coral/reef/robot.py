@@ -10,7 +10,7 @@ import numpy as np
 
 from coral.advisor.clock import SimulatedClock
 from coral.reef.belief import Belief
-from coral.reef.eyes.perception import Perception, perceive_frame
+from coral.reef.eyes.perception import RgbPerception, perceive_frame
 from coral.reef.faults import FaultySensors
 from coral.reef.fleet import Neighbour
 from coral.reef.geometry import Frame, Pose
@@ -40,7 +40,7 @@ class Robot:
         build: Build,
         alone: bool,
         faults: FaultySensors | None = None,
-        eyes: Perception | None = None,
+        eyes: RgbPerception | None = None,
     ) -> None:
         self.number, self.simulator, self.belief, self.driver, self.clock = number, simulator, belief, driver, clock
         self.localizer, self.pose = localizer, simulator.pose

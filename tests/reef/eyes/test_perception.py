@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from coral.reef.camera import CameraCfg
-from coral.reef.eyes.perception import CameraAttitude, Seen, perceive_frame
+from coral.reef.eyes.perception import CameraAttitude, SeenPicture, perceive_frame
 from coral.reef.geometry import Frame, Label
 
 CAMERA = CameraCfg(width=2, height=2)
@@ -12,7 +12,7 @@ class Eyes:
     def perceive(self, rgb, camera, attitude):
         assert attitude.height == 0.9
         labels = np.array([[Label.OYSTER, Label.WATER]] * 2, np.uint8)
-        return Seen(labels, np.array([[2.0, 3.0]] * 2, np.float32), np.array([[0.1, 0.2]] * 2, np.float32))
+        return SeenPicture(labels, np.array([[2.0, 3.0]] * 2, np.float32), np.array([[0.1, 0.2]] * 2, np.float32))
 
 
 def frame(rgb):

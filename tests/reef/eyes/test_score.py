@@ -1,6 +1,6 @@
 import numpy as np
 
-from coral.reef.eyes.perception import Seen
+from coral.reef.eyes.perception import SeenPicture
 from coral.reef.eyes.score import EyesScore
 from coral.reef.geometry import Frame, Label
 
@@ -9,7 +9,7 @@ def test_overlap_recall_and_depth_error_by_range_of_the_truth():
     truth = Frame(
         np.array([[0.5, 0.5, 1.5, 2.5]], np.float32), np.array([[1, 1, 3, 2]], np.uint8), np.full((1, 4), -1, np.int32)
     )
-    seen = Seen(
+    seen = SeenPicture(
         np.array([[1, 3, 1, 2]], np.uint8), np.array([[0.5, 0.55, 1.5, 3.0]], np.float32), np.zeros((1, 4), np.float32)
     )
     score = EyesScore()
@@ -24,7 +24,7 @@ def test_depth_that_is_not_seen_has_no_error():
     truth = Frame(np.ones((1, 1), np.float32), np.ones((1, 1), np.uint8), np.full((1, 1), -1, np.int32))
     score = EyesScore()
     score.add(
-        Seen(np.zeros((1, 1), np.uint8), np.full((1, 1), np.inf, np.float32), np.zeros((1, 1), np.float32)),
+        SeenPicture(np.zeros((1, 1), np.uint8), np.full((1, 1), np.inf, np.float32), np.zeros((1, 1), np.float32)),
         truth,
         np.ones((1, 1), np.float32),
     )

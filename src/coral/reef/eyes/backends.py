@@ -6,7 +6,7 @@ from pathlib import Path
 
 from coral.errors import InputError, nearest
 from coral.reef.eyes.onnx_file import open_onnx
-from coral.reef.eyes.perception import Perception
+from coral.reef.eyes.perception import RgbPerception
 from coral.reef.eyes.reef_net import OUTPUTS, SHIPPED, ReefNetEyes
 from coral.reef.eyes.semantic_map import SemanticEyes
 from coral.reef.eyes.yolo_eyes import YoloEyes, is_yolo
@@ -14,7 +14,7 @@ from coral.reef.eyes.yolo_eyes import YoloEyes, is_yolo
 EXACT, RGB = "exact", "rgb"
 
 
-def open_eyes(name: str, where: str = "--perception") -> Perception | None:
+def open_eyes(name: str, where: str = "--perception") -> RgbPerception | None:
     """Return eyes by name.
 
     Args:

@@ -13,7 +13,7 @@ from coral.reef.geometry import Frame, Label
 
 
 @dataclass(frozen=True)
-class Seen:
+class SeenPicture:
     """What eyes make of a picture."""
 
     labels: NDArray[np.uint8]
@@ -38,10 +38,10 @@ class CameraAttitude:
     """As for `T_world_camera` (rad)."""
 
 
-class Perception(Protocol):
+class RgbPerception(Protocol):
     """Eyes."""
 
-    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> Seen:
+    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
         """Find classes and depth in a picture.
 
         Args:
@@ -52,7 +52,7 @@ class Perception(Protocol):
         ...
 
 
-def perceive_frame(frame: Frame, eyes: Perception, camera: CameraCfg, attitude: CameraAttitude) -> Frame:
+def perceive_frame(frame: Frame, eyes: RgbPerception, camera: CameraCfg, attitude: CameraAttitude) -> Frame:
     """Replace the depth and the classes of a frame by what eyes see in its colours; nothing of the truth remains.
 
     Raises:

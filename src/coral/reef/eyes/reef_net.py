@@ -14,7 +14,7 @@ from coral.reef.camera import CameraCfg
 from coral.reef.eyes.doubt import choose_labels
 from coral.reef.eyes.ground_plane import ground_depth, network_input, ray_lengths
 from coral.reef.eyes.onnx_file import OnnxFile
-from coral.reef.eyes.perception import CameraAttitude, Seen
+from coral.reef.eyes.perception import CameraAttitude, SeenPicture
 from coral.reef.geometry import Label
 
 SHIPPED = Path(__file__).parent / "weights" / "reef_net.onnx"
@@ -47,7 +47,7 @@ class ReefNetEyes:
         self.size = shape[3], shape[2]
         """Width and height of the network's own pictures (px)."""
 
-    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> Seen:
+    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
         """Find classes and depth. A picture of another size is scaled, and so is the result."""
         width, height = self.size
         same = (camera.width, camera.height) == self.size
@@ -59,10 +59,11 @@ class ReefNetEyes:
         labels, doubt = choose_labels(logits, self.obstacle_from)
         if not same:
             full = (camera.width, camera.height)
-            labels, doubt, depth, depth_doubt = (
-                cv2.resize(image, full, interpolation=cv2.INTER_NEAREST)
-                for image in (labels, doubt, depth, depth_doubt)
+            labels = np.asarray(cv2.resize(labels, full, interpolation=cv2.INTER_NEAREST), np.uint8)
+            doubt, depth, depth_doubt = (
+                np.asarray(cv2.resize(image, full, interpolation=cv2.INTER_NEAREST), np.float32)
+                for image in (doubt, depth, depth_doubt)
             )
         far = (labels == Label.WATER) | (depth * ray_lengths(camera) > camera.range_m)
         depth = np.where(far, np.float32(np.inf), np.maximum(depth, np.float32(camera.near_m)))
-        return Seen(labels, depth.astype(np.float32), doubt, depth_doubt)
+        return SeenPicture(labels, depth.astype(np.float32), doubt, depth_doubt)

@@ -32,7 +32,7 @@ class ScaleShift:
     def metres(self, relative: NDArray[np.float32], farthest_m: float = 100.0) -> NDArray[np.float32]:
         """Return the depth (m) of relative inverse depth, at most `farthest_m`. Any shape."""
         inverse = np.maximum(self.scale * relative + self.shift, 1.0 / farthest_m)
-        return (1.0 / inverse).astype(np.float32)
+        return np.asarray(1.0 / inverse, np.float32)
 
 
 def fit_scale_shift(relative: NDArray[np.float32], depth: NDArray[np.float32]) -> ScaleShift:

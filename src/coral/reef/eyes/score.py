@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.eyes.perception import Seen
+from coral.reef.eyes.perception import SeenPicture
 from coral.reef.geometry import Frame, Label
 
 BANDS_M = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)
@@ -22,7 +22,7 @@ class EyesScore:
     """Counts over pictures: add pictures, then read the shares.
 
     A pixel belongs to the band of its true range, so an oyster that is seen where there is none counts in the band of
-    what is really there. Pixels that are too doubtful for the map should be water in `Seen`.
+    what is really there. Pixels that are too doubtful for the map should be water in `SeenPicture`.
     """
 
     common: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(Label), len(BANDS_M) - 1), np.int64))
@@ -31,7 +31,7 @@ class EyesScore:
     errors: list[list[NDArray[np.float32]]] = field(default_factory=lambda: [[] for _ in BANDS_M[1:]])
     pictures: int = 0
 
-    def add(self, seen: Seen, truth: Frame, lengths: NDArray[np.float32]) -> None:
+    def add(self, seen: SeenPicture, truth: Frame, lengths: NDArray[np.float32]) -> None:
         """Count a picture.
 
         Args:

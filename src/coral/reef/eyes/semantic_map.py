@@ -11,7 +11,7 @@ from coral.reef.camera import CameraCfg
 from coral.reef.eyes.doubt import choose_labels
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.onnx_file import OnnxFile
-from coral.reef.eyes.perception import CameraAttitude, Seen
+from coral.reef.eyes.perception import CameraAttitude, SeenPicture
 from coral.reef.eyes.reef_net import OBSTACLE_FROM
 from coral.reef.eyes.standing_depth import standing_depth
 from coral.reef.geometry import Label
@@ -45,7 +45,7 @@ class SemanticEyes:
                     f"a map of shape (1, {channels}, height, width)",
                 )
 
-    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> Seen:
+    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
         """Find classes and depth; pictures are scaled to the network's size, and results back."""
         height, width = self.file.input_shape[2] or camera.height, self.file.input_shape[3] or camera.width
         small = cv2.resize(rgb, (width, height), interpolation=cv2.INTER_AREA)
@@ -58,7 +58,7 @@ class SemanticEyes:
             ground = ground_depth(camera, attitude.height, roll=attitude.roll, pitch=attitude.pitch)
             depth = standing_depth(labels, ground)
         depth = np.where((labels == Label.WATER) | ~(depth > 0.0), np.float32(np.inf), depth)
-        return Seen(labels, depth.astype(np.float32), doubt)
+        return SeenPicture(labels, depth.astype(np.float32), doubt)
 
 
 def resize_channels(maps: NDArray[np.float32], camera: CameraCfg) -> NDArray[np.float32]:

@@ -93,7 +93,8 @@ def train(data: TrainingData, cfg: TrainingCfg, seed: int, tell: Callable[[str],
         tell(f"epoch {epoch + 1}: classes {total[0] / steps:.3f}, depth {total[1] / steps:.3f}, {took:.0f} s")
         if took >= cfg.limit_s:
             break
-    return net.eval()
+    net.eval()
+    return net
 
 
 def export(net: ReefNet, path: Path, size: tuple[int, int] = (160, 120)) -> None:

@@ -12,7 +12,7 @@ from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.letterbox import Letterbox
 from coral.reef.eyes.onnx_file import OnnxFile
-from coral.reef.eyes.perception import CameraAttitude, Seen
+from coral.reef.eyes.perception import CameraAttitude, SeenPicture
 from coral.reef.eyes.standing_depth import standing_depth
 from coral.reef.eyes.yolo_masks import PROTOTYPES, decode, draw_masks
 from coral.reef.geometry import Label
@@ -51,7 +51,7 @@ class YoloEyes:
         classes = (next(iter(file.outputs.values()))[1] or 0) - 4 - PROTOTYPES
         self.labels = class_labels(file.metadata.get("names"), classes, file.path)
 
-    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> Seen:
+    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
         """Find objects and their depth. Where objects overlap, the likeliest one counts."""
         box = Letterbox(camera.width, camera.height, *self.net_size)
         tensor = box.insert(rgb).transpose(2, 0, 1)[None].astype(np.float32) / np.float32(255.0)
@@ -67,7 +67,7 @@ class YoloEyes:
                 continue
             inside = box.extract(masks[k]) >= _MASK_FROM
             labels[inside], doubt[inside] = label, 1.0 - found.scores[k]
-        return Seen(labels.astype(np.uint8), standing_depth(labels, ground), doubt)
+        return SeenPicture(labels.astype(np.uint8), standing_depth(labels, ground), doubt)
 
 
 def class_labels(names: str | None, classes: int, path: str) -> dict[int, Label]:
