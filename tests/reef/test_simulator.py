@@ -6,6 +6,8 @@ import math
 import numpy as np
 import pytest
 
+from coral.errors import InputError
+from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Pose
 from coral.reef.noise import SensorNoiseCfg
 from coral.reef.simulator import ReefSimulator, SimulatorCfg
@@ -94,3 +96,32 @@ def test_the_judge_watches_every_robot_of_a_fleet():
 def test_a_vehicle_that_tips_sees_where_it_looks():
     six = dataclasses.replace(VehicleCfg(), model="six_dof")
     assert simulator(world(disc(2.5, 1.0), start=(1.0, 1.0, 0.0)), vehicle=six).imaging.inspected == 1.0
+
+
+def test_colour_pictures_are_taken_when_asked_for():
+    there = world(disc(7.0, 5.0))
+    assert simulator(there).sense(0.1).frame.rgb is None
+    sim = simulator(there, pictures=True, camera=CameraCfg(width=80, height=60))
+    first, second = sim.sense(0.1).frame, sim.sense(0.1).frame
+    assert first.rgb.shape == (60, 80, 3)
+    assert not np.array_equal(first.rgb, second.rgb)
+    assert np.array_equal(first.depth, second.depth)
+
+
+def test_pictures_change_nothing_that_is_measured():
+    there = world(disc(7.0, 5.0))
+    noise = SensorNoiseCfg(depth_sigma=0.02, drift_xy=0.02, visibility_m=4.5)
+    plain, painted = (simulator(there, noise=noise, pictures=pictures).sense(0.1) for pictures in (False, True))
+    assert np.array_equal(plain.frame.depth, painted.frame.depth)
+    assert plain.pose == painted.pose
+
+
+def test_the_water_of_pictures_follows_the_visibility_or_is_named():
+    there = world(disc(7.0, 5.0))
+    murky = SensorNoiseCfg(visibility_m=3.0)
+    assert simulator(there, pictures=True, noise=murky).water.name == "jerlov-5C"
+    assert simulator(there, pictures=True).water.name == "jerlov-IB"
+    assert simulator(there, pictures=True, water="jerlov-II").water.name == "jerlov-II"
+    assert simulator(there).water is None
+    with pytest.raises(InputError, match=r"simulator\.water"):
+        simulator(there, pictures=True, water="tap")

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coral.errors import InputError, nearest
 from coral.reef.geometry import Frame, Label, Pose
@@ -51,15 +52,19 @@ def _jumped(now: VehicleObservation, before: VehicleObservation) -> VehicleObser
 
 def _blind(frame: Frame) -> Frame:
     return Frame(
-        np.full_like(frame.depth, np.inf), np.full_like(frame.labels, Label.WATER), np.full_like(frame.instances, -1)
+        np.full_like(frame.depth, np.inf),
+        np.full_like(frame.labels, Label.WATER),
+        np.full_like(frame.instances, -1),
+        None if frame.rgb is None else np.zeros_like(frame.rgb),
     )
 
 
 def _enlarged(frame: Frame) -> Frame:
-    images = (
-        np.repeat(np.repeat(image, 4, axis=0), 4, axis=1) for image in (frame.depth, frame.labels, frame.instances)
-    )
-    return Frame(*images)
+    def larger(image: NDArray[Any]) -> NDArray[Any]:
+        return np.repeat(np.repeat(image, 4, axis=0), 4, axis=1)
+
+    rgb = None if frame.rgb is None else larger(frame.rgb)
+    return Frame(larger(frame.depth), larger(frame.labels), larger(frame.instances), rgb)
 
 
 def _same_again(now: VehicleObservation, before: VehicleObservation) -> VehicleObservation:

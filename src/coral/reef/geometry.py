@@ -39,6 +39,8 @@ class Frame:
     instances: NDArray[np.int32]
     """Index of the object in the scene, -1 for seabed and water. Shape=(H, W), int32. For tests and metrics
     only: no decision reads it."""
+    rgb: NDArray[np.uint8] | None = None
+    """The colour picture, sRGB; None where none was taken. Shape=(H, W, 3), uint8."""
 
 
 def wrap(angle: float) -> float:

@@ -115,7 +115,7 @@ class SensorNoise:
         depth[lost] = np.inf
         labels[lost] = Label.WATER
         instances[lost] = -1
-        return Frame(depth, labels, instances)
+        return Frame(depth, labels, instances, frame.rgb)
 
     def _spoil_masks(self, labels: NDArray[np.uint8], instances: NDArray[np.int32]) -> None:
         """Corrupt masks by patch: one number in [0, 1) each, at a random offset. A class is wrong below its share."""

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from coral.reef.camera import Camera, CameraCfg
 from coral.reef.collision import ContactCounter, clearance
 from coral.reef.coverage import CoverageCfg, CoverageMeter
+from coral.reef.eyes.painter import Painter, PainterCfg
+from coral.reef.eyes.water_types import WaterType, find_water, water_of_visibility
 from coral.reef.geometry import Frame, Pose
 from coral.reef.imaging import ImagingCfg, ImagingMeter
 from coral.reef.noise import PoseDrift, SensorNoise, SensorNoiseCfg
@@ -32,6 +34,12 @@ class SimulatorCfg:
     imaging: ImagingCfg = field(default_factory=ImagingCfg)
     contact: Literal["solid", "ghost"] = "solid"
     """solid: obstacles stop the hull. ghost: contacts count, but the vehicle passes through."""
+    pictures: bool = False
+    """Paint a colour picture of every frame."""
+    water: str = "auto"
+    """Water of the colour pictures: a Jerlov type (jerlov-3C) or a preset's name. auto: the type whose visibility is
+    nearest to `noise.visibility_m`."""
+    painter: PainterCfg = field(default_factory=PainterCfg)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +77,10 @@ class ReefSimulator:
         self.world, self.cfg = world, cfg
         self.scene: Scene = Scene.from_world(world) if first is None else first.scene
         self._camera = Camera(self.scene, cfg.camera)
+        self._painter: Painter | None = (
+            self._make_painter(None if first is None else first._painter) if cfg.pictures else None
+        )
+        self._time_s = 0.0
         self._noise = SensorNoise(cfg.noise, rng, cfg.camera)
         self._drift = PoseDrift(cfg.noise, rng)
         self._footprints = self.scene.footprints()
@@ -101,9 +113,31 @@ class ReefSimulator:
     def sense(self, dt: float) -> Sensed:
         """Take a picture and read the navigation sensors `dt` seconds after the last time."""
         height, roll, pitch = self._attitude()
-        frame = self._noise.apply(self._camera.render(self.pose, height, roll=roll, pitch=pitch))
+        exact = self._camera.render(self.pose, height, roll=roll, pitch=pitch)
+        frame = self._noise.apply(exact)
+        self._time_s += dt
+        if self._painter is not None:
+            rgb = self._painter.paint(exact, self.pose, height=height, roll=roll, pitch=pitch, t=self._time_s)
+            frame = replace(frame, rgb=rgb)
         u, v, r = (float(x) for x in self.vehicle.state[3:6])
         return Sensed(frame=frame, pose=self._drift.step(self.pose, dt), velocity=(u, v, r))
+
+    @property
+    def water(self) -> WaterType | None:
+        """Water of the colour pictures; None when none are taken."""
+        return None if self._painter is None else self._painter.water
+
+    def _make_painter(self, shared: Painter | None) -> Painter:
+        """Return the painter of another vehicle in the same reef, or a new one."""
+        if shared is not None:
+            return shared
+        cfg = self.cfg
+        water = (
+            water_of_visibility(cfg.noise.visibility_m)
+            if cfg.water == "auto"
+            else find_water(cfg.water, "simulator.water")
+        )
+        return Painter(self.scene, cfg.camera, water, cfg.painter, seed=self.world.seed)
 
     def _clearance(self, x: float, y: float) -> float:
         free = clearance(self._footprints, x, y)
