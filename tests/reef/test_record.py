@@ -1,13 +1,14 @@
 """The pictures that a run folder keeps."""
 
 import threading
+from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Frame, Label
-from coral.reef.record import COLUMNS, FrameRecorder, RecordCfg
+from coral.reef.geometry import Frame, Label, Pose
+from coral.reef.record import COLUMNS, POSE_COLUMNS, FrameRecorder, PicturePose, RecordCfg
 from coral.runs import RunWriter
 
 DEPTH = np.array([[0.25, 1.5], [100.0, np.inf]], np.float32)
@@ -88,3 +89,35 @@ def test_a_full_disk_is_told_at_the_next_set():
     recorder.offer(0, 0.0, lambda: CELLS, FRAME)
     with pytest.raises(OSError, match="no space left"):
         recorder.close()
+
+
+AT = PicturePose(pose=Pose(1.0, 2.0, 0.5), odometry=Pose(1.1, 2.0, 0.5), height_m=1.2, roll=0.01, pitch=-0.02)
+
+
+def test_keyframes_have_a_row_with_their_pose_and_pictures(writer):
+    recorder = FrameRecorder(writer, RecordCfg())
+    for step in range(11):
+        recorder.offer(step, step * 0.1, lambda: CELLS, FRAME, AT)
+    recorder.close()
+    rows = (writer.folder / "frames/poses.csv").read_text().splitlines()
+    assert rows[0] == ",".join(POSE_COLUMNS)
+    assert rows[2] == "0.5,1,2,1.2,0.01,-0.02,0.5,1.1,2,0.5,000005_labels.png,000005_depth.png,"
+    assert len(rows) == 4
+    assert kept(writer).count("000005_labels.png") == 1
+    assert "000005_map.png" not in kept(writer)
+
+
+def test_colour_is_kept_where_there_is_one(writer):
+    recorder = FrameRecorder(writer, RecordCfg())
+    recorder.offer(0, 0.0, lambda: CELLS, replace(FRAME, rgb=np.full((2, 2, 3), 90, np.uint8)), AT)
+    recorder.close()
+    assert (writer.folder / "frames/poses.csv").read_text().endswith(",000000_rgb.jpg\n")
+    assert cv2.imread(str(writer.folder / "frames/000000_rgb.jpg")).shape == (2, 2, 3)
+
+
+@pytest.mark.parametrize("cfg", [RecordCfg(keyframes=False), RecordCfg(frames=False)])
+def test_keyframes_can_be_switched_off(writer, cfg):
+    recorder = FrameRecorder(writer, cfg)
+    recorder.offer(0, 0.0, lambda: CELLS, FRAME, AT)
+    recorder.close()
+    assert not (writer.folder / "frames/poses.csv").exists()
