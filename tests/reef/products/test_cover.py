@@ -1,6 +1,7 @@
 """Area of oysters from pictures, and its interval."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ def test_the_area_is_near_the_truth_and_in_its_interval(products, survey_run):
 
 
 def test_the_interval_is_the_unknown_and_the_sampling_error():
-    cfg = CoverCfg(fine_m=0.1)
+    cfg = CoverCfg(fine_m=0.1, edge=0.0)
     seen, filled = np.zeros((10, 10), np.float32), np.zeros((10, 10), np.float32)
     seen[:2], filled[:4] = 1.0, 1.0  # 0.2 m² seen, 0.4 m² at most
 
@@ -31,6 +32,8 @@ def test_the_interval_is_the_unknown_and_the_sampling_error():
     alone = area_within(cover(seen, filled), [], everything)
     assert alone.m2 == pytest.approx(0.3)
     assert alone.high_m2 - alone.m2 == pytest.approx(1.96 * 0.2 / math.sqrt(12), rel=1e-5)
+    rough = area_within(replace(cover(seen, filled), cfg=CoverCfg(fine_m=0.1, edge=0.1)), [], everything)
+    assert rough.m2 - rough.low_m2 == pytest.approx(1.96 * math.hypot(0.2 / math.sqrt(12), 0.03), rel=1e-5)
     # Two replicates of 0.28 and 0.32 m²: delete-a-group variance 1/2 (0.02² + 0.02²).
     less, more = cover(seen * 0.8, filled), cover(seen * 1.2, filled)
     both = area_within(cover(seen, filled), [less, more], everything)
