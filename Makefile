@@ -20,7 +20,7 @@ $(STAMP): pyproject.toml constraints.txt
 	@command -v $(PYTHON) >/dev/null || { echo "make: $(PYTHON) is needed (PYTHON=... names another one, 3.11 or newer)"; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(PIP) --upgrade pip hatchling editables
-	$(PIP) --no-build-isolation --editable '.[contact,vehicle,vision]' --group dev
+	$(PIP) --no-build-isolation --editable '.[contact,vehicle,vision,geo,bags]' --group dev
 	$(PIP) --no-deps robosuite
 	@touch $@
 

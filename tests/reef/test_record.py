@@ -1,14 +1,14 @@
 """The pictures that a run folder keeps."""
 
-import dataclasses
 import threading
+from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Frame, Label
-from coral.reef.record import COLUMNS, FrameRecorder, RecordCfg
+from coral.reef.geometry import Frame, Label, Pose
+from coral.reef.record import COLUMNS, POSE_COLUMNS, FrameRecorder, PicturePose, RecordCfg
 from coral.runs import RunWriter
 
 DEPTH = np.array([[0.25, 1.5], [100.0, np.inf]], np.float32)
@@ -100,10 +100,42 @@ def test_colours_are_kept_where_there_are_any(tmp_path):
 
     rgb = np.zeros((*FRAME.depth.shape, 3), np.uint8)
     rgb[..., 0] = 200
-    for step, frame in enumerate((FRAME, dataclasses.replace(FRAME, rgb=rgb))):
+    for step, frame in enumerate((FRAME, replace(FRAME, rgb=rgb))):
         recorder = FrameRecorder(Shelf(), RecordCfg(frame_period_s=1.0))
         recorder.offer(step, 0.0, lambda: CELLS, frame)
         recorder.close()
-    assert [name for name in kept if name.endswith("_rgb.png")] == ["frames/000001_rgb.png"]
-    stored = cv2.imdecode(np.frombuffer(kept["frames/000001_rgb.png"], np.uint8), cv2.IMREAD_COLOR)
-    assert np.array_equal(stored[..., ::-1], rgb)
+    assert [name for name in kept if name.endswith("_rgb.jpg")] == ["frames/000001_rgb.jpg"]
+    stored = cv2.imdecode(np.frombuffer(kept["frames/000001_rgb.jpg"], np.uint8), cv2.IMREAD_COLOR)
+    assert np.abs(stored[..., ::-1].astype(int) - rgb).max() <= 2
+
+
+AT = PicturePose(pose=Pose(1.0, 2.0, 0.5), odometry=Pose(1.1, 2.0, 0.5), height_m=1.2, roll=0.01, pitch=-0.02)
+
+
+def test_keyframes_have_a_row_with_their_pose_and_pictures(writer):
+    recorder = FrameRecorder(writer, RecordCfg())
+    for step in range(11):
+        recorder.offer(step, step * 0.1, lambda: CELLS, FRAME, AT)
+    recorder.close()
+    rows = (writer.folder / "frames/poses.csv").read_text().splitlines()
+    assert rows[0] == ",".join(POSE_COLUMNS)
+    assert rows[2] == "0.5,1,2,1.2,0.01,-0.02,0.5,1.1,2,0.5,000005_labels.png,000005_depth.png,"
+    assert len(rows) == 4
+    assert kept(writer).count("000005_labels.png") == 1
+    assert "000005_map.png" not in kept(writer)
+
+
+def test_colour_is_kept_where_there_is_one(writer):
+    recorder = FrameRecorder(writer, RecordCfg())
+    recorder.offer(0, 0.0, lambda: CELLS, replace(FRAME, rgb=np.full((2, 2, 3), 90, np.uint8)), AT)
+    recorder.close()
+    assert (writer.folder / "frames/poses.csv").read_text().endswith(",000000_rgb.jpg\n")
+    assert cv2.imread(str(writer.folder / "frames/000000_rgb.jpg")).shape == (2, 2, 3)
+
+
+@pytest.mark.parametrize("cfg", [RecordCfg(keyframes=False), RecordCfg(frames=False)])
+def test_keyframes_can_be_switched_off(writer, cfg):
+    recorder = FrameRecorder(writer, cfg)
+    recorder.offer(0, 0.0, lambda: CELLS, FRAME, AT)
+    recorder.close()
+    assert not (writer.folder / "frames/poses.csv").exists()

@@ -73,9 +73,9 @@ def test_what_the_camera_saw_is_read_with_colours_where_they_were_kept(fresh):
     labels = run.frame(400, "labels")
     rgb = np.zeros((*labels.shape, 3), np.uint8)
     rgb[..., 0] = 200
-    cv2.imwrite(str(fresh / "frames" / "000400_rgb.png"), rgb[..., ::-1])
+    cv2.imwrite(str(fresh / "frames" / "000400_rgb.jpg"), rgb[..., ::-1])
     seen = run.camera_frame(400)
-    assert np.array_equal(seen.rgb, rgb)
+    assert np.abs(seen.rgb.astype(int) - rgb).max() <= 2
     assert np.array_equal(seen.labels, np.minimum(labels, 3))
-    cv2.imwrite(str(fresh / "frames" / "000400_rgb.png"), rgb[..., 0])
+    cv2.imwrite(str(fresh / "frames" / "000400_rgb.jpg"), rgb[..., 0])
     assert run.camera_frame(400).rgb is None

@@ -74,7 +74,7 @@ def test_colours_are_in_the_page_where_the_run_kept_them(run, tmp_path):
     copied = tmp_path / "run"
     shutil.copytree(run.path, copied)
     step = run.frame_steps[0]
-    cv2.imwrite(str(copied / "frames" / f"{step:06d}_rgb.png"), np.full((12, 16, 3), 90, np.uint8))
+    cv2.imwrite(str(copied / "frames" / f"{step:06d}_rgb.jpg"), np.full((12, 16, 3), 90, np.uint8))
     frames = json.loads(time_slider.script_data(RunFolder.read(copied), [], {}))["frames"]
     assert frames[0]["rgb"].startswith("data:image/webp")
     assert "rgb" not in frames[-1]

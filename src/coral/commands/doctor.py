@@ -42,6 +42,9 @@ EXTRAS = {
     "train": ("torch", "training networks for them (coral reef eyes train)"),
     "gym": ("gymnasium", "reefs and tasks as Gymnasium environments"),
     "vehicle": ("pymavlink", "a BlueROV2 by MAVLink, and the simulated autopilot"),
+    "geo": ("pyproj", "maps with coordinates: GeoTIFF, GeoJSON, GeoPackage"),
+    "bags": ("rosbags", "ROS 2 bags and MCAP files, read and written"),
+    "rerun": ("rerun", "runs as recordings for rerun"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),
 }
 KEYS = ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY")

@@ -287,12 +287,12 @@ class Mission:
         begun, waited = time.perf_counter(), 0.0
         for robot in robots:
             robot.sense(self.t, dt if self.step else 0.0)
-        self.frames.offer(self.step, self.t, self.belief.map.cells, robots[0].picture)
         located_ms = []
         for robot in robots:  # all of them first: each tells the others where it is
             thinking = time.perf_counter()
             robot.localize(dt if self.step else 0.0)
             located_ms.append(1e3 * (time.perf_counter() - thinking))
+        self.frames.offer(self.step, self.t, self.belief.map.cells, robots[0].picture, robots[0].taken_at)
         for robot, already_ms in zip(robots, located_ms, strict=True):
             thinking = time.perf_counter()
             # The wait for a due reply, while simulated time stands still, is no part of the control period.

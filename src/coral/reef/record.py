@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import IO, Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Positive
-from coral.reef.geometry import Frame
+from coral.errors import naming
+from coral.reef.geometry import Frame, Pose
 from coral.runs import RunWriter
 
 COLUMNS = (
@@ -43,6 +44,25 @@ COLUMNS = (
 est: where the robot believed it was; odo: where its odometry alone put it."""
 
 
+POSES = "frames/poses.csv"
+POSE_COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw", "odo_x", "odo_y", "odo_yaw", "labels", "depth", "rgb")
+"""Columns of frames/poses.csv: where the robot believed the camera was, z being its height above the seabed; where
+odometry alone put it; names of the pictures (rgb empty where none was taken). SI units, world frame, REP-103."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PicturePose:
+    """Where a picture was taken, by the robot's own estimate."""
+
+    pose: Pose
+    odometry: Pose
+    """By odometry alone."""
+    height_m: float
+    """Height of the camera above the seabed (m)."""
+    roll: float = 0.0
+    pitch: float = 0.0
+
+
 @dataclass(frozen=True, kw_only=True)
 class RecordCfg:
     """What a run folder holds besides its logs."""
@@ -52,6 +72,11 @@ class RecordCfg:
     frames: bool = True
     """Keep the map and the camera pictures at intervals. The report's time slider and the video need them."""
     frame_period_s: Positive = 2.0
+    keyframes: bool = True
+    """Keep camera pictures with their poses besides, for products, export and a map made anew: some 10 kB a second,
+    twice that with colour. Needs `frames`."""
+    keyframe_period_s: Positive = 0.5
+    """Time between keyframes. At full speed the vehicle moves 0.3 m in it."""
     report: bool = True
     """Write map.png and report.html at the end."""
     video: bool = False
@@ -71,26 +96,42 @@ class FrameRecorder:
                 the new one is left out.
         """
         self._writer, self._cfg, self._patient = writer, cfg, patient
-        self._due = 0.0
+        self._due = self._keyframe_due = 0.0
+        self._poses: IO[str] | None = None
         self._thread = ThreadPoolExecutor(1, "coral-frames")
         self._open: deque[Future[None]] = deque()
         self.left_out = 0
         """Sets of pictures that were left out because the disk was too slow."""
 
-    def offer(self, step: int, t: float, cells: Any, frame: Frame) -> None:
-        """Write a set of pictures if it is due. `cells()` returns the classes of the map, Shape=(NY, NX).
+    def offer(self, step: int, t: float, cells: Any, frame: Frame, taken_at: PicturePose | None = None) -> None:
+        """Write a set of pictures if it is due.
+
+        Args:
+            step: Number of the tick.
+            t: Time (s).
+            cells: Called without arguments, returns the classes of the map, Shape=(NY, NX).
+            frame: The camera picture.
+            taken_at: Where it was taken; None where nobody knows, or where the pilot did not get it: then it is no
+                keyframe.
 
         Raises:
             OSError: An earlier set could not be written.
         """
-        if not self._cfg.frames or t < self._due - 1e-9:
+        cfg = self._cfg
+        with_map = cfg.frames and t >= self._due - 1e-9
+        keyframe = cfg.frames and cfg.keyframes and taken_at is not None and t >= self._keyframe_due - 1e-9
+        if not with_map and not keyframe:
             return
-        self._due = t + self._cfg.frame_period_s
+        if with_map:
+            self._due = t + cfg.frame_period_s
+        if keyframe:
+            self._keyframe_due = t + cfg.keyframe_period_s
         self._finish(1)
         if len(self._open) > 1:
             self.left_out += 1
             return
-        self._open.append(self._thread.submit(self._write, step, cells(), frame))
+        now = cells() if with_map else None
+        self._open.append(self._thread.submit(self._write, step, t, now, frame, taken_at if keyframe else None))
 
     def close(self) -> None:
         """Finish what was offered.
@@ -103,22 +144,50 @@ class FrameRecorder:
             self._finish(0)
         finally:
             self._thread.shutdown()
+            if self._poses is not None:
+                self._poses.close()
 
     def _finish(self, leaving: int) -> None:
         """Take note of the sets that have been written; wait until no more than `leaving` are open, if patient."""
         while self._open and (self._open[0].done() or (self._patient and len(self._open) > leaving)):
             self._open.popleft().result()
 
-    def _write(self, step: int, cells: NDArray[np.uint8], frame: Frame) -> None:
+    def _write(
+        self, step: int, t: float, cells: NDArray[np.uint8] | None, frame: Frame, taken_at: PicturePose | None
+    ) -> None:
         millimetres = np.where(np.isfinite(frame.depth), np.minimum(frame.depth * 1000.0, 65535.0), 0.0)
-        for name, image in (("map", cells), ("depth", millimetres.astype(np.uint16)), ("labels", frame.labels)):
+        images: dict[str, NDArray[Any]] = {"depth": millimetres.astype(np.uint16), "labels": frame.labels}
+        if cells is not None:
+            images["map"] = cells
+        for name, image in images.items():
             self._writer.bytes(f"frames/{step:06d}_{name}.png", _png(image))
+        names = [f"{step:06d}_labels.png", f"{step:06d}_depth.png", ""]
         if frame.rgb is not None:
-            self._writer.bytes(f"frames/{step:06d}_rgb.png", _png(frame.rgb[..., ::-1]))
+            names[2] = f"{step:06d}_rgb.jpg"
+            self._writer.bytes(f"frames/{names[2]}", _jpeg(frame.rgb))
+        if taken_at is not None:
+            self._note_pose(t, taken_at, names)
+
+    def _note_pose(self, t: float, at: PicturePose, names: list[str]) -> None:
+        """Append a row to frames/poses.csv, after its pictures: a killed run has no row without them."""
+        path = self._writer.folder / POSES
+        with naming(path):
+            if self._poses is None:
+                self._poses = open(path, "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+                self._poses.write(",".join(POSE_COLUMNS) + "\n")
+            values = (t, at.pose.x, at.pose.y, at.height_m, at.roll, at.pitch, at.pose.theta, *at.odometry)
+            self._poses.write(",".join([*(f"{v:.9g}" for v in values), *names]) + "\n")
 
 
 def _png(image: NDArray[Any]) -> bytes:
     ok, encoded = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 3])
     if not ok:
         raise RuntimeError("a picture could not be encoded as PNG")
+    return encoded.tobytes()
+
+
+def _jpeg(rgb: NDArray[np.uint8]) -> bytes:
+    ok, encoded = cv2.imencode(".jpg", rgb[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, 92])
+    if not ok:
+        raise RuntimeError("a picture could not be encoded as JPEG")
     return encoded.tobytes()

@@ -17,6 +17,7 @@ from coral.reef.geometry import Frame, Pose
 from coral.reef.guard import Reading
 from coral.reef.localization import Localizer
 from coral.reef.pilot import Command, LocalPlanner, Pilot
+from coral.reef.record import PicturePose
 from coral.reef.sensing import VehicleObservation
 from coral.reef.simulator import ReefSimulator, Sensed
 from coral.reef.states import PilotState
@@ -53,6 +54,7 @@ class Robot:
         """What reached the pilot."""
         self._reading: Reading
         self._unlocated_s = 0.0
+        self._odometry = self.pose
         self.command: Command = (0.0, 0.0)
         self.pilot = build(self)
 
@@ -78,6 +80,21 @@ class Robot:
         exact, seen = self.sensed.frame, self.seen.frame
         return seen.value if seen is not None and seen.value.depth.shape == exact.depth.shape else exact
 
+    @property
+    def taken_at(self) -> PicturePose | None:
+        """Where the last picture was taken, by the robot's own estimate; None if no new one reached the pilot."""
+        assert self.sensed is not None
+        reading, attitude = self._reading, self.seen.attitude
+        if reading.frame is None or reading.frame_pose is None:
+            return None
+        return PicturePose(
+            pose=reading.frame_pose,
+            odometry=self._odometry,
+            height_m=self.simulator.cfg.camera.altitude_m,
+            roll=attitude.value.roll if attitude else 0.0,
+            pitch=attitude.value.pitch if attitude else 0.0,
+        )
+
     def localize(self, dt: float) -> Pose:
         """Check the last observation, `dt` seconds after the one before, and correct its odometry."""
         reading = self.pilot.sense(self.seen)
@@ -85,6 +102,8 @@ class Robot:
         if reading.frame is not None and reading.frame_pose is not None:
             self.localizer.update(reading.frame, reading.frame_pose, self._unlocated_s)
             self._unlocated_s = 0.0
+        if reading.frame_pose is not None:
+            self._odometry = reading.frame_pose
         if reading.pose is not None:
             locate = self.localizer.locate
             self.pose = locate(reading.pose)

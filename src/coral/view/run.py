@@ -78,8 +78,11 @@ class RunFolder:
         return [event for event in self.events if event["event"] in names]
 
     def frame(self, step: int, kind: str) -> NDArray[Any] | None:
-        """Read one picture of `frames/` as stored ("map", "depth" or "labels"), Shape=(H, W); None if unreadable."""
-        path = self.path / "frames" / f"{step:06d}_{kind}.png"
+        """Read one picture of `frames/` as stored ("map", "depth", "labels" or "rgb"); None if unreadable.
+
+        Shape=(H, W); of "rgb" Shape=(H, W, 3), in OpenCV's order of colours.
+        """
+        path = self.path / "frames" / f"{step:06d}_{kind}.{'jpg' if kind == 'rgb' else 'png'}"
         if not path.is_file():
             return None
         return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)

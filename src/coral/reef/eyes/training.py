@@ -66,7 +66,7 @@ def train(data: TrainingData, cfg: TrainingCfg, seed: int, tell: Callable[[str],
     torch.set_num_threads(cfg.threads)
     torch.manual_seed(seed)
     rng = np.random.default_rng([seed, 0x7A])
-    net = ReefNet().to(memory_format=torch.channels_last)
+    net: ReefNet = ReefNet().to(memory_format=torch.channels_last)
     optimizer = torch.optim.AdamW(net.parameters(), lr=cfg.rate, weight_decay=1e-3)
     batches = len(data.labels) // cfg.batch
     weight = torch.ones(len(Label))

@@ -1,0 +1,99 @@
+"""`coral reef products`: what a person takes home from a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from coral.config import checked
+from coral.errors import InputError
+from coral.reef.products.files import summary, write_products
+from coral.reef.products.placement import EarthPlacement, parse_datum
+from coral.reef.products.survey_products import ProductsCfg, measure
+from coral.reef.products.truth import true_area_m2
+from coral.reef.recordings.recording import Recording
+from coral.reef.recordings.run_recording import read_run
+from coral.reef.world import load_world
+from coral.view.products_page import TruthComparison, write_products_page
+from coral.words import many
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReefProducts:
+    """Make maps, tables and pictures for an ecologist from a run: orthomosaic, areas, densities, files for QGIS."""
+
+    run: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN")]
+    """Run folder of a reef mission."""
+    datum: Annotated[str | None, tyro.conf.arg(metavar="LAT,LON[,HEADING]")] = None
+    """Latitude and longitude of the start (WGS 84, degrees), and the compass heading there if the run's x axis does not
+    point east."""
+    out: Path | None = None
+    """Folder of the products, new or empty; by default products/ in the run folder."""
+    json: bool = False
+    """Print one JSON object."""
+    cfg: ProductsCfg = field(default_factory=ProductsCfg)
+    """How they are made."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Make them."""
+        world = self.run / "world.yaml"
+        true_m2 = true_area_m2(load_world(world)) if world.is_file() else None
+        return make_products(read_run(self.run), self.cfg, self.datum, self.out or self.run / "products", true_m2)
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """Describe what was found, and list the main files."""
+        return describe_products(result)
+
+
+def make_products(
+    recording: Recording, cfg: ProductsCfg, datum: str | None, out: Path, true_m2: float | None = None
+) -> dict[str, Any]:
+    """Measure a recording, write all files, and return the main numbers.
+
+    Args:
+        recording: What was recorded.
+        cfg: How products are made.
+        datum: LAT,LON[,HEADING], or None.
+        out: Folder, new or empty.
+        true_m2: True area of the oysters, which only the comparison on the page sees; None where nobody knows.
+
+    Raises:
+        InputError: Something of it cannot be used.
+    """
+    where = None if datum is None else parse_datum(datum)
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise InputError(str(out), "--out", "a folder that is not empty", "a new or empty folder")
+    products = measure(recording, checked(cfg, "--cfg"))
+    assert products.recording.start is not None
+    placement = EarthPlacement(products.recording.start, where)
+    files = write_products(products, placement, out)
+    truth = None if true_m2 is None else TruthComparison.of(products, true_m2)
+    page = write_products_page(products, placement, out, files, cfg.cover, truth)
+    compared = {} if truth is None else {
+        "true_area_m2": round(truth.m2, 3), "area_error": round(truth.error, 4), "truth_in_interval": truth.inside,
+    }  # fmt: skip
+    return {**summary(products, placement), **compared, "products": str(out), "page": str(page), "files": files}
+
+
+def describe_products(result: Mapping[str, Any]) -> str:
+    """Describe the products in a few lines."""
+    lines = [
+        f"{result['recording']}: oysters cover {result['oyster_area_m2']:.2f} m² "
+        f"({result['oyster_area_low_m2']:.2f} to {result['oyster_area_high_m2']:.2f} m²) in "
+        f"{many(result['clusters'], 'cluster')}; {result['seen_m2']:.0f} m² of sea floor seen near enough, "
+        f"{many(result['keyframes'], 'picture')}"
+    ]
+    if "true_area_m2" in result:
+        inside = "inside" if result["truth_in_interval"] else "outside"
+        lines.append(
+            f"the true area of the simulated reef is {result['true_area_m2']:.2f} m²: "
+            f"{100 * result['area_error']:+.1f} %, {inside} the interval"
+        )
+    if result["epsg"] is None:
+        lines.append("not placed on Earth: --datum LAT,LON gives the latitude and longitude of the start")
+    lines += [f"page: {result['page']}", f"files: {result['products']}"]
+    return "\n".join(lines)

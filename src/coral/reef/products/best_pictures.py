@@ -1,0 +1,70 @@
+"""The best pictures of each cluster: those with the most of its oysters, away from the picture's border."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.products.cover import lens_of, transform_of
+from coral.reef.products.cover_kernels import count_in_groups
+from coral.reef.products.mosaic import colours_of
+from coral.reef.recordings.recording import Recording
+
+
+@dataclass(frozen=True)
+class ClusterPicture:
+    """A picture chosen for a cluster."""
+
+    cluster: int
+    t: float
+    x: float
+    y: float
+    """Where it was taken (m)."""
+    pixels: int
+    """Pixels that show the cluster's oysters."""
+    image: NDArray[np.uint8]
+    """Shape=(H, W, 3), red first."""
+
+
+def best_pictures(
+    recording: Recording, group: NDArray[np.int32], each: int = 3, apart_s: float = 3.0
+) -> list[ClusterPicture]:
+    """Choose up to `each` pictures of every cluster, `apart_s` seconds apart, the best first.
+
+    Args:
+        recording: A located recording.
+        group: Number of each cell's cluster, from `label_clusters`. Shape=(NY, NX).
+        each: How many for a cluster.
+        apart_s: Least time between two of them (s).
+    """
+    count = int(group.max())
+    border = max(1, min(recording.camera.width, recording.camera.height) // 20)
+    scores = []
+    for keyframe in recording.keyframes():
+        counts = np.zeros(count + 1, np.int64)
+        count_in_groups(
+            keyframe.frame.depth, keyframe.frame.labels, transform_of(keyframe, recording), lens_of(recording),
+            recording.map.cell_m, group, border, counts,
+        )  # fmt: skip
+        scores.append((keyframe.t, counts))
+    chosen: dict[int, list[tuple[int, int]]] = {}
+    for cluster in range(1, count + 1):
+        taken: list[int] = []
+        for k in sorted(range(len(scores)), key=lambda k: -int(scores[k][1][cluster])):
+            if len(taken) == each or scores[k][1][cluster] == 0:
+                break
+            if all(abs(scores[k][0] - scores[other][0]) >= apart_s for other in taken):
+                taken.append(k)
+        for rank, k in enumerate(taken):
+            chosen.setdefault(k, []).append((cluster, rank))
+    found: list[tuple[int, int, ClusterPicture]] = []
+    for k, keyframe in enumerate(recording.keyframes()):
+        for cluster, rank in chosen.get(k, ()):
+            pixels = int(scores[k][1][cluster])
+            picture = ClusterPicture(
+                cluster, keyframe.t, keyframe.pose.x, keyframe.pose.y, pixels, colours_of(keyframe.frame)
+            )
+            found.append((cluster, rank, picture))
+    return [picture for _, _, picture in sorted(found, key=lambda one: one[:2])]

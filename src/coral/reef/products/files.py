@@ -1,0 +1,183 @@
+"""The products as files: rasters, layers, tables, pictures."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.errors import InputError
+from coral.reef.products.feature import Feature, Layer, Value, closed_ring
+from coral.reef.products.geojson import write_geojson
+from coral.reef.products.geopackage import write_geopackage
+from coral.reef.products.geotiff import write_geotiff
+from coral.reef.products.placement import EarthPlacement, place_raster
+from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, outline_style, raster_style
+from coral.reef.products.survey_products import SurveyProducts
+from coral.reef.recordings.picture_files import encode_png
+from coral.runs import write_whole
+
+NOTHING = -9999.0
+CLUSTER_COLUMNS = (
+    "number", "x_m", "y_m", "latitude", "longitude", "area_m2", "area_low_m2", "area_high_m2", "outline_m2",
+    "cover", "seen_from_m", "pixel_mm", "looks", "pictures",
+)  # fmt: skip
+DENSITY_COLUMNS = ("x_m", "y_m", "oysters_m2_per_m2")
+
+
+def write_products(products: SurveyProducts, placement: EarthPlacement, folder: Path) -> list[str]:
+    """Write all files into a folder, and return their names.
+
+    Raises:
+        InputError: The folder is not new or empty, or a package of the extra geo is missing.
+        OSError: A file cannot be written.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
+    _write_rasters(products, placement, folder)
+    write_whole(folder / "cells.png", encode_png(products.cells.cells()))
+    layers = make_layers(products, placement)
+    write_geopackage(folder / "survey.gpkg", layers, placement)
+    if placement.datum is not None:
+        write_geojson(folder / "clusters.geojson", layers[0], placement)
+        write_whole(folder / "clusters.qml", outline_style("number").encode())
+    write_table(folder / "clusters.csv", CLUSTER_COLUMNS, [feature.values for feature in layers[0].features])
+    density = [{name: feature.values[name] for name in DENSITY_COLUMNS} for feature in layers[1].features]
+    write_table(folder / "density.csv", DENSITY_COLUMNS, density)
+    for name, picture in zip(picture_names(products), products.pictures, strict=True):
+        write_whole(folder / name, encode_png(np.ascontiguousarray(picture.image[:, :, ::-1])))
+    write_whole(folder / "products.json", (json.dumps(summary(products, placement), indent=2) + "\n").encode())
+    return sorted({str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()})
+
+
+def summary(products: SurveyProducts, placement: EarthPlacement) -> dict[str, Any]:
+    """Return the main numbers."""
+    datum = placement.datum
+    return {
+        "recording": products.recording.name,
+        "keyframes": products.keyframes,
+        "oyster_area_m2": round(products.area.m2, 3),
+        "oyster_area_low_m2": round(products.area.low_m2, 3),
+        "oyster_area_high_m2": round(products.area.high_m2, 3),
+        "seen_m2": round(products.seen_m2, 1),
+        "oyster_cells": int(products.cells.target.sum()),
+        "clusters": len(products.clusters),
+        "colour": products.mosaic.colour,
+        "latitude": None if datum is None else datum.latitude,
+        "longitude": None if datum is None else datum.longitude,
+        "epsg": placement.epsg,
+    }
+
+
+def picture_names(products: SurveyProducts) -> list[str]:
+    """Return the file name of each of the best pictures."""
+    seen: dict[int, int] = {}
+    names = []
+    for picture in products.pictures:
+        seen[picture.cluster] = seen.get(picture.cluster, 0) + 1
+        names.append(f"pictures/cluster-{picture.cluster:02d}-{seen[picture.cluster]}.png")
+    return names
+
+
+def make_layers(products: SurveyProducts, placement: EarthPlacement) -> list[Layer]:
+    """Return the layers: clusters, density, pictures, track."""
+    names: dict[int, list[str]] = {}
+    for name, picture in zip(picture_names(products), products.pictures, strict=True):
+        names.setdefault(picture.cluster, []).append(name)
+    clusters = []
+    for one in products.clusters:
+        latitude, longitude = _degrees(one.x, one.y, placement)
+        values: Mapping[str, Value] = {
+            "number": one.number, "x_m": round(one.x, 3), "y_m": round(one.y, 3),
+            "latitude": latitude, "longitude": longitude,
+            "area_m2": round(one.area.m2, 4), "area_low_m2": round(one.area.low_m2, 4),
+            "area_high_m2": round(one.area.high_m2, 4), "outline_m2": round(one.outline_m2, 4),
+            "cover": round(one.cover, 4), "seen_from_m": _finite(one.seen_from_m),
+            "pixel_mm": _finite(1000.0 * one.pixel_m), "looks": one.looks,
+            "pictures": " ".join(names.get(one.number, ())),
+        }  # fmt: skip
+        clusters.append(Feature(one.outlines, dict(values)))
+    points = [
+        Feature(
+            (np.array([[picture.x, picture.y]]),),
+            {"picture": name, "cluster": picture.cluster, "t_s": round(picture.t, 2), "pixels": picture.pixels},
+        )
+        for name, picture in zip(picture_names(products), products.pictures, strict=True)
+    ]
+    track = [Feature((products.track,), {"pictures": products.keyframes})] if products.keyframes > 1 else []
+    return [
+        Layer("clusters", "MultiPolygon", tuple(clusters), "oyster clusters", CLUSTER_COLUMNS),
+        Layer("density", "MultiPolygon", tuple(_density(products)), "oysters per sea floor", DENSITY_COLUMNS),
+        Layer("pictures", "Point", tuple(points), "the best pictures", ("picture", "cluster", "t_s", "pixels")),
+        Layer("track", "LineString", tuple(track), "where pictures were taken", ("pictures",)),
+    ]
+
+
+def write_table(path: Path, columns: Sequence[str], rows: Sequence[Mapping[str, Value]]) -> None:
+    """Write a CSV file.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    text = io.StringIO()
+    table = csv.DictWriter(text, columns, lineterminator="\n")
+    table.writeheader()
+    table.writerows(rows)
+    write_whole(path, text.getvalue().encode())
+
+
+def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: Path) -> None:
+    cell_m, focal = products.cells.cfg.cell_m, products.cells.focal_px
+    mosaic = place_raster(products.mosaic.rgba, products.mosaic.pixel_m, placement, 0)
+    write_geotiff(folder / "orthomosaic.tif", mosaic, placement.epsg)
+    layers = (
+        ("oysters", products.cover[:, :, None], cell_m, ("share of the cell that oysters cover",), COVER_STOPS),
+        (
+            "density", products.density[:, :, None], products.density_cell_m,
+            ("oysters per sea floor seen (m2/m2)",), COVER_STOPS,
+        ),
+        (
+            "seen",
+            np.dstack([products.quality.nearest_m, products.quality.pixel_m(focal), products.quality.looks]),
+            cell_m,
+            ("nearest look (m)", "size of a pixel at the nearest look (m)", "pictures that show the cell"),
+            DISTANCE_STOPS,
+        ),
+    )  # fmt: skip
+    for name, values, edge_m, bands, stops in layers:
+        filled = np.where(np.isfinite(values), values, NOTHING).astype(np.float32)
+        if name == "seen":
+            filled[products.quality.looks == 0] = NOTHING
+        raster = place_raster(filled, edge_m, placement, NOTHING)
+        write_geotiff(folder / f"{name}.tif", raster, placement.epsg, bands=bands, nothing=NOTHING)
+        write_whole(folder / f"{name}.qml", raster_style(stops).encode())
+
+
+def _density(products: SurveyProducts) -> list[Feature]:
+    edge = products.density_cell_m
+    features = []
+    for iy, ix in zip(*np.nonzero(np.nan_to_num(products.density) > 0.0), strict=True):
+        x, y = ix * edge, iy * edge
+        square = np.array([[x, y], [x + edge, y], [x + edge, y + edge], [x, y + edge]])
+        share = round(float(products.density[iy, ix]), 4)
+        values: dict[str, Value] = {
+            "x_m": round(x + edge / 2, 3), "y_m": round(y + edge / 2, 3), "oysters_m2_per_m2": share,
+        }  # fmt: skip
+        features.append(Feature((closed_ring(square),), values))
+    return features
+
+
+def _degrees(x: float, y: float, placement: EarthPlacement) -> tuple[float | None, float | None]:
+    if placement.datum is None:
+        return None, None
+    latitude, longitude = placement.to_degrees(x, y)
+    return round(float(latitude), 8), round(float(longitude), 8)
+
+
+def _finite(value: float) -> float | None:
+    return round(value, 3) if np.isfinite(value) else None

@@ -1,0 +1,126 @@
+"""All that is measured from a recording, before it becomes files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Positive
+from coral.errors import InputError
+from coral.reef.chain import ChainCfg
+from coral.reef.mapping import OccupancyMap, distance_to
+from coral.reef.products.best_pictures import ClusterPicture, best_pictures
+from coral.reef.products.clusters import ClusterProduct, label_clusters, measure_clusters
+from coral.reef.products.cover import Area, CoverCfg, area_within, fine_of, measure_cover
+from coral.reef.products.mosaic import Mosaic, MosaicCfg, make_mosaic
+from coral.reef.products.view_quality import ViewQuality, measure_views
+from coral.reef.recordings.recording import Recording, map_of
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProductsCfg:
+    """How products are made of a recording."""
+
+    cover: CoverCfg = field(default_factory=CoverCfg)
+    mosaic: MosaicCfg = field(default_factory=MosaicCfg)
+    clusters: ChainCfg = field(default_factory=ChainCfg)
+    density_cell_m: Positive = 0.5
+    """Edge of a cell of the density map."""
+
+
+@dataclass(frozen=True)
+class SurveyProducts:
+    """What was measured. Arrays over the map have row 0 in the south."""
+
+    recording: Recording
+    """Located."""
+    keyframes: int
+    cells: OccupancyMap
+    area: Area
+    """Of all oysters (m²), those outside clusters included."""
+    clusters: tuple[ClusterProduct, ...]
+    cover: NDArray[np.float32]
+    """Share of oysters in each map cell, nan where not seen near enough. Shape=(NY, NX)."""
+    density: NDArray[np.float32]
+    """Oysters per sea floor seen, in coarse cells (m²/m²); nan where less than a fifth was seen. Shape=(DY, DX)."""
+    density_cell_m: float
+    seen_m2: float
+    """Sea floor seen near enough to count (m²)."""
+    quality: ViewQuality
+    mosaic: Mosaic
+    pictures: tuple[ClusterPicture, ...]
+    track: NDArray[np.float64]
+    """Where pictures were taken (m). Shape=(K, 2)."""
+
+
+def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
+    """Measure everything.
+
+    Raises:
+        InputError: The recording has no keyframes, or one of them is broken.
+    """
+    recording = recording.located()
+    track = np.array([keyframe.pose[:2] for keyframe in recording.keyframes()]).reshape(-1, 2)
+    if not len(track):
+        raise InputError(recording.source, "", "no picture with a pose", "at least one")
+    cells = map_of(recording)
+    cover, without = measure_cover(recording, cfg.cover)
+    cell_m = cells.cfg.cell_m
+    # Beside the map's oysters only: a wrong mask that other pictures outvoted is no oyster.
+    counted = fine_of(distance_to(cells.target, cell_m) <= cfg.cover.beside_m + 1e-6, cell_m, cover)
+    share = 0.5 * (cover.seen + cover.filled) * counted
+    group = label_clusters(cells, cfg.clusters, cfg.cover.beside_m)
+    quality = measure_views(recording)
+    return SurveyProducts(
+        recording=recording,
+        keyframes=len(track),
+        cells=cells,
+        area=area_within(cover, without, counted),
+        clusters=tuple(measure_clusters(cells, group, quality, cover, without, cfg.clusters)),
+        cover=mean_in_cells(share, cover.known, cfg.cover.fine_m, cell_m, cells.target.shape, 0.2),
+        density=mean_in_cells(
+            share, cover.known, cfg.cover.fine_m, cfg.density_cell_m, _shape(recording, cfg.density_cell_m), 0.2
+        ),
+        density_cell_m=cfg.density_cell_m,
+        seen_m2=float(np.count_nonzero(cover.known)) * cfg.cover.fine_m**2,
+        quality=quality,
+        mosaic=make_mosaic(recording, cfg.mosaic),
+        pictures=tuple(best_pictures(recording, group)),
+        track=track,
+    )
+
+
+def mean_in_cells(
+    share: NDArray[np.float32],
+    known: NDArray[np.bool_],
+    fine_m: float,
+    cell_m: float,
+    shape: tuple[int, int],
+    least: float,
+) -> NDArray[np.float32]:
+    """Return the mean of the known fine cells in each larger cell; nan where fewer than the share `least` are known.
+
+    Args:
+        share: Shape=(FY, FX).
+        known: Shape=(FY, FX).
+        fine_m: Edge of a fine cell (m).
+        cell_m: Edge of a larger cell (m).
+        shape: (NY, NX) of the result.
+        least: Share of a larger cell that must be known.
+    """
+    iy = np.minimum(((np.arange(share.shape[0]) + 0.5) * fine_m / cell_m).astype(np.intp), shape[0] - 1)
+    ix = np.minimum(((np.arange(share.shape[1]) + 0.5) * fine_m / cell_m).astype(np.intp), shape[1] - 1)
+    index = (iy[:, None] * shape[1] + ix[None, :])[known]
+    size = shape[0] * shape[1]
+    count = np.bincount(index, minlength=size).astype(np.float64)
+    total = np.bincount(index, weights=share[known], minlength=size)
+    enough = count * fine_m**2 >= least * cell_m**2
+    mean = np.where(enough, total / np.maximum(count, 1.0), np.nan)
+    return mean.reshape(shape).astype(np.float32)
+
+
+def _shape(recording: Recording, cell_m: float) -> tuple[int, int]:
+    width, height = recording.size_m
+    return int(np.ceil(height / cell_m - 1e-9)), int(np.ceil(width / cell_m - 1e-9))

@@ -1,0 +1,264 @@
+"""A reef run as a ROS 2 bag: pictures, odometry, transforms, maps, points (REP-103, REP-105).
+
+Frames: map -> odom -> base_link -> camera_optical. odom is where odometry alone puts the vehicle; map -> odom is what
+the robot's own localization corrects. The origin of z is the sea floor.
+"""
+
+from __future__ import annotations
+
+import math
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.errors import InputError
+from coral.reef.geometry import Frame
+from coral.reef.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
+from coral.reef.recordings.picture_files import encode_depth, encode_jpeg, encode_png
+from coral.reef.recordings.recording import PosedFrame, Recording
+from coral.reef.recordings.transforms import body_transform, camera_in_body, quaternion_of
+
+TOPICS = {
+    "/camera/image/compressed": "sensor_msgs/msg/CompressedImage",
+    "/camera/depth/compressed": "sensor_msgs/msg/CompressedImage",
+    "/camera/classes/compressed": "sensor_msgs/msg/CompressedImage",
+    "/camera/camera_info": "sensor_msgs/msg/CameraInfo",
+    "/camera/points": "sensor_msgs/msg/PointCloud2",
+    "/odometry": "nav_msgs/msg/Odometry",
+    "/tf": "tf2_msgs/msg/TFMessage",
+    "/tf_static": "tf2_msgs/msg/TFMessage",
+    "/map": "nav_msgs/msg/OccupancyGrid",
+    "/oysters": "nav_msgs/msg/OccupancyGrid",
+}
+MAP_EVERY_S = 20.0
+POINTS_EVERY_S = 2.0
+POINTS_STRIDE = 3
+"""Every third pixel of every third row becomes a point."""
+
+
+def write_bag(recording: Recording, path: Path, *, single_file: bool) -> dict[str, int]:
+    """Write a located recording.
+
+    Args:
+        recording: What is written.
+        path: The bag's folder, or the MCAP file; it must not exist.
+        single_file: Whether to write one MCAP file and no folder.
+
+    Returns:
+        Number of messages on each topic that has some.
+
+    Raises:
+        InputError: The path exists, or rosbags is not installed.
+    """
+    if path.exists():
+        raise InputError(str(path), "--out", "something there already", "a new path")
+    try:
+        from rosbags.rosbag2 import StoragePlugin, Writer
+    except ImportError:
+        raise InputError(str(path), "", "no package rosbags", "the extra bags: pip install 'coral[bags]'") from None
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
+        folder = Path(scratch) / path.stem
+        with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+            counts = _BagWriter(writer).write(recording)
+        if single_file:
+            shutil.move(next(folder.glob("*.mcap")), path)
+        else:
+            shutil.move(folder, path)
+    return counts
+
+
+class _BagWriter:
+    """Turns keyframes into messages."""
+
+    def __init__(self, writer: Any) -> None:
+        from rosbags.typesys import Stores, get_typestore
+
+        self._writer, self._store = writer, get_typestore(Stores.ROS2_HUMBLE)
+        self._connections: dict[str, Any] = {}
+        self._counts: dict[str, int] = {}
+
+    def write(self, recording: Recording) -> dict[str, int]:
+        cells = OccupancyMap(recording.size_m, recording.camera, recording.map)
+        map_due = points_due = 0.0
+        static = self._transform("base_link", "camera_optical", camera_in_body(recording.camera), 0.0)
+        t = 0.0
+        for number, keyframe in enumerate(recording.keyframes()):
+            t = keyframe.t
+            if number == 0:
+                self._send("/tf_static", t, self._new("tf2_msgs/msg/TFMessage", transforms=[static]))
+            self._send("/camera/camera_info", t, self._camera_info(recording, t))
+            self._pose(keyframe)
+            self._pictures(keyframe)
+            cells.integrate(keyframe.frame, keyframe.pose)
+            if t >= points_due - 1e-9:
+                points_due = t + POINTS_EVERY_S
+                self._send("/camera/points", t, self._points(recording, keyframe.frame, t))
+            if t >= map_due - 1e-9:
+                map_due = t + MAP_EVERY_S
+                self._maps(cells, t)
+        self._maps(cells, t)
+        return self._counts
+
+    def _pose(self, keyframe: PosedFrame) -> None:
+        t = keyframe.t
+        at = body_transform(keyframe.pose, keyframe.height_m, keyframe.roll, keyframe.pitch)
+        odometry = keyframe.odometry or keyframe.pose
+        by_odometry = body_transform(odometry, keyframe.height_m, keyframe.roll, keyframe.pitch)
+        correction = np.eye(4) if odometry == keyframe.pose else at @ np.linalg.inv(by_odometry)
+        transforms = [
+            self._transform("map", "odom", correction, t),
+            self._transform("odom", "base_link", by_odometry, t),
+        ]
+        # Transforms first: who reads in order knows the correction when the odometry comes.
+        self._send("/tf", t, self._new("tf2_msgs/msg/TFMessage", transforms=transforms))
+        pose = self._new(
+            "geometry_msgs/msg/Pose",
+            position=self._new("geometry_msgs/msg/Point", **_xyz(by_odometry)),
+            orientation=self._quaternion(by_odometry),
+        )
+        zero = self._new("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+        unknown = np.zeros(36)
+        message = self._new(
+            "nav_msgs/msg/Odometry",
+            header=self._header(t, "odom"),
+            child_frame_id="base_link",
+            pose=self._new("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=unknown),
+            twist=self._new(
+                "geometry_msgs/msg/TwistWithCovariance",
+                twist=self._new("geometry_msgs/msg/Twist", linear=zero, angular=zero),
+                covariance=np.r_[-1.0, np.zeros(35)],  # by convention: no velocity is given
+            ),
+        )
+        self._send("/odometry", t, message)
+
+    def _pictures(self, keyframe: PosedFrame) -> None:
+        frame, t = keyframe.frame, keyframe.t
+        pictures = [
+            ("/camera/depth/compressed", "16UC1; png compressed", encode_png(encode_depth(frame.depth))),
+            ("/camera/classes/compressed", "mono8; png compressed", encode_png(frame.labels)),
+        ]
+        if frame.rgb is not None:
+            pictures.append(("/camera/image/compressed", "rgb8; jpeg compressed bgr8", encode_jpeg(frame.rgb)))
+        for topic, kind, content in pictures:
+            data = np.frombuffer(content, np.uint8)
+            header = self._header(t, "camera_optical")
+            self._send(topic, t, self._new("sensor_msgs/msg/CompressedImage", header=header, format=kind, data=data))
+
+    def _camera_info(self, recording: Recording, t: float) -> Any:
+        camera = recording.camera
+        fx, fy, cx, cy = camera.intrinsics
+        return self._new(
+            "sensor_msgs/msg/CameraInfo",
+            header=self._header(t, "camera_optical"),
+            height=camera.height,
+            width=camera.width,
+            distortion_model="plumb_bob",
+            d=np.zeros(5),
+            k=np.array([fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]),
+            r=np.eye(3).ravel(),
+            p=np.array([fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            binning_x=0,
+            binning_y=0,
+            roi=self._new(
+                "sensor_msgs/msg/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False
+            ),
+        )
+
+    def _points(self, recording: Recording, frame: Frame, t: float) -> Any:
+        focal, _, cx, cy = recording.camera.intrinsics
+        v, u = np.mgrid[0 : frame.depth.shape[0] : POINTS_STRIDE, 0 : frame.depth.shape[1] : POINTS_STRIDE]
+        z = frame.depth[v, u]
+        seen = np.isfinite(z)
+        z, u, v = z[seen], u[seen], v[seen]
+        kind = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("class", "<u4")])
+        points = np.zeros(len(z), kind)
+        points["x"], points["y"], points["z"] = (u - cx) / focal * z, (v - cy) / focal * z, z
+        points["class"] = frame.labels[v, u]
+        field = [
+            self._new("sensor_msgs/msg/PointField", name=name, offset=4 * k, datatype=7 if k < 3 else 6, count=1)
+            for k, name in enumerate(("x", "y", "z", "class"))
+        ]
+        return self._new(
+            "sensor_msgs/msg/PointCloud2",
+            header=self._header(t, "camera_optical"),
+            height=1,
+            width=len(points),
+            fields=field,
+            is_bigendian=False,
+            point_step=16,
+            row_step=16 * len(points),
+            data=points.view(np.uint8).ravel(),
+            is_dense=True,
+        )
+
+    def _maps(self, cells: OccupancyMap, t: float) -> None:
+        classes = cells.cells()
+        obstacles = np.full(classes.shape, -1, np.int8)
+        obstacles[(classes == FREE) | (classes == TARGET)] = 0
+        obstacles[classes == OBSTACLE] = 100
+        oysters = np.where(classes == TARGET, 100, np.minimum(obstacles, 0)).astype(np.int8)
+        for topic, grid in (("/map", obstacles), ("/oysters", oysters)):
+            origin = self._new(
+                "geometry_msgs/msg/Pose",
+                position=self._new("geometry_msgs/msg/Point", x=0.0, y=0.0, z=0.0),
+                orientation=self._new("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+            )
+            info = self._new(
+                "nav_msgs/msg/MapMetaData",
+                map_load_time=self._time(t),
+                resolution=cells.cfg.cell_m,
+                width=grid.shape[1],
+                height=grid.shape[0],
+                origin=origin,
+            )
+            message = self._new(
+                "nav_msgs/msg/OccupancyGrid", header=self._header(t, "map"), info=info, data=grid.ravel()
+            )
+            self._send(topic, t, message)
+
+    def _transform(self, parent: str, child: str, transform: NDArray[np.float64], t: float) -> Any:
+        return self._new(
+            "geometry_msgs/msg/TransformStamped",
+            header=self._header(t, parent),
+            child_frame_id=child,
+            transform=self._new(
+                "geometry_msgs/msg/Transform",
+                translation=self._new("geometry_msgs/msg/Vector3", **_xyz(transform)),
+                rotation=self._quaternion(transform),
+            ),
+        )
+
+    def _quaternion(self, transform: NDArray[np.float64]) -> Any:
+        x, y, z, w = quaternion_of(transform[:3, :3])
+        return self._new("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
+
+    def _header(self, t: float, frame_id: str) -> Any:
+        return self._new("std_msgs/msg/Header", stamp=self._time(t), frame_id=frame_id)
+
+    def _time(self, t: float) -> Any:
+        seconds, nanoseconds = divmod(nanoseconds_of(t), 1_000_000_000)
+        return self._new("builtin_interfaces/msg/Time", sec=seconds, nanosec=nanoseconds)
+
+    def _new(self, kind: str, **values: Any) -> Any:
+        return self._store.types[kind](**values)
+
+    def _send(self, topic: str, t: float, message: Any) -> None:
+        kind = TOPICS[topic]
+        if topic not in self._connections:
+            self._connections[topic] = self._writer.add_connection(topic, kind, typestore=self._store)
+        self._counts[topic] = self._counts.get(topic, 0) + 1
+        self._writer.write(self._connections[topic], nanoseconds_of(t), self._store.serialize_cdr(message, kind))
+
+
+def nanoseconds_of(t: float) -> int:
+    """Return a time (s) in whole nanoseconds."""
+    return math.floor(t * 1e9 + 0.5)
+
+
+def _xyz(transform: NDArray[np.float64]) -> dict[str, float]:
+    return {name: float(value) for name, value in zip("xyz", transform[:3, 3], strict=True)}

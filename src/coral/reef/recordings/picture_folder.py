@@ -1,0 +1,129 @@
+"""A folder of pictures with their poses in a table: `poses.csv`."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+from coral.errors import InputError
+from coral.reef.camera import CameraCfg
+from coral.reef.geometry import Pose, wrap
+from coral.reef.local_plane import MOST_DEGREES, LocalPlane
+from coral.reef.recordings.perception import Perceive, perceive_nothing
+from coral.reef.recordings.picture_files import decode_depth, decode_labels, decode_rgb, frame_of, read_picture
+from coral.reef.recordings.recording import PosedFrame, Recording
+
+TABLE = "poses.csv"
+LOCAL = ("x", "y", "yaw")
+GLOBAL = ("lat", "lon", "heading")
+"""Names of the columns of a position: metres and radians, or degrees with the compass heading."""
+EXPECTED = "columns t, x, y, yaw or t, lat, lon, heading; z, roll, pitch, rgb, depth, labels if known"
+
+
+def read_folder(path: Path, camera: CameraCfg, perceive: Perceive = perceive_nothing) -> Recording:
+    """Read a folder of pictures.
+
+    Args:
+        path: Folder with `poses.csv` and the pictures that it names.
+        camera: The camera.
+        perceive: Makes classes and depth of colour pictures where the folder has none.
+
+    Raises:
+        InputError: The table is missing or a value in it is wrong. Pictures are checked when they are read.
+    """
+    table = path / TABLE
+    rows = _rows(table)
+    plane = LocalPlane(rows[0][1]["lat"], rows[0][1]["lon"]) if "lat" in rows[0][1] else None
+    placed = [(number, _pose(values, plane), values, names) for number, values, names in rows]
+
+    def keyframes() -> Iterator[PosedFrame]:
+        for number, (pose, odometry), values, names in placed:
+            where = f"{table}: line {number}"
+            rgb = None
+            if names.get("rgb"):
+                rgb = decode_rgb(read_picture(path / names["rgb"], where, "rgb"), camera, where)
+            height_m = values.get("z", camera.altitude_m)
+            roll, pitch = values.get("roll", 0.0), values.get("pitch", 0.0)
+            if names.get("labels") and names.get("depth"):
+                labels = decode_labels(read_picture(path / names["labels"], where, "labels"), camera, where)
+                depth = decode_depth(read_picture(path / names["depth"], where, "depth"), camera, where)
+                frame = frame_of(labels, depth, rgb)
+            elif rgb is not None:
+                frame = perceive(rgb, height_m=height_m, roll=roll, pitch=pitch, where=where)
+            else:
+                raise InputError(where, "", "no names of pictures", "rgb, or both labels and depth")
+            yield PosedFrame(
+                t=values["t"], pose=pose, height_m=height_m, frame=frame, roll=roll, pitch=pitch, odometry=odometry
+            )
+
+    return Recording(
+        name=path.resolve().name, source=str(path), camera=camera, keyframes=keyframes, start=placed[0][1][0]
+    )
+
+
+def datum_of_folder(path: Path) -> tuple[float, float] | None:
+    """Return latitude and longitude of the first pose, if the table has degrees; its frame is ENU from there."""
+    _, values, _ = _rows(path / TABLE)[0]
+    return (values["lat"], values["lon"]) if "lat" in values else None
+
+
+def _pose(values: dict[str, float], plane: LocalPlane | None) -> tuple[Pose, Pose | None]:
+    if plane is not None:
+        east, north = plane.from_degrees(values["lat"], values["lon"])
+        return Pose(east, north, wrap(math.radians(90.0 - values["heading"]))), None
+    odometry = Pose(values["odo_x"], values["odo_y"], values["odo_yaw"]) if "odo_yaw" in values else None
+    return Pose(values["x"], values["y"], values["yaw"]), odometry
+
+
+def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
+    """Return (line number, numbers, file names) of every complete row."""
+    where = str(table)
+    try:
+        text = table.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(where, "", getattr(error, "strerror", None) or "no text", "a table of poses") from None
+    lines = text.splitlines()
+    if lines and not text.endswith("\n"):
+        lines.pop()  # the line that a killed run was writing
+    header, *body = list(csv.reader(lines)) or [[]]
+    header = [name.strip() for name in header]
+    place = next((names for names in (LOCAL, GLOBAL) if set(names) <= set(header)), None)
+    if place is None or "t" not in header:
+        raise InputError(where, "", f"columns {', '.join(header) or 'none'}", EXPECTED)
+    if not body:
+        raise InputError(where, "", "no rows", "a row for each picture")
+    texts = [name for name in ("rgb", "depth", "labels") if name in header]
+    numbers = [
+        name
+        for name in ("t", *place, "z", "roll", "pitch", "odo_x", "odo_y", "odo_yaw")
+        if name in header and not (place == GLOBAL and name.startswith("odo"))
+    ]
+    found: list[tuple[int, dict[str, float], dict[str, str]]] = []
+    for number, row in enumerate(body, 2):
+        if len(row) != len(header):
+            raise InputError(where, f"line {number}", f"{len(row)} fields", f"{len(header)}, as in the first line")
+        cells = dict(zip(header, (value.strip() for value in row), strict=True))
+        values = {name: _number(cells[name], where, number, name) for name in numbers}
+        if place == GLOBAL and not (abs(values["lat"]) <= MOST_DEGREES and abs(values["lon"]) <= 180.0):
+            raise InputError(
+                where,
+                f"line {number}: lat, lon",
+                f"{values['lat']:g}, {values['lon']:g}",
+                f"degrees within {MOST_DEGREES:.0f} and 180",
+            )
+        if found and values["t"] < found[-1][1]["t"]:
+            raise InputError(where, f"line {number}: t", cells["t"], "times that never go back")
+        found.append((number, values, {name: cells[name] for name in texts}))
+    return found
+
+
+def _number(text: str, where: str, line: int, name: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(where, f"line {line}: {name}", repr(text), "a number")
+    return value

@@ -1,0 +1,86 @@
+"""A run folder of a reef mission as a recording."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import merge, read_yaml
+from coral.errors import InputError
+from coral.reef.camera import CameraCfg
+from coral.reef.geometry import Pose
+from coral.reef.mapping import MapCfg
+from coral.reef.record import POSES
+from coral.reef.recordings.picture_folder import read_folder
+from coral.reef.recordings.recording import Recording
+
+
+def is_run(path: Path) -> bool:
+    """Check whether a folder is the run of a reef mission."""
+    return (path / "config.yaml").is_file() and not (path / "task.yaml").is_file()
+
+
+def read_run(path: Path) -> Recording:
+    """Read the keyframes of a run, finished or killed.
+
+    Raises:
+        InputError: There is no run of a reef mission, or it kept no keyframes.
+    """
+    if not is_run(path):
+        found = "nothing" if not path.exists() else "no run of a reef mission"
+        raise InputError(str(path), "", found, "the folder of a run")
+    if not (path / POSES).is_file():
+        raise InputError(str(path), POSES, "nothing", "a run that kept its keyframes (--cfg.record.keyframes)")
+    where = str(path / "config.yaml")
+    config = read_yaml(path / "config.yaml")
+    recording = read_folder((path / POSES).parent, camera_of(config, where))
+    name, size, start = _world(path, config)
+    return dataclasses.replace(
+        recording,
+        name=name,
+        source=str(path),
+        area=None if size is None else (0.0, 0.0, *size),
+        map=merge(MapCfg(), _part(config, "map"), where),
+        start=start or recording.start,
+        final_map=_final_map(path),
+    )
+
+
+def camera_of(config: dict[str, Any], where: str) -> CameraCfg:
+    """Return the camera of a run's resolved configuration.
+
+    Raises:
+        InputError: A value is wrong.
+    """
+    return merge(CameraCfg(), _part(config, "simulator", "camera"), where)
+
+
+def _part(config: dict[str, Any], *names: str) -> dict[str, Any]:
+    part: Any = config.get("mission", config.get("survey", {}))
+    for name in names:
+        part = part.get(name, {}) if isinstance(part, dict) else {}
+    return part if isinstance(part, dict) else {}
+
+
+def _world(path: Path, config: dict[str, Any]) -> tuple[str, tuple[float, float] | None, Pose | None]:
+    """Return name, extent (m) and start of the run's world. Nothing else of it is read: the rest is the truth."""
+    if not (path / "world.yaml").is_file():
+        return str(config.get("world", path.name)), None, None
+    world = read_yaml(path / "world.yaml")
+    try:
+        width, height = (float(edge) for edge in world["size_m"])
+        start = Pose(*(float(world["start"][name]) for name in ("x", "y", "theta")))
+    except (KeyError, TypeError, ValueError):
+        raise InputError(str(path / "world.yaml"), "size_m, start", "values missing", "a reef world") from None
+    return str(world.get("name", path.name)), (width, height), start
+
+
+def _final_map(path: Path) -> NDArray[np.uint8] | None:
+    maps = sorted((path / "frames").glob("*_map.png"))
+    cells = cv2.imread(str(maps[-1]), cv2.IMREAD_UNCHANGED) if maps else None
+    return None if cells is None or cells.dtype != np.uint8 else np.asarray(cells)

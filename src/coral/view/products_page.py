@@ -1,0 +1,166 @@
+"""The products of a survey as one self-contained page for people."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import jinja2
+import numpy as np
+from markupsafe import Markup
+from numpy.typing import NDArray
+
+from coral.odd_text import encodable
+from coral.reef.products.cover import CoverCfg
+from coral.reef.products.files import make_layers
+from coral.reef.products.placement import EarthPlacement
+from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, Stop
+from coral.reef.products.survey_products import SurveyProducts
+from coral.runs import write_whole
+from coral.view.svg import clock
+
+TEMPLATES = Path(__file__).parent / "templates"
+PAGE = "products.html"
+UNSEEN = (214, 218, 222)
+
+
+@dataclass(frozen=True)
+class TruthComparison:
+    """What a simulated reef adds: the true area, and how far the survey is from it."""
+
+    m2: float
+    error: float
+    """Estimate over truth, minus 1."""
+    inside: bool
+    """Whether the truth lies in the interval."""
+
+    @classmethod
+    def of(cls, products: SurveyProducts, true_m2: float) -> TruthComparison:
+        """Compare."""
+        area = products.area
+        return cls(true_m2, area.m2 / true_m2 - 1.0, area.low_m2 <= true_m2 <= area.high_m2)
+
+
+def write_products_page(
+    products: SurveyProducts,
+    placement: EarthPlacement,
+    folder: Path,
+    files: Sequence[str],
+    cover: CoverCfg,
+    truth: TruthComparison | None = None,
+) -> Path:
+    """Write `products.html`, which loads nothing from elsewhere, and return its path.
+
+    Raises:
+        OSError: The page cannot be written.
+    """
+    path = folder / PAGE
+    write_whole(path, encodable(render_products(products, placement, files, cover, truth)).encode())
+    return path
+
+
+def render_products(
+    products: SurveyProducts,
+    placement: EarthPlacement,
+    files: Sequence[str],
+    cover: CoverCfg,
+    truth: TruthComparison | None,
+) -> str:
+    """Render the whole page as text."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    datum, size = placement.datum, products.recording.size_m
+    looks: dict[int, list[tuple[str, str]]] = {}
+    for picture in products.pictures:
+        caption = f"at {clock(picture.t)}, from ({picture.x:.1f}, {picture.y:.1f}) m"
+        looks.setdefault(picture.cluster, []).append((_data(picture.image), caption))
+    where = "Metres of the recording; no datum was given, so nothing is placed on Earth."
+    if datum is not None:
+        start = f"{datum.latitude:.6f}, {datum.longitude:.6f}"
+        where = f"Start at {start} (WGS 84); rasters and layers in EPSG:{placement.epsg}."
+    note = "Colours as the camera saw them through the water."
+    if not products.mosaic.colour:
+        note = "The recording has no colour pictures: these are classes (green: oysters, sand: floor, dark: obstacles)."
+    return environment.get_template("products.html.j2").render(
+        name=products.recording.name,
+        size=size,
+        keyframes=products.keyframes,
+        headline=_headline(products),
+        place=where,
+        area=products.area,
+        seen=products.seen_m2,
+        clusters=[feature.values for feature in make_layers(products, placement)[0].features],
+        truth=truth,
+        mosaic=_data(products.mosaic.rgba[::-1]),
+        mosaic_note=note,
+        up="Up is the map's y axis.",
+        overlay=Markup(_overlay(products)),
+        density=_data(ramp(products.density, COVER_STOPS)[::-1], 12),
+        nearest=_data(ramp(products.quality.nearest_m, DISTANCE_STOPS)[::-1], 2),
+        density_cell=f"{products.density_cell_m:g}",
+        cover_ramp=Markup(_gradient(COVER_STOPS)),
+        distance_ramp=Markup(_gradient(DISTANCE_STOPS)),
+        range=f"{cover.range_m:g}",
+        fine=cover.fine_m,
+        datum=datum is not None,
+        looks=sorted(looks.items()),
+        files=files,
+        style=Markup((TEMPLATES / "report.css").read_text("utf-8")),
+    )
+
+
+def ramp(values: NDArray[np.float32], stops: Sequence[Stop]) -> NDArray[np.uint8]:
+    """Return values as colours between the stops, gray where they are not finite. Shape=(H, W, 3), red first."""
+    known = np.isfinite(values)
+    colours = np.array([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for _, colour, _ in stops], np.float64)
+    at = [value for value, _, _ in stops]
+    channels = [np.interp(np.where(known, values, 0.0), at, colours[:, k]) for k in range(3)]
+    return np.where(known[:, :, None], np.stack(channels, axis=2), UNSEEN).astype(np.uint8)
+
+
+def _headline(products: SurveyProducts) -> str:
+    area, count = products.area, len(products.clusters)
+    groups = "one cluster" if count == 1 else f"{count} clusters"
+    return (
+        f"Oysters cover {area.m2:.2f} m² of the sea floor ({area.low_m2:.2f} to {area.high_m2:.2f} m²), in {groups}; "
+        f"{products.seen_m2:.0f} m² were seen near enough to tell."
+    )
+
+
+def _overlay(products: SurveyProducts) -> str:
+    width, height = products.recording.size_m
+
+    def points(line: NDArray[np.float64]) -> str:
+        return " ".join(f"{x:.2f},{height - y:.2f}" for x, y in line)
+
+    shapes = [f'<polyline class="way" points="{points(products.track)}"/>']
+    for one in products.clusters:
+        shapes += [f'<polygon class="outline" points="{points(ring)}"/>' for ring in one.outlines]
+        shapes.append(f'<text x="{one.x:.2f}" y="{height - one.y + 0.2:.2f}">{one.number}</text>')
+    return f'<svg viewBox="0 0 {width:g} {height:g}" preserveAspectRatio="none">{"".join(shapes)}</svg>'
+
+
+def _gradient(stops: Sequence[Stop]) -> str:
+    low, high = stops[0][0], stops[-1][0]
+    return ",".join(f"{colour} {100 * (value - low) / (high - low):.0f}%" for value, colour, _ in stops)
+
+
+def _data(image: NDArray[np.uint8], scale: int = 1) -> str:
+    """Return a picture, Shape=(H, W, 3 or 4), red first, as a data address."""
+    order: Any = [2, 1, 0, 3][: image.shape[2]]
+    picture = np.ascontiguousarray(image[:, :, order])
+    if scale > 1:
+        picture = np.repeat(np.repeat(picture, scale, axis=0), scale, axis=1)
+    ok, encoded = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    if not ok:
+        raise RuntimeError("a picture could not be encoded as PNG")
+    return "data:image/png;base64," + base64.b64encode(encoded.tobytes()).decode()

@@ -1,0 +1,53 @@
+"""`coral reef products`."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
+
+from survey_runs import write_run
+
+pytest.importorskip("tifffile")
+pytest.importorskip("pyproj")
+
+
+@pytest.fixture(scope="module")
+def survey_run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("survey") / "patch-001"
+    write_run(folder)
+    return folder
+
+
+def test_products_of_a_run_are_written_beside_it_and_compared_with_the_truth(survey_run, told):
+    code, result, _ = told("reef", "products", survey_run, "--datum", "36.95,-122.02", "--json")
+    assert code == 0
+    assert abs(result["area_error"]) < 0.1
+    assert result["epsg"] == 32610
+    assert (survey_run / "products/products.html").is_file()
+    kept = json.loads((survey_run / "products/products.json").read_text())
+    assert "true_area_m2" not in kept  # the truth never enters the products
+
+
+def test_it_is_told_in_a_few_lines(survey_run, tmp_path, told):
+    code, out, _ = told("reef", "products", survey_run, "--out", tmp_path / "a")
+    assert code == 0
+    assert out.startswith("patch: oysters cover ")
+    assert "the true area of the simulated reef is" in out
+    assert "--datum LAT,LON gives the latitude" in out
+
+
+def test_bad_input_is_one_line(survey_run, tmp_path, told):
+    code, _, error = told("reef", "products", survey_run, "--datum", "north", "--out", tmp_path / "b")
+    assert (code, error.count("\n")) == (2, 1)
+    assert "LAT,LON" in error
+    code, _, error = told("reef", "products", tmp_path)
+    assert code == 2
+    assert "the folder of a run" in error
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c/mine.txt").write_text("mine")
+    code, _, error = told("reef", "products", survey_run, "--out", tmp_path / "c")
+    assert code == 2
+    assert "a new or empty folder" in error

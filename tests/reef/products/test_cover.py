@@ -1,0 +1,78 @@
+"""Area of oysters from pictures, and its interval."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from coral.reef.products import cover_kernels
+from coral.reef.products.cover import Cover, CoverCfg, area_within, fine_of, lens_of, measure_cover, transform_of
+from coral.reef.products.truth import true_area_m2
+from coral.reef.world import load_world
+
+
+def test_the_area_is_near_the_truth_and_in_its_interval(products, survey_run):
+    truth = true_area_m2(load_world(survey_run / "world.yaml"))
+    assert products.area.m2 == pytest.approx(truth, rel=0.1)
+    assert products.area.low_m2 < truth < products.area.high_m2
+    # Whole cells that a shell touches are far more.
+    assert products.cells.target.sum() * 0.05**2 > 1.2 * truth
+
+
+def test_the_interval_is_the_unknown_and_the_sampling_error():
+    cfg = CoverCfg(fine_m=0.1, edge=0.0)
+    seen, filled = np.zeros((10, 10), np.float32), np.zeros((10, 10), np.float32)
+    seen[:2], filled[:4] = 1.0, 1.0  # 0.2 m² seen, 0.4 m² at most
+
+    def cover(low, high):
+        return Cover(cfg, low, high, np.ones((10, 10), bool))
+
+    everything = np.ones((10, 10), bool)
+    alone = area_within(cover(seen, filled), [], everything)
+    assert alone.m2 == pytest.approx(0.3)
+    assert alone.high_m2 - alone.m2 == pytest.approx(1.96 * 0.2 / math.sqrt(12), rel=1e-5)
+    rough = area_within(replace(cover(seen, filled), cfg=CoverCfg(fine_m=0.1, edge=0.1)), [], everything)
+    assert rough.m2 - rough.low_m2 == pytest.approx(1.96 * math.hypot(0.2 / math.sqrt(12), 0.03), rel=1e-5)
+    # Two replicates of 0.28 and 0.32 m²: delete-a-group variance 1/2 (0.02² + 0.02²).
+    less, more = cover(seen * 0.8, filled), cover(seen * 1.2, filled)
+    both = area_within(cover(seen, filled), [less, more], everything)
+    assert both.m2 - both.low_m2 == pytest.approx(1.96 * math.hypot(0.2 / math.sqrt(12), 0.02), rel=1e-5)
+
+
+def test_each_subset_is_left_out_once(recording):
+    whole, without = measure_cover(recording, CoverCfg(subsets=4))
+    alone, none = measure_cover(recording, CoverCfg(subsets=1))
+    assert (len(without), len(none)) == (4, 0)
+    np.testing.assert_allclose(whole.seen, alone.seen, atol=1e-3)
+    assert all(np.count_nonzero(one.known) <= np.count_nonzero(whole.known) for one in without)
+
+
+def test_map_cells_on_the_fine_cells():
+    cells = np.array([[True, False], [False, True]])
+    cover = Cover(CoverCfg(), np.zeros((5, 5), np.float32), np.zeros((5, 5), np.float32), np.ones((5, 5), bool))
+    fine = fine_of(cells, 0.05, cover)
+    assert fine[0, 0]
+    assert fine[1, 1]
+    assert not fine[0, 4]
+    assert fine[4, 4]
+
+
+def test_votes_are_those_of_a_plain_loop(recording):
+    one = next(iter(recording.keyframes()))
+    transform, (focal, cx, cy) = transform_of(one, recording), lens_of(recording)
+    votes = [np.zeros((400, 450), np.float32) for _ in range(2)]
+    depth, labels = one.frame.depth, one.frame.labels
+    cover_kernels.vote(depth, labels, transform, (focal, cx, cy), 3.0, 0.02, *votes)
+    v, u = np.indices(depth.shape)
+    z = np.where(np.isfinite(depth), depth, 0.0).astype(float)
+    points = np.stack([(u - cx) / focal * z, (v - cy) / focal * z, z], axis=-1)
+    near = (np.linalg.norm(points, axis=-1) <= 3.0) & (z > 0.0)
+    world = points @ transform[:3, :3].T + transform[:3, 3]
+    for label, made in ((1, votes[0]), (3, votes[1])):
+        chosen = near & (labels == label)
+        expected = np.zeros((400, 450))
+        at = np.floor(world[chosen][:, :2] / 0.02).astype(int)
+        inside = (at >= 0).all(axis=1) & (at[:, 0] < 450) & (at[:, 1] < 400)
+        np.add.at(expected, (at[inside, 1], at[inside, 0]), 1.0 / z[chosen][inside] ** 2)
+        np.testing.assert_allclose(made, expected, rtol=1e-4, atol=1e-5)

@@ -1,0 +1,35 @@
+"""The true area of a simulated reef."""
+
+import math
+
+import pytest
+
+from coral.reef.products.truth import true_area_m2
+from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
+
+
+def world(*oysters, obstacles=()):
+    return ReefWorld(
+        name="x", size_m=(6.0, 6.0), start=Start(x=1.0, y=1.0), clusters=(Cluster(name="a", oysters=oysters),),
+        obstacles=obstacles,
+    )  # fmt: skip
+
+
+def shell(x, y=3.0):
+    return Oyster(x=x, y=y, z=0.05, radii=(0.3, 0.2, 0.1))
+
+
+def test_one_shell_has_the_area_of_its_ellipse():
+    assert true_area_m2(world(shell(3.0))) == pytest.approx(math.pi * 0.3 * 0.2, rel=0.02)
+
+
+def test_shells_that_overlap_count_once_and_gaps_do_not_count():
+    one = true_area_m2(world(shell(3.0)))
+    assert true_area_m2(world(shell(3.0), shell(3.0))) == pytest.approx(one)
+    assert true_area_m2(world(shell(2.0), shell(4.0))) == pytest.approx(2 * one, rel=0.01)
+
+
+def test_what_lies_under_an_obstacle_does_not_count():
+    rock = Obstacle(shape="box", x=3.3, y=3.0, z=0.3, size=(0.3, 0.5, 0.3))
+    one = true_area_m2(world(shell(3.0)))
+    assert true_area_m2(world(shell(3.0), obstacles=(rock,))) == pytest.approx(one / 2, rel=0.05)

@@ -1,0 +1,60 @@
+"""Pictures as files."""
+
+import numpy as np
+import pytest
+
+from coral.errors import InputError
+from coral.reef.camera import CameraCfg
+from coral.reef.recordings.picture_files import (
+    decode_depth,
+    decode_labels,
+    decode_rgb,
+    encode_depth,
+    encode_jpeg,
+    encode_png,
+    read_picture,
+)
+
+CAMERA = CameraCfg(width=4, height=3)
+
+
+def test_depth_comes_back_in_millimetres_and_nothing_seen_stays_nothing():
+    depth = np.array([[0.2504, 1.5, 3.0, 12.0], [np.inf] * 4, [70.0] * 4], np.float32)
+    read = decode_depth(encode_png(encode_depth(depth)), CAMERA, "x")
+    np.testing.assert_allclose(read[0], [0.25, 1.5, 3.0, 12.0])
+    assert np.isinf(read[1]).all()
+    assert (read[2] == np.float32(65.535)).all()
+
+
+def test_labels_come_back_as_they_were():
+    labels = np.arange(12, dtype=np.uint8).reshape(3, 4) % 4
+    np.testing.assert_array_equal(decode_labels(encode_png(labels), CAMERA, "x"), labels)
+
+
+def test_colours_keep_their_order():
+    rgb = np.zeros((3, 4, 3), np.uint8)
+    rgb[..., 0] = 200
+    read = decode_rgb(encode_jpeg(rgb), CAMERA, "x")
+    assert read[..., 0].min() > 180
+    assert read[..., 2].max() < 30
+
+
+@pytest.mark.parametrize(
+    ("decode", "image", "said"),
+    [
+        (decode_labels, np.full((3, 4), 9, np.uint8), "classes 0 to 3"),
+        (decode_labels, np.zeros((3, 4), np.uint16), "8 bits in one channel"),
+        (decode_depth, np.zeros((3, 4), np.uint8), "millimetres, 16 bits"),
+        (decode_depth, np.zeros((6, 8), np.uint16), "found 8 x 6 pixels, expected 4 x 3"),
+    ],
+)
+def test_a_picture_of_another_kind_is_refused(decode, image, said):
+    with pytest.raises(InputError, match=said):
+        decode(encode_png(image), CAMERA, "x")
+
+
+def test_no_picture_is_refused(tmp_path):
+    with pytest.raises(InputError, match="found no picture"):
+        decode_rgb(b"text", CAMERA, "x")
+    with pytest.raises(InputError, match=r"gone\.png"):
+        read_picture(tmp_path / "gone.png", "x", "rgb")

@@ -1,0 +1,75 @@
+"""A folder of pictures with poses.csv."""
+
+import math
+
+import numpy as np
+import pytest
+
+from coral.errors import InputError
+from coral.reef.camera import CameraCfg
+from coral.reef.geometry import Frame
+from coral.reef.recordings.picture_files import encode_jpeg
+from coral.reef.recordings.picture_folder import datum_of_folder, read_folder
+
+CAMERA = CameraCfg(width=4, height=3)
+
+
+def folder(tmp_path, text):
+    (tmp_path / "poses.csv").write_text(text)
+    return tmp_path
+
+
+def test_pictures_and_poses_of_a_run_are_such_a_folder(survey_run):
+    frames = list(read_folder(survey_run / "frames", CameraCfg(width=80, height=60)).keyframes())
+    assert len(frames) == 41
+    assert frames[0].pose == pytest.approx((2.0, 2.0, 0.5))
+    assert frames[1].t == 0.5
+    assert frames[1].odometry.x == pytest.approx(frames[1].pose.x + 0.01)
+    assert (frames[5].frame.labels == 1).any()
+    assert np.isfinite(frames[5].frame.depth).any()
+
+
+def test_degrees_become_metres_east_and_north_and_a_heading_an_angle(tmp_path):
+    path = folder(tmp_path, "t,lat,lon,heading,rgb\n0,45.0,9.0,0,a.jpg\n1,45.001,9.001,90,a.jpg\n")
+    (path / "a.jpg").write_bytes(encode_jpeg(np.zeros((3, 4, 3), np.uint8)))
+    seen = Frame(np.ones((3, 4), np.float32), np.full((3, 4), 3, np.uint8), np.zeros((0, 0), np.int32))
+    recording = read_folder(path, CAMERA, lambda rgb, **about: seen)
+    first, second = (one.pose for one in recording.keyframes())
+    assert first == pytest.approx((0.0, 0.0, math.pi / 2), abs=1e-6)
+    # A degree at 45 north: 111 132 m along the meridian, 78 847 m along the parallel (WGS 84).
+    assert second == pytest.approx((78.847, 111.132, 0.0), abs=0.01)
+    assert datum_of_folder(path) == (45.0, 9.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("t,x\n0,1\n", "expected columns t, x, y, yaw"),
+        ("t,x,y,yaw\n", "found no rows"),
+        ("t,x,y,yaw\n0,1,2\n", "line 2: found 3 fields, expected 4"),
+        ("t,x,y,yaw\n0,1,2,north\n", "line 2: yaw: found 'north', expected a number"),
+        ("t,x,y,yaw\n1,1,2,0\n0,1,2,0\n", "line 3: t: found 0, expected times that never go back"),
+        ("t,lat,lon,heading\n0,100,9,0\n", "lat, lon: found 100, 9"),
+    ],
+)
+def test_a_bad_table_is_told_in_one_line(tmp_path, text, said):
+    with pytest.raises(InputError, match=said):
+        read_folder(folder(tmp_path, text), CAMERA)
+
+
+def test_the_line_that_a_killed_run_was_writing_is_left_out(tmp_path):
+    path = folder(tmp_path, "t,x,y,yaw,rgb\n0,1,2,0,a.jpg\n1,1,2")
+    assert read_folder(path, CAMERA).start == (1.0, 2.0, 0.0)
+
+
+def test_a_picture_that_is_missing_is_named(tmp_path):
+    path = folder(tmp_path, "t,x,y,yaw,labels,depth\n0,1,2,0,a.png,b.png\n")
+    with pytest.raises(InputError, match=r"line 2: labels: found a\.png"):
+        list(read_folder(path, CAMERA).keyframes())
+
+
+def test_colour_alone_needs_eyes(tmp_path):
+    path = folder(tmp_path, "t,x,y,yaw,rgb\n0,1,2,0,a.jpg\n")
+    (path / "a.jpg").write_bytes(encode_jpeg(np.zeros((3, 4, 3), np.uint8)))
+    with pytest.raises(InputError, match="found colour pictures only"):
+        list(read_folder(path, CAMERA).keyframes())

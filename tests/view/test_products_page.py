@@ -1,0 +1,56 @@
+"""The products as a page."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
+
+from survey_runs import write_run
+
+from coral.reef.products.cover import CoverCfg
+from coral.reef.products.placement import Datum, EarthPlacement
+from coral.reef.products.qgis_styles import COVER_STOPS
+from coral.reef.products.survey_products import ProductsCfg, measure
+from coral.reef.recordings.run_recording import read_run
+from coral.view.products_page import UNSEEN, TruthComparison, ramp, write_products_page
+
+pytest.importorskip("pyproj")
+
+
+@pytest.fixture(scope="module")
+def products(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("survey") / "patch-001"
+    write_run(folder)
+    return measure(read_run(folder), ProductsCfg())
+
+
+def test_the_page_tells_area_interval_and_what_it_means_and_loads_nothing(products, tmp_path):
+    placement = EarthPlacement(products.recording.start, Datum(36.95, -122.02))
+    page = write_products_page(products, placement, tmp_path, ["clusters.csv"], CoverCfg()).read_text()
+    assert f"{products.area.m2:.2f} m²" in page
+    assert f"{products.area.low_m2:.2f} to {products.area.high_m2:.2f} m²" in page
+    assert "shells that overlap count once" in page
+    assert "The recording has no colour pictures" in page
+    assert "EPSG:32610" in page
+    assert "clusters.csv" in page
+    assert 'src="http' not in page
+    assert "Compared with the truth" not in page
+
+
+def test_the_truth_has_a_section_of_its_own(products, tmp_path):
+    truth = TruthComparison.of(products, products.area.m2 / 1.05)
+    placement = EarthPlacement(products.recording.start)
+    page = write_products_page(products, placement, tmp_path, [], CoverCfg(), truth).read_text()
+    assert "The survey is +5.0 % off" in page
+    assert "no datum was given" in page
+
+
+def test_colours_lie_between_the_stops():
+    made = ramp(np.array([[0.0, 1.0, np.nan, 0.05]], np.float32), COVER_STOPS)
+    assert made[0, 0].tolist() == [0xF4, 0xEF, 0xE3]
+    assert made[0, 1].tolist() == [0x0B, 0x4A, 0x4F]
+    assert made[0, 2].tolist() == list(UNSEEN)
+    assert made[0, 3, 0] == (0xF4 + 0xCF) // 2
