@@ -36,8 +36,8 @@ NOTES = (
     "only 28 of 30 missions reached it.",
     "Random: the whole system with a random advisor; no checks: whatever it draws is driven to. Blind sweep: straight "
     "lanes, through whatever is in the way. Oracle: a tour with the true reef, at cruise speed, without inertia; a "
-    "heuristic, not a proven optimum. The blind sweep and the oracle continue to their own end; the other missions only "
-    "with --cfg.no-stop-when-covered.",
+    "heuristic, not a proven optimum. Oracle and blind sweep continue to their own end; the other missions only with "
+    "--cfg.no-stop-when-covered.",
 )
 
 
