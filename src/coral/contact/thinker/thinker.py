@@ -153,7 +153,8 @@ class Thinker:
         if strategy is not None:
             return strategy
         self._last_good, self._failure = self._new_last_good(), None  # a rejected plan must not take over
-        self._plan = questions.ask_plan(first) or questions.plan_by_rules()
+        asked = questions.ask_plan(first)
+        self._plan = questions.plan_by_rules() if asked is None else questions.revise_plan(asked, first)
         self._regions = questions.ask_regions(self._plan)
         return self._strategy("asked")
 
