@@ -86,7 +86,7 @@ def test_the_rules_know_nothing_that_the_prompt_does_not_show(ask, kind, task):
     questions.update_facts(one.now)
     questions.diagnoses.append("slipped")
     history = dict.fromkeys(("stage", "diagnosis", "code", "error"), "") | dict.fromkeys(
-        ("corrected", "history", "terms"), ()
+        ("evidence", "corrected", "history", "terms"), ()
     )
     plan = questions.ask_repair(one.now, {**history, "attempts": 3, "diagnosis": TEXTS["slipped"]})
     questions.ask_plan(one.now)
@@ -123,6 +123,7 @@ def test_what_is_advised_of_an_accepted_plan_is_told_and_shown_in_its_repair(ask
             "attempts": 3,
             "stage": "",
             "diagnosis": "",
+            "evidence": [],
             "corrected": [],
             "history": [],
             "terms": [],
@@ -165,7 +166,7 @@ def test_a_question_about_the_plan_carries_what_went_wrong_so_far(ask):
     advisor = Careless()
     one, questions, _ = ask(advisor)
     questions.diagnoses.append("slipped")
-    known = {"stage": "", "diagnosis": "", "corrected": [], "terms": []}
+    known = {"stage": "", "diagnosis": "", "evidence": [], "corrected": [], "terms": []}
     questions.ask_repair(one.now, {**known, "attempts": 3, "history": [], "code": "x = 1", "error": ""})
     assert advisor.asked("cost-repair").facts["diagnoses"] == ["slipped"]
     assert "x = 1" in advisor.asked("cost-repair").prompt
