@@ -34,12 +34,21 @@ CONTEXT = {
         "attempts": 3,
         "stage": "go behind",
         "diagnosis": "Diagnosis: it slipped.",
+        "evidence": ["The hand touched the board for 40 % of the last 6.0 s."],
         "corrected": ["mass of the board 1 to 2 kg"],
         "advice": ["the cost leads the hand into the wall"],
         "history": [{"time_s": 4.25}],
         "terms": [{"terms": {"reach": 0.75}}],
         "code": "x = 1",
         "error": "x is unknown",
+    },
+    "plan-revision": {
+        **WORLD,
+        "code": "x = 1",
+        "rehearsal": [{"stage": "reach"}],
+        "unreached": ["lift"],
+        "length_s": 6.0,
+        "advice": ["the cost leads the hand into the wall"],
     },
     "parameter-repair": {
         "parameters": {"board": {"mass": 0.4}},
@@ -134,12 +143,23 @@ MUST_SAY = {
         "tried 3 times",
         "Active stage: go behind",
         "it slipped",
+        "for 40 %",
         "mass of the board 1 to 2 kg",
         "into the wall",
         "4.25",
         "0.75",
         "begins at its stage 1",
         "stiffness",
+    ],
+    "plan-revision": [
+        "push it",
+        "x = 1",
+        '"stage": "reach"',
+        "6.0 s",
+        "lift",
+        "into the wall",
+        '"keep": true',
+        "stages",
     ],
     "parameter-repair": ["physicist", "label", "mass", "friction", "0.4", "keep the values", "1.5", "4.25", "Example"],
     "object-poses": ["push it", "picture", "500.0", '"board"', "position", "quaternion", "Example"],
@@ -200,7 +220,7 @@ def test_without_a_contact_strategy_a_model_is_told_so(kind):
 
 
 def test_optional_parts_leave_no_trace():
-    nothing = {"error": "", "stage": "", "diagnosis": "", "corrected": [], "advice": [], "terms": []}
+    nothing = {"error": "", "stage": "", "diagnosis": "", "evidence": [], "corrected": [], "advice": [], "terms": []}
     text, _ = render("cost-repair", {**CONTEXT["cost-repair"], **nothing})
     for words in ("did not even run", "Active stage", "Corrected since", "Noted when", "held the cost up"):
         assert words not in text

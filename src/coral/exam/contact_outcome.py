@@ -19,7 +19,7 @@ from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.rehearsal import sample_states
 from coral.contact.scene.observation import Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
-from coral.contact.thinker.diagnosis import PlanNote
+from coral.contact.thinker.plan_note import PlanNote
 from coral.contact.thinker.strategist import FixedStrategist, NoStrategy, PlanReport
 from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.exam.contact_scenes import trial_from_json

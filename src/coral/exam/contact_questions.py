@@ -220,6 +220,7 @@ def _repair(task: str, seed: int) -> ExamItem | None:
         "attempts": 15,
         "stage": notes[-1].stage,
         "diagnosis": f"Diagnosis: {TEXTS[diagnosis]}.",
+        "evidence": [],
         "corrected": [],
         "advice": [],
         "history": recent(steps, felt.follower.costs, name, notes=notes),

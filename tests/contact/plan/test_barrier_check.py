@@ -16,7 +16,7 @@ GATE = """
     def state_cost(self):
         d = norm(self.ee_pos - self.box_pos)
         cost = 5.0 * d  # reach
-        if d < 0.05:
+        if d < {gate}:
             cost += {change}  # close
         return cost
 """
@@ -46,7 +46,7 @@ def states():
 
 
 def program(source, **change):
-    return CostProgram(textwrap.dedent(source).strip().format(**change), SCHEMA)
+    return CostProgram(textwrap.dedent(source).strip().format(**{"gate": 0.05, **change}), SCHEMA)
 
 
 def gates(source, **change):
@@ -66,6 +66,18 @@ def test_a_penalty_near_the_target_that_outweighs_the_rest_of_the_way_is_a_barri
     assert f"jumps up by {float(penalty):.3g}" in fault.reason
     assert "towards the box" in fault.reason
     assert "0.0" in fault.reason
+
+
+@pytest.mark.parametrize("gate", [0.12, 0.16, 0.2])
+@pytest.mark.parametrize("penalty", [4.0, 10.0])
+def test_a_wall_far_from_the_object_is_a_barrier_too(gate, penalty):
+    (fault,) = gates(GATE, gate=gate, change=penalty)
+    assert f"jumps up by {penalty:.3g}" in fault.reason
+
+
+@pytest.mark.parametrize("gate", [0.12, 0.16, 0.2])
+def test_a_wall_far_from_the_object_that_the_rest_of_the_way_outweighs_is_none(gate):
+    assert gates(GATE, gate=gate, change=2.0 * gate) == []
 
 
 def test_the_same_cost_written_otherwise_gets_the_same_verdict():
@@ -115,3 +127,15 @@ def test_the_nearest_object_is_found_with_its_distance():
     name, distance = nearest_object(values, at)
     assert (name, round(distance, 6)) == ("box", -0.02)
     assert nearest_object(values, at + np.array([0.0, 0.0, 1.0]))[1] > 0.5
+
+
+@pytest.mark.parametrize(("task", "name"), [("push-force", "block"), ("pick-box", "box")])
+@pytest.mark.parametrize("gate", [0.12, 0.2, 0.25])
+def test_a_plain_wall_around_the_object_is_found_in_the_scenes_of_tasks(scene, task, name, gate):
+    one = scene(task)
+    values = at_rest(one.world.present(one.now))
+    source = f"def state_cost(self):\n    d = norm(self.ee_pos - self.{name}_pos)\n    return 5.0 * d"
+    wall = CostProgram(f"{source} + (4.0 if d < {gate} else 0.0)", one.world.schema)
+    free = CostProgram(source, one.world.schema)
+    assert [fault.code for fault in gate_barriers(wall, values, follow_cost(wall, values), CFG)] == ["barrier"]
+    assert gate_barriers(free, values, follow_cost(free, values), CFG) == []

@@ -5,12 +5,13 @@ import pytest
 
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, make_strategy
-from coral.contact.plan.stage_beginnings import BeginningsCfg, stage_beginnings
+from coral.contact.plan.imagined_run import ImaginedRunCfg
+from coral.contact.plan.stage_beginnings import stage_beginnings
 from coral.mppi.knots import KnotMppiCfg
 
 UP = "def state_cost(self):\n    return abs(self.ee_pos[2] - 0.35)"
 BAD = "def state_cost(self):\n    return abs(self.ee_pos[2] - 0.35) / (0.3 - min(self.ee_pos[2], 0.3))"
-CFG = BeginningsCfg(most_s=1.2, controller=replace(ControllerCfg(horizon=20), mppi=replace(KnotMppiCfg(), samples=8)))
+CFG = ImaginedRunCfg(most_s=1.2, controller=replace(ControllerCfg(horizon=20), mppi=replace(KnotMppiCfg(), samples=8)))
 
 
 def strategy(one, code=UP, done="self.ee_pos[2] > 0.28"):

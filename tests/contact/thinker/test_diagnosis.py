@@ -3,6 +3,8 @@ import pytest
 from histories import TOOL, history, sliding
 
 from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent
+from coral.contact.thinker.evidence import collect_evidence
+from coral.contact.thinker.plan_note import PlanNote
 
 BOX = (0.1, 0.0, 0.03)
 AHEAD = (0.0, 0.0, 0.33)
@@ -82,6 +84,52 @@ def test_a_hand_that_presses_hard_against_what_lies_still_is_blocked_and_one_tha
     assert felt(35.0, steps=110, told=AHEAD, surprise_m=0.1, box=sliding(1.0)) == "moved-otherwise"
     assert felt(3.0, steps=110, told=AHEAD) == "not-moved"
     assert felt(35.0, steps=20, told=AHEAD) == "not-moved"
+
+
+def judged(steps, notes):
+    return diagnose(steps, "box", 0, 0.0, collect_evidence(steps, notes, "box", np.full(3, 0.06), 0.0))
+
+
+def plans(steps, *touched):
+    return [PlanNote(step.after.time_s, "reach", {}, {"hand": touched}) for step in steps[::4]]
+
+
+def test_a_hand_that_went_away_untouched_is_told_of_a_wrong_sign():
+    away = history(
+        100, box=BOX, tool=lambda k: (0.0, 0.0, 0.2 + 0.002 * k), told=lambda k: (0.0, 0.0, 0.23 + 0.002 * k)
+    )
+    assert judged(away, plans(away)) == "led-away"
+    nearer = history(
+        100, box=BOX, tool=lambda k: (0.0, 0.0, 0.4 - 0.002 * k), told=lambda k: (0.0, 0.0, 0.37 - 0.002 * k)
+    )
+    assert judged(nearer, plans(nearer)) == "not-reached"
+
+
+def test_a_hand_that_stands_behind_its_commands_and_feels_nothing_is_out_of_reach():
+    behind = history(110, box=BOX, told=(0.0, 0.0, 0.35))
+    assert judged(behind, plans(behind)) == "out-of-reach"
+    assert judged(behind[:40], plans(behind[:40])) == "not-reached"
+
+
+def test_forces_where_nothing_is_believed_to_be_tell_of_a_wrong_pose():
+    steps = history(110, box=BOX, force=(5.0, 0.0, 0.0), told=AHEAD)
+    assert judged(steps, plans(steps)) == "pose-wrong"
+    assert judged(steps, plans(steps, "table")) == "not-moved"
+
+
+def test_a_hand_at_rest_that_presses_on_what_does_not_move_is_not_settled():
+    steps = history(110, box=BOX, force=(3.0, 0.0, 0.0))
+    assert judged(steps, plans(steps, "box")) == "not-moved"
+    assert judged(steps, plans(steps, "table")) == "settled"
+
+
+def test_commands_that_wander_about_a_hand_at_rest_lead_it_nowhere():
+    steps = history(110, box=BOX, told=lambda k: (0.03 * (-1) ** k, 0.0, 0.3))
+    assert judged(steps, plans(steps)) == "settled"
+
+
+def test_no_diagnosis_claims_an_obstacle_that_was_not_felt():
+    assert "in its way" not in TEXTS["not-reached"]
 
 
 def test_rows_carry_the_cost_of_their_own_plan():

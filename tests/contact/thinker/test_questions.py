@@ -1,18 +1,25 @@
 """What goes with each question, and what becomes of refused answers; the way through them is in test_thinker.py."""
 
+import dataclasses
+
 import pytest
 
 from coral.advisor.question import AdvisorUnavailable, Reply
+from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
+from coral.contact.plan.imagined_run import ImaginedRunCfg
+from coral.contact.plan.plan_revision import PlanRevision
 from coral.contact.rules.answers import RULES
 from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.thinker import questions as questioning
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import TEXTS
 from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
+from coral.mppi.knots import KnotMppiCfg
 
 
 class Careless:
@@ -79,7 +86,7 @@ def test_the_rules_know_nothing_that_the_prompt_does_not_show(ask, kind, task):
     questions.update_facts(one.now)
     questions.diagnoses.append("slipped")
     history = dict.fromkeys(("stage", "diagnosis", "code", "error"), "") | dict.fromkeys(
-        ("corrected", "history", "terms"), ()
+        ("evidence", "corrected", "history", "terms"), ()
     )
     plan = questions.ask_repair(one.now, {**history, "attempts": 3, "diagnosis": TEXTS["slipped"]})
     questions.ask_plan(one.now)
@@ -116,6 +123,7 @@ def test_what_is_advised_of_an_accepted_plan_is_told_and_shown_in_its_repair(ask
             "attempts": 3,
             "stage": "",
             "diagnosis": "",
+            "evidence": [],
             "corrected": [],
             "history": [],
             "terms": [],
@@ -158,7 +166,7 @@ def test_a_question_about_the_plan_carries_what_went_wrong_so_far(ask):
     advisor = Careless()
     one, questions, _ = ask(advisor)
     questions.diagnoses.append("slipped")
-    known = {"stage": "", "diagnosis": "", "corrected": [], "terms": []}
+    known = {"stage": "", "diagnosis": "", "evidence": [], "corrected": [], "terms": []}
     questions.ask_repair(one.now, {**known, "attempts": 3, "history": [], "code": "x = 1", "error": ""})
     assert advisor.asked("cost-repair").facts["diagnoses"] == ["slipped"]
     assert "x = 1" in advisor.asked("cost-repair").prompt
@@ -196,3 +204,70 @@ def test_a_refused_answer_about_everything_leaves_no_belief_behind(ask):
     assert questions.ask_everything(one.now) is None
     assert questions.beliefs == before
     assert dict(told)["beliefs"]["box"][1] != 0.77
+
+
+UP = "def state_cost(self):\n    return {{'rise': abs(self.ee_pos[2] - {height})}}"
+
+
+class Reviser(Careless):
+    """The default advisor; after a rehearsal it gives these answers in turn."""
+
+    def __init__(self, *answers):
+        super().__init__()
+        self.answers = list(answers)
+
+    async def answer(self, question, rejections):
+        if question.kind == "plan-revision":
+            self.questions.append(question)
+            return Reply(value=self.answers.pop(0), raw="")
+        return await super().answer(question, rejections)
+
+
+@pytest.fixture
+def short_rehearsals(monkeypatch):
+    """A rehearsal of a few plans."""
+    mppi = dataclasses.replace(KnotMppiCfg(), samples=6)
+    cfg = ImaginedRunCfg(most_s=0.4, controller=ControllerCfg(horizon=10, mppi=mppi))
+    monkeypatch.setattr(questioning, "ImaginedRunCfg", lambda: cfg)
+
+
+def rehearsed(ask, advisor, **cfg):
+    one, questions, told = ask(advisor, **cfg)
+    questions.update_facts(one.now)
+    plan = PlanAnswer(code=UP.format(height=0.35))
+    return plan, questions.revise_plan(plan, one.now), [fields for event, fields in told if event == "rehearsal"]
+
+
+def test_without_rehearsals_a_plan_is_followed_as_it_is(ask):
+    advisor = Reviser()
+    plan, followed, told = rehearsed(ask, advisor)
+    assert (followed, told, advisor.questions) == (plan, [], [])
+
+
+def test_the_author_of_a_plan_sees_its_rehearsal_and_may_replace_it(ask, short_rehearsals):
+    better = UP.format(height=0.3)
+    advisor = Reviser(PlanRevision(code="def state_cost(self):\n    return self.cup_pos[0]"), PlanRevision(code=better))
+    _, followed, (told,) = rehearsed(ask, advisor, rehearsals=1)
+    assert followed.code == better
+    assert (told["kept"], told["source"], len(told["refused"])) == (False, "advisor", 1)
+    assert [row["stage"] for row in told["stages"]] == ["task"]
+    question = advisor.asked("plan-revision")
+    assert '"began_s": 0.0' in question.prompt
+    assert "abs(self.ee_pos[2] - 0.35)" in question.prompt
+    assert "rehearsal" in [picture.name for picture in question.pictures]
+
+
+def test_a_plan_is_revised_until_it_is_kept_and_at_most_so_often(ask, short_rehearsals):
+    plans = [PlanRevision(code=UP.format(height=height)) for height in (0.3, 0.32, 0.33)]
+    advisor = Reviser(*plans)
+    assert rehearsed(ask, advisor, rehearsals=2)[1].code == plans[1].code
+    keeper = Reviser(PlanRevision(keep=True))
+    plan, followed, told = rehearsed(ask, keeper, rehearsals=2)
+    assert followed is plan
+    assert [fields["kept"] for fields in told] == [True]
+
+
+def test_the_rules_keep_their_plan_and_say_that_they_read_no_rehearsal(ask, short_rehearsals):
+    plan, followed, (told,) = rehearsed(ask, Careless(), rehearsals=1)
+    assert followed is plan
+    assert told["explanation"] == "The rules do not read rehearsals."

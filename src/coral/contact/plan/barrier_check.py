@@ -25,6 +25,9 @@ FINE_M = 1e-4
 BEYOND, CLEAR_M = 160, 0.02
 """Number of places at this distance and more, the cheapest ones, from which a place cheaper than before the jump is
 searched."""
+CHEAPER = 0.02
+"""A place is cheaper if it saves this share of the jump: a descent ends a step short of the jump, and another place as
+far from the object must not count as a way through."""
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 """The palm pointing down."""
 TURNS: tuple[Array, ...] = tuple(
@@ -82,11 +85,12 @@ def _wall_around(
     away = SPACING_M * np.arange(1, round(cfg.beyond_m / SPACING_M) + 1)
     rays = end + away[None, :, None] * DIRECTIONS[:, None, :]
     found = cost_at(cost, values, rays.reshape(-1, 3)).reshape(rays.shape[:2])
-    if found.min() < reached - 0.1 * least:
-        return None
     path = np.concatenate([np.full((len(found), 1), reached), found], axis=1)
     near = round(EDGE_M / SPACING_M)
     rises = np.diff(path[:, : near + 1], axis=1)
+    cheaper = reached - max(0.1 * least, CHEAPER * float(rises.max()))
+    if found.min() < cheaper:
+        return None
     for ray, step in np.argwhere(rises >= least):
         begin = end + step * SPACING_M * DIRECTIONS[ray]
         if nearest_object(values, begin)[1] > cfg.near_m or not _goes_to_object(values, begin, DIRECTIONS[ray]):
@@ -98,7 +102,7 @@ def _wall_around(
             deep = away >= CLEAR_M
             order = np.argsort(found[:, deep].ravel(), kind="stable")[:BEYOND]
             lowest = descend(cost, values, rays[:, deep].reshape(-1, 3)[order], STRIDES[1:])[2].min()
-            return None if lowest < reached - 0.1 * least else (fine[at], fine[at + 1], float(change[at]))
+            return None if lowest < cheaper else (fine[at], fine[at + 1], float(change[at]))
     return None
 
 

@@ -33,8 +33,8 @@ class CostCheckCfg:
     """Widest opening of the fingers (Panda hand); they can straddle a narrower object."""
     jump: float = 0.05
     """Rise of the cost at one place that counts as a barrier, relative to its fall on the way there."""
-    near_m: float = 0.06
-    """A barrier around an object lies at most this far from its surface."""
+    near_m: float = 0.3
+    """A barrier around an object lies at most this far from its surface: a hand begins some 0.2 m away."""
     beyond_m: float = 0.12
     """The planner finds its way through a barrier if something within this distance is cheaper."""
 

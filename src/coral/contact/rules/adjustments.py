@@ -21,7 +21,16 @@ def adjustment_after(diagnoses: Sequence[str]) -> SkillAdjustment:
             )
         elif kind == "not-moved":
             adjustment = replace(adjustment, press=min(adjustment.press * 1.6, 3.0))
-        elif kind in ("not-reached", "settled", "blocked", "no-progress", "cost-error"):
+        elif kind in (
+            "not-reached",
+            "led-away",
+            "out-of-reach",
+            "pose-wrong",
+            "settled",
+            "blocked",
+            "no-progress",
+            "cost-error",
+        ):
             adjustment = replace(adjustment, turn=adjustment.turn + 1)
         else:
             adjustment = replace(adjustment, careful=max(0.5, 0.8 * adjustment.careful))

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from coral.advisor.question import AdvisorUnavailable, Rejection
 from coral.advisor.rules import Rule
 from coral.contact.plan.contact_regions import ObjectRegions, RegionsAnswer
+from coral.contact.plan.plan_revision import PlanRevision
 from coral.contact.plan.region_validation import UNTOUCHABLE
 from coral.contact.rules.adjustments import adjustment_after, change_words
 from coral.contact.rules.composition import Composed, compose
@@ -81,6 +82,10 @@ def _repair(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
     return made.model_copy(update={"explanation": words})
 
 
+def _keep_rehearsed(facts: PlanFacts, rejections: Sequence[Rejection]) -> BaseModel:
+    return PlanRevision(keep=True, explanation="The rules do not read rehearsals.")
+
+
 def _parameters(facts: CorrectionFacts, rejections: Sequence[Rejection]) -> BaseModel:
     fitted = facts["fitted"]
     if not fitted["better"]:
@@ -109,6 +114,7 @@ RULES: Mapping[str, Rule] = {
     "physical-parameters": _rule(estimate_parameters),
     "cost-function": _rule(_plan),
     "contact-regions": _rule(_regions),
+    "plan-revision": _rule(_keep_rehearsed),
     "cost-repair": _rule(_repair),
     "parameter-repair": _rule(_parameters),
     "object-poses": _rule(estimate_poses),

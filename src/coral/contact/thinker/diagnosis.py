@@ -3,19 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal, TypedDict
 
 import numpy as np
 
 from coral.contact.scene.observation import Transition
+from coral.contact.thinker.evidence import Evidence
+from coral.contact.thinker.plan_note import PlanNote
 
 Diagnosis = Literal[
-    "cost-error", "not-reached", "slipped", "settled", "blocked", "not-moved", "moved-otherwise", "no-progress"
+    "cost-error",
+    "not-reached",
+    "led-away",
+    "out-of-reach",
+    "pose-wrong",
+    "slipped",
+    "settled",
+    "blocked",
+    "not-moved",
+    "moved-otherwise",
+    "no-progress",
 ]
 TEXTS: Mapping[Diagnosis, str] = {
     "cost-error": "the cost could not be evaluated",
-    "not-reached": "the hand never touched the object: something is in its way, or the way in is wrong",
+    "not-reached": "the hand never touched the object, and felt nothing that held it back: its cost does not lead it "
+    "there, or the way in is wrong",
+    "led-away": "the hand never touched the object and went away from it: a term of the cost has the wrong sign, or "
+    "rewards the distance",
+    "out-of-reach": "the hand stays behind its commands although it feels nothing: the arm does not reach so far",
+    "pose-wrong": "the hand feels forces where nothing is near it by the believed poses: an object is not where it is "
+    "believed to be",
     "slipped": "contact was made and lost again and again",
     "settled": "the hand stays where it was told to be, and the stage does not end there: its cost leads to a "
     "wrong place, or the condition that ends it is wrong",
@@ -38,20 +55,6 @@ BLOCKED_N = 20.0
 """More than friction takes to push anything that the hand could lift, and half of what it yields to."""
 
 
-@dataclass(frozen=True)
-class PlanNote:
-    """What is known of one plan of the inner loop."""
-
-    time_s: float
-    """Time of the plan."""
-    stage: str
-    """The planned stage."""
-    terms: Mapping[str, float]
-    """Expected value of each term of its cost over the horizon."""
-    touched: Mapping[str, tuple[str, ...]]
-    """What the parts of the hand touched, as measured."""
-
-
 class HistoryRow(TypedDict):
     """One control step as prompts and events show it: metres, newtons, world frame, quaternions (w, x, y, z).
 
@@ -72,7 +75,19 @@ class HistoryRow(TypedDict):
     cost: float | None
 
 
-def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: float) -> Diagnosis:
+LOST_M = 0.05
+"""A hand that ended so much farther from the object than it was went away from it."""
+BEHIND_M = 0.02
+"""A hand at rest that is so far behind its commands is held back."""
+UNEXPLAINED = 0.5
+"""Share of the felt forces without anything near from which a pose is doubted; tracked poses are off by millimetres."""
+FELT_PLANS = 0.2
+"""Share of the plans at which a force must have been felt to doubt a pose."""
+
+
+def diagnose(
+    steps: Sequence[Transition], name: str, returns: int, surprise_m: float, evidence: Evidence | None = None
+) -> Diagnosis:
     """Diagnose the last part of an episode.
 
     Args:
@@ -80,12 +95,15 @@ def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: f
         name: The object concerned.
         returns: Number of times that the plan fell back to an earlier stage.
         surprise_m: Distance between the object and its predicted position after one step, summed over a second.
+        evidence: What the record says besides; None judges by the steps alone.
     """
     if returns >= 2:
         return "slipped"
     if not steps:
         return "no-progress"
-    if _is_settled(steps):
+    if evidence is not None and evidence.felt >= FELT_PLANS and evidence.unexplained >= UNEXPLAINED:
+        return "pose-wrong"
+    if _is_settled(steps) and not _presses_in_vain(evidence):
         return "settled"
     if _blocked(steps, name):
         return "blocked"
@@ -94,6 +112,11 @@ def diagnose(steps: Sequence[Transition], name: str, returns: int, surprise_m: f
     if surprise_m > 0.03:
         return "moved-otherwise"
     if felt.max() < 0.5:
+        if evidence is not None and not evidence.touched:
+            if evidence.last_m > evidence.first_m + LOST_M:
+                return "led-away"
+            if _is_held_back(steps):
+                return "out-of-reach"
         return "not-reached"
     if moved < STILL_M and felt.mean() > 1.0:
         return "not-moved"
@@ -116,8 +139,29 @@ def _is_settled(steps: Sequence[Transition]) -> bool:
         [[step.after.tool.position, *(body.position for body in step.after.objects.values())] for step in last]
     )
     drift = places[np.logical_not(earlier)].mean(axis=0) - places[earlier].mean(axis=0)
-    ahead = np.mean([np.linalg.norm(step.command.position - step.after.tool.position) for step in last])
-    return bool(np.linalg.norm(drift, axis=1).max() < REST_M and ahead < AHEAD_M)
+    # Commands of a sampling planner wander about the hand: only what is left in the mean leads it anywhere.
+    ahead = np.mean([step.command.position - step.after.tool.position for step in last], axis=0)
+    return bool(np.linalg.norm(drift, axis=1).max() < REST_M and np.linalg.norm(ahead) < AHEAD_M)
+
+
+def _presses_in_vain(evidence: Evidence | None) -> bool:
+    """Check whether the hand has pressed on the object for most of the record, and it hardly moved."""
+    return evidence is not None and (
+        evidence.touched >= 0.5 and evidence.force_mean_n > 1.0 and evidence.moved_m < STILL_M
+    )
+
+
+def _is_held_back(steps: Sequence[Transition]) -> bool:
+    """Check whether the hand has stood still behind its commands for a while."""
+    end_s = steps[-1].after.time_s
+    last = [step for step in steps if step.after.time_s > end_s - REST_S]
+    if end_s - steps[0].before.time_s < REST_S - 1e-9:
+        return False
+    places = np.array([step.after.tool.position for step in last])
+    behind = np.mean([step.command.position - step.after.tool.position for step in last], axis=0)
+    return bool(
+        np.linalg.norm(places - places.mean(axis=0), axis=1).max() < REST_M and np.linalg.norm(behind) > BEHIND_M
+    )
 
 
 def _blocked(steps: Sequence[Transition], name: str) -> bool:

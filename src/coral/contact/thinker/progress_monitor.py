@@ -10,7 +10,7 @@ import numpy as np
 
 from coral.config import Count, Fraction, NonNegative, Positive
 from coral.contact.scene.observation import Array, Transition
-from coral.contact.thinker.diagnosis import PlanNote
+from coral.contact.thinker.plan_note import PlanNote
 from coral.contact.thinker.strategist import PlanReport
 
 

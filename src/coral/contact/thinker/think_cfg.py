@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.fallback import FOR_RUNS, Fallback
@@ -32,6 +34,9 @@ class ThinkCfg:
     """Whether to ask for contact regions. Off (`no-regions`): the same plan, but the samples are not guided."""
     refine: bool = True
     """Whether to ask for another plan when stuck. Off: `no-refinement`."""
+    rehearsals: Annotated[int, Field(ge=0, le=2)] = 0
+    """How often a new plan is rehearsed in the planning world and shown to its author, who may revise it, before the
+    robot moves. 0 by default: the rules ignore rehearsals and would pay their time, and recordings hold no answer."""
     unified: bool = False
     """Whether to ask one question for everything (the paper's unified VLM)."""
     tracking: bool = True

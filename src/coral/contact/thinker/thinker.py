@@ -27,7 +27,8 @@ from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
 from coral.contact.thinker.correction_schedule import CorrectionSchedule
-from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent, recent_terms
+from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose, recent, recent_terms
+from coral.contact.thinker.evidence import collect_evidence
 from coral.contact.thinker.pose_question import ask_poses
 from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
@@ -36,6 +37,9 @@ from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinking_clock import Thinking
 from coral.contact.world_model.history import most_informative_object
 from coral.errors import RunError
+
+TELL_NOTHING: frozenset[Diagnosis] = frozenset({"led-away", "out-of-reach", "pose-wrong", "not-reached"})
+"""Diagnoses whose history tells nothing about mass and friction: nothing was pushed, or not where it was believed."""
 
 
 class Thinker:
@@ -84,6 +88,7 @@ class Thinker:
         self._recalled: PlanAnswer | None = None
         self._history: list[Transition] = []
         self._corrected: list[str] = []
+        self._evidence: list[str] = []
         self._trial: Trial
         self._world: PlanningWorld
         self._plan: PlanAnswer
@@ -153,7 +158,8 @@ class Thinker:
         if strategy is not None:
             return strategy
         self._last_good, self._failure = self._new_last_good(), None  # a rejected plan must not take over
-        self._plan = questions.ask_plan(first) or questions.plan_by_rules()
+        asked = questions.ask_plan(first)
+        self._plan = questions.plan_by_rules() if asked is None else questions.revise_plan(asked, first)
         self._regions = questions.ask_regions(self._plan)
         return self._strategy("asked")
 
@@ -287,6 +293,7 @@ class Thinker:
             "attempts": self._monitor.attempts,
             "stage": self._monitor.stage,
             "diagnosis": self._diagnosis_text(),
+            "evidence": list(self._evidence),
             "corrected": list(self._corrected),
             "history": recent(steps, costs, name, notes=self._monitor.notes),
             "terms": recent_terms(self._monitor.notes),
@@ -305,7 +312,14 @@ class Thinker:
         """Diagnose, correct the world model, ask for a better plan."""
         monitor, now = self._monitor, report.now
         name = most_informative_object(monitor.steps) or next(iter(self._questions.sizes))
-        kind = diagnose(monitor.steps, name, monitor.returns, monitor.surprise_m.get(name, 0.0))
+        surprise_m = monitor.surprise_m.get(name, 0.0)
+        found = (
+            collect_evidence(monitor.steps, monitor.notes, name, self._questions.sizes[name], surprise_m)
+            if monitor.steps
+            else None
+        )
+        kind = diagnose(monitor.steps, name, monitor.returns, surprise_m, found)
+        self._evidence = [] if found is None else found.sentences()
         self._repairs += 1
         self._emit(
             "stuck",
@@ -314,10 +328,12 @@ class Thinker:
             object=name,
             diagnosis=kind,
             text=TEXTS[kind],
+            evidence=self._evidence,
             cost=round(report.plan.cost, 4),
             history=recent(monitor.steps, monitor.costs, name),
         )
-        corrected = not self.cfg.unified and self._correct(name, now)
+        tells = kind not in TELL_NOTHING
+        corrected = tells and not self.cfg.unified and self._correct(name, now)
         now = self._questions.present(now)  # a later one if the advisor took time to answer
         self._questions.update_facts(now)
         if corrected and kind == "moved-otherwise":

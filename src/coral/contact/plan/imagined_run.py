@@ -1,0 +1,78 @@
+"""A plan followed in the planning world, before the robot moves: the control loop with few samples, in imagination."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from coral.config import Count, Positive
+from coral.contact.control.mppi_controller import Controller, ControllerCfg, HandPlan
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.control.prediction import state_after
+from coral.contact.cost.stages import Progress, Strategy
+from coral.contact.cost_program.errors import CostError
+from coral.contact.scene.observation import Observation
+from coral.mppi.knots import KnotMppiCfg
+
+SEED = 20_261
+"""The same samples at every call: one plan has one rehearsal."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImaginedRunCfg:
+    """Length and effort of the rehearsal."""
+
+    most_s: Positive = 6.0
+    """Simulated time."""
+    replan_steps: Count = 4
+    """Control steps between two plans."""
+    controller: ControllerCfg = field(
+        default_factory=lambda: replace(ControllerCfg(), mppi=replace(KnotMppiCfg(), samples=16))
+    )
+    """The planner, with few samples: where a stage begins is to be known to a centimetre or two."""
+
+
+@dataclass(frozen=True, eq=False)
+class ImaginedMoment:
+    """The moment of one plan."""
+
+    now: Observation
+    """The state for which the plan was made."""
+    stage: str
+    """The planned stage."""
+    next_stage: str
+    """The active stage after the conditions were tested: the same one, the next one, or one that it falls back to."""
+    plan: HandPlan
+    """The plan; its `now` holds the quantities of the state, the contacts too."""
+
+
+def imagine(
+    world: PlanningWorld, strategy: Strategy, now: Observation, cfg: ImaginedRunCfg | None = None
+) -> Iterator[ImaginedMoment]:
+    """Follow a plan in the planning world, under the best belief.
+
+    The run ends after `most_s`, where no rehearsal is valid, and where a cost cannot be evaluated.
+
+    Args:
+        world: The planning world with its beliefs.
+        strategy: The plan.
+        now: The present state.
+        cfg: Length and effort.
+    """
+    cfg = cfg or ImaginedRunCfg()
+    controller = Controller(world, cfg.controller, np.random.default_rng(SEED))
+    progress = Progress(strategy)
+    for step in range(0, round(cfg.most_s / world.cfg.step_s), cfg.replan_steps):
+        stage = progress.stage
+        try:
+            plan = controller.plan(now, stage, step)
+            if not plan.update.ok:
+                return
+            progress.update(plan.now)
+        except CostError:
+            return
+        yield ImaginedMoment(now, stage.name, progress.stage.name, plan)
+        now = state_after(world, now, plan.targets[: cfg.replan_steps], step)
+        controller.executed(plan.targets[cfg.replan_steps - 1], cfg.replan_steps)

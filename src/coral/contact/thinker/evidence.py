@@ -1,0 +1,133 @@
+"""What the record of an attempt says about it: the evidence for a diagnosis, in numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from coral.contact.scene.geometry import conjugate, multiply, rotation_of, to_rotvec
+from coral.contact.scene.observation import Array, BodyState, Transition
+from coral.contact.thinker.plan_note import PlanNote
+
+FELT_N = 1.0
+"""A force above this is a touch of something."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The record of the last seconds, about one object."""
+
+    name: str
+    """The object."""
+    seconds: float
+    """Length of the record."""
+    first_m: float
+    """Distance of the tool from the object's bounding box at the beginning."""
+    least_m: float
+    """The smallest one."""
+    last_m: float
+    """The one at the end."""
+    touched: float
+    """Share of the plans at which the hand touched the object, as measured."""
+    others: tuple[str, ...]
+    """What else the hand touched at a quarter of the plans or more."""
+    felt: float
+    """Share of the plans at which the hand felt a force."""
+    unexplained: float
+    """Share of these at which it touched nothing, by the believed poses."""
+    force_mean_n: float
+    """Mean force on the hand."""
+    force_peak_n: float
+    """Its peak."""
+    moved_m: float
+    """Distance of the object from where it was at the beginning."""
+    turned_deg: float
+    """Its turn."""
+    lag_m: float
+    """Mean distance of the hand from its commands."""
+    surprise_m: float
+    """Distance of the object from where plans predicted it, summed with a decay of a second."""
+    largest_term: str
+    """The term that held the cost up at the end; "" if unknown."""
+    largest_share: float
+    """Its share of the sum of all terms' magnitudes."""
+
+    def sentences(self) -> list[str]:
+        """Return the evidence in sentences, for prompts and events."""
+        least_cm = 100 * self.least_m
+        reach = f"In the last {self.seconds:.1f} s the hand came no nearer than {least_cm:.1f} cm to the {self.name}"
+        if self.touched:
+            reach = f"The hand touched the {self.name} for {100 * self.touched:.0f} % of the last {self.seconds:.1f} s"
+        told = [
+            f"{reach}; its distance went from {100 * self.first_m:.1f} to {100 * self.last_m:.1f} cm.",
+            f"It felt {self.force_mean_n:.1f} N in the mean and {self.force_peak_n:.1f} N at most, and was "
+            f"{1000 * self.lag_m:.0f} mm from its commands in the mean.",
+            f"The {self.name} moved {1000 * self.moved_m:.0f} mm and turned {self.turned_deg:.0f} degrees.",
+        ]
+        if self.others:
+            told.append(f"It also touched: {', '.join(self.others)}.")
+        if self.felt and self.unexplained:
+            told.append(
+                f"At {100 * self.unexplained:.0f} % of the times at which it felt a force, nothing was near it by the "
+                "believed poses."
+            )
+        if self.largest_term:
+            told.append(f"The term {self.largest_term!r} makes up {100 * self.largest_share:.0f} % of the cost.")
+        return told
+
+
+def collect_evidence(
+    steps: Sequence[Transition], notes: Sequence[PlanNote], name: str, size: Array, surprise_m: float
+) -> Evidence:
+    """Collect what a record says.
+
+    Args:
+        steps: Control steps, at least one.
+        notes: Notes about the plans of that time.
+        name: The object.
+        size: Full extents of its bounding box, Shape=(3,) m.
+        surprise_m: See `Evidence.surprise_m`.
+    """
+    away = [_outside(step.after.objects[name], size, step.after.tool.position) for step in steps]
+    force = [float(np.linalg.norm(step.after.wrench[:3])) for step in steps]
+    first, last = steps[0].before.objects[name], steps[-1].after.objects[name]
+    ends = np.array([step.after.time_s for step in steps])
+    touched, others, felt, unexplained = 0, dict[str, int](), 0, 0
+    for note in notes:
+        things = {thing for each in note.touched.values() for thing in each}
+        touched += name in things
+        for thing in things - {name}:
+            others[thing] = others.get(thing, 0) + 1
+        if force[min(int(np.searchsorted(ends, note.time_s - 1e-9)), len(force) - 1)] > FELT_N:
+            felt += 1
+            unexplained += not things
+    terms = dict(notes[-1].terms) if notes else {}
+    largest = max(terms, key=lambda term: abs(terms[term]), default="")
+    whole = sum(abs(value) for value in terms.values())
+    return Evidence(
+        name=name,
+        seconds=steps[-1].after.time_s - steps[0].before.time_s,
+        first_m=_outside(first, size, steps[0].before.tool.position),
+        least_m=min(away),
+        last_m=away[-1],
+        touched=touched / max(len(notes), 1),
+        others=tuple(sorted(thing for thing, count in others.items() if 4 * count >= len(notes))),
+        felt=felt / max(len(notes), 1),
+        unexplained=unexplained / max(felt, 1),
+        force_mean_n=float(np.mean(force)),
+        force_peak_n=max(force),
+        moved_m=float(np.linalg.norm(last.position - first.position)),
+        turned_deg=float(np.degrees(np.linalg.norm(to_rotvec(multiply(conjugate(first.quaternion), last.quaternion))))),
+        lag_m=float(np.mean([np.linalg.norm(step.command.position - step.after.tool.position) for step in steps])),
+        surprise_m=surprise_m,
+        largest_term=largest,
+        largest_share=abs(terms[largest]) / whole if whole else 0.0,
+    )
+
+
+def _outside(body: BodyState, size: Array, point: Array) -> float:
+    """Return the distance of a point from an object's bounding box, about the object's position; 0 inside."""
+    local = np.abs(rotation_of(body.quaternion).T @ (point - body.position))
+    return float(np.linalg.norm(np.maximum(local - np.asarray(size) / 2, 0.0)))

@@ -1,0 +1,20 @@
+"""What is kept of each plan of the inner loop, for diagnoses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class PlanNote:
+    """What is known of one plan of the inner loop."""
+
+    time_s: float
+    """Time of the plan."""
+    stage: str
+    """The planned stage."""
+    terms: Mapping[str, float]
+    """Expected value of each term of its cost over the horizon."""
+    touched: Mapping[str, tuple[str, ...]]
+    """What the parts of the hand touched, as measured."""

@@ -1,0 +1,34 @@
+from dataclasses import replace
+
+import numpy as np
+
+from coral.contact.control.mppi_controller import ControllerCfg
+from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, make_strategy
+from coral.contact.plan.imagined_run import ImaginedRunCfg, imagine
+from coral.mppi.knots import KnotMppiCfg
+
+UP = "def state_cost(self):\n    return abs(self.ee_pos[2] - 0.35)"
+BAD = "def state_cost(self):\n    return abs(self.ee_pos[2] - 0.35) / (0.26 - min(self.ee_pos[2], 0.26))"
+CFG = ImaginedRunCfg(most_s=0.8, controller=replace(ControllerCfg(horizon=20), mppi=replace(KnotMppiCfg(), samples=8)))
+
+
+def moments(one, code=UP, done="self.ee_pos[2] > 0.28"):
+    stages = [StageAnswer(name="rise", code=code, done=done), StageAnswer(name="stay", code=UP)]
+    plan = make_strategy("x", PlanAnswer(stages=stages), None, one.world.schema, one.sizes)
+    return list(imagine(one.world, plan, one.now, CFG))
+
+
+def test_the_plan_is_followed_from_the_present_state(scene):
+    one = scene("pick-box")
+    seen = moments(one)
+    assert seen[0].now is one.now
+    np.testing.assert_allclose(np.diff([moment.now.time_s for moment in seen]), 0.08)
+    assert [moment.stage for moment in seen] == sorted(moment.stage for moment in seen)
+    (change,) = [moment for moment in seen if moment.stage != moment.next_stage]
+    assert (change.stage, change.next_stage) == ("rise", "stay")
+    assert seen[-1].now.tool.position[2] > 0.27 > one.now.tool.position[2]
+
+
+def test_a_cost_that_fails_ends_the_run(scene):
+    one = scene("pick-box")
+    assert len(moments(one, BAD, "self.ee_pos[2] > 0.34")) < len(moments(one))

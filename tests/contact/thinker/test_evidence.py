@@ -1,0 +1,51 @@
+import numpy as np
+import pytest
+from histories import history, sliding
+
+from coral.contact.thinker.evidence import collect_evidence
+from coral.contact.thinker.plan_note import PlanNote
+
+SIZE = np.array([0.06, 0.06, 0.06])
+BOX = (0.0, 0.0, 0.03)
+
+
+def note(time_s, *touched, terms=None):
+    return PlanNote(time_s, "push", terms or {}, {"left": touched, "right": (), "hand": ()})
+
+
+def evidence(steps, notes=()):
+    return collect_evidence(steps, notes, "box", SIZE, 0.02)
+
+
+def coming_down(k):
+    return (0.0, 0.0, 0.26 - 0.001 * k)
+
+
+def test_distances_are_measured_to_the_objects_box():
+    found = evidence(history(100, box=BOX, tool=coming_down, told=lambda k: np.array(coming_down(k)) - [0, 0, 0.004]))
+    assert (found.first_m, found.least_m, found.last_m) == pytest.approx((0.2, 0.1, 0.1))
+    assert found.lag_m == pytest.approx(0.003)
+    assert (found.seconds, found.moved_m, found.surprise_m) == pytest.approx((2.0, 0.0, 0.02))
+    assert "no nearer than 10.0 cm to the box" in found.sentences()[0]
+
+
+def test_touches_of_the_object_and_of_others_are_shares_of_the_plans():
+    notes = [note(0.5, "box"), note(1.0, "box", "table"), note(1.5), note(2.0)]
+    found = evidence(history(100, box=sliding(0.5), force=(3.0, 0.0, 0.0)), notes)
+    assert (found.touched, found.others, found.moved_m) == (0.5, ("table",), pytest.approx(0.05))
+    told = " ".join(found.sentences())
+    assert "touched the box for 50 % of the last 2.0 s" in told
+    assert "It also touched: table." in told
+
+
+def test_a_force_with_nothing_near_is_unexplained():
+    pushed = history(100, box=BOX, force=lambda k: (3.0 if k > 50 else 0.0, 0.0, 0.0))
+    found = evidence(pushed, [note(0.4), note(1.4, "box"), note(1.8)])
+    assert (found.felt, found.unexplained) == (pytest.approx(2 / 3), 0.5)
+    assert (found.force_peak_n, evidence(pushed).felt) == (3.0, 0.0)
+
+
+def test_the_largest_term_of_the_last_plan_is_named():
+    found = evidence(history(10, box=BOX), [note(0.1, terms={"a": 9.0}), note(0.2, terms={"a": 1.0, "b": -3.0})])
+    assert (found.largest_term, found.largest_share) == ("b", 0.75)
+    assert "'b' makes up 75 % of the cost" in found.sentences()[-1]
