@@ -55,8 +55,8 @@ class ReefRun:
     sonar: bool = False
     """Give the vehicle an imaging sonar, a simulated Sonar 3D-15, whose obstacles go onto the map."""
     perception: Annotated[str | None, tyro.conf.arg(metavar="exact|rgb|FILE.onnx")] = None
-    """Where classes and depth come from: the ray caster (exact, the default), the network that comes with CORAL (rgb;
-    it finds obstacles, but no oysters yet) or one of yours, both on colour pictures alone."""
+    """Where classes and depth come from: the ray caster (exact, the default), the network that comes with CORAL (rgb)
+    or one of yours, both on colour pictures alone."""
     seed: int = 0
     """Seed of all random numbers."""
     fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()

@@ -72,7 +72,7 @@ class MissionCfg:
     robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
     perception: str = EXACT
     """Where classes and depth come from: exact, by the simulator's ray caster; rgb, from the colour pictures by the
-    network that comes with the package, which finds no oysters yet; or a network of your own, FILE.onnx."""
+    network that comes with the package; or a network of your own, FILE.onnx."""
     driver: str = "ddp-mppi"
     """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
     decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"

@@ -29,7 +29,7 @@ class TrainingCfg:
     batch: Count = 4
     rate: Positive = 2e-3
     """Largest learning rate: reached after a twentieth of the training, then falling along a cosine to 0."""
-    oyster_weight: Positive = 3.0
+    oyster_weight: Positive = 4.0
     """Weight of oyster pixels in the loss: they are few."""
     obstacle_weight: Positive = 2.0
     """The same for obstacles: to miss one is worse than to see one too many."""
