@@ -19,7 +19,9 @@ PROJECT = ("CONTRIBUTING.md", "CHANGELOG.md")
 
 SECTIONS = {
     "Reef": ["run-a-mission", "read-a-report", "watch-a-mission", "add-a-reef", "many-robots", "robustness",
-             "sonar-and-navigation", "run-on-a-bluerov2"],
+             "run-on-a-bluerov2"],
+    "Eyes and maps": ["underwater-pictures", "see-with-your-own-network", "sonar-and-navigation",
+                      "what-an-ecologist-takes-home", "map-a-recording"],
     "Contact": ["contact-run", "contact-mind", "contact-tasks", "contact-costs", "contact-libero",
                 "read-a-contact-report", "contact-perception", "contact-policy-server"],
     "Models": ["plug-in-a-model", "is-this-model-good-enough", "answer-as-the-operator"],
