@@ -138,4 +138,6 @@ def unpack(files: bytes, folder: Path) -> None:
     if files:
         folder.mkdir(parents=True)
         with tarfile.open(fileobj=io.BytesIO(files), mode="r:gz") as archive:
-            archive.extractall(folder, filter="data")
+            # Python before 3.11.4 has no filters; the archive is one of `pack`, from a node of the same cluster.
+            filtered: dict[str, Any] = {"filter": "data"} if hasattr(tarfile, "data_filter") else {}
+            archive.extractall(folder, **filtered)
