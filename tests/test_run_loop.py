@@ -1,3 +1,6 @@
+import os
+import signal
+
 import pytest
 
 from coral.run_loop import run_to_end, stoppable, timing_of
@@ -52,6 +55,22 @@ def test_an_interrupt_is_an_end_reason(stop, reason):
     with stoppable(run):
         raise stop
     assert run.end_reason == reason
+
+
+def test_an_interrupt_in_a_step_waits_for_its_end():
+    class Interrupted(Run):
+        whole = 0
+
+        def advance(self):
+            super().advance()
+            if self.steps == 2:
+                os.kill(os.getpid(), signal.SIGINT)
+            self.whole += 1
+
+    run = Interrupted()
+    with stoppable(run):
+        run_to_end(run, [])
+    assert (run.steps, run.whole, run.end_reason) == (2, 2, "stopped by the operator")
 
 
 def test_timing_by_hand():

@@ -8,6 +8,8 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
+from coral.interrupts import holding_interrupts, uninterrupted
+
 
 class Run(Protocol):
     """A mission or an episode: it advances until it has an end reason."""
@@ -36,9 +38,10 @@ class Observer(Protocol[R_contra]):
 
 
 def run_to_end(run: R, observers: Sequence[Observer[R]]) -> None:
-    """Advance a run until it ends or an observer stops it."""
+    """Advance a run until it ends or an observer stops it. An interrupt waits for the end of an `advance`."""
     while not run.end_reason:
-        run.advance()
+        with uninterrupted():
+            run.advance()
         for observer in observers:
             observer.tick(run)
             run.end_reason = run.end_reason or observer.stop_requested()
@@ -48,7 +51,8 @@ def run_to_end(run: R, observers: Sequence[Observer[R]]) -> None:
 def stoppable(run: Run) -> Iterator[None]:
     """Convert an interrupt to an end reason: its signal if it names one, else the operator."""
     try:
-        yield
+        with holding_interrupts():
+            yield
     except KeyboardInterrupt as stop:
         run.end_reason = str(stop) or "stopped by the operator"
 

@@ -17,6 +17,7 @@ from coral.advisor.latency import LatencyCfg, parse_latency
 from coral.advisor.preparation import PreparationThread
 from coral.advisor.question import AdvisorUnavailable, Withdrawn
 from coral.advisor.thread import AdvisorThread
+from coral.interrupts import interruptible
 
 R = TypeVar("R")
 
@@ -139,7 +140,8 @@ class SimulatedClock:
             ahead = (self._now_s - request.asked_s) - (time.monotonic() - request.asked_wall_s)
             if ahead > 0:
                 self.waited_s += ahead
-                time.sleep(ahead)
+                with interruptible():
+                    time.sleep(ahead)
 
     async def reply(self, asking: Callable[[], Coroutine[Any, Any, R]], timeout_s: float) -> R:
         """Ask on the advisor thread and return the reply when it is due on this clock.
@@ -264,7 +266,8 @@ class SimulatedClock:
         if may_be_due and (request.due_s is None or request.due_s <= request.deadline_s + TINY_S):
             if request.wait and not future.done():
                 began = time.monotonic()
-                wait([future], self._wall_timeout_s)
+                with interruptible():
+                    wait([future], self._wall_timeout_s)
                 self.waited_s += time.monotonic() - began
                 if not future.done():
                     parked.set_exception(

@@ -28,6 +28,7 @@ from coral.contact.thinker.think_cfg import resolved
 from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
+from coral.interrupts import interruptible
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter
 
@@ -136,14 +137,14 @@ class PolicyEpisode:
             both = np.concatenate([outside, wrist], axis=1)
             self.writer.bytes("seen.png", cv2.imencode(".png", both[..., ::-1])[1].tobytes())
         looked = time.perf_counter()
-        answer = self.policy.infer(
-            {
-                "observation/image": outside,
-                "observation/wrist_image": wrist,
-                "observation/state": libero.state(self.now, self.cfg.policy.libero),
-                "prompt": self.trial.task.instruction,
-            }
-        )
+        seen = {
+            "observation/image": outside,
+            "observation/wrist_image": wrist,
+            "observation/state": libero.state(self.now, self.cfg.policy.libero),
+            "prompt": self.trial.task.instruction,
+        }
+        with interruptible():
+            answer = self.policy.infer(seen)
         self.calls += 1
         self._look_ms.append(1e3 * (looked - begun))
         self._ask_ms.append(1e3 * (time.perf_counter() - looked))

@@ -1,0 +1,113 @@
+"""Ctrl-C between two steps of a run, not in the middle of one.
+
+Python raises an interrupt between any two instructions. In the middle of a control step it tears what the step was
+about: a coroutine made but not awaited, a row half written.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from types import FrameType
+from typing import Any
+
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+
+_Handler = Callable[[int, FrameType | None], Any]
+
+
+class _Gate:
+    """Passes signals on to the handlers that were there before, or holds the first one back."""
+
+    def __init__(self, handlers: dict[int, _Handler]) -> None:
+        self._handlers = handlers
+        self._held: tuple[int, FrameType | None] | None = None
+        self.closed = False
+
+    def receive(self, number: int, frame: FrameType | None) -> None:
+        """Handle a signal: hold it back if the gate is closed and nothing is held yet; else pass it on."""
+        if self.closed and self._held is None:
+            self._held = number, frame
+        else:
+            self._handlers[number](number, frame)
+
+    def open(self) -> None:
+        """Pass on what was held back.
+
+        Raises:
+            KeyboardInterrupt: Raised by the handler of the signal.
+        """
+        self.closed = False
+        held, self._held = self._held, None
+        if held is not None:
+            self._handlers[held[0]](*held)
+
+
+_gate: _Gate | None = None
+
+
+@contextlib.contextmanager
+def holding_interrupts() -> Iterator[None]:
+    """Allow the blocks of `uninterrupted` to hold signals back that have a handler, until this block ends.
+
+    No effect outside the main thread, which alone receives signals, and inside another such block.
+    """
+    global _gate
+    if _gate is not None or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: handler for number in SIGNALS if callable(handler := signal.getsignal(number))}
+    gate = _Gate(before)
+    try:
+        for number in before:
+            signal.signal(number, gate.receive)
+        _gate = gate
+        yield
+    finally:
+        _gate = None
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Hold an interrupt back until the block ends; a second one acts at once.
+
+    An error of the block takes precedence over an interrupt. Not to be nested.
+    """
+    gate = _here()
+    if gate is None:
+        yield
+        return
+    gate.closed = True
+    try:
+        yield
+    except BaseException:
+        gate.closed = False
+        raise
+    gate.open()
+
+
+@contextlib.contextmanager
+def interruptible() -> Iterator[None]:
+    """Let interrupts through while the block waits, inside `uninterrupted`.
+
+    Raises:
+        KeyboardInterrupt: One had been held back.
+    """
+    gate = _here()
+    if gate is None or not gate.closed:
+        yield
+        return
+    gate.open()
+    try:
+        yield
+    finally:
+        gate.closed = True
+
+
+def _here() -> _Gate | None:
+    """Return the gate, in the main thread only."""
+    return _gate if threading.current_thread() is threading.main_thread() else None

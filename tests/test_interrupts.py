@@ -1,0 +1,186 @@
+import os
+import signal
+import threading
+
+import pytest
+
+from coral.interrupts import holding_interrupts, interruptible, uninterrupted
+from coral.termination import Terminated, orderly_termination
+
+
+@pytest.fixture(autouse=True)
+def handlers():
+    """As in a process of its own; every block leaves the handlers as they were."""
+    ours = {
+        signal.SIGINT: signal.default_int_handler,
+        signal.SIGTERM: signal.SIG_DFL,
+        signal.SIGHUP: signal.SIG_DFL,
+    }
+    before = {number: signal.signal(number, handler) for number, handler in ours.items()}
+    yield
+    assert {number: signal.getsignal(number) for number in ours} == ours
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def interrupt(number=signal.SIGINT):
+    os.kill(os.getpid(), number)
+
+
+def test_an_interrupt_waits_for_the_end_of_the_step():
+    steps = []
+
+    def run():
+        with uninterrupted():
+            interrupt()
+            steps.append("whole")
+        steps.append("next")
+
+    with holding_interrupts(), pytest.raises(KeyboardInterrupt):
+        run()
+    assert steps == ["whole"]
+
+
+def test_the_signals_own_exception_is_raised():
+    numbers = []
+
+    def run():
+        with uninterrupted():
+            interrupt(signal.SIGTERM)
+            numbers.append(received.number)
+
+    with orderly_termination() as received, holding_interrupts(), pytest.raises(Terminated, match="SIGTERM"):
+        run()
+    assert numbers == [0]
+    assert received.exit_code(0) == 128 + signal.SIGTERM
+
+
+def test_a_second_interrupt_acts_at_once():
+    steps = []
+
+    def run():
+        with uninterrupted():
+            interrupt()
+            steps.append("held back")
+            interrupt()
+            steps.append("never")
+
+    with holding_interrupts(), pytest.raises(KeyboardInterrupt):
+        run()
+    assert steps == ["held back"]
+
+
+def interrupted_step():
+    with uninterrupted():
+        interrupt()
+
+
+def test_one_interrupt_ends_one_step_only():
+    with holding_interrupts():
+        with pytest.raises(KeyboardInterrupt):
+            interrupted_step()
+        with uninterrupted():
+            pass
+
+
+@pytest.mark.parametrize("when", ["before", "during"])
+def test_a_wait_lets_interrupts_through(when):
+    steps = []
+
+    def run():
+        with uninterrupted():
+            if when == "before":
+                interrupt()
+            steps.append("waits")
+            with interruptible():
+                interrupt()
+                steps.append("never")
+
+    with holding_interrupts(), pytest.raises(KeyboardInterrupt):
+        run()
+    assert steps == ["waits"]
+
+
+def test_after_a_wait_interrupts_are_held_back_again():
+    steps = []
+
+    def run():
+        with uninterrupted():
+            with interruptible():
+                pass
+            interrupt()
+            steps.append("whole")
+
+    with holding_interrupts(), pytest.raises(KeyboardInterrupt):
+        run()
+    assert steps == ["whole"]
+
+
+def interrupted_wait(steps):
+    with interruptible():
+        interrupt()
+        steps.append("never")
+
+
+def test_between_two_steps_an_interrupt_acts_at_once():
+    steps = []
+    with holding_interrupts(), pytest.raises(KeyboardInterrupt):
+        interrupted_wait(steps)
+    assert steps == []
+
+
+def test_an_error_of_the_step_takes_precedence():
+    def fail():
+        with uninterrupted():
+            interrupt()
+            raise ValueError("mine")
+
+    with holding_interrupts():
+        with pytest.raises(ValueError, match="mine"):
+            fail()
+        with pytest.raises(KeyboardInterrupt):
+            interrupted_step()
+
+
+def test_signals_without_a_handler_stay_alone():
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    with holding_interrupts(), uninterrupted():
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+        interrupt(signal.SIGHUP)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
+def test_without_a_gate_nothing_is_held_back():
+    steps = []
+
+    def run():
+        with uninterrupted():
+            interrupt()
+            steps.append("never")
+
+    with pytest.raises(KeyboardInterrupt):
+        run()
+    assert steps == []
+
+
+def test_other_threads_leave_the_gate_alone():
+    failures, steps = [], []
+
+    def beside():
+        try:
+            with holding_interrupts(), uninterrupted(), interruptible():
+                pass
+        except BaseException as error:
+            failures.append(error)
+
+    def run():
+        with uninterrupted():
+            interrupt()
+            thread = threading.Thread(target=beside)
+            thread.start()
+            thread.join()
+            steps.append("whole")
+
+    with holding_interrupts(), pytest.raises(KeyboardInterrupt):
+        run()
+    assert (failures, steps) == ([], ["whole"])
