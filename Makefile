@@ -8,7 +8,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-libero setup-blender demo test test-ray test-lance test-model test-libero test-ardusub test-blender check docs site figures bench clean help
+.PHONY: setup setup-libero setup-blender demo kernels test test-ray test-lance test-model test-libero test-ardusub test-blender check docs site figures bench clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -27,7 +27,14 @@ $(STAMP): pyproject.toml constraints.txt
 demo: setup  ## survey the S-shaped reef, make its report and a video
 	$(BIN)/coral reef run s1 --video
 
-test: setup  ## the whole test suite
+# The tests' two processes would compile each kernel twice; the compiled ones stay in the package's __pycache__.
+kernels: setup  ## compile the kernels that most commands need
+	@folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
+	$(BIN)/coral contact track flip-box --no-losses --rate-hz 2 >"$$folder/track" & track=$$!; \
+	$(BIN)/coral reef run s1 --quiet --sonar --preset hard --perception rgb --cfg.simulator.pictures --cfg.time-limit-s 5 \
+		--out "$$folder/run" >"$$folder/told" && wait $$track
+
+test: kernels  ## the whole test suite
 ifeq ($(BROWSER),)
 	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
 	$(BIN)/python -m pytest -n 2 -m "not ray and not model and not libero and not ardusub and not blender and not browser"
