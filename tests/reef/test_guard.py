@@ -293,3 +293,29 @@ def test_where_only_the_sonar_finds_obstacles_nothing_moves_without_it():
 def test_without_a_sonar_its_images_are_not_looked_at():
     reading = guard().check(good(0.0, sonar="nonsense"))
     assert (reading.sonar, reading.deaf, reading.refusals) == (None, "", ())
+
+
+def test_the_vehicle_brakes_before_camera_and_sonar_are_lost():
+    """Both are 5 Hz here; the camera's last look is at 0.6 s."""
+
+    def overdue(sonar, last_heard):
+        watch = SensorGuard(CAMERA, (20.0, 20.0), sonar=sonar)
+        found = []
+        for k in range(10):
+            t = k / 10
+            camera, heard = Stamped(min(t, 0.6), picture()), echo(min(t, last_heard), 4.0 + 0.01 * k)
+            found.append(watch.check(good(t, frame=camera, sonar=heard)))
+        return [round(reading.t, 1) for reading in found if reading.overdue], [reading.lost for reading in found]
+
+    late, lost = overdue(None, 0.0)
+    assert late == [0.9]
+    assert not any(lost)  # it would be lost at 1.0 s
+    assert overdue(SONAR, 0.6)[0] == [0.9]
+    assert overdue(SONAR, 0.9)[0] == []
+    assert overdue(SONAR, 0.4)[0] == [0.9]
+
+
+def test_where_the_sonar_alone_finds_obstacles_the_vehicle_brakes_for_it():
+    watch = SensorGuard(CAMERA, (20.0, 20.0), sonar=SONAR, sonar_alone=True)
+    late = [watch.check(good(k / 10, sonar=echo(min(k / 10, 0.5), 4.0 + 0.01 * k))).overdue for k in range(9)]
+    assert late == [False] * 8 + [True]

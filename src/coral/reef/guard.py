@@ -48,6 +48,9 @@ class GuardCfg:
     sonar_timeout_s: Positive = 0.35
     """Age at which the sonar is lost: at 5 Hz, one image may be missing. A vehicle without a camera, which drives at
     half speed, then stands within 1 s of the loss."""
+    hesitate_s: NonNegative = 0.1
+    """So long before camera and sonar are both lost the vehicle brakes already, for it sees no obstacles any more: at
+    cruise speed it then stands within 1 s of the loss. Two pictures at 10 Hz may be missing before it does."""
     future_s: NonNegative = 0.05
     """A stamp may be so far ahead of the control loop's clock: half a period."""
     gap_s: Positive = 1.0
@@ -122,6 +125,8 @@ class Reading:
     """Why there are no range images, in words, although the vehicle has a sonar; "" while it works."""
     blind: str = ""
     """Why there are no pictures, in words, while the sonar alone shows the way; "" while the camera works."""
+    overdue: bool = False
+    """Whether all that shows obstacles is late: it is about to be lost."""
 
 
 class SensorGuard:
@@ -212,6 +217,7 @@ class SensorGuard:
             sonar_attitude=None if heard is None else self._attitude_at(heard.t),
             deaf=self._missing(("sonar",)) if self._sonar is not None else "",
             blind=self._missing(("camera",)) if self._sonar_stands_in else "",
+            overdue=self._overdue(),
         )
 
     def rate_hz(self, name: Input) -> float:
@@ -346,6 +352,12 @@ class SensorGuard:
     def _age(self, name: Input) -> float:
         """Return the age of the last good measurement of an input (s); inf before the first."""
         return self._time.t - self._good[name][-1] if self._good[name] else math.inf
+
+    def _overdue(self) -> bool:
+        """Check whether all that shows obstacles is nearly as old as it may be."""
+        eyes: tuple[Input, ...] = ("camera",) if self._sonar is None else ("camera", "sonar")
+        eyes = ("sonar",) if self._sonar is not None and self._sonar_alone else eyes
+        return all(self._age(name) > self._timeouts[name] - self.cfg.hesitate_s + TINY_S for name in eyes)
 
     def _lost(self) -> str:
         """Name the needed inputs without a good measurement within their time."""

@@ -2,6 +2,7 @@ import json
 import math
 import socket
 import threading
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -86,6 +87,8 @@ def test_the_dvl_replaces_pose_and_velocity_and_nothing_else():
     assert report.velocity == (0.3, -0.1, 0.2)
     assert report.pose == state.pose
     assert (report.depth_m, report.mode, report.has_position) == (1.5, "GUIDED", True)
+    assert report.altitude_m == 1.2
+    assert merge(VehicleReport(), replace(state, bottom_lock=False)).altitude_m is None
 
 
 class FakeServer:
@@ -143,7 +146,8 @@ AUTOPILOTS = VehicleReport(pose=Pose(1.0, 2.0, 0.0), pose_stamp_s=100.0, has_pos
 
 def test_while_the_dvl_measures_the_autopilots_position_is_taken():
     state = DvlState(velocity=(0.3, 0.0), velocity_stamp_s=99.8, bottom_lock=True)
-    assert watched(AUTOPILOTS, state, 100.0) is AUTOPILOTS
+    assert watched(AUTOPILOTS, state, 100.0) == replace(AUTOPILOTS, altitude_m=None)
+    assert watched(AUTOPILOTS, replace(state, altitude_m=1.2), 100.0).altitude_m == 1.2
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from coral.errors import InputError
 from coral.reef.checks import UnfitMeasurement
+from coral.reef.sea.sonar_packets import decode_packet, load_protocol, read_packets
 from coral.reef.sea.sonar_reading import HeardImage
-from coral.reef.sonar.packets import decode_packet, load_protocol, read_packets
 
 LONGEST_S = 1.0
 """A longer pause in the recording is not waited for."""

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from coral.errors import InputError
 from coral.reef.checks import UnfitMeasurement
-from coral.reef.sonar import packets
-from coral.reef.sonar.packets import SonarPing, decode_packet, encode_packet, load_protocol, read_packets
+from coral.reef.sea import sonar_packets
+from coral.reef.sea.sonar_packets import SonarPing, decode_packet, encode_packet, load_protocol, read_packets
 from coral.reef.sonar.range_image import RangeImage
 
 rip = pytest.importorskip("wlsonar.range_image_protocol")
@@ -132,7 +132,7 @@ def survives(packet):
         ping = decode_packet(packet)
     except UnfitMeasurement:
         return
-    assert ping is None or ((ping.image.ranges > 0.0).all() and ping.image.ranges.size <= packets.MOST_BEAMS)
+    assert ping is None or ((ping.image.ranges > 0.0).all() and ping.image.ranges.size <= sonar_packets.MOST_BEAMS)
 
 
 def test_a_recording_is_packets_one_after_another():
