@@ -319,3 +319,18 @@ def test_where_the_sonar_alone_finds_obstacles_the_vehicle_brakes_for_it():
     watch = SensorGuard(CAMERA, (20.0, 20.0), sonar=SONAR, sonar_alone=True)
     late = [watch.check(good(k / 10, sonar=echo(min(k / 10, 0.5), 4.0 + 0.01 * k))).overdue for k in range(9)]
     assert late == [False] * 8 + [True]
+
+
+def test_the_covariance_of_the_last_pose_is_passed_on():
+    watch, told = guard(), np.diag([0.01, 0.02, 0.001])
+    assert watch.check(good(0.0)).covariance is None
+    assert np.array_equal(watch.check(good(0.1, covariance=told)).covariance, told)
+    assert np.array_equal(watch.check(good(0.2, pose=None, covariance=2 * told)).covariance, told)
+
+
+@pytest.mark.parametrize(("sigma", "reason"), [(0.2, "uncertain"), (math.nan, "not finite"), ("much", "wrong type")])
+def test_an_attitude_that_is_too_uncertain_is_refused(sigma, reason):
+    doubtful = Attitude(roll=0.0, pitch=0.0, depth_m=1.0, tilt_std_rad=sigma)
+    assert refusals(guard().check(good(0.0, attitude=Stamped(0.0, doubtful)))) == [("attitude", reason)]
+    sure = dataclasses.replace(doubtful, tilt_std_rad=0.01)
+    assert refusals(guard().check(good(0.0, attitude=Stamped(0.0, sure)))) == []
