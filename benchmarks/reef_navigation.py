@@ -37,10 +37,12 @@ def body_velocities(path):
 
 
 def error(pose, found):
+    """x, y (m) and heading (rad) of an estimate, less the truth."""
     return found[0] - pose[0], found[1] - pose[1], wrap(found[2] - pose[2])
 
 
 def by_sensors(path, seed, cfg):
+    """Error at the end, and its covariance, of dead reckoning by Doppler log and IMU."""
     navigation = SimulatedNavigation(cfg, Pose(*path[0]), np.random.default_rng(seed))
     for k, (pose, velocity) in enumerate(zip(path.tolist(), body_velocities(path).tolist(), strict=True)):
         fix = navigation.step(Pose(*pose), tuple(velocity), LEVEL, DT if k else 0.0)
@@ -48,6 +50,7 @@ def by_sensors(path, seed, cfg):
 
 
 def by_walk(path, seed, xy):
+    """Error at the end of a random walk of `xy` (m/√s) and a tenth of it in heading, as in the presets."""
     drift = PoseDrift(SensorNoiseCfg(drift_xy=xy, drift_theta=xy / 10), np.random.default_rng(seed))
     for k, pose in enumerate(path.tolist()):
         found = drift.step(Pose(*pose), DT if k else 0.0)
@@ -55,6 +58,7 @@ def by_walk(path, seed, xy):
 
 
 def main():
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("run", type=Path)
     parser.add_argument("--seconds", type=float, default=600.0)
@@ -77,9 +81,8 @@ def main():
         told = squared = ""
         if found[0][1] is not None:
             told = f"{np.mean([math.sqrt(p[0, 0] + p[1, 1]) for _, p in found]):.2f} m"
-            squared = (
-                f"{np.mean([e @ np.linalg.solve(p, e) for e, (_, p) in zip(errors, found, strict=True)]):.1f} of 3"
-            )
+            squares = [e @ np.linalg.solve(p, e) for e, (_, p) in zip(errors, found, strict=True)]
+            squared = f"{np.mean(squares):.1f} of 3"
         heading = f"{math.degrees(turned.mean()):.1f}°"
         print(f"| {name} | {away.mean():.2f} m | {away.max():.2f} m | {heading} | {told} | {squared} |", flush=True)
 

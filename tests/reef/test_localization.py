@@ -196,7 +196,7 @@ def test_posts_seen_again_correct_an_odometry_that_tells_its_doubt():
     for k in range(60):
         localizer.update(water.render(HERE), HERE, 0.1 if k else 0.0, told((0.01, 0.01, 0.001)))
     odometry = shifted(HERE, 0.3, -0.2, 0.05)
-    for k in range(60):
+    for _ in range(60):
         pose = localizer.update(water.render(HERE), odometry, 0.1, told((0.5, 0.5, 0.05)))
     assert pose[:2] == pytest.approx(HERE[:2], abs=0.17)
     assert max(localizer.sigma[:2]) < 0.4

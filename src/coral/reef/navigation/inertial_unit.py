@@ -31,8 +31,8 @@ class ImuCfg:
     """Standard deviation of its offset: 5 mg, with what a wrong tilt lets through of gravity. Ours; without calibration
     it is 40 mg (ICM-20602)."""
     force_bias_walk: NonNegative = 0.002
-    """Random walk of its offset (m/s²/√s), by temperature and by an error of the tilt that changes: after 600 s as large
-    as at the start. Ours."""
+    """Random walk of its offset (m/s²/√s), by temperature and by a changing error of the tilt: after 600 s as large as at
+    the start. Ours."""
     force_scale: NonNegative = 0.005
     """Standard deviation of its scale error, as that of the gyro."""
     tilt_bias_rad: NonNegative = 0.005
