@@ -13,6 +13,8 @@ from coral.reef.navigation.inertial_unit import ImuCfg, ImuReading
 
 X, Y, THETA, U, V, GYRO, FORCE_U, FORCE_V, SCALE, ANGLE, BIAS_U, BIAS_V, GYRO_SCALE, FORCE_SCALE = range(14)
 SIZE = 14
+START_SPEED_M_S = 0.1
+"""Standard deviation of each velocity at the start: a vehicle that waits drifts with the water."""
 """State: pose; velocity over ground in the body frame; offsets of gyro and accelerometer; scale error, misalignment
 and offset of the log; scale errors of gyro and accelerometer."""
 
@@ -27,13 +29,14 @@ class InertialFilter:
     """
 
     def __init__(self, start: Pose, imu: ImuCfg, dvl: DvlCfg) -> None:
-        """Begin at rest at a known pose."""
+        """Begin at a known pose, nearly at rest."""
         self._imu = imu
         self.state = np.zeros(SIZE)
         self.state[:3] = start
         sigma = np.zeros(SIZE)
         sigma[[GYRO, FORCE_U, FORCE_V]] = imu.gyro_bias_rad_s, imu.force_bias_m_s2, imu.force_bias_m_s2
         sigma[[SCALE, ANGLE, BIAS_U, BIAS_V]] = dvl.scale, dvl.misalignment_rad, dvl.bias_m_s, dvl.bias_m_s
+        sigma[[U, V]] = START_SPEED_M_S
         sigma[[GYRO_SCALE, FORCE_SCALE]] = imu.gyro_scale, imu.force_scale
         self.full_covariance = np.diag(sigma**2)
         """Of the whole state. Shape=(14, 14)."""

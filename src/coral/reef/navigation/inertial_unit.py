@@ -31,7 +31,7 @@ class ImuCfg:
     """Standard deviation of its offset: 5 mg, with what a wrong tilt lets through of gravity. Ours; without calibration
     it is 40 mg (ICM-20602)."""
     force_bias_walk: NonNegative = 0.002
-    """Random walk of its offset (m/s²/√s), by temperature and by a changing error of the tilt: after 600 s as large as at
+    """Random walk of its offset (m/s²/√s), by temperature and a changing error of the tilt: after 600 s as large as at
     the start. Ours."""
     force_scale: NonNegative = 0.005
     """Standard deviation of its scale error, as that of the gyro."""
