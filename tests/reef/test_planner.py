@@ -218,6 +218,21 @@ def test_goals_named_after_the_first_follow_it():
     assert [(goal.x, goal.y) for goal in onward] == [pytest.approx((12.0, 9.0)), pytest.approx((16.0, 16.0))]
 
 
+def test_goals_named_after_the_first_end_where_one_delays_the_rest_too_much():
+    belief = belief_with([(12.0, 10.0), (13.5, 10.0), (3.0, 10.0), (15.0, 10.0)])
+    planner = planner_for(belief)
+    question = planner.observe(())
+
+    def named(*then):
+        goals = planner.onward(question, CentroidChoice(selected_centroid_index=0, then=then))
+        return [goal.index for goal in goals]
+
+    assert named(1, 3, 2) == [1, 3, 2]
+    assert named(1, 2, 3) == [1]
+    planner.cfg = replace(planner.cfg, verify=replace(planner.cfg.verify, enabled=False))
+    assert named(1, 2, 3) == [1, 2, 3]
+
+
 def test_a_waypoint_means_the_frame_in_which_it_was_asked_for():
     explored = np.ones((400, 400), bool)
     explored[:, 300:] = False

@@ -250,13 +250,18 @@ class HighLevelPlanner:
     def onward(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> list[Goal]:
         """Return the goals that an answer names after the first one, without those that can be told to be wrong.
 
-        They are not judged by regret, which depends on what is found until then; the next answer replaces them.
+        Dots are judged like the first one, on the tour that is left by then, and end where one loses too much time.
+        Waypoints are not: what they will show is not known yet.
         """
         belief = self.belief
         if not self.cfg.route.ahead:
             return []
         if isinstance(answer, CentroidChoice):
-            tracks = [belief.track(index) for index in answer.then if index != answer.selected_centroid_index]
+            assert self.asked is not None
+            tour = self._by_regret(self.asked) if self.asked.strict else None
+            labels = [index for index in answer.then if index not in self.asked.hollow]
+            labels = labels if tour is None else tour.worthwhile(answer.selected_centroid_index, labels)
+            tracks = [belief.track(index) for index in labels if index != answer.selected_centroid_index]
             goals = [Goal(x=t.x, y=t.y, index=t.index) for t in tracks if t is not None and not t.visited]
         else:
             pose = Pose(**question.facts["arrival"]["pose"])
