@@ -46,18 +46,3 @@ def test_the_same_seed_draws_the_same_lots():
     again = [a.selected_centroid_index for a in draw("reef-centroid", seed=3, count=20)]
     assert again == [a.selected_centroid_index for a in draw("reef-centroid", seed=3, count=20)]
     assert again != [a.selected_centroid_index for a in draw("reef-centroid", seed=4, count=20)]
-
-
-def test_the_nearest_dot_is_a_rule_for_dots_alone():
-    near = {"index": 7, "visited": False, "path_m": 6.0, "forward_m": 3.0, "left_m": 2.5}
-    done = {"index": 8, "visited": True, "path_m": 1.0, "forward_m": -1.0, "left_m": 0.0}
-    options = [{**option, "path_m": 3.0} for option in FACTS["options"]]
-    frontier = {"forward_m": -2.0, "left_m": -1.0, "path_m": 2.2}
-    facts = {"centroids": [near, done], "options": options, "frontiers": [frontier]}
-    rule = baseline_rules("nearest-dot")["reef-waypoint"]
-    chosen = rule(facts, [])
-    assert (chosen.forward_m, chosen.left_m) == (3, 2)
-    explorer = baseline_rules("nearest")["reef-waypoint"](facts, [])
-    assert (explorer.forward_m, explorer.left_m) == (-2, -1)
-    nowhere = rule({**facts, "centroids": [done]}, [])
-    assert (nowhere.forward_m, nowhere.left_m, nowhere.reason) == (0, 0, "no unvisited cluster is known")

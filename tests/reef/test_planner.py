@@ -69,6 +69,19 @@ def test_nothing_left_finishes():
     assert planner.finished
 
 
+def test_a_robot_that_does_not_explore_is_done_when_no_cluster_is_left():
+    explored = np.ones((400, 400), bool)
+    explored[:, 300:] = False
+    belief = belief_with([(12.0, 10.0)], explored=explored)
+    planner = planner_for(belief, explore=False)
+    question = planner.observe(())
+    assert question.kind == "reef-centroid"
+    assert question.facts["frontiers"] == []
+    see(belief, 0)
+    assert planner.observe(()) is None
+    assert planner.finished
+
+
 def test_a_doubtful_cluster_is_looked_at_last():
     belief = belief_with([(12.0, 10.0), (14.0, 13.0)])
     belief.tracker.tracks[0] = replace(belief.tracks[0], doubtful=True)

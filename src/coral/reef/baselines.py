@@ -36,16 +36,6 @@ def nearest_frontier(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCh
     return _towards(facts, aim["forward_m"], aim["left_m"], refused, "the nearest frontier")
 
 
-def towards_nearest_centroid(facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
-    """Choose the waypoint nearest to the nearest unvisited centroid; where none is known, there is nowhere to go."""
-    refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
-    aims = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
-    if not aims:
-        return WaypointChoice(forward_m=0, left_m=0, reason="no unvisited cluster is known")
-    aim = min(aims, key=_straight)
-    return _towards(facts, aim["forward_m"], aim["left_m"], refused, "the nearest unvisited cluster")
-
-
 class Lawnmower:
     """Boustrophedon survey of the whole area. The lanes are planned before the dive, without the obstacles."""
 
@@ -135,16 +125,10 @@ class Chance:
 
 
 def baseline_rules(name: str, rng: np.random.Generator | None = None) -> dict[str, Rule]:
-    """Return the rules of a baseline.
-
-    Args:
-        name: "nearest", "nearest-dot" (which explores nothing), "frontier", "lawnmower" or "random".
-        rng: What "random" draws from.
-    """
+    """Return the rules of a baseline: "nearest", "frontier", "lawnmower", or "random", which draws from `rng`."""
     if name == "random":
         chance = Chance(rng or np.random.default_rng(0))
         return {"reef-centroid": chance.centroid, "reef-waypoint": chance.waypoint}
     if name == "lawnmower":
         return {"reef-waypoint": Lawnmower()}
-    waypoint = towards_nearest_centroid if name == "nearest-dot" else nearest_frontier
-    return {"reef-centroid": nearest_centroid, "reef-waypoint": waypoint}
+    return {"reef-centroid": nearest_centroid, "reef-waypoint": nearest_frontier}

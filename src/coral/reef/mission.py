@@ -75,9 +75,7 @@ class MissionCfg:
     network that comes with the package; or a network of your own, FILE.onnx."""
     driver: str = "ddp-mppi"
     """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
-    decider: Literal["advisor", "nearest", "nearest-dot", "frontier", "lawnmower", "random", "sweep", "oracle"] = (
-        "advisor"
-    )
+    decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"
     """Who answers the questions: the advisor, or a baseline's rules in its place. sweep and oracle ask no questions:
     they follow lanes, or a tour planned on the true reef."""
     lane_m: Positive = 10.0

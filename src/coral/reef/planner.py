@@ -51,6 +51,8 @@ class PlannerCfg:
     "w/o self-verification" and for DREAM: only points outside the survey area are refused, which no map covers."""
     centroid_selection: bool = True
     """False is the ablation "w/o centroid selection": the chain is shown, but only waypoints are asked for."""
+    explore: bool = True
+    """False: unexplored water is no reason to go anywhere, and the survey ends when no unvisited cluster is known."""
     route: RouteCfg = field(default_factory=RouteCfg)
     survey: SurveyCfg = field(default_factory=SurveyCfg)
     verify: VerifyCfg = field(default_factory=VerifyCfg)
@@ -179,6 +181,7 @@ class HighLevelPlanner:
             else:
                 dots.append((track.x, track.y, track.index, area))
         left = survey(belief, self.fields, cfg.forward_m, cfg.survey, arrival)
+        left = left if cfg.explore else replace(left, frontiers=())
         tour = plan_tour(belief, left, arrival, dots, self.fields, cfg.topology) if cfg.topology.enabled else None
         around = Surroundings(
             pose=arrival.pose,

@@ -109,11 +109,12 @@ def _rule_based_paper(cfg: MissionCfg) -> MissionCfg:
 
 
 def _rule_based_dots_only(cfg: MissionCfg) -> MissionCfg:
-    """The paper's rule read strictly: on the paper's pipeline, and where no unvisited dot is known it has no goal.
+    """The paper's rule to the letter: on the paper's pipeline, and done when no unvisited dot is known.
 
-    The paper (IV-D) names the nearest unvisited centroid, and no rule for the water where none is known yet.
+    The paper (IV-D) names the nearest unvisited centroid, and no rule for water where none is known yet.
     """
-    return replace(_rule_based_paper(cfg), decider="nearest-dot")
+    cfg = _rule_based_paper(cfg)
+    return replace(cfg, planner=replace(cfg.planner, explore=False))
 
 
 def _frontier(cfg: MissionCfg) -> MissionCfg:
