@@ -52,7 +52,7 @@ class PlannerCfg:
     centroid_selection: bool = True
     """False is the ablation "w/o centroid selection": the chain is shown, but only waypoints are asked for."""
     explore: bool = True
-    """False: unexplored water is no reason to go anywhere, and the survey ends when no unvisited cluster is known."""
+    """False: unexplored water is no reason to go anywhere, and nothing is left when no unvisited cluster is known."""
     route: RouteCfg = field(default_factory=RouteCfg)
     survey: SurveyCfg = field(default_factory=SurveyCfg)
     verify: VerifyCfg = field(default_factory=VerifyCfg)

@@ -109,7 +109,7 @@ def _rule_based_paper(cfg: MissionCfg) -> MissionCfg:
 
 
 def _rule_based_dots_only(cfg: MissionCfg) -> MissionCfg:
-    """The paper's rule to the letter: on the paper's pipeline, and done when no unvisited dot is known.
+    """The paper's rule to the letter: on the paper's pipeline, and without a goal when no unvisited dot is known.
 
     The paper (IV-D) names the nearest unvisited centroid, and no rule for water where none is known yet.
     """
