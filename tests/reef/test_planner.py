@@ -180,6 +180,7 @@ def test_what_will_be_done_on_arrival_is_not_on_offer():
     assert shown == {0: True, 1: False}
     assert planner.verify(question, dot(0)).code == "visited"
     assert planner.verify(question, dot(1)) is None
+    assert planner.onward(question, CentroidChoice(selected_centroid_index=1, then=(0,))) == []
 
 
 def test_places_are_told_as_seen_on_arrival():
