@@ -90,7 +90,7 @@ def test_without_verification_only_points_off_the_map_are_refused(variant, codes
     assert tuple(found) == codes
 
 
-@pytest.mark.parametrize("variant", ["dream", "rule-based", "frontier", "lawnmower", "random"])
+@pytest.mark.parametrize("variant", ["dream", "rule-based", "rule-based-dots-only", "frontier", "lawnmower", "random"])
 def test_no_rules_step_in_for_a_baseline(variant):
     def policy(fallback):
         cfg = dataclasses.replace(QUIET, pilot=dataclasses.replace(QUIET.pilot, fallback=fallback))

@@ -69,6 +69,19 @@ def test_nothing_left_finishes():
     assert planner.finished
 
 
+def test_a_robot_that_does_not_explore_is_done_when_no_cluster_is_left():
+    explored = np.ones((400, 400), bool)
+    explored[:, 300:] = False
+    belief = belief_with([(12.0, 10.0)], explored=explored)
+    planner = planner_for(belief, explore=False)
+    question = planner.observe(())
+    assert question.kind == "reef-centroid"
+    assert question.facts["frontiers"] == []
+    see(belief, 0)
+    assert planner.observe(()) is None
+    assert planner.finished
+
+
 def test_a_doubtful_cluster_is_looked_at_last():
     belief = belief_with([(12.0, 10.0), (14.0, 13.0)])
     belief.tracker.tracks[0] = replace(belief.tracks[0], doubtful=True)
@@ -167,6 +180,7 @@ def test_what_will_be_done_on_arrival_is_not_on_offer():
     assert shown == {0: True, 1: False}
     assert planner.verify(question, dot(0)).code == "visited"
     assert planner.verify(question, dot(1)) is None
+    assert planner.onward(question, CentroidChoice(selected_centroid_index=1, then=(0,))) == []
 
 
 def test_places_are_told_as_seen_on_arrival():
@@ -216,6 +230,21 @@ def test_goals_named_after_the_first_follow_it():
     belief.pose = Pose(0.0, 0.0, 0.0)
     onward = planner.onward(question, WaypointChoice(forward_m=1, left_m=0, then=steps))
     assert [(goal.x, goal.y) for goal in onward] == [pytest.approx((12.0, 9.0)), pytest.approx((16.0, 16.0))]
+
+
+def test_goals_named_after_the_first_end_where_one_delays_the_rest_too_much():
+    belief = belief_with([(12.0, 10.0), (13.5, 10.0), (3.0, 10.0), (15.0, 10.0)])
+    planner = planner_for(belief)
+    question = planner.observe(())
+
+    def named(*then):
+        goals = planner.onward(question, CentroidChoice(selected_centroid_index=0, then=then))
+        return [goal.index for goal in goals]
+
+    assert named(1, 3, 2) == [1, 3, 2]
+    assert named(1, 2, 3) == [1]
+    planner.cfg = replace(planner.cfg, verify=replace(planner.cfg.verify, enabled=False))
+    assert named(1, 2, 3) == [1, 2, 3]
 
 
 def test_a_waypoint_means_the_frame_in_which_it_was_asked_for():

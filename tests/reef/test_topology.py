@@ -43,3 +43,21 @@ def test_water_beside_the_reef_promises_more_than_water_far_from_it():
     near, far = (frontier_worth(metres, 0.5, CFG) for metres in (1.0, 12.0))
     assert near > 2.0 * far > 0.0
     assert frontier_worth(1.0, 0.1, CFG) < near
+
+
+def test_the_regret_of_a_later_goal_is_that_of_the_tour_which_is_left_by_then():
+    # From 14, with the bed at 12 left out: 16 and 32 are seen after 4 and 36 s, or 36 and 68 s the other way round.
+    tour = tour_of([(12.0, 5.0), (14.0, 5.0), (16.0, 5.0), (32.0, 5.0)])
+    assert tour.regret_after((0, 1), 2) == pytest.approx(0.0)
+    assert tour.regret_after((0, 1), 3) == pytest.approx((36 + 68) / 2 - (4 + 36) / 2, abs=1.0)
+    assert tour.regret_after((1,), 3) > tour.regret_after((0, 1), 3) + 2.0  # the bed at 12 waits too
+    assert tour.regret_after((0, 1), 9) is None
+    assert tour.regret_after((0, 9), 1) is None
+    assert tour.regret_after((0, 1), 0) is None
+
+
+def test_further_goals_are_worthwhile_up_to_the_first_that_loses_too_much():
+    tour = tour_of([(12.0, 5.0), (14.0, 5.0), (16.0, 5.0), (32.0, 5.0)])
+    assert tour.worthwhile(0, [0, 1, 1, 2, 3]) == [1, 2, 3]
+    assert tour.worthwhile(0, [1, 3, 2]) == [1]
+    assert tour.worthwhile(0, [9, 3]) == [9, 3]

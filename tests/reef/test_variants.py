@@ -58,6 +58,11 @@ def test_the_full_system_is_what_was_configured():
     assert changes("full") == {}
 
 
+def test_the_rule_on_the_paper_s_pipeline_changes_what_both_change():
+    assert changes("rule-based-paper") == {**changes("paper"), **changes("rule-based")}
+    assert changes("rule-based-dots-only") == {**changes("rule-based-paper"), ".planner.explore": False}
+
+
 def test_pd_goes_through_what_it_hits():
     assert changes("pd") == {".driver": "pd", ".simulator.contact": "ghost"}
 

@@ -150,3 +150,13 @@ def test_oysters_win_over_obstacles_and_both_over_free_space():
     obstacle, target = no.copy(), no.copy()
     obstacle[0, 1:] = target[0, 2] = True
     np.testing.assert_array_equal(cell_classes(yes, obstacle, target), [[1, 2, 3]])
+
+
+def test_a_dot_below_the_robot_s_arrow_stays_visible():
+    points = np.array([(11.0, 10.0)])
+    scene = MapScene(
+        cells=grid(), cell_m=0.05, pose=Pose(4.0, 4.0, 0.0), arrival=Pose(10.0, 10.0, 0.0), centroids=points
+    )
+    picture = draw_map(scene, MapViewCfg(crop=False, labels=False))
+    assert 0.0 < picture.to_pixels(points[0])[0] - picture.to_pixels(np.array([10.0, 10.0]))[0] < 50.0  # on the arrow
+    assert pixel(picture, 11.0, 10.0) == ORANGE

@@ -51,6 +51,8 @@ class PlannerCfg:
     "w/o self-verification" and for DREAM: only points outside the survey area are refused, which no map covers."""
     centroid_selection: bool = True
     """False is the ablation "w/o centroid selection": the chain is shown, but only waypoints are asked for."""
+    explore: bool = True
+    """False: unexplored water is no reason to go anywhere, and nothing is left when no unvisited cluster is known."""
     route: RouteCfg = field(default_factory=RouteCfg)
     survey: SurveyCfg = field(default_factory=SurveyCfg)
     verify: VerifyCfg = field(default_factory=VerifyCfg)
@@ -179,6 +181,7 @@ class HighLevelPlanner:
             else:
                 dots.append((track.x, track.y, track.index, area))
         left = survey(belief, self.fields, cfg.forward_m, cfg.survey, arrival)
+        left = left if cfg.explore else replace(left, frontiers=())
         tour = plan_tour(belief, left, arrival, dots, self.fields, cfg.topology) if cfg.topology.enabled else None
         around = Surroundings(
             pose=arrival.pose,
@@ -250,13 +253,18 @@ class HighLevelPlanner:
     def onward(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> list[Goal]:
         """Return the goals that an answer names after the first one, without those that can be told to be wrong.
 
-        They are not judged by regret, which depends on what is found until then; the next answer replaces them.
+        Dots are judged like the first one, on the tour that is left by then, and end where one loses too much time.
+        Waypoints are not: what they will show is not known yet.
         """
         belief = self.belief
         if not self.cfg.route.ahead:
             return []
         if isinstance(answer, CentroidChoice):
-            tracks = [belief.track(index) for index in answer.then if index != answer.selected_centroid_index]
+            assert self.asked is not None
+            tour = self._by_regret(self.asked) if self.asked.strict else None
+            labels = [index for index in answer.then if index not in self.asked.hollow]
+            labels = labels if tour is None else tour.worthwhile(answer.selected_centroid_index, labels)
+            tracks = [belief.track(index) for index in labels if index != answer.selected_centroid_index]
             goals = [Goal(x=t.x, y=t.y, index=t.index) for t in tracks if t is not None and not t.visited]
         else:
             pose = Pose(**question.facts["arrival"]["pose"])

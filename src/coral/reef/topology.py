@@ -78,6 +78,8 @@ class RemainingTour:
     """Distances from where the tour begins."""
     pose: Pose
     cfg: TopologyCfg
+    between_s: NDArray[np.float64]
+    """Travelling times between the places (s). Shape=(N, N)."""
 
     @property
     def best(self) -> Place:
@@ -87,6 +89,40 @@ class RemainingTour:
     def regret_of(self, index: int) -> float | None:
         """Return the regret (s) of going to a cluster first; None if the tour does not know it."""
         return next((place.regret_s for place in self.places if place.index == index), None)
+
+    def regret_after(self, before: Sequence[int], index: int) -> float | None:
+        """Return the regret (s) of going to a cluster next, when others have been seen by then.
+
+        Args:
+            before: Labels of the clusters seen by then, in order; the robot is at the last one.
+            index: Label of the next cluster.
+
+        Returns:
+            How much later (s) what is then left is seen, on average by worth, than with the best next place. None if
+            the tour does not know the cluster or the last one before it.
+        """
+        known = {place.index: k for k, place in enumerate(self.places) if place.index is not None}
+        if index not in known or not before or before[-1] not in known:
+            return None
+        left = [k for k, place in enumerate(self.places) if place.index is None or place.index not in before]
+        if known[index] not in left:
+            return None
+        worth: NDArray[np.float64] = np.array([self.places[k].worth for k in left])
+        delay = self.between_s[known[before[-1]], left] + delays_from(self.between_s[np.ix_(left, left)], worth)
+        return float(delay[left.index(known[index])] - delay.min())
+
+    def worthwhile(self, first: int | None, then: Sequence[int]) -> list[int]:
+        """Return the labels that follow a first one, without repetitions, up to the first that loses too much time."""
+        before, kept = [] if first is None else [first], []
+        for index in then:
+            if index in before:
+                continue
+            regret = self.regret_after(before, index)
+            if regret is not None and regret > self.cfg.max_regret_s:
+                break
+            before.append(index)
+            kept.append(index)
+        return kept
 
     def regrets_at(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the regret (s) of going to points first, and to the places from there. Shape=(N,)."""
@@ -148,11 +184,12 @@ def plan_tour(
     first = np.array([left.field.lookup(n.x, n.y) for n in nodes]) / cfg.speed_m_s
     turns = np.array([turn_to(arrival.pose, n.x, n.y) for n in nodes]) / cfg.yaw_rate_rad_s
     worth: NDArray[np.float64] = np.array([n.worth for n in nodes])
-    onward = delays_from(between / cfg.speed_m_s, worth)
+    between_s = between / cfg.speed_m_s
+    onward = delays_from(between_s, worth)
     total: NDArray[np.float64] = first + turns + onward
     best = float(total.min())
     places = tuple(replace(n, regret_s=float(t - best)) for n, t in zip(nodes, total, strict=True))
-    return RemainingTour(places, ways, onward, best, left, arrival.pose, cfg)
+    return RemainingTour(places, ways, onward, best, left, arrival.pose, cfg, between_s)
 
 
 def frontier_worth(reef_m: float, unexplored: float, cfg: TopologyCfg) -> float:

@@ -103,6 +103,20 @@ def _rule_based(cfg: MissionCfg) -> MissionCfg:
     return _alone(replace(cfg, decider="nearest", latency="0"))
 
 
+def _rule_based_paper(cfg: MissionCfg) -> MissionCfg:
+    """The same rule on the paper's own pipeline: dots that are visited by distance, and none beyond the map's range."""
+    return _rule_based(_paper(cfg))
+
+
+def _rule_based_dots_only(cfg: MissionCfg) -> MissionCfg:
+    """The paper's rule to the letter: on the paper's pipeline, and without a goal when no unvisited dot is known.
+
+    The paper (IV-D) names the nearest unvisited centroid, and no rule for water where none is known yet.
+    """
+    cfg = _rule_based_paper(cfg)
+    return replace(cfg, planner=replace(cfg.planner, explore=False))
+
+
 def _frontier(cfg: MissionCfg) -> MissionCfg:
     """Frontier exploration (Yamauchi 1997), blind to oysters."""
     return _alone(_asked_near(replace(_no_equations(_no_centroid_selection(cfg)), decider="frontier", latency="0")))
@@ -147,6 +161,8 @@ VARIANTS: dict[str, Change] = {
     "pd": _pd,
     "dream": _dream,
     "rule-based": _rule_based,
+    "rule-based-paper": _rule_based_paper,
+    "rule-based-dots-only": _rule_based_dots_only,
     "frontier": _frontier,
     "lawnmower": _lawnmower,
     "no-verification": _no_verification,

@@ -227,13 +227,6 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
         _crosshair(rgb, view.to_pixels(np.array(scene.goal)))
     visited = scene.visited if scene.visited is not None else [False] * len(dots)
     shares = scene.seen if scene.seen is not None else [0.0] * len(dots)
-    for dot, done, share in zip(dots, visited, shares, strict=True):
-        if share is None:
-            draw_dot(rgb, dot, 6.5, FAR)
-            continue
-        draw_dot(rgb, dot, 6.5, ORANGE)
-        if done:
-            draw_dot(rgb, dot, 4.5, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     draw_companions(view, scene.others)
     robot: NDArray[np.float64] | None = None
     if scene.pose is not None:
@@ -248,6 +241,13 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
             robot = np.concatenate([robot[None], _robot(rgb, there, scene.arrival.theta, cfg.labels)])
             draw_dot(rgb, there, 8.0, RED)
             draw_dot(rgb, there, 5.0, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
+    for dot, done, share in zip(dots, visited, shares, strict=True):
+        if share is None:
+            draw_dot(rgb, dot, 6.5, FAR)
+            continue
+        draw_dot(rgb, dot, 6.5, ORANGE)
+        if done:
+            draw_dot(rgb, dot, 4.5, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     if cfg.labels and len(dots):
         names = [
             _name(index, share, shown=scene.seen is not None and not done)
