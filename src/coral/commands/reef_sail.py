@@ -39,6 +39,7 @@ from coral.reef.sea.priority import describe_priority, prefer_process, prefer_th
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
+from coral.reef.sea.survey_alignment import SavedMap
 from coral.run_loop import Observer
 from coral.runs import new_run_folder, write_whole
 from coral.view.questions import question_pictures
@@ -80,6 +81,11 @@ class ReefSail:
     resume: Path | None = None
     """Run folder of an earlier survey of the same area, to go on with its map. `--start` says where the vehicle is now;
     by default it is at the area's start again."""
+    place: Literal["map", "stated"] = "map"
+    """With --resume. map: the vehicle may be 3 m and 30° off the stated start. It surveys with a new map until that is
+    matched with the saved one, shows the alignment, and uses it on your word. stated: it is exactly where stated."""
+    put_in: tuple[float, float, float] | None = None
+    """Rehearsals only: x, y (m) and heading (rad) where the vehicle truly begins, which the program is not told."""
     fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
     """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. For rehearsals only,
     as `--yes`. `coral reef faults --list` names them."""
@@ -138,8 +144,9 @@ class ReefSail:
             area = area.begun_at(self.start, "--start")
         depth = self.depth or file_depth
         response = None if self.response is None else read_config(self.response, VehicleResponse())
-        parts = opened.enter_context(open_parts(self, area, world, cfg, depth))
-        rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else ""
+        truly = area if self.put_in is None else area.begun_at(self.put_in, "--put-in")
+        parts = opened.enter_context(open_parts(self, truly, world, cfg, depth))
+        rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else "--put-in" if self.put_in else ""
         if rehearsed and not parts.proven_simulation:
             raise InputError(
                 rehearsed,
@@ -149,10 +156,12 @@ class ReefSail:
             )
         folder = self.out or new_run_folder(Path("runs"), f"{area.name}-sail")
         advisor = self._advisor(folder, cfg)
-        belief = None
+        belief = saved = None
         if self.resume is not None:
             sim = cfg.simulator
             belief, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief)
+            if self.place == "map":
+                belief, saved = None, SavedMap(belief=belief, confirmed=self.yes)
         if not self.check:
             warm_up(cfg)
         words = OperatorWords()
@@ -183,12 +192,12 @@ class ReefSail:
             return {"ready": not blocking(lines), "preflight": [str(line).strip() for line in lines]}
         sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth, response=response)
         about = {"vehicle": self.vehicle, "camera": self.camera, "dvl": self.dvl}
-        about |= {"resumed": str(self.resume)} if self.resume is not None else {}
+        about |= {"resumed": str(self.resume), "place": self.place} if self.resume is not None else {}
         lines = look()
         self._print(lines)
         if wrong := blocking(lines):
             raise RunError(f"nothing arms: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
-        mission = SeaMission(area, sail, crew, folder, belief=belief, seed=self.seed, about=about)
+        mission = SeaMission(area, sail, crew, folder, belief=belief, saved=saved, seed=self.seed, about=about)
         write_whole(folder / "preflight.txt", "".join(f"{line}\n" for line in lines).encode())
         with self._page(mission) as observers:
             for observer in observers:

@@ -9,7 +9,10 @@ import pytest
 from voyage import WORLD, Voyage
 
 from coral.reef.geometry import Pose
+from coral.reef.mission import MissionCfg
+from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.sea.sea_mission import OWN_MAP, TRUTH
+from coral.reef.sea.survey_alignment import SavedMap
 from coral.reef.sea.survey_file import SurveyArea
 from coral.runs import read_events, read_rows
 
@@ -154,3 +157,48 @@ def test_a_failure_of_the_loop_leaves_the_vehicle_holding(tmp_path, where):
     with pytest.raises(ValueError, match="broken"):
         voyage.run()
     assert voyage.link.report().mode == "POSHOLD"
+
+
+@pytest.fixture(scope="module")
+def earlier(tmp_path_factory):
+    """A survey of 20 s that was saved."""
+    folder = tmp_path_factory.mktemp("earlier") / "run"
+    voyage = Voyage(folder)
+    voyage.run()
+    save_survey(folder, voyage.mission.belief, voyage.mission.belief.pose)
+    return folder
+
+
+def resumed(folder, earlier, **given):
+    """A survey whose vehicle is put in at the world's start, and believes to be 2.2 m and 20 degrees off."""
+    start, cfg = WORLD.start, MissionCfg()
+    saved, _ = load_survey(earlier, WORLD.size_m, cfg.simulator.camera, cfg.map, cfg.belief)
+    stated = Pose(start.x + 1.8, start.y + 1.2, start.theta - 0.35)
+    area = SurveyArea.of_world(WORLD).with_start(stated)
+    put_in = Pose(start.x, start.y, start.theta)
+    return Voyage(folder, area=area, put_in=put_in, saved=SavedMap(belief=saved), time_limit_s=15.0, **given), saved
+
+
+def test_a_resumed_survey_finds_its_place_and_goes_on_with_the_saved_map(tmp_path, earlier):
+    voyage, saved = resumed(tmp_path / "run", earlier)
+    before = {track.index for track in saved.tracks if not track.far}
+    voyage.on(80, lambda: voyage.words.say("align", "page"))
+    result = voyage.run()
+    belief, true = voyage.mission.belief, voyage.link.true_pose()
+    assert result["alignment"] == "aligned"
+    assert belief.pose[:2] == pytest.approx(true[:2], abs=0.1)
+    assert before <= {track.index for track in belief.tracks}
+    assert voyage.states[-1] == "surveying"
+    assert result["collisions"] == 0
+    assert voyage.mission.area.start[:2] == pytest.approx((WORLD.start.x, WORLD.start.y), abs=0.1)  # the way home
+    told = events(tmp_path / "run", "alignment", "frame")
+    assert [event.get("status") for event in told][-3:] == ["proposed", "used", None]
+
+
+def test_without_a_word_the_resumed_survey_keeps_its_own_map(tmp_path, earlier):
+    voyage, _ = resumed(tmp_path / "run", earlier)
+    voyage.on(80, lambda: voyage.words.say("unaligned", "keyboard"))
+    result = voyage.run()
+    assert result["alignment"] == "refused by the operator (keyboard)"
+    off = np.subtract(voyage.mission.belief.pose[:2], voyage.link.true_pose()[:2])
+    assert np.hypot(*off) > 1.0

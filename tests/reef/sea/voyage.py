@@ -51,12 +51,12 @@ class FakeCamera:
 
 
 class Voyage:
-    def __init__(self, folder, *, known=True, area=None, time_limit_s=20.0, **safety):
+    def __init__(self, folder, *, known=True, area=None, time_limit_s=20.0, put_in=None, saved=None, **safety):
         self.clock = FakeClock()
         record = RecordCfg(pictures=False)
         mission = MissionCfg(time_limit_s=time_limit_s, record=record)
         self.area = area or SurveyArea.of_world(WORLD)
-        self.link = SimulatedLink(mission.simulator.vehicle, self.area.start, clock=self.clock)
+        self.link = SimulatedLink(mission.simulator.vehicle, put_in or self.area.start, clock=self.clock)
         self.camera = FakeCamera(self.link, self.clock, mission.simulator.camera)
         crew = Crew(
             link=self.link,
@@ -75,7 +75,10 @@ class Voyage:
             sleep=self.clock.sleep,
             decision_clock=SimulatedClock("fixed:1", np.random.default_rng(0)),
             threaded=False,
+            saved=saved,
         )
+        if put_in is not None:
+            self.mission.align(trust_heading=False)
         self.at = {}
         self.states = []
         self.link.arm()

@@ -6,8 +6,9 @@ The counterpart of `Mission` without a simulator: nothing here knows the truth, 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from coral.advisor.prompt import render as render_prompt
 from coral.advisor.question import Advisor, Picture
 from coral.advisor.rules import RuleAdvisor
 from coral.advisor.thread import AdvisorThread
-from coral.config import Positive, to_mapping
+from coral.config import Positive
 from coral.reef.belief import Belief
 from coral.reef.controller import DdpMppi
 from coral.reef.delay_aware_driver import DelayAwareDriver
@@ -36,18 +37,19 @@ from coral.reef.response import VehicleResponse
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.loop import FixedRate, IdleCollector, collected_when_idle, prompt_threads
-from coral.reef.sea.operator import OperatorWords, VehicleOrders
+from coral.reef.sea.operator import OperatorWords, VehicleOrders, Word
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.record import SeaRecord
 from coral.reef.sea.safety import SafetyCfg, SafetyMonitor
 from coral.reef.sea.stages import StageTimes
 from coral.reef.sea.supervisor import Supervisor
+from coral.reef.sea.survey_alignment import SavedMap, SurveyAlignment
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.sea.survey_head import write_head
 from coral.reef.sensing import Attitude, Stamped, VehicleObservation
 from coral.reef.states import PilotState
-from coral.reef.world import ReefWorld, save_world
+from coral.reef.world import ReefWorld
 from coral.run_loop import Observer, timing_of
-from coral.runs import provenance
 
 OWN_MAP, TRUTH = "the vehicle's own map", "the truth of a simulated reef"
 ORDER_S = 6.0
@@ -94,6 +96,7 @@ class SeaMission:
         *,
         frame: LocalFrame | None = None,
         belief: Belief | None = None,
+        saved: SavedMap | None = None,
         seed: int = 0,
         about: dict[str, Any] | None = None,
         clock: Callable[[], float] = time.monotonic,
@@ -109,7 +112,8 @@ class SeaMission:
             crew: Vehicle, camera, advisor.
             folder: Run folder, new or empty.
             frame: From the vehicle's frame to the survey's.
-            belief: What an earlier survey found; empty by default.
+            belief: What an earlier survey found, where the vehicle is in its frame; empty by default.
+            saved: What an earlier survey found, where the vehicle's place on it must be found first.
             seed: Seed of the controller's samples.
             about: Further entries of config.yaml, such as the names on the command line.
             clock: Monotonic time (s), that of the vehicle's stamps.
@@ -122,7 +126,8 @@ class SeaMission:
         self.about = about or {}
         self._clock, self._sleep, self._threaded = clock, sleep, threaded
         self.belief = belief or Belief(OccupancyMap(area.size_m, mission.simulator.camera, mission.map), mission.belief)
-        self.belief.map.close_off(area.forbidden(mission.map.cell_m, self.belief.map.target.shape))
+        self._forbidden = area.forbidden(mission.map.cell_m, self.belief.map.target.shape)
+        self.belief.map.close_off(self._forbidden)
         self.response = cfg.response or VehicleResponse.of_vehicle(mission.simulator.vehicle)
         margin_m = mission.controller.margin_m + self.response.margin_m
         controller = DdpMppi(
@@ -152,6 +157,11 @@ class SeaMission:
         self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s)
         self._faults = FaultySensors(map(parse_fault, mission.faults))
         self._recording = True
+        self._decisions = itertools.count()
+        self.alignment: SurveyAlignment | None = None
+        """The search for the vehicle's place on the saved map, in a survey that needs one."""
+        if saved is not None:
+            self.alignment = SurveyAlignment(saved, area.start, self._forbidden, self.emit, threaded=threaded)
         self._idle: IdleCollector | None = None
         self._stages = StageTimes(clock)
         self._shown_s = 0.0
@@ -195,7 +205,10 @@ class SeaMission:
         self._stages.mark("report")
         command = self.pilot.tick(self._faults.apply(self._observe(report, pose)))
         self._stages.mark("pilot")
-        self.supervisor.update(now, self.t, report, pose, self.crew.words.take())
+        words = self.crew.words.take()
+        self.supervisor.update(now, self.t, report, pose, words)
+        if self.alignment is not None:
+            self._seek_place(words)
         self.command = command if self.states.state is PilotState.SURVEYING else (0.0, 0.0)
         self.driver.note(self.command)
         if self.supervisor.sends_commands:
@@ -223,23 +236,13 @@ class SeaMission:
 
     def _begin(self) -> None:
         cfg, crew = self.cfg.mission, self.crew
-        self._write_head()
-        clock = self._decision_clock or WallClock(self._thread)
-        planner = HighLevelPlanner(
-            self.belief, cfg.pilot.fields, render_prompt, crew.draw or (lambda belief: ()), cfg.planner
-        )
-        self.clock = clock
-        self.pilot = Pilot(
-            self.belief,
-            planner,
-            self.driver,
-            crew.advisor,
-            RuleAdvisor(REEF_RULES),
-            clock,
-            self.emit,
-            self.record.attempt,
-            cfg.pilot,
-        )
+        about = {"world": self.area.name, "advisor": crew.advisor.name, "variant": "full", "seed": self.seed}
+        about |= self.about
+        write_head(self.record.writer, self.area, crew.world, about, self.cfg, self.response, self.frame)
+        total = 0 if crew.world is None else len(crew.world.clusters)
+        self.emit("start", **about, clusters_total=total, judged_by=OWN_MAP if crew.world is None else TRUTH)
+        self.clock = self._decision_clock or WallClock(self._thread)
+        self.pilot = self._make_pilot()
         self.states = self.pilot.safety.states
         self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, self._go_home)
         report = crew.link.report()
@@ -248,35 +251,43 @@ class SeaMission:
         self._began = self._clock()
         self.rate = FixedRate(cfg.control_period_s, self._clock, self._sleep)
 
-    def _write_head(self) -> None:
-        """Write what the run folder says about the survey as a whole, before the first tick."""
-        crew, writer, area = self.crew, self.record.writer, self.area
-        if crew.world is not None:
-            save_world(crew.world, writer.folder / "world.yaml")
-        else:
-            outlines = [{"name": name, "metres": [list(p) for p in ring]} for name, ring in area.keep_out]
-            fence = [list(p) for p in area.fence]
-            writer.yaml(
-                "world.yaml", {"name": area.name, "size_m": list(area.size_m), "geofence": fence, "keep_out": outlines}
-            )
-        about = {"world": area.name, "advisor": crew.advisor.name, "variant": "full", "seed": self.seed}
-        writer.yaml(
-            "config.yaml",
-            {
-                "system": "reef",
-                **about,
-                **self.about,
-                "mission": to_mapping(self.cfg.mission),
-                "safety": to_mapping(self.cfg.safety),
-                "depth_m": self.cfg.depth_m,
-                "response": to_mapping(self.response),
-                "frame": dataclasses.asdict(self.frame),
-                "provenance": provenance(),
-            },
+    def _make_pilot(self) -> Pilot:
+        """Make the pilot that decides by the present belief."""
+        cfg, crew = self.cfg.mission, self.crew
+        draw = crew.draw or (lambda belief: ())
+        return Pilot(
+            self.belief,
+            HighLevelPlanner(self.belief, cfg.pilot.fields, render_prompt, draw, cfg.planner),
+            self.driver,
+            crew.advisor,
+            RuleAdvisor(REEF_RULES),
+            self.clock,
+            self.emit,
+            self.record.attempt,
+            cfg.pilot,
+            self._decisions,
         )
-        total = 0 if crew.world is None else len(crew.world.clusters)
-        judged_by = OWN_MAP if crew.world is None else TRUTH
-        self.emit("start", **about, **self.about, clusters_total=total, judged_by=judged_by)
+
+    def _seek_place(self, words: Iterable[tuple[Word, str]]) -> None:
+        """Go on looking for the vehicle's place on the saved map; take that map over on the operator's word."""
+        assert self.alignment is not None
+        for word, source in words:
+            self.alignment.say(word, source)
+        if self.supervisor.returning or self.states.state not in (PilotState.SURVEYING, PilotState.HOLDING):
+            return
+        found = self.alignment.update(self.t, self.belief)
+        if found is None:
+            return
+        belief, shift = found
+        self.clock.withdraw()
+        self.belief, self.frame = belief, self.frame.then(shift)
+        belief.map.close_off(self._forbidden)
+        self.area = self.safety.area = self.area.with_start(shift.to_survey(self.area.start))
+        states = self.pilot.safety.states
+        self.pilot = self._make_pilot()
+        self.pilot.safety.states = states
+        self.driver.reset()
+        self.emit("frame", **dataclasses.asdict(self.frame), start=list(self.area.start))
 
     def _observe(self, report: VehicleReport, pose: Pose | None) -> VehicleObservation:
         """Put a report and the newest picture into the pilot's input, with stamps on the survey's clock."""
@@ -351,6 +362,8 @@ class SeaMission:
             self.emit("judged", tracks=near)
         self.emit("end", reason=self.end_reason)
         self.clock.close()
+        if self.alignment is not None:
+            self.alignment.close()
         if self._thread is not None:
             self._thread.close()
         record.close()
@@ -367,6 +380,7 @@ class SeaMission:
             "recording_failure": record.work.failure,
             "recording_dropped": record.work.dropped,
             "tether_turns": round(self.report.tether_turns, 2),
+            **({} if self.alignment is None else {"alignment": self.alignment.outcome or "not decided"}),
         }
         timing = timing_of(self._clock() - self._began, self.t, control_ms=self.control_ms)
         if not record.work.failure:
