@@ -22,9 +22,10 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured
-from coral.commands.keyboard import HELP, Keyboard
+from coral.commands.keyboard import HELP, HELP_ALIGN, Keyboard
 from coral.commands.reef_run import render
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
+from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
 from coral.errors import InputError, RunError
 from coral.reef.faults import parse_fault
@@ -199,7 +200,7 @@ class ReefSail:
             raise RunError(f"nothing arms: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
         mission = SeaMission(area, sail, crew, folder, belief=belief, saved=saved, seed=self.seed, about=about)
         write_whole(folder / "preflight.txt", "".join(f"{line}\n" for line in lines).encode())
-        with self._page(mission) as observers:
+        with self._page(mission) as observers, survey_told(mission, self._say):
             for observer in observers:
                 observer.waiting(tuple(str(line) for line in lines))
             self._arm(mission, parts, words)
@@ -267,7 +268,7 @@ class ReefSail:
         if refusals or not mission.crew.link.report().armed:
             mission.record.close()
             raise RunError(f"the vehicle did not arm: {'; '.join(refusals) or 'no answer'}")
-        self._say(f"armed. {HELP}")
+        self._say(f"armed. {HELP}" + ("" if mission.alignment is None else f"  {HELP_ALIGN}"))
 
     @contextmanager
     def _page(self, mission: SeaMission) -> Iterator[list[Any]]:
@@ -278,7 +279,10 @@ class ReefSail:
         from coral.view.live.sea_survey import LiveSurvey, SurveyControls
 
         with LivePage(
-            self.live_port, SurveyControls(mission.crew.words), label="CORAL survey", flag="--live-port"
+            self.live_port,
+            SurveyControls(mission.crew.words, mission.alignment),
+            label="CORAL survey",
+            flag="--live-port",
         ) as page:
             self._say(f"watch and steer the survey at {page.url}")
             survey = LiveSurvey(mission, page)
@@ -298,6 +302,7 @@ class ReefSail:
             f"ended: {result['end_reason']}",
             f"run folder: {result['run']}",
         ]
+        lines += [f"saved map: {result['alignment']}"] if result.get("alignment") else []
         lines += [f"recording stopped: {result['recording_failure']}"] if result["recording_failure"] else []
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
         lines += [str(result["decided"])] if result["decided"] else []

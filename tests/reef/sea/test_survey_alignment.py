@@ -8,6 +8,7 @@ from coral.reef.camera import Camera, CameraCfg
 from coral.reef.geometry import Pose
 from coral.reef.mapping import OccupancyMap
 from coral.reef.scene import Scene
+from coral.reef.sea.map_alignment import AlignmentCfg
 from coral.reef.sea.survey_alignment import ResumeCfg, SavedMap, SurveyAlignment
 from coral.reef.world import load_world
 
@@ -39,7 +40,7 @@ def told():
 
 def begin(told, saved=None, **given):
     forbidden = np.zeros((round(WORLD.size_m[1] / 0.05), round(WORLD.size_m[0] / 0.05)), np.bool_)
-    cfg = ResumeCfg(period_s=1.0, patience_s=10.0)
+    cfg = ResumeCfg(period_s=1.0, patience_s=10.0, alignment=AlignmentCfg(least_bodies=5, least_score=40.0))
     return SurveyAlignment(
         SavedMap(belief=saved or look_around(TRUE), cfg=cfg, **given),
         STATED,

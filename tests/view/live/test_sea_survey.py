@@ -48,6 +48,7 @@ def mission():
         end_reason="",
         t=12.0,
         coverage=0.25,
+        notice="goes on only on your word",
     )
 
 
@@ -58,7 +59,7 @@ def test_the_state_of_the_vehicle_and_its_battery_are_shown():
     survey.tick(one)
     survey.close()
     state = page.states[-1]
-    assert state.status == "holding - link lost"
+    assert (state.status, state.note) == ("holding - link lost", "goes on only on your word")
     assert {number.name: number.value for number in state.numbers}["battery"] == "75%"
     assert {number.name: number.value for number in state.numbers}["collisions"] == "1"
 
@@ -94,3 +95,19 @@ def test_only_arming_is_offered_before_and_nothing_after():
     assert controls._buttons["arm"].disabled
     controls.show(LiveState(title="s1", status="ended: time limit"))
     assert all(button.disabled for button in controls._buttons.values())
+
+
+def test_an_alignment_can_be_used_once_it_is_proposed_and_given_up_before():
+    search = SimpleNamespace(outcome="", proposal=None)
+    controls = SurveyControls(OperatorWords(), search)
+    controls.build(Gui())
+
+    def offered():
+        controls.show(LiveState(title="s1", status="surveying"))
+        return [word for word in ("align", "unaligned") if not controls._buttons[word].disabled]
+
+    assert offered() == ["unaligned"]
+    search.proposal = object()
+    assert offered() == ["align", "unaligned"]
+    search.outcome = "aligned"
+    assert offered() == []

@@ -39,8 +39,9 @@ class AlignmentCfg:
     """How far the outline of a body differs between two dives (m): two cells, since it was seen from other sides."""
     hit: Fraction = 0.8
     """Share of the points that show again what the earlier dive has seen; the others moved, grew or were seen wrong."""
-    least_bodies: Count = 5
-    """Obstacles and oyster clusters that both maps must show."""
+    least_bodies: Count = 12
+    """Obstacles and oyster clusters that both maps must show. A dive that meets the bodies from behind sees their other
+    sides: it was off by up to 0.24 m and 2.5° with 7 to 12 bodies, by up to 0.12 m and 1° with 14 or more."""
     matched: Fraction = 0.75
     """Share of the comparable ones that must lie on one of the same kind. Right alignments on s1, l2 and o1 had all; of
     54 with the map of another reef, or more than 5 m off, six had more than half, one of them 3 of 4."""
@@ -52,7 +53,7 @@ class AlignmentCfg:
     """... or turned by more than this."""
     margin: Fraction = 0.25
     """The second place's score must be smaller than the best one's by this share."""
-    least_score: Positive = 40.0
+    least_score: Positive = 500.0
     """Least logarithm of the likelihood of the alignment over that of a random one."""
 
 

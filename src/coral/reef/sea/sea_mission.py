@@ -26,6 +26,7 @@ from coral.reef.controller import DdpMppi
 from coral.reef.delay_aware_driver import DelayAwareDriver
 from coral.reef.faults import FaultySensors, parse_fault
 from coral.reef.geometry import Pose
+from coral.reef.guard import Reading
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.leftover import what_is_left
 from coral.reef.mapping import OccupancyMap
@@ -33,6 +34,7 @@ from coral.reef.metrics import compute_metrics
 from coral.reef.mission import MissionCfg
 from coral.reef.pilot import Command, Pilot
 from coral.reef.planner import HighLevelPlanner
+from coral.reef.record import PicturePose
 from coral.reef.response import VehicleResponse
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.local_frame import LocalFrame
@@ -163,6 +165,7 @@ class SeaMission:
         if saved is not None:
             self.alignment = SurveyAlignment(saved, area.start, self._forbidden, self.emit, threaded=threaded)
         self._idle: IdleCollector | None = None
+        self._awaited = ""
         self._stages = StageTimes(clock)
         self._shown_s = 0.0
 
@@ -171,6 +174,12 @@ class SeaMission:
         report = self.crew.link.report()
         if report.pose is not None:
             self.frame = LocalFrame.from_start(report.pose, start or self.area.start, trust_heading=trust_heading)
+
+    @property
+    def notice(self) -> str:
+        """What would end the vehicle's state, and what the operator is asked; "" if there is nothing to say."""
+        alignment = "" if self.alignment is None else self.alignment.status
+        return " - ".join(text for text in (self._awaited, alignment) if text)
 
     def emit(self, event: str, **fields: Any) -> None:
         """Record an event at the present tick."""
@@ -203,19 +212,21 @@ class SeaMission:
         pose = self.pose = None if report.pose is None else self.frame.to_survey(report.pose)
         self._tell_texts(report)
         self._stages.mark("report")
-        command = self.pilot.tick(self._faults.apply(self._observe(report, pose)))
+        reading = self.pilot.sense(self._faults.apply(self._observe(report, pose)))
+        command = self.pilot.drive(reading)
         self._stages.mark("pilot")
         words = self.crew.words.take()
         self.supervisor.update(now, self.t, report, pose, words)
         if self.alignment is not None:
             self._seek_place(words)
+        self._tell_awaited()
         self.command = command if self.states.state is PilotState.SURVEYING else (0.0, 0.0)
         self.driver.note(self.command)
         if self.supervisor.sends_commands:
             self.crew.link.command(*self.response.setpoint(*self.command), self.cfg.depth_m)
         self._stages.mark("command")
         self.step += 1
-        self._record(report)
+        self._record(report, reading)
         self._stages.mark("record")
         if self.pilot.end_reason and not self.supervisor.returning and self.states.state is not PilotState.TAKEN_OVER:
             self.supervisor.complete(self.t, self.pilot.end_reason)
@@ -311,6 +322,13 @@ class SeaMission:
         for text in report.texts:
             self.emit("vehicle_text", severity=text.severity, text=text.text)
 
+    def _tell_awaited(self) -> None:
+        guard = self.cfg.mission.pilot.guard
+        found = self.supervisor.awaits(guard.recover_s, guard.surface_after_s)
+        if found != self._awaited:
+            self._awaited = found
+            self.emit("awaited", state=self.states.state.value, reason=self.states.reason, ends_when=found)
+
     def _go_home(self) -> None:
         self.pilot.go_home(*self.area.start[:2])
 
@@ -324,17 +342,30 @@ class SeaMission:
         hull_m = self.cfg.mission.simulator.vehicle.hull_radius_m
         return away - hull_m, done / len(near) if near else 0.0, done
 
-    def _record(self, report: VehicleReport) -> None:
+    def _record(self, report: VehicleReport, reading: Reading) -> None:
         belief, plan = self.belief, self.pilot.plan
         goal = belief.goal or (float("nan"), float("nan"))
         ok = float(plan.ok) if plan is not None else 1.0
         state = (*(report.velocity or (0.0, 0.0, 0.0)), *self.command, *goal, ok)
         self.record.tick(self.step, self.t, belief.pose, self.crew.true_pose(), state, self._own())
         if belief.frame is not None:
-            self.record.offer_frame(self.step, self.t, belief.map.cells, belief.frame)
+            self.record.offer_frame(self.step, self.t, belief.map.cells, belief.frame, self._taken_at(reading))
         if self._recording and self.record.work.failure:
             self._recording = False
             self.emit("recording_stopped", reason=self.record.work.failure)
+
+    def _taken_at(self, reading: Reading) -> PicturePose | None:
+        """Where the tick's new picture was taken; None without one."""
+        if reading.frame is None or reading.frame_pose is None:
+            return None
+        level = reading.attitude or Attitude(roll=0.0, pitch=0.0, depth_m=self.cfg.depth_m)
+        return PicturePose(
+            pose=reading.frame_pose,
+            odometry=reading.frame_pose,
+            height_m=self.cfg.mission.simulator.camera.altitude_m,
+            roll=level.roll,
+            pitch=level.pitch,
+        )
 
     def _count(self, event: dict[str, Any]) -> None:
         self.calls += event["event"] == "question"

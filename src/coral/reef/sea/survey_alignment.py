@@ -126,9 +126,10 @@ class SurveyAlignment:
         self._work.close()
 
     def _match(self, belief: Belief) -> None:
-        new = KnownGround.of_map(belief.map, self._forbidden)
+        cells = belief.map.snapshot()
 
         def work() -> None:
+            new = KnownGround.of_map(cells, self._forbidden)
             if self._ground is None:
                 self._ground = KnownGround.of_map(self._saved.map, self._forbidden)
             found = align_maps(self._ground, new, self._start, self.cfg.alignment)
