@@ -29,8 +29,9 @@ def test_surveying_has_nothing_to_await():
 
 
 def test_what_happens_is_said_and_the_rest_is_not():
-    said, mission = [], SimpleNamespace(record=SimpleNamespace(listeners=[]), alignment=None)
-    with survey_told(mission, said.append):
+    said, shown, mission = [], [], SimpleNamespace(record=SimpleNamespace(listeners=[]), alignment=None)
+    with survey_told(mission, said.append, shown.append):
         for event in ({"event": "state", "t": 3.0, "state": "holding", "reason": "x"}, {"event": "goal", "t": 3.0}):
             mission.record.listeners[0](event)
     assert [line.partition(" ")[2] for line in said] == ["holding: x"]
+    assert shown == ["holding - x"]

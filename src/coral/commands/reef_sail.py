@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -27,6 +27,7 @@ from coral.commands.reef_run import render
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
 from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
+from coral.desk.notice import mission_notice
 from coral.errors import InputError, RunError
 from coral.reef.faults import parse_fault
 from coral.reef.heuristic import REEF_RULES
@@ -160,9 +161,11 @@ class ReefSail:
         belief = saved = None
         if self.resume is not None:
             sim = cfg.simulator
-            belief, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief)
+            known, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief)
             if self.place == "map":
-                belief, saved = None, SavedMap(belief=belief, confirmed=self.yes)
+                saved = SavedMap(belief=known, confirmed=self.yes)
+            else:
+                belief = known
         if not self.check:
             warm_up(cfg)
         words = OperatorWords()
@@ -200,11 +203,19 @@ class ReefSail:
             raise RunError(f"nothing arms: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
         mission = SeaMission(area, sail, crew, folder, belief=belief, saved=saved, seed=self.seed, about=about)
         write_whole(folder / "preflight.txt", "".join(f"{line}\n" for line in lines).encode())
-        with self._page(mission) as observers, survey_told(mission, self._say):
+        inbox = self.inbox or folder / "inbox"
+        noticed = mission_notice(inbox, world=area.name, advisor=advisor.name, seed=self.seed, run=str(folder))
+        with (
+            noticed if asks_person(self.advisor) else nullcontext() as notice,
+            self._page(mission) as observers,
+            survey_told(mission, self._say, None if notice is None else notice.doing),
+        ):
             for observer in observers:
                 observer.waiting(tuple(str(line) for line in lines))
             self._arm(mission, parts, words)
             result = conduct(mission, observers, words, first=first)
+            if notice is not None:
+                notice.finished(f"{result['clusters_covered']} clusters covered; {result['end_reason']}")
         save_survey(folder, mission.belief, mission.belief.pose) if not result["recording_failure"] else None
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}

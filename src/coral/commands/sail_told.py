@@ -15,19 +15,28 @@ TOLD = ("state", "awaited", "alignment", "limit", "recording_stopped", "order_re
 
 
 @contextmanager
-def survey_told(mission: SeaMission, say: Callable[[str], None]) -> Iterator[None]:
+def survey_told(
+    mission: SeaMission, say: Callable[[str], None], desk: Callable[[str], None] | None = None
+) -> Iterator[None]:
     """Say what happens to a survey, while it lasts; a terminal that hangs delays nothing else.
 
     Args:
         mission: The survey.
         say: Prints one line.
+        desk: Shows a line to the people who answer at the desk, in place of the last one.
     """
     work = BackgroundWork()
+
+    def show(event: Mapping[str, Any], asked: str) -> None:
+        for line in lines(event, asked):
+            say(line)
+        if desk is not None and event["event"] in ("state", "awaited"):
+            desk(" - ".join(text for text in (event["state"], event["reason"], event.get("ends_when", "")) if text))
 
     def hear(event: Mapping[str, Any]) -> None:
         if event["event"] in TOLD:
             asked = "" if mission.alignment is None else mission.alignment.status
-            work.offer(lambda: [say(line) for line in lines(event, asked)] and None)
+            work.offer(lambda: show(event, asked))
 
     mission.record.listeners.append(hear)
     try:

@@ -199,6 +199,11 @@ def test_a_resumed_survey_finds_its_place_and_goes_on_with_the_saved_map(tmp_pat
     assert voyage.mission.area.start[:2] == pytest.approx((WORLD.start.x, WORLD.start.y), abs=0.1)  # the way home
     told = events(tmp_path / "run", "alignment", "frame")
     assert [event.get("status") for event in told][-3:] == ["proposed", "used", None]
+    kept = list(find_recording(tmp_path / "run").keyframes())
+    rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
+    for keyframe in (kept[4], kept[16], kept[18], kept[-2]):  # before and after, in one frame
+        true = rows[round(10 * keyframe.t)]
+        assert keyframe.pose[:2] == pytest.approx((float(true["x"]), float(true["y"])), abs=0.15)
 
 
 def test_without_a_word_the_resumed_survey_keeps_its_own_map(tmp_path, earlier):

@@ -1,5 +1,8 @@
 from types import SimpleNamespace
 
+import pytest
+from viser._icons import svg_from_icon
+
 from coral.reef.belief import Belief
 from coral.reef.camera import Camera, CameraCfg
 from coral.reef.geometry import Pose
@@ -9,7 +12,7 @@ from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.states import PilotState
 from coral.reef.world import load_world
-from coral.view.live.sea_survey import LiveSurvey, SurveyControls
+from coral.view.live.sea_survey import BUTTONS, RESUME_BUTTONS, LiveSurvey, SurveyControls
 from coral.view.live.state import LiveState
 
 
@@ -111,3 +114,8 @@ def test_an_alignment_can_be_used_once_it_is_proposed_and_given_up_before():
     assert offered() == ["align", "unaligned"]
     search.outcome = "aligned"
     assert offered() == []
+
+
+@pytest.mark.parametrize("icon", [button[2] for button in BUTTONS + RESUME_BUTTONS])
+def test_every_icon_exists(icon):
+    assert svg_from_icon(icon)

@@ -228,7 +228,7 @@ def _middles(poses: NDArray[np.float64], arm: NDArray[np.float64]) -> NDArray[np
         arm: Where the middle is at the pose zero. Shape=(2,).
     """
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    return poses[:, :2] + np.stack([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]], axis=1)
+    return np.asarray(poses[:, :2] + np.stack([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]], axis=1))
 
 
 def _peaks(

@@ -298,7 +298,12 @@ class SeaMission:
         self.pilot = self._make_pilot()
         self.pilot.safety.states = states
         self.driver.reset()
-        self.emit("frame", **dataclasses.asdict(self.frame), start=list(self.area.start))
+        self.emit(
+            "frame",
+            **dataclasses.asdict(self.frame),
+            start=list(self.area.start),
+            shift=list(dataclasses.astuple(shift)),
+        )
 
     def _observe(self, report: VehicleReport, pose: Pose | None) -> VehicleObservation:
         """Put a report and the newest picture into the pilot's input, with stamps on the survey's clock."""

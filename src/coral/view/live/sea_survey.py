@@ -28,8 +28,8 @@ BUTTONS: tuple[tuple[Word, str, str, str, str], ...] = (
 )
 """Word, label, icon, colour and hint of each button."""
 RESUME_BUTTONS: tuple[tuple[Word, str, str, str, str], ...] = (
-    ("align", "Use the alignment", "map-check", "teal", "Go on with the saved map, placed as proposed."),
-    ("unaligned", "Go on without the saved map", "map-off", "gray", "Survey with the new map alone."),
+    ("align", "Use the alignment", "check", "teal", "Go on with the saved map, placed as proposed."),
+    ("unaligned", "Go on without the saved map", "x", "gray", "Survey with the new map alone."),
 )
 """Of a survey that looks for its place on a saved map."""
 
