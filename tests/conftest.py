@@ -1,6 +1,51 @@
-"""Hypothesis for all tests: the same examples in every run, and no limit on wall time."""
+"""Hypothesis for all tests: the same examples in every run, no limit on wall time; and a browser for the pages."""
 
+import shutil
+
+import pytest
 from hypothesis import settings
 
 settings.register_profile("coral", deadline=None, derandomize=True)
 settings.load_profile("coral")
+
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+NARROW_PX = 400
+"""Width of a telephone's screen."""
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """A headless Chromium. A missing one is a failure: what is not tried is not known to work."""
+    from playwright.sync_api import sync_playwright
+
+    path = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    assert path, "no Chromium on the path: install the package chromium to test the pages"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def check_for_all_eyes():
+    """Checks a page by the rules of screen readers, in light and in dark, and that a narrow screen shows all of it."""
+    from axe_playwright_python.sync_playwright import Axe
+
+    def check(page):
+        page.evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
+        for scheme in ("light", "dark"):
+            page.emulate_media(color_scheme=scheme)
+            broken = Axe().run(page).response["violations"]
+            assert [(rule["id"], [node["html"][:120] for node in rule["nodes"]]) for rule in broken] == [], scheme
+        page.set_viewport_size({"width": NARROW_PX, "height": 800})
+        assert page.evaluate("document.documentElement.scrollWidth") <= NARROW_PX
+
+    return check

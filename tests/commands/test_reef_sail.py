@@ -22,6 +22,7 @@ def test_yes_is_refused_where_a_real_vehicle_would_arm(capsys):
         ({"seed": -1}, "--seed"),
         ({"camera_latency": 3.0}, "--camera-latency"),
         ({"start": (0.0, 0.0, 0.0)}, "--start"),
+        ({"fault": ("blind-sonar@5:2",)}, "--fault"),
     ],
 )
 def test_bad_flags_are_one_line(flags, where):

@@ -1,11 +1,13 @@
 import math
 
+import numpy as np
 import pytest
 
 from coral.commands.reef_sail import ReefSail
 from coral.commands.sail_parts import open_parts, read_area
 from coral.errors import InputError
 from coral.reef.mission import MissionCfg
+from coral.reef.resolution import with_sonar
 
 SURVEY = "format: coral-survey/1\nname: tank\nsize_m: [22, 22]\nstart: {x: 4, y: 5}\ndepth_m: 2.5\n"
 
@@ -57,6 +59,9 @@ def test_the_simulated_vehicle_begins_where_the_area_does_and_sees_the_reef():
         ({"vehicle": "bluerov"}, "--vehicle"),
         ({"dvl": "a50:"}, "--dvl"),
         ({"dvl": "sonar"}, "--dvl"),
+        ({"sonar": "/nowhere/dive.sonar"}, "--sonar"),
+        ({"sonar": "udp:fast"}, "--sonar"),
+        ({"sonar": "udp:70000"}, "--sonar"),
         ({"camera": "/nowhere/video.mp4"}, "--camera"),
         ({"truth": "mavlink:tcp:127.0.0.1:1"}, "--truth"),
     ],
@@ -70,3 +75,23 @@ def test_a_wrong_name_is_one_line_with_its_flag(flags, where):
 def test_a_survey_without_a_reef_has_nothing_to_simulate(survey):
     with pytest.raises(InputError, match="rehearse: WORLD"), opened(ReefSail(area=survey())):
         pass
+
+
+def test_a_simulated_sonar_hears_the_reef():
+    area, world, depth = read_area("s1")
+    with open_parts(ReefSail(area="s1", sonar="simulated"), area, world, with_sonar(MissionCfg()), depth) as parts:
+        parts.place()
+        for _ in range(200):
+            if parts.sonar.latest is not None:
+                break
+            parts.sonar._closing.wait(0.01)
+        assert np.isfinite(parts.sonar.latest.image.ranges).any()
+    with opened(ReefSail(area="s1")) as parts:
+        assert parts.sonar is None
+
+
+def test_a_real_sonar_is_listened_to_on_its_port():
+    pytest.importorskip("wlsonar")
+    with opened(ReefSail(area="s1", sonar="udp:127.0.0.1:0")) as parts:
+        assert parts.sonar.source.port > 0
+        assert parts.sonar.latest is None

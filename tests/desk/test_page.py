@@ -1,11 +1,10 @@
-"""The page in a real browser. A missing browser is a failure: what is not tried is not known to work."""
+"""The page in a real browser."""
 
 import json
 import re
-import shutil
 
 import pytest
-from playwright.sync_api import expect, sync_playwright
+from playwright.sync_api import expect
 from pydantic import BaseModel, Field, RootModel
 
 from coral.advisor.question import Question
@@ -15,15 +14,6 @@ from coral.reef.geometry import Pose, to_world
 pytestmark = pytest.mark.browser
 # Only a page that never gets there waits this long; a busy machine may need more than the usual 5 s.
 expect.set_options(timeout=30_000)
-FLAGS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
 
 
 class Object(BaseModel):
@@ -48,16 +38,6 @@ class Masses(RootModel[dict[str, Mass]]):
 
 class Program(BaseModel):
     code: str = ""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    path = shutil.which("chromium") or shutil.which("google-chrome")
-    assert path, "no Chromium on the path: install the package chromium to test the page"
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture
@@ -284,3 +264,12 @@ def test_text_from_an_inbox_is_never_markup(visit, ask):
     page = visit()
     expect(page.get_by_role("article", name="The question")).to_have_text(evil)
     assert "owned" not in page.title()
+
+
+def test_the_page_is_for_all_eyes(visit, ask, case, check_for_all_eyes):
+    page = visit("Ana")
+    expect(page.get_by_role("heading", name="No question yet")).to_be_visible()
+    check_for_all_eyes(page)
+    ask(case.reef_question(), case.refused("The chosen dot is behind the robot."))
+    expect(page.get_by_role("heading", name="Which oyster cluster next?")).to_be_visible()
+    check_for_all_eyes(page)

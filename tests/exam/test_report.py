@@ -92,5 +92,18 @@ def test_pictures_are_shown_no_wider_than_their_place_and_at_most_two(tmp_path, 
 
 def test_the_answer_without_its_code_is_shown_as_json(tmp_path):
     text = page(tmp_path, ("a", [graded(0.5)]))
-    shown = re.search(r"<pre>(\{.*?\})</pre>", text)[1].replace("&#34;", '"')
+    shown = re.search(r"<pre[^>]*>(\{.*?\})</pre>", text)[1].replace("&#34;", '"')
     assert json.loads(shown)["selected_centroid_index"] == 2
+
+
+@pytest.mark.browser
+def test_the_page_is_for_all_eyes(tmp_path, browser, check_for_all_eyes):
+    page(
+        tmp_path,
+        ("worse", [graded(0.25)]),
+        ("better", [graded(0.75, pictures=(Picture(name="map", png=png(), caption="Map."),))]),
+    )
+    shown = browser.new_page()
+    shown.goto((tmp_path / "report.html").as_uri())
+    check_for_all_eyes(shown)
+    shown.close()

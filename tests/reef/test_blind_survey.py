@@ -57,6 +57,15 @@ def test_without_camera_and_sonar_it_stands_within_a_second_and_says_why(tmp_pat
     assert all(speed(row) < 0.05 for row in rows if 5.9 < float(row["t"]) <= 7.0)
 
 
+@pytest.mark.parametrize("lost_s", [5.0, 5.1])  # both phases of the sonar
+def test_without_both_at_cruise_speed_it_stands_within_a_second(tmp_path, lost_s):
+    _, _, _, rows = survey(tmp_path / "run", lost_s + 1.3, f"missing-frame@{lost_s}:3", f"missing-sonar@{lost_s}:3")
+    assert max(speed(row) for row in rows if float(row["t"]) <= lost_s + 0.05) > 0.54
+    late = [speed(row) for row in rows if float(row["t"]) >= lost_s + 0.95]
+    assert late
+    assert max(late) < 0.05
+
+
 def test_a_silent_sonar_is_told_while_the_camera_goes_on(tmp_path):
     _, _, events, _ = survey(tmp_path / "run", 5.0, "missing-sonar@2:2")
     assert [e["deaf"] for e in of(events, "deaf")] == [True, False]

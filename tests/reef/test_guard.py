@@ -293,3 +293,44 @@ def test_where_only_the_sonar_finds_obstacles_nothing_moves_without_it():
 def test_without_a_sonar_its_images_are_not_looked_at():
     reading = guard().check(good(0.0, sonar="nonsense"))
     assert (reading.sonar, reading.deaf, reading.refusals) == (None, "", ())
+
+
+def test_the_vehicle_brakes_before_camera_and_sonar_are_lost():
+    """Both are 5 Hz here; the camera's last look is at 0.6 s."""
+
+    def overdue(sonar, last_heard):
+        watch = SensorGuard(CAMERA, (20.0, 20.0), sonar=sonar)
+        found = []
+        for k in range(10):
+            t = k / 10
+            camera, heard = Stamped(min(t, 0.6), picture()), echo(min(t, last_heard), 4.0 + 0.01 * k)
+            found.append(watch.check(good(t, frame=camera, sonar=heard)))
+        return [round(reading.t, 1) for reading in found if reading.overdue], [reading.lost for reading in found]
+
+    late, lost = overdue(None, 0.0)
+    assert late == [0.9]
+    assert not any(lost)  # it would be lost at 1.0 s
+    assert overdue(SONAR, 0.6)[0] == [0.9]
+    assert overdue(SONAR, 0.9)[0] == []
+    assert overdue(SONAR, 0.4)[0] == [0.9]
+
+
+def test_where_the_sonar_alone_finds_obstacles_the_vehicle_brakes_for_it():
+    watch = SensorGuard(CAMERA, (20.0, 20.0), sonar=SONAR, sonar_alone=True)
+    late = [watch.check(good(k / 10, sonar=echo(min(k / 10, 0.5), 4.0 + 0.01 * k))).overdue for k in range(9)]
+    assert late == [False] * 8 + [True]
+
+
+def test_the_covariance_of_the_last_pose_is_passed_on():
+    watch, told = guard(), np.diag([0.01, 0.02, 0.001])
+    assert watch.check(good(0.0)).covariance is None
+    assert np.array_equal(watch.check(good(0.1, covariance=told)).covariance, told)
+    assert np.array_equal(watch.check(good(0.2, pose=None, covariance=2 * told)).covariance, told)
+
+
+@pytest.mark.parametrize(("sigma", "reason"), [(0.2, "uncertain"), (math.nan, "not finite"), ("much", "wrong type")])
+def test_an_attitude_that_is_too_uncertain_is_refused(sigma, reason):
+    doubtful = Attitude(roll=0.0, pitch=0.0, depth_m=1.0, tilt_std_rad=sigma)
+    assert refusals(guard().check(good(0.0, attitude=Stamped(0.0, doubtful)))) == [("attitude", reason)]
+    sure = dataclasses.replace(doubtful, tilt_std_rad=0.01)
+    assert refusals(guard().check(good(0.0, attitude=Stamped(0.0, sure)))) == []

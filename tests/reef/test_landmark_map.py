@@ -111,3 +111,34 @@ def test_a_radius_is_the_mean_of_whole_sightings():
     before = LandmarkMap().extended(whole(0.0, half=0.1), ODOMETRY, 0.0)
     after = before.corrected(0, whole(0.0, half=0.2), ODOMETRY, 1.0).corrected(0, RIGHT_HALF, ODOMETRY, 2.0)
     assert after._radii[0] == pytest.approx(0.5 * (whole(0.0, half=0.1).radius_m + whole(0.0, half=0.2).radius_m))
+
+
+def test_a_wrong_heading_turns_what_the_odometry_adds():
+    """Odometry that integrates along a heading wrong by e: the error it has after a way is that way, turned by e."""
+    made = LandmarkMap()
+    made._state[:3] = 0.1, -0.2, 0.01
+    made._covariance[:3, :3] = np.diag([0.0, 0.0, 0.02**2])
+    way = (3.0, 4.0)
+    made.propagate(way, np.zeros((3, 3)))
+    c, s = math.cos(0.01), math.sin(0.01)
+    true = c * way[0] + s * way[1], -s * way[0] + c * way[1]  # the same way along the true heading
+    assert made.error == pytest.approx((0.1 + way[0] - true[0], -0.2 + way[1] - true[1], 0.01), abs=1e-3)
+    assert made.sigma == pytest.approx((0.08, 0.06, 0.02))
+
+
+def test_noise_of_the_odometry_is_added_with_its_correlation():
+    made = surveyed()
+    before, noise = made._covariance.copy(), np.array([[0.02, 0.01, 0.0], [0.01, 0.03, 0.0], [0.0, 0.0, 0.001]])
+    made.propagate((0.0, 0.0), noise)
+    assert made._covariance[:3, :3] == pytest.approx(before[:3, :3] + noise)
+    assert made._covariance[3:, 3:] == pytest.approx(before[3:, 3:])
+
+
+def test_the_covariance_of_landmarks_moves_with_the_error():
+    """Twin: the whole covariance by the whole Jacobian."""
+    made = surveyed()
+    jacobian = np.eye(len(made._state))
+    jacobian[0, 2], jacobian[1, 2] = -0.7, 0.4
+    twin = jacobian @ made._covariance @ jacobian.T
+    made.propagate((0.4, 0.7), np.zeros((3, 3)))
+    assert made._covariance == pytest.approx(twin)

@@ -173,3 +173,36 @@ def test_a_mission_ends_nearer_to_its_map_than_the_odometry(pond, tmp_path):
 def test_without_localization_the_pose_is_the_odometry_s(pond, tmp_path):
     found = mission(pond, tmp_path / "run", dataclasses.replace(DRIFTS, drift_xy=0.0, drift_theta=0.0))
     assert found["position_error_m"] == found["odometry_error_m"] > 0.05
+
+
+def told(sigma):
+    return np.diag(np.square(sigma))
+
+
+def test_the_doubt_without_landmarks_is_what_the_odometry_tells():
+    localizer, frame = Localizer(CAMERA), camera().render(HERE)
+    covariance = np.array([[0.04, 0.01, 0.002], [0.01, 0.09, 0.001], [0.002, 0.001, 0.0025]])
+    localizer.update(frame, HERE, 0.0, np.zeros((3, 3)))
+    localizer.update(frame, shifted(HERE, 0.5, 0.2, 0.0), 1.0, 0.3 * covariance)
+    there = shifted(HERE, 0.9, -0.3, 0.1)
+    assert localizer.update(frame, there, 1.0, covariance) == pytest.approx(there)
+    assert localizer.active
+    assert localizer.hypotheses[0].map._covariance == pytest.approx(covariance, abs=1e-9)
+
+
+def test_posts_seen_again_correct_an_odometry_that_tells_its_doubt():
+    water, cfg = camera((7.0, 5.4), (6.6, 3.9), (7.3, 6.4)), LocalizationCfg()
+    localizer = Localizer(CAMERA, cfg)
+    for k in range(60):
+        localizer.update(water.render(HERE), HERE, 0.1 if k else 0.0, told((0.01, 0.01, 0.001)))
+    odometry = shifted(HERE, 0.3, -0.2, 0.05)
+    for _ in range(60):
+        pose = localizer.update(water.render(HERE), odometry, 0.1, told((0.5, 0.5, 0.05)))
+    assert pose[:2] == pytest.approx(HERE[:2], abs=0.17)
+    assert max(localizer.sigma[:2]) < 0.4
+
+
+def test_a_covariance_may_be_ignored():
+    localizer = Localizer(CAMERA, LocalizationCfg(use_covariance=False))
+    assert localizer.update(camera().render(HERE), HERE, 0.1, told((0.5, 0.5, 0.05))) is HERE
+    assert not localizer.active

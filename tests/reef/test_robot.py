@@ -10,6 +10,8 @@ from coral.reef.costfield import CostFieldCfg
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.localization import Localizer
 from coral.reef.mapping import OccupancyMap
+from coral.reef.navigation.doppler_log import DvlCfg
+from coral.reef.navigation.simulated_navigation import NavigationCfg
 from coral.reef.pd import PdController
 from coral.reef.pilot import NOTHING_LEFT, Pilot
 from coral.reef.planner import HighLevelPlanner
@@ -31,8 +33,8 @@ def robot():
     """Makes robots whose events are kept in `events`."""
     clocks = []
 
-    def make(number=0, alone=True):
-        cfg = SimulatorCfg()
+    def make(number=0, alone=True, **simulator):
+        cfg = SimulatorCfg(**simulator)
         clocks.append(SimulatedClock("fixed:3", np.random.default_rng(0)))
         events = []
 
@@ -113,3 +115,25 @@ def test_one_that_has_nothing_to_do_claims_no_goal(robot):
     one.pilot.end_reason = NOTHING_LEFT
     assert one.says().goal is None
     assert one.says().index is None
+
+
+def test_dead_reckoning_reaches_guard_and_localizer_with_its_covariance(robot):
+    one = robot(navigation=NavigationCfg(source="dvl-imu"))
+    for k in range(20):
+        one.sense(0.1 * k, 0.1 if k else 0.0)
+        one.localize(0.1 if k else 0.0)
+        one.command = (0.3, 0.0)
+        one.act(0.1, ())
+    assert np.array_equal(one.seen.covariance, one.sensed.covariance)
+    assert one.localizer.active
+    assert one.localizer.sigma[0] > 0.0
+    assert one.seen.velocity.t == pytest.approx(0.1 * 19)
+
+
+def test_a_velocity_without_bottom_lock_keeps_its_old_stamp(robot):
+    lost = NavigationCfg(source="dvl-imu", dvl=DvlCfg(range_m=0.5))  # the floor is 1 m away
+    one = robot(navigation=lost)
+    for k in range(4):
+        one.sense(0.1 * k, 0.1 if k else 0.0)
+    assert one.seen.velocity.t == pytest.approx(0.0)
+    assert one.seen.pose.t == pytest.approx(0.3)

@@ -11,8 +11,10 @@ from coral.reef.belief import Belief
 from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Pose
 from coral.reef.mapping import OccupancyMap
+from coral.reef.navigation.simulated_navigation import NavigationCfg
 from coral.reef.noise import SensorNoiseCfg
 from coral.reef.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 from coral.reef.vehicle import VehicleCfg
 from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
@@ -150,3 +152,30 @@ def test_the_depth_of_the_water_is_the_worlds_or_the_configured_one():
     assert simulator(there).sense(0.0).attitude.depth_m == pytest.approx(4.0)
     shallow = simulator(there.model_copy(update={"water_depth_m": 1.5})).sense(0.0).attitude
     assert (shallow.depth_m, shallow.altitude_m) == (pytest.approx(0.5), 1.0)
+
+
+def test_with_sensors_of_its_own_the_vehicle_knows_where_it_is_only_nearly_and_says_how_nearly():
+    there = world(disc(10.0, 10.0))
+    sensors = NavigationCfg(source="dvl-imu")
+    plain, sensing = simulator(there), simulator(there, navigation=sensors)
+    for k in range(50):
+        exact, found = plain.sense(0.1 if k else 0.0), sensing.sense(0.1 if k else 0.0)
+        plain.act((0.6, 0.2), 0.1)
+        sensing.act((0.6, 0.2), 0.1)
+    assert plain.pose == sensing.pose
+    assert np.array_equal(exact.frame.depth, found.frame.depth)
+    assert (exact.covariance, exact.pose) != (None, found.pose)
+    error = np.array(found.pose[:2]) - exact.pose[:2]
+    assert 0.0 < np.linalg.norm(error) < 4.0 * np.sqrt(found.covariance[0, 0] + found.covariance[1, 1])
+    assert found.velocity[:2] == pytest.approx(exact.velocity[:2], abs=0.05)
+    assert found.velocity != exact.velocity
+    assert found.attitude.altitude_m == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_sonar_hears_the_same_with_either_navigation():
+    there, sonar = world(disc(7.0, 5.0)), SonarCfg(enabled=True, width=16, height=8)
+    images = [
+        simulator(there, sonar=sonar, navigation=NavigationCfg(source=source)).sense(0.0).sonar
+        for source in ("drift", "dvl-imu")
+    ]
+    assert np.array_equal(images[0].ranges, images[1].ranges)

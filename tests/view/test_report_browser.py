@@ -1,31 +1,8 @@
-import shutil
-
 import pytest
 
 from coral.view.report import write_report
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-QUIET = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
-
-pytestmark = [pytest.mark.browser, pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")]
-
-
-@pytest.fixture(scope="module")
-def browser():
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as player:
-        chromium = player.chromium.launch(executable_path=CHROMIUM, args=QUIET)
-        yield chromium
-        chromium.close()
+pytestmark = pytest.mark.browser
 
 
 @pytest.fixture
@@ -75,3 +52,7 @@ def test_a_killed_or_empty_run_raises_no_error(killed, open_page):
     for name in ("events.jsonl", "trajectory.csv", "attempts.jsonl", "world.yaml"):
         (killed / name).write_text("")
     open_page(killed)
+
+
+def test_a_report_is_for_all_eyes(fresh, open_page, check_for_all_eyes):
+    check_for_all_eyes(open_page(fresh))

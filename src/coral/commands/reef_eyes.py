@@ -44,6 +44,10 @@ class ReefEyes:
     """train: passes over all pictures."""
     limit_s: Positive = 7200.0
     """train: longest time."""
+    begin: Path | None = None
+    """train: weights to begin with, the FILE.pt of an earlier training; random ones by default."""
+    threads: Count = 2
+    """train: threads of torch."""
     out: Path | None = None
     """train: the file to write."""
     seed: int = 0
@@ -61,18 +65,20 @@ class ReefEyes:
         if self.out is None or self.out.suffix != ".onnx" or self.out.exists():
             raise InputError("--out", "", str(self.out), "a new file that ends in .onnx")
         try:
-            from coral.reef.eyes.training import TrainingCfg, TrainingData, export, train
+            from coral.reef.eyes.training import TrainingCfg, TrainingData, export, train, weights_in
         except ImportError as error:
             raise InputError("coral reef eyes train", "", f"no package {error.name}", "the extra `train`") from None
         from coral.reef.eyes.training_set import make_samples
 
+        begin = None if self.begin is None else weights_in(self.begin)
         samples = []
         for sample in make_samples(self.seed, self.reefs, self.pictures):
             samples.append((sample.picture.astype(np.float16), sample.labels, sample.depth.astype(np.float16)))
             if len(samples) % 100 == 0:
                 _tell(f"{len(samples)} of {self.reefs * self.pictures} pictures")
         data = TrainingData(*(np.stack(part) for part in zip(*samples, strict=True)))
-        net = train(data, TrainingCfg(epochs=self.epochs, limit_s=self.limit_s), self.seed, _tell)
+        cfg = TrainingCfg(epochs=self.epochs, limit_s=self.limit_s, threads=self.threads)
+        net = train(data, cfg, self.seed, _tell, begin)
         self.out.parent.mkdir(parents=True, exist_ok=True)
         export(net, self.out)
         return {"file": str(self.out), "pictures": len(samples)}

@@ -29,11 +29,11 @@ from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
 from coral.desk.notice import mission_notice
 from coral.errors import InputError, RunError
-from coral.reef.faults import parse_fault
+from coral.reef.faults import FAULTS, parse_fault
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
 from coral.reef.mistakes import REEF_MISTAKES
-from coral.reef.resolution import PERSON_DEADLINE_S
+from coral.reef.resolution import PERSON_DEADLINE_S, with_sonar
 from coral.reef.response import VehicleResponse
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.operator import OperatorWords
@@ -42,6 +42,7 @@ from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
 from coral.reef.sea.survey_alignment import SavedMap
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 from coral.run_loop import Observer
 from coral.runs import new_run_folder, write_whole
 from coral.view.questions import question_pictures
@@ -52,6 +53,7 @@ LOOK_S = 2.0
 PATIENCE_S = 30.0
 """Sensors that are not there yet are waited for so long before the list is given up."""
 ARM_S = 20.0
+AWAITED = "vehicle", "pose", "velocity", "depth", "camera", "sonar"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +71,9 @@ class ReefSail:
     dvl: str = "autopilot"
     """Where position and speed come from: the autopilot, or a Water Linked A50 on the network (a50:HOST). watch:HOST:
     from the autopilot, but lost as soon as the A50, from which it has them, falls silent."""
+    sonar: str = "none"
+    """none; simulated: of the simulated reef. udp:PORT: a Water Linked Sonar 3D-15, whose own port is 4747
+    (udp:ADDRESS:PORT with this computer's address on the sonar's network). Else the file of a recording (.sonar)."""
     truth: str = ""
     """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
     advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who decides"))] = "heuristic"
@@ -161,7 +166,7 @@ class ReefSail:
         belief = saved = None
         if self.resume is not None:
             sim = cfg.simulator
-            known, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief)
+            known, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
             if self.place == "map":
                 saved = SavedMap(belief=known, confirmed=self.yes)
             else:
@@ -172,6 +177,7 @@ class ReefSail:
         crew = Crew(
             link=parts.link,
             camera=parts.camera,
+            sonar=parts.sonar,
             advisor=advisor,
             words=words,
             world=parts.reef,
@@ -188,14 +194,14 @@ class ReefSail:
         )
 
         def look() -> list[CheckLine]:
-            return watch_sensors(parts, area, self.safety, equipment)
+            return watch_sensors(parts, area, self.safety, equipment, cfg.simulator.sonar)
 
         if self.check:
             lines = look()
             self._print(lines)
             return {"ready": not blocking(lines), "preflight": [str(line).strip() for line in lines]}
         sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth, response=response)
-        about = {"vehicle": self.vehicle, "camera": self.camera, "dvl": self.dvl}
+        about = {"vehicle": self.vehicle, "camera": self.camera, "dvl": self.dvl, "sonar": self.sonar}
         about |= {"resumed": str(self.resume), "place": self.place} if self.resume is not None else {}
         lines = look()
         self._print(lines)
@@ -228,7 +234,10 @@ class ReefSail:
         checked(self.safety, "--safety")
         cfg = checked(dataclasses.replace(self.cfg, faults=(*self.cfg.faults, *self.fault)), "--cfg")
         for fault in cfg.faults:
-            parse_fault(fault)
+            name = parse_fault(fault).name
+            if FAULTS[name].needs_sonar and self.sonar == "none":
+                raise InputError("--fault", "", name, "a fault of a sensor that the vehicle has: add --sonar")
+        cfg = with_sonar(cfg, self.sonar != "none")
         if cfg.robots != 1 or cfg.decider != "advisor":
             found = f"robots {cfg.robots}, decider {cfg.decider}"
             raise InputError("--cfg", "", found, "one robot whose questions an advisor answers")
@@ -324,7 +333,7 @@ class ReefSail:
         return int(self.check and not result["ready"])
 
 
-def watch_sensors(parts: Parts, area: Any, safety: SafetyCfg, equipment: Equipment) -> list[CheckLine]:
+def watch_sensors(parts: Parts, area: Any, safety: SafetyCfg, equipment: Equipment, sonar: SonarCfg) -> list[CheckLine]:
     """Watch the sensors for a while and make the preflight list; wait for those that are not there yet."""
     rates, began = StampRates(), time.monotonic()
     while True:
@@ -334,8 +343,8 @@ def watch_sensors(parts: Parts, area: Any, safety: SafetyCfg, equipment: Equipme
             parts.place()
             time.sleep(0.02)
         now, report = time.monotonic(), parts.link.report()
-        lines = preflight_list(now, report, rates, parts.camera, area, safety, equipment)
-        waits = [line for line in blocking(lines) if line.subject in ("vehicle", "pose", "velocity", "depth", "camera")]
+        lines = preflight_list(now, report, rates, parts.camera, area, safety, equipment, parts.sonar, sonar)
+        waits = [line for line in blocking(lines) if line.subject in AWAITED]
         if not waits or now - began > PATIENCE_S:
             return lines
 

@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.collision import clearance
@@ -25,12 +27,18 @@ from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWatchedByDvl, LinkWithDvl
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import CameraSource, LatestShot
+from coral.reef.sea.recorded_sonar import RecordedSonar
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.sea.simulated_camera import SimulatedCamera
 from coral.reef.sea.simulated_link import SimulatedLink
+from coral.reef.sea.simulated_sonar import SimulatedSonar
+from coral.reef.sea.sonar_reading import LatestHeard, SonarSource
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
+from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
+from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.sea.video_camera import VideoCamera
 from coral.reef.simulator import make_painter
+from coral.reef.sonar.sonar_3d15 import Sonar3d15
 from coral.reef.world import ReefWorld, load_world
 from coral.view.questions import question_pictures
 
@@ -74,6 +82,7 @@ class Parts:
     """Whether the vehicle cannot be a real one."""
     truth: Callable[[], tuple[float, Pose] | None]
     """Monotonic time and true pose, in the frame of the simulation."""
+    sonar: LatestHeard | None = None
     frame: LocalFrame = field(default_factory=LocalFrame)
     placed: bool = False
     """Whether the survey has begun: the frame stays from then on."""
@@ -141,6 +150,9 @@ def open_parts(
             parts.reef = None
         parts.camera = LatestShot(source)
         opened.append(parts.camera)
+        if flags.sonar != "none":
+            parts.sonar = LatestHeard(_sonar(flags, world, cfg, parts))
+            opened.append(parts.sonar)
         yield parts
     finally:
         for each in reversed(opened):
@@ -219,6 +231,23 @@ def proves_simulation(feed: Any, timeout_s: float = 10.0) -> bool:
             raise InputError("--truth", "", "no SIM_STATE", "the second address of a simulation in the loop")
         time.sleep(0.05)
     return True
+
+
+def _sonar(flags: ReefSail, world: ReefWorld | None, cfg: MissionCfg, parts: Parts) -> SonarSource:
+    kind, _, place = flags.sonar.partition(":")
+    if flags.sonar == "simulated":
+        if world is None:
+            raise InputError("--sonar", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
+        surface_z = None if world.water_depth_m is None else world.seabed.z_m + world.water_depth_m
+        rng = np.random.default_rng([flags.seed, 3])
+        sonar = Sonar3d15(Scene.from_world(world), cfg.simulator.sonar, rng, surface_z=surface_z)
+        return SimulatedSonar(sonar, parts.where, cfg.simulator.camera.altitude_m)
+    if kind != "udp":
+        return RecordedSonar(Path(flags.sonar))
+    interface, _, port = place.rpartition(":")
+    if port and not (port.isdigit() and int(port) < 65536):
+        raise InputError("--sonar", "", repr(flags.sonar), "udp, udp:PORT or udp:ADDRESS:PORT of this computer")
+    return UdpSonar(int(port) if port else SONAR_PORT, interface or "0.0.0.0")
 
 
 def _dvl(text: str, opened: list[Any]) -> DvlA50:

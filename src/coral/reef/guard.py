@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coral.config import Fraction, NonNegative, Positive
 from coral.reef import checks
@@ -48,6 +49,9 @@ class GuardCfg:
     sonar_timeout_s: Positive = 0.35
     """Age at which the sonar is lost: at 5 Hz, one image may be missing. A vehicle without a camera, which drives at
     half speed, then stands within 1 s of the loss."""
+    hesitate_s: NonNegative = 0.1
+    """So long before camera and sonar are both lost the vehicle brakes already, for it sees no obstacles any more: at
+    cruise speed it then stands within 1 s of the loss. Two pictures at 10 Hz may be missing before it does."""
     future_s: NonNegative = 0.05
     """A stamp may be so far ahead of the control loop's clock: half a period."""
     gap_s: Positive = 1.0
@@ -64,6 +68,8 @@ class GuardCfg:
     """Largest standard deviation of a position, where it is known: the size of a cluster."""
     max_tilt_rad: Positive = 0.8
     """Largest roll and pitch of a vehicle that holds itself level."""
+    max_tilt_sigma_rad: Positive = 0.1
+    """Largest standard deviation of both, where it is known: 0.4 m on the map at the obstacle sensing range of 4 m."""
     min_seen: Fraction = 0.01
     """Share of the pixels that must have a return. The camera looks down and always sees the seabed before it."""
     frozen_m: Positive = 0.05
@@ -122,6 +128,10 @@ class Reading:
     """Why there are no range images, in words, although the vehicle has a sonar; "" while it works."""
     blind: str = ""
     """Why there are no pictures, in words, while the sonar alone shows the way; "" while the camera works."""
+    covariance: NDArray[np.float64] | None = None
+    """Of the last pose (x, y, theta), in m and rad; None: unknown. Shape=(3, 3)."""
+    overdue: bool = False
+    """Whether all that shows obstacles is late: it is about to be lost."""
 
 
 class SensorGuard:
@@ -169,6 +179,7 @@ class SensorGuard:
         self._poses = PoseHistory(self.cfg.pose_timeout_s)
         self._reference: Stamped[Pose] | None = None
         """Pose from which the next one may not have jumped, and since when it may have moved."""
+        self._covariance: NDArray[np.float64] | None = None
         self._jumped = False
         self._last_heard: Stamped[RangeImage] | None = None
         self._same_m = 0.0
@@ -185,6 +196,7 @@ class SensorGuard:
         if pose is not None:
             self._reference = pose
             self._poses.add(pose)
+            self._covariance = None if seen.covariance is None else np.array(seen.covariance, np.float64)
         velocity = self._take("velocity", seen.velocity, self._check_velocity, refused)
         if velocity is not None:
             self._poses.velocity = velocity.value
@@ -212,6 +224,8 @@ class SensorGuard:
             sonar_attitude=None if heard is None else self._attitude_at(heard.t),
             deaf=self._missing(("sonar",)) if self._sonar is not None else "",
             blind=self._missing(("camera",)) if self._sonar_stands_in else "",
+            covariance=self._covariance,
+            overdue=self._overdue(),
         )
 
     def rate_hz(self, name: Input) -> float:
@@ -307,6 +321,11 @@ class SensorGuard:
             raise UnfitMeasurement("wrong type", f"{type(found).__name__}, not an Attitude")
         roll, pitch, depth_m = finite_numbers((found.roll, found.pitch, found.depth_m), 3)
         checks.check_attitude(roll, pitch, depth_m, self.cfg.max_tilt_rad)
+        if found.tilt_std_rad is not None:
+            sigma = finite_numbers((found.tilt_std_rad,), 1)[0]
+            if sigma > self.cfg.max_tilt_sigma_rad:
+                most = self.cfg.max_tilt_sigma_rad
+                raise UnfitMeasurement("uncertain", f"by {sigma:.2f} rad, where {most:g} rad is the most")
         return found
 
     def _attitude_at(self, t: float) -> Attitude | None:
@@ -346,6 +365,12 @@ class SensorGuard:
     def _age(self, name: Input) -> float:
         """Return the age of the last good measurement of an input (s); inf before the first."""
         return self._time.t - self._good[name][-1] if self._good[name] else math.inf
+
+    def _overdue(self) -> bool:
+        """Check whether all that shows obstacles is nearly as old as it may be."""
+        eyes: tuple[Input, ...] = ("camera",) if self._sonar is None else ("camera", "sonar")
+        eyes = ("sonar",) if self._sonar is not None and self._sonar_alone else eyes
+        return all(self._age(name) > self._timeouts[name] - self.cfg.hesitate_s + TINY_S for name in eyes)
 
     def _lost(self) -> str:
         """Name the needed inputs without a good measurement within their time."""

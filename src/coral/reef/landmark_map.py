@@ -97,6 +97,21 @@ class LandmarkMap:
         """Add to the variance of the odometry's error; variance: Shape=(3,), x and y (m²), theta (rad²)."""
         self._covariance[range(3), range(3)] += variance
 
+    def propagate(self, motion: tuple[float, float], noise: NDArray[np.float64]) -> None:
+        """Move the error on with an odometry that integrates its own heading: an error there turns what it adds.
+
+        With e = odometry - pose, e_xy grows by e_theta (-dy, dx) over a motion (dx, dy), besides the noise.
+
+        Args:
+            motion: What the odometry has moved by in its own frame (m).
+            noise: Covariance of what is new in its error: x, y (m), theta (rad). Shape=(3, 3).
+        """
+        grow = np.array([[1.0, 0.0, -motion[1]], [0.0, 1.0, motion[0]], [0.0, 0.0, 1.0]])
+        self._state[:3] = grow @ self._state[:3]
+        self._covariance[:3] = grow @ self._covariance[:3]
+        self._covariance[:, :3] = self._covariance[:, :3] @ grow.T
+        self._covariance[:3, :3] += noise
+
     def compare(self, sighting: Sighting, odometry: Pose, candidate_m: float) -> Comparison:
         """Compare a sighting with the landmarks within `candidate_m` (m) of it."""
         args = (self._state, self._covariance, self._radii)

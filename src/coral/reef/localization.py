@@ -27,6 +27,8 @@ class LocalizationCfg:
     and the next at 0 the odometry is taken as it is: the paper's positions are exact."""
     drift_theta: NonNegative = 0.0
     """The same of its heading (rad/√s)."""
+    use_covariance: bool = True
+    """Whether the covariance that the odometry tells, if it does, replaces the two random walks."""
     period_s: Positive = 0.5
     """Time between measurements. The error of a body's centre depends on the side it is seen from and stays nearly the
     same from picture to picture: pictures at 10 Hz would count it ten times a second."""
@@ -94,13 +96,15 @@ class Localizer:
         self._walk = np.array([cfg.drift_xy, cfg.drift_xy, cfg.drift_theta]) ** 2
         self.hypotheses = [Hypothesis(LandmarkMap(cfg.map))]
         """The most likely one first."""
+        self._last: tuple[Pose, NDArray[np.float64]] | None = None
+        """The odometry of the last call, and its covariance."""
         self._now_s = 0.0
         self._waited_s = math.inf
 
     @property
     def active(self) -> bool:
         """Whether the odometry drifts; if not, poses are returned as they are."""
-        return bool(self._walk.any())
+        return bool(self._walk.any()) or self._last is not None
 
     @property
     def landmarks(self) -> NDArray[np.float64]:
@@ -112,21 +116,25 @@ class Localizer:
         """Standard deviations of the pose under the best hypothesis: x (m), y (m), theta (rad)."""
         return self.hypotheses[0].map.sigma
 
-    def update(self, frame: Frame, odometry: Pose, dt: float) -> Pose:
+    def update(self, frame: Frame, odometry: Pose, dt: float, covariance: NDArray[np.float64] | None = None) -> Pose:
         """Correct the odometry.
 
         Args:
             frame: The present camera picture.
             odometry: The present pose by odometry alone.
             dt: Time since the last call (s).
+            covariance: Of the odometry since the start: x, y (m), theta (rad); None: not told. Shape=(3, 3).
 
         Returns:
             The pose in the map's frame, in which the odometry was exact at the start.
         """
-        if not self.active:
+        if covariance is not None and self.cfg.use_covariance:
+            self._follow(odometry, covariance)
+        elif not self.active:
             return odometry
-        for hypothesis in self.hypotheses:
-            hypothesis.map.drift(self._walk * dt)
+        else:
+            for hypothesis in self.hypotheses:
+                hypothesis.map.drift(self._walk * dt)
         self._waited_s += dt
         self._now_s += dt
         if self._waited_s >= self.cfg.period_s - 1e-9:
@@ -138,6 +146,18 @@ class Localizer:
     def locate(self, odometry: Pose) -> Pose:
         """Correct a pose by odometry with the error that was last known."""
         return self.hypotheses[0].map.pose(odometry) if self.active else odometry
+
+    def _follow(self, odometry: Pose, covariance: NDArray[np.float64]) -> None:
+        """Add to the error what the odometry says that it has lost since the last call."""
+        before, spread = self._last or (odometry, np.zeros((3, 3)))
+        dx, dy = odometry.x - before.x, odometry.y - before.y
+        grow = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
+        new = covariance - grow @ spread @ grow.T
+        values, axes = np.linalg.eigh(0.5 * (new + new.T))
+        noise = (axes * np.maximum(values, 0.0)) @ axes.T  # what a correction took away stays in the error
+        for hypothesis in self.hypotheses:
+            hypothesis.map.propagate((dx, dy), noise)
+        self._last = odometry, covariance
 
     def _measure(self, sighting: Sighting, odometry: Pose) -> None:
         """Replace the hypotheses by the most likely of those that a sighting makes of them."""

@@ -29,7 +29,8 @@ DEFINITIONS = {
     "deviations": "Adopted waypoints that violate the backward or off-trend predicates (Eqs. 4-8) without an "
     "exemption (paper IV-E).",
     "steps": "Control ticks of 0.1 s.",
-    "sim_time_s": "Simulated mission time (s): steps x 0.1 s; the controller never idles, so the paper's T_idle is 0.",
+    "sim_time_s": "Simulated mission time (s): steps x 0.1 s. The control loop runs at every tick, so the paper's "
+    "T_idle is 0.",
     "coverage_time_s": "Simulated time (s) at which the last cluster of this run was covered.",
     "steps_per_percent": "Steps for each percentage point of coverage (paper: coverage efficiency); none without any.",
     "distance_m": "Length of the true trajectory (m).",

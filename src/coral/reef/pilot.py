@@ -210,7 +210,8 @@ class Pilot:
             self._stood = False
             self.driver.reset()
             self.trigger.new_goal()  # to be held is not to be stuck
-        return self._steer(reading.t, self.belief.pose, reading.velocity)
+        command = self._steer(reading.t, self.belief.pose, reading.velocity)
+        return (0.0, 0.0) if reading.overdue else command
 
     def go_home(self, x: float, y: float) -> None:
         """Drive to a point (m) around what is on the map, and ask nothing more."""

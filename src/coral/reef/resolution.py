@@ -55,9 +55,9 @@ def resolve_mission(
     return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget)), world
 
 
-def with_sonar(cfg: MissionCfg) -> MissionCfg:
-    """Return the configuration of a vehicle that has the sonar."""
-    sonar = dataclasses.replace(cfg.simulator.sonar, enabled=True)
+def with_sonar(cfg: MissionCfg, there: bool = True) -> MissionCfg:
+    """Return the configuration of a vehicle that has the sonar, or has not."""
+    sonar = dataclasses.replace(cfg.simulator.sonar, enabled=there)
     return dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, sonar=sonar))
 
 

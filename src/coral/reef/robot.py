@@ -18,7 +18,7 @@ from coral.reef.guard import Reading
 from coral.reef.localization import Localizer
 from coral.reef.pilot import Command, LocalPlanner, Pilot
 from coral.reef.record import PicturePose
-from coral.reef.sensing import VehicleObservation
+from coral.reef.sensing import Stamped, VehicleObservation
 from coral.reef.simulator import ReefSimulator, Sensed
 from coral.reef.states import PilotState
 
@@ -70,6 +70,9 @@ class Robot:
             sensed = replace(sensed, frame=perceive_frame(sensed.frame, self._eyes, camera, attitude))
         self.sensed = sensed
         seen = VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude, sensed.sonar)
+        if sensed.covariance is not None:
+            measured = Stamped(t - sensed.velocity_age_s, sensed.velocity)
+            seen = replace(seen, covariance=sensed.covariance, velocity=measured)
         self.seen = self.faults.apply(seen)
         return self.seen
 
@@ -100,7 +103,7 @@ class Robot:
         reading = self.pilot.sense(self.seen)
         self._unlocated_s += dt
         if reading.frame is not None and reading.frame_pose is not None:
-            self.localizer.update(reading.frame, reading.frame_pose, self._unlocated_s)
+            self.localizer.update(reading.frame, reading.frame_pose, self._unlocated_s, reading.covariance)
             self._unlocated_s = 0.0
         if reading.frame_pose is not None:
             self._odometry = reading.frame_pose

@@ -20,6 +20,7 @@ from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.water_types import WaterType, find_water, water_of_visibility
 from coral.reef.geometry import Frame, Pose
 from coral.reef.imaging import ImagingCfg, ImagingMeter
+from coral.reef.navigation.simulated_navigation import NavigationCfg, SimulatedNavigation
 from coral.reef.noise import PoseDrift, SensorNoise, SensorNoiseCfg
 from coral.reef.scene import Scene
 from coral.reef.sensing import Attitude
@@ -39,6 +40,7 @@ class SimulatorCfg:
     coverage: CoverageCfg = field(default_factory=CoverageCfg)
     imaging: ImagingCfg = field(default_factory=ImagingCfg)
     sonar: SonarCfg = field(default_factory=SonarCfg)
+    navigation: NavigationCfg = field(default_factory=NavigationCfg)
     water_depth_m: Positive = 5.0
     """Depth of the water where the world's file does not say it; only the depth sensor reads it. Oyster reefs lie in
     shallow water: this is the upper end of their usual depth. No paper gives it."""
@@ -62,9 +64,13 @@ class Sensed:
     velocity: tuple[float, float, float]
     """Ground-relative surge, sway (m/s) and yaw rate (rad/s) in the body frame."""
     attitude: Attitude
-    """Roll, pitch, depth and altitude, without error."""
+    """Roll, pitch, depth and altitude; without error unless navigation has sensors."""
     sonar: RangeImage | None = None
     """The sonar's image, if one is due; None without a sonar."""
+    covariance: NDArray[np.float64] | None = None
+    """Of the pose (x, y, theta), in m and rad; None: not told. Shape=(3, 3)."""
+    velocity_age_s: float = 0.0
+    """Time since the velocity was measured (s)."""
 
 
 class ReefSimulator:
@@ -104,6 +110,10 @@ class ReefSimulator:
             # A stream of its own: the camera's noise is the same with and without a sonar.
             self._sonar = Sonar3d15(self.scene, cfg.sonar, rng.spawn(1)[0], surface_z=surface_z)
         self._since_ping_s = math.inf
+        begin = start or Pose(world.start.x, world.start.y, world.start.theta)
+        self._navigation: SimulatedNavigation | None = None
+        if cfg.navigation.source == "dvl-imu":
+            self._navigation = SimulatedNavigation(cfg.navigation, begin, rng.spawn(1)[0])
         self._footprints = self.scene.footprints()
         self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
         if first is None:
@@ -113,7 +123,6 @@ class ReefSimulator:
             )
         else:
             self.coverage, self.imaging = first.coverage, first.imaging
-        begin = start or Pose(world.start.x, world.start.y, world.start.theta)
         self.vehicle = Vehicle(cfg.vehicle, VehicleState(begin.x, begin.y, begin.theta))
         self.distance_m = 0.0
         self.track: NDArray[np.float64] = np.array([begin[:2]])
@@ -150,12 +159,19 @@ class ReefSimulator:
             frame = replace(frame, rgb=rgb)
         altitude = self.cfg.camera.altitude_m if height is None else height
         attitude = Attitude(roll=roll, pitch=pitch, depth_m=self.water_depth_m - altitude, altitude_m=altitude)
+        sonar = self._ping(attitude, altitude, dt)
+        if self._navigation is None:
+            pose = self._drift.step(self.pose, dt)
+            return Sensed(frame=frame, pose=pose, velocity=(u, v, r), attitude=attitude, sonar=sonar)
+        fix = self._navigation.step(self.pose, (u, v, r), attitude, dt)
         return Sensed(
             frame=frame,
-            pose=self._drift.step(self.pose, dt),
-            velocity=(u, v, r),
-            attitude=attitude,
-            sonar=self._ping(attitude, altitude, dt),
+            pose=fix.pose,
+            velocity=fix.velocity,
+            attitude=fix.attitude,
+            sonar=sonar,
+            covariance=fix.covariance,
+            velocity_age_s=fix.velocity_age_s,
         )
 
     def _ping(self, attitude: Attitude, altitude_m: float, dt: float) -> RangeImage | None:

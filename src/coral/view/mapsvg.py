@@ -48,7 +48,7 @@ class MapSvg:
         href = map_uri(cells) if cells is not None else ""
         return "".join(
             (
-                f'<svg id="map" viewBox="0 0 {self.width:.0f} {self.height:.0f}" class="map" role="img" '
+                f'<svg id="map" viewBox="0 0 {self.width:.0f} {self.height:.0f}" class="map" role="group" '
                 f'aria-label="Map of the survey" data-scale="{self.scale:.6f}" data-x0="{left:.3f}" '
                 f'data-y0="{top + h:.3f}"><defs><clipPath id="inside"><rect x="{left:.1f}" y="{top:.1f}" '
                 f'width="{w:.1f}" height="{h:.1f}"/></clipPath></defs>',

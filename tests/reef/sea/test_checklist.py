@@ -1,13 +1,18 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from coral.reef.checks import UnfitMeasurement
 from coral.reef.geometry import Pose
 from coral.reef.sea.checklist import Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot, Shot
 from coral.reef.sea.safety import SafetyCfg
+from coral.reef.sea.sonar_reading import HeardImage, LatestHeard
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.sonar.range_image import RangeImage
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 
 AREA = SurveyArea("tank", (20.0, 10.0), Pose(2.0, 5.0, 0.0), ((0, 0), (20, 0), (20, 10), (0, 10)))
 GEAR = Equipment(
@@ -49,14 +54,14 @@ class Source:
     def close(self): ...
 
 
-def listed(report=FINE, labelled=True, shots=1):
+def listed(report=FINE, labelled=True, shots=1, sonar=None):
     rates = StampRates()
     for k in range(21):
         rates.note(replace(report, pose_stamp_s=NOW - 2.0 + 0.125 * k))
     camera = LatestShot(Source(labelled), threaded=False)
     for _ in range(shots):
         camera.step()
-    lines = preflight_list(NOW, report, rates, camera, AREA, SafetyCfg(), GEAR)
+    lines = preflight_list(NOW, report, rates, camera, AREA, SafetyCfg(), GEAR, sonar, SonarCfg(width=8, height=4))
     return {line.subject: line for line in lines}, lines
 
 
@@ -108,3 +113,58 @@ def test_a_real_camera_without_a_network_arms_nothing():
 def test_a_camera_without_pictures_blocks():
     _, lines = listed(shots=0)
     assert [line.subject for line in blocking(lines)] == ["camera"]
+
+
+class Echoes:
+    name = "Sonar 3D-15 at UDP port 4747, from 192.168.2.96"
+
+    def __init__(self, *found):
+        self.found = list(found)
+
+    def read(self):
+        found = self.found.pop(0)
+        if isinstance(found, Exception):
+            raise found
+        return found
+
+    def close(self): ...
+
+
+def listening(*found, period_s=0.2):
+    times = iter(NOW + period_s * k for k in range(10))
+    sonar = LatestHeard(Echoes(*found), clock=lambda: next(times), threaded=False)
+    for _ in found:
+        sonar.step()
+    return sonar
+
+
+def echo(width=8):
+    return HeardImage(NOW - 0.1, RangeImage(np.full((4, width), 2.0, np.float32), 90.0, 40.0))
+
+
+def test_the_sonar_says_sender_size_rate_age_and_what_was_refused():
+    by_name, lines = listed(sonar=listening(echo(), UnfitMeasurement("wrong checksum"), echo(), echo()))
+    assert str(by_name["sonar"]) == (
+        "  sonar: Sonar 3D-15 at UDP port 4747, from 192.168.2.96, 8x4, 90 by 40 degrees, 5 Hz, last image 0.1 s old; "
+        "refused: wrong checksum 1"
+    )
+    assert blocking(lines) == []
+
+
+@pytest.mark.parametrize(
+    ("sonar", "told"),
+    [
+        (listening(), "no image - nothing arms"),
+        (listening(echo(16), echo(16)), "wrong size"),
+    ],
+)
+def test_a_sonar_that_was_asked_for_and_does_not_fit_blocks(sonar, told):
+    by_name, lines = listed(sonar=sonar)
+    assert [line.subject for line in blocking(lines)] == ["sonar"]
+    assert told in by_name["sonar"].text
+
+
+def test_a_slow_sonar_is_told():
+    by_name, _ = listed(sonar=listening(echo(), echo(), period_s=0.5))
+    assert by_name["sonar"].level == "lacking"
+    assert "slow" in by_name["sonar"].text

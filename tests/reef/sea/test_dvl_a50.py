@@ -2,15 +2,23 @@ import json
 import math
 import socket
 import threading
+import time
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from served_a50 import ServedA50
 
 from coral.errors import InputError
 from coral.reef.geometry import Pose
+from coral.reef.sea.address import parse_address
 from coral.reef.sea.dvl_a50 import DvlA50, DvlState, merge, parse_line, watched
 from coral.reef.sea.link import VehicleReport
+from coral.reef.sea.mavlink_link import MavlinkLink
+from coral.reef.sea.safety import SafetyCfg, SafetyMonitor
+from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.sea.truth import TruthFeed
 
 VELOCITY = {
     "type": "velocity",
@@ -86,6 +94,8 @@ def test_the_dvl_replaces_pose_and_velocity_and_nothing_else():
     assert report.velocity == (0.3, -0.1, 0.2)
     assert report.pose == state.pose
     assert (report.depth_m, report.mode, report.has_position) == (1.5, "GUIDED", True)
+    assert report.altitude_m == 1.2
+    assert merge(VehicleReport(), replace(state, bottom_lock=False)).altitude_m is None
 
 
 class FakeServer:
@@ -111,8 +121,8 @@ class FakeServer:
         self.second = second
 
 
-def until(holds, event=threading.Event()):  # noqa: B008
-    for _ in range(500):
+def until(holds, event=threading.Event(), tries=500):  # noqa: B008
+    for _ in range(tries):
         if holds():
             return True
         event.wait(0.01)
@@ -143,7 +153,8 @@ AUTOPILOTS = VehicleReport(pose=Pose(1.0, 2.0, 0.0), pose_stamp_s=100.0, has_pos
 
 def test_while_the_dvl_measures_the_autopilots_position_is_taken():
     state = DvlState(velocity=(0.3, 0.0), velocity_stamp_s=99.8, bottom_lock=True)
-    assert watched(AUTOPILOTS, state, 100.0) is AUTOPILOTS
+    assert watched(AUTOPILOTS, state, 100.0) == replace(AUTOPILOTS, altitude_m=None)
+    assert watched(AUTOPILOTS, replace(state, altitude_m=1.2), 100.0).altitude_m == 1.2
 
 
 @pytest.mark.parametrize(
@@ -159,3 +170,81 @@ def test_a_dvl_that_does_not_measure_takes_the_autopilots_position_away(state, s
     report = watched(AUTOPILOTS, state, 100.0)
     assert not report.has_position
     assert report.pose_stamp_s == stamp_s
+
+
+def test_a_served_a50_says_where_the_vehicle_is_and_how_fast():
+    """A true circle to the left from a heading of 90 degrees, 0.4 m/s: the double and the reader agree with it."""
+    clock = [0.0]
+
+    def where():
+        angle = 0.2 * clock[0]
+        return clock[0], Pose(3.0 - 2.0 * (1.0 - math.cos(angle)), 1.0 + 2.0 * math.sin(angle), math.pi / 2 + angle)
+
+    a50, state = ServedA50(where, clock=lambda: clock[0]), DvlState()
+    a50.close()
+    for tick in range(41):
+        clock[0] = 0.1 * tick
+        for report in a50.lines(tick):
+            state = parse_line(json.dumps(report).encode(), clock[0], state)
+    assert state.pose == pytest.approx(Pose(2.0 * math.sin(0.8), 2.0 * (1.0 - math.cos(0.8)), 0.8))
+    assert state.velocity == pytest.approx((0.4, 0.0), abs=0.05)
+    assert (state.bottom_lock, state.velocity_stamp_s) == (True, pytest.approx(3.95))
+    assert state.altitude_m == pytest.approx(1.0, abs=0.05)
+    a50.mode = "lost"
+    assert not parse_line(json.dumps(a50.lines(1)[0]).encode(), 4.1, state).bottom_lock
+
+
+@pytest.mark.ardusub
+def test_a_silent_a50_is_noticed_within_a_second_while_ardusub_flies_on(ardusub_port, capsys):
+    """Real time: the autopilot's own position is still good when the log's silence has long been seen."""
+    link = MavlinkLink(parse_address(f"mavlink:tcp:127.0.0.1:{ardusub_port}"))
+    feed = TruthFeed(parse_address(f"mavlink:tcp:127.0.0.1:{ardusub_port + 2}")).run()
+    a50 = ServedA50(lambda: None if feed.state is None else (feed.state.stamp_s, feed.state.pose))
+    dvl = DvlA50("127.0.0.1", a50.port)
+    safety = SafetyMonitor(SafetyCfg(), SurveyArea("sea", (40.0, 40.0), Pose(20.0, 20.0, 0.0), ()), 600.0)
+    idle = threading.Event()
+
+    def fly(seconds, done=lambda: False):
+        """Command 0.4 m/s ten times a second. Return the time until `done` held."""
+        began = time.monotonic()
+        while time.monotonic() - began < seconds and not done():
+            link.command(0.4, 0.0, 1.0)
+            idle.wait(0.1)
+        return time.monotonic() - began
+
+    def lost(view):
+        breach = safety.check(time.monotonic(), 0.0, view(), None)
+        return breach is not None and breach.cause == "pose"
+
+    def by_dvl():
+        return merge(link.report(), dvl.state)
+
+    def by_watch():
+        return watched(link.report(), dvl.state, time.monotonic())
+
+    told = []
+    try:
+        assert until(lambda: link.report().has_position and feed.state is not None, tries=12_000)
+        link.arm()
+        first, begun = by_dvl(), feed.state.pose
+        fly(5.0)
+        assert not lost(by_dvl)
+        assert not lost(by_watch)
+        way = math.dist(by_dvl().pose[:2], first.pose[:2])
+        assert way == pytest.approx(math.dist(feed.state.pose[:2], begun[:2]), abs=0.2)
+        assert way > 0.5
+        for mode in ("quiet", "lost"):
+            for name, view in (("a50", by_dvl), ("watch", by_watch)):
+                a50.mode = mode
+                after_s = fly(5.0, lambda view=view: lost(view))
+                told.append(f"--dvl {name}, {mode}: {after_s:.2f} s, autopilot says {link.report().has_position}")
+                assert after_s < 1.0
+                assert link.report().has_position
+                a50.mode = "speaking"
+                assert fly(5.0, lambda view=view: not lost(view)) < 3.0
+    finally:
+        with capsys.disabled():
+            print("", *told, sep="\n")
+        link.disarm()
+        for each in (dvl, a50, feed, link):
+            each.close()

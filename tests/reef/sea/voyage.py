@@ -1,5 +1,8 @@
 """A survey in a simulated reef on a fake clock: nothing sleeps, and the same seed gives the same voyage."""
 
+import dataclasses
+import socket
+
 import numpy as np
 
 from coral.advisor.clock import SimulatedClock
@@ -8,12 +11,17 @@ from coral.reef.camera import Camera
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import MissionCfg
 from coral.reef.record import RecordCfg
+from coral.reef.resolution import with_sonar
 from coral.reef.scene import Scene
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
 from coral.reef.sea.simulated_link import SimulatedLink
+from coral.reef.sea.sonar_packets import SonarPing, encode_packet
+from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.sea.udp_sonar import UdpSonar
+from coral.reef.sonar.sonar_3d15 import Sonar3d15
 from coral.reef.world import load_world
 
 WORLD = load_world("s1")
@@ -50,17 +58,51 @@ class FakeCamera:
         return self.last
 
 
+class SentSonar:
+    """Takes range images at the sonar's rate, sends each as a packet through UDP, and reads it back."""
+
+    def __init__(self, link, clock, cfg):
+        self.link, self.clock, self.deaf = link, clock, False
+        self.sonar = Sonar3d15(Scene.from_world(WORLD), cfg, np.random.default_rng(3))
+        self.reader = LatestHeard(UdpSonar(0, clock=clock), clock=clock, threaded=False)
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.sent, self.due_s = 0, clock.now
+        self.last_image = None
+
+    @property
+    def latest(self):
+        if not self.deaf and self.clock.now >= self.due_s - 1e-6:
+            self.due_s = self.clock.now + 0.2
+            self.sent += 1
+            self.last_image = self.sonar.image(self.link.true_pose(), 1.0)
+            packet = encode_packet(SonarPing(self.last_image, self.clock.now, self.sent))
+            self.socket.sendto(packet, ("127.0.0.1", self.reader.source.port))
+            self.reader.step()
+        return self.reader.latest
+
+    def close(self):
+        self.socket.close()
+        self.reader.close()
+
+
 class Voyage:
-    def __init__(self, folder, *, known=True, area=None, time_limit_s=20.0, put_in=None, saved=None, **safety):
+    def __init__(
+        self, folder, *, known=True, area=None, time_limit_s=20.0, sonar=False, put_in=None, saved=None, **safety
+    ):
         self.clock = FakeClock()
         record = RecordCfg(pictures=False)
-        mission = MissionCfg(time_limit_s=time_limit_s, record=record)
+        mission = with_sonar(MissionCfg(time_limit_s=time_limit_s, record=record), sonar)
+        sim = mission.simulator
+        small = dataclasses.replace(sim.sonar, width=96, height=32)
+        mission = dataclasses.replace(mission, simulator=dataclasses.replace(sim, sonar=small))
         self.area = area or SurveyArea.of_world(WORLD)
         self.link = SimulatedLink(mission.simulator.vehicle, put_in or self.area.start, clock=self.clock)
         self.camera = FakeCamera(self.link, self.clock, mission.simulator.camera)
+        self.sonar = SentSonar(self.link, self.clock, small) if sonar else None
         crew = Crew(
             link=self.link,
             camera=self.camera,
+            sonar=self.sonar,
             advisor=RuleAdvisor(REEF_RULES),
             world=WORLD if known else None,
             true_pose=self.link.true_pose if known else lambda: None,

@@ -15,8 +15,9 @@ from coral.reef.geometry import Frame, Label
 class DoubtCfg:
     """Largest doubt, by class, with which a pixel is evidence on the map. Frames of exact perception have no doubt."""
 
-    oyster: Fraction = 0.5
-    """A pixel that is an oyster with less than this certainty is no evidence: it was as likely something else."""
+    oyster: Fraction = 0.3
+    """Of the shipped network, the limit with the best overlap of oysters within 3 m: mean IoU of three waters in the
+    generated reefs `gen:0` to `gen:11`, 0.531 (at 0.2: 0.523, 0.4: 0.527, 0.5: 0.520)."""
     obstacle: Fraction = 0.7
     """More than for oysters: an obstacle too many costs a detour, one too few a collision."""
     seabed: Fraction = 0.5

@@ -7,11 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from coral.reef.checks import UnfitMeasurement, check_range_image
 from coral.reef.geometry import wrap
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.safety import SafetyCfg
+from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 
 Level = Literal["good", "lacking", "blocking"]
 SLOW_HZ = 4.0
@@ -75,6 +78,8 @@ def preflight_list(
     area: SurveyArea,
     safety: SafetyCfg,
     equipment: Equipment,
+    sonar: LatestHeard | None = None,
+    sonar_cfg: SonarCfg | None = None,
 ) -> list[CheckLine]:
     """Make the list.
 
@@ -86,6 +91,8 @@ def preflight_list(
         area: Survey area.
         safety: Limits.
         equipment: What was chosen.
+        sonar: The sonar; None without one.
+        sonar_cfg: What its images are expected to be.
     """
     return [
         _link(report, equipment),
@@ -94,7 +101,7 @@ def preflight_list(
         _velocity(report, rates),
         _depth(report, rates),
         *_camera(now, camera),
-        CheckLine("sonar", "none - obstacles from the camera alone", "lacking"),
+        _sonar(now, sonar, sonar_cfg or SonarCfg()),
         _battery(report, safety),
         CheckLine(
             "leak", f"{safety.on_leak} if detected" if not report.leak else "water inside the hull", _bad(report.leak)
@@ -182,6 +189,27 @@ def _camera(now: float, camera: LatestShot) -> list[CheckLine]:
         return [*lines, CheckLine("labels", f"{camera.perception.name}")]
     told = "none - no network here finds oysters or depth in a real picture; nothing arms"
     return [*lines, CheckLine("labels", told, "blocking")]
+
+
+def _sonar(now: float, sonar: LatestHeard | None, cfg: SonarCfg) -> CheckLine:
+    if sonar is None:
+        return CheckLine("sonar", "none - obstacles from the camera alone", "lacking")
+    name, heard = sonar.source.name, sonar.latest
+    if heard is None:
+        why = f" ({sonar.failure})" if sonar.failure else ""
+        return CheckLine("sonar", f"{name}: no image{why} - nothing arms", "blocking")
+    image = heard.image
+    size = f"{image.ranges.shape[1]}x{image.ranges.shape[0]}, {image.hfov_deg:g} by {image.vfov_deg:g} degrees"
+    text = f"{name}, {size}, {sonar.rate_hz:.0f} Hz, last image {max(now - heard.stamp_s, 0.0):.1f} s old"
+    refused = ", ".join(f"{reason} {count}" for reason, count in sonar.refused.most_common(3))
+    text += f"; refused: {refused}" if refused else ""
+    try:
+        check_range_image(image, cfg, least_heard=0.0)
+    except UnfitMeasurement as unfit:
+        return CheckLine("sonar", f"{text}; {unfit.reason} ({unfit.detail}) - nothing arms", "blocking")
+    if sonar.rate_hz < SLOW_HZ:
+        return CheckLine("sonar", f"{text} - slow: it counts as lost between two images", "lacking")
+    return CheckLine("sonar", text)
 
 
 def _battery(report: VehicleReport, safety: SafetyCfg) -> CheckLine:

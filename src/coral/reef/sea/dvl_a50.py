@@ -196,7 +196,7 @@ class LinkWatchedByDvl:
 def watched(report: VehicleReport, state: DvlState, now: float) -> VehicleReport:
     """Return a report whose position is lost, and as old as the DVL's last velocity, if that is missing or old."""
     if state.bottom_lock and now - state.velocity_stamp_s <= SILENT_S:
-        return report
+        return replace(report, altitude_m=state.altitude_m)
     return replace(report, has_position=False, pose_stamp_s=min(report.pose_stamp_s, state.velocity_stamp_s))
 
 
@@ -214,4 +214,5 @@ def merge(report: VehicleReport, state: DvlState) -> VehicleReport:
         velocity=velocity,
         velocity_stamp_s=state.velocity_stamp_s,
         velocity_std_m_s=state.velocity_std_m_s,
+        altitude_m=state.altitude_m if state.bottom_lock else None,
     )

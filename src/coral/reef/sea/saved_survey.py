@@ -15,6 +15,7 @@ from coral.reef.camera import CameraCfg
 from coral.reef.chain import Track
 from coral.reef.geometry import Pose
 from coral.reef.mapping import MapCfg, OccupancyMap
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 from coral.runs import write_whole
 
 FILE = "survey.npz"
@@ -61,7 +62,12 @@ def save_survey(folder: Path, belief: Belief, pose: Pose) -> Path:
 
 
 def load_survey(
-    run: Path, size_m: tuple[float, float], camera: CameraCfg, map_cfg: MapCfg, cfg: BeliefCfg
+    run: Path,
+    size_m: tuple[float, float],
+    camera: CameraCfg,
+    map_cfg: MapCfg,
+    cfg: BeliefCfg,
+    sonar: SonarCfg | None = None,
 ) -> tuple[Belief, Pose]:
     """Read the survey that a run folder has saved. Return what is known and the last pose.
 
@@ -91,7 +97,7 @@ def load_survey(
         raise InputError(
             str(path), "size_m", found, f"{size_m[0]:g} x {size_m[1]:g} m in cells of {map_cfg.cell_m:g} m"
         )
-    cells = OccupancyMap(size_m, camera, map_cfg)
+    cells = OccupancyMap(size_m, camera, map_cfg, sonar)
     try:
         cells.recall(arrays)
     except (KeyError, ValueError) as error:

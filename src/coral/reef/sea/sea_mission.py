@@ -43,6 +43,7 @@ from coral.reef.sea.operator import OperatorWords, VehicleOrders, Word
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.record import SeaRecord
 from coral.reef.sea.safety import SafetyCfg, SafetyMonitor
+from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.stages import StageTimes
 from coral.reef.sea.supervisor import Supervisor
 from coral.reef.sea.survey_alignment import SavedMap, SurveyAlignment
@@ -77,6 +78,8 @@ class Crew:
     link: VehicleLink
     camera: LatestShot
     advisor: Advisor
+    sonar: LatestHeard | None = None
+    """None: the vehicle has none."""
     words: OperatorWords = field(default_factory=OperatorWords)
     world: ReefWorld | None = None
     """The simulated reef; None in real water."""
@@ -127,7 +130,8 @@ class SeaMission:
         self.area, self.cfg, self.crew, self.frame, self.seed = area, cfg, crew, frame or LocalFrame(), seed
         self.about = about or {}
         self._clock, self._sleep, self._threaded = clock, sleep, threaded
-        self.belief = belief or Belief(OccupancyMap(area.size_m, mission.simulator.camera, mission.map), mission.belief)
+        sim = mission.simulator
+        self.belief = belief or Belief(OccupancyMap(area.size_m, sim.camera, mission.map, sim.sonar), mission.belief)
         self._forbidden = area.forbidden(mission.map.cell_m, self.belief.map.target.shape)
         self.belief.map.close_off(self._forbidden)
         self.response = cfg.response or VehicleResponse.of_vehicle(mission.simulator.vehicle)
@@ -308,6 +312,7 @@ class SeaMission:
     def _observe(self, report: VehicleReport, pose: Pose | None) -> VehicleObservation:
         """Put a report and the newest picture into the pilot's input, with stamps on the survey's clock."""
         began, shot = self._began, self.crew.camera.latest
+        heard = None if self.crew.sonar is None else self.crew.sonar.latest
         std, level = report.position_std_m, report.roll_rad is not None and report.pitch_rad is not None
         return VehicleObservation(
             t=self.t,
@@ -317,10 +322,16 @@ class SeaMission:
             covariance=None if std is None else np.diag([std**2, std**2, 0.0]),
             attitude=Stamped(
                 report.attitude_stamp_s - began,
-                Attitude(roll=report.roll_rad, pitch=report.pitch_rad, depth_m=report.depth_m),  # type: ignore[arg-type]
+                Attitude(
+                    roll=report.roll_rad,  # type: ignore[arg-type]
+                    pitch=report.pitch_rad,  # type: ignore[arg-type]
+                    depth_m=report.depth_m,
+                    altitude_m=report.altitude_m,
+                ),
             )
             if level and report.depth_m is not None
             else None,
+            sonar=None if heard is None else Stamped(heard.stamp_s - began, heard.image),
         )
 
     def _tell_texts(self, report: VehicleReport) -> None:

@@ -248,7 +248,8 @@ def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
                 cost_chart(run),
             )
         ]
-        trial.append(("Effective samples", "Effective sample size of each plan.", samples_chart(run)))
+        meaning = "How many of a plan's samples share its weight: at 1 the best one decides alone."
+        trial.append(("Effective samples", meaning, samples_chart(run)))
     return trial
 
 
