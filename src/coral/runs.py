@@ -12,13 +12,14 @@ import subprocess
 from collections.abc import Iterator, Mapping
 from datetime import datetime
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import yaml
 
 from coral import __version__
 from coral.errors import InputError, naming
 from coral.odd_text import encodable, encodable_values
+from coral.rotating_log import RotatingLog, read_lines
 
 
 class RunWriter:
@@ -40,15 +41,10 @@ class RunWriter:
             folder.mkdir(parents=True, exist_ok=True)
             if any(folder.iterdir()):
                 raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
-            self._events: IO[str] = open(folder / "events.jsonl", "x", encoding="utf-8", buffering=1)  # noqa: SIM115
-            self._rows: list[IO[str]] = [
-                open(folder / trajectory_name(k), "x", encoding="utf-8", buffering=1)  # noqa: SIM115
-                for k in range(robots)
-            ]
+            self._events = RotatingLog(folder / "events.jsonl")
+            self._rows = [RotatingLog(folder / trajectory_name(k), ",".join(columns)) for k in range(robots)]
         except OSError as error:
             raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
-        for rows in self._rows:
-            _append(rows, ",".join(columns))
 
     def event(self, step: int, t: float, event: str, **fields: Any) -> None:
         """Append one event."""
@@ -56,11 +52,11 @@ class RunWriter:
         text = json.dumps(line, allow_nan=False, default=float)
         if "\\ud" in text:  # a letter beyond 16 bits, or half of one
             text = json.dumps(encodable_values(line), allow_nan=False, default=float)
-        _append(self._events, text)
+        self._events.append(text)
 
     def row(self, *values: float | int | str, robot: int = 0) -> None:
         """Append one row of a robot's trajectory."""
-        _append(self._rows[robot], encodable(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values)))
+        self._rows[robot].append(encodable(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values)))
 
     def yaml(self, name: str, content: Mapping[str, Any]) -> None:
         """Write a YAML file into the folder."""
@@ -115,25 +111,18 @@ def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
             raise
 
 
-def _append(log: IO[str], line: str) -> None:
-    with naming(Path(log.name)):
-        log.write(line + "\n")
-
-
 def read_events(path: Path) -> Iterator[dict[str, Any]]:
     """Read the events of a run, in order; skip an incomplete last line of a killed run."""
-    with open(path, encoding="utf-8") as lines:
-        for line in lines:
-            try:
-                yield json.loads(line)
-            except json.JSONDecodeError:
-                return
+    for line in read_lines(path):
+        try:
+            yield json.loads(line)
+        except json.JSONDecodeError:
+            return
 
 
 def read_rows(path: Path) -> Iterator[dict[str, str]]:
     """Read the complete rows of a trajectory, by column name."""
-    with open(path, encoding="utf-8", newline="") as lines:
-        yield from csv.DictReader(line for line in lines if line.endswith("\n"))
+    yield from csv.DictReader(line for line in read_lines(path, headed=True) if line.endswith("\n"))
 
 
 def trajectory_name(robot: int) -> str:

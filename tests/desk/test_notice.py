@@ -23,11 +23,13 @@ def dead_pid():
 
 
 def test_a_mission_tells_how_it_ended(inbox):
-    with mission_notice(inbox.folder, world="s1", run="runs/s1-001") as finished:
+    with mission_notice(inbox.folder, world="s1", run="runs/s1-001") as notice:
         assert inbox.missions()[0]["state"] == "running"
-        finished("8 of 8 oyster clusters covered")
-    (notice,) = inbox.missions()
-    assert (notice["state"], notice["outcome"], notice["world"]) == ("finished", "8 of 8 oyster clusters covered", "s1")
+        notice.doing("holding - pose stale")
+        assert inbox.missions()[0]["doing"] == "holding - pose stale"
+        notice.finished("8 of 8 oyster clusters covered")
+    (kept,) = inbox.missions()
+    assert (kept["state"], kept["outcome"], kept["world"]) == ("finished", "8 of 8 oyster clusters covered", "s1")
 
 
 def test_a_mission_that_leaves_without_an_outcome_has_failed(inbox):
@@ -54,8 +56,8 @@ def test_a_notice_is_named_after_the_process_and_written_whole(tmp_path):
 
 def test_a_notice_never_stops_a_mission(tmp_path):
     (tmp_path / "file").write_text("")
-    with mission_notice(tmp_path / "file") as finished:
-        finished("done")
+    with mission_notice(tmp_path / "file") as notice:
+        notice.finished("done")
     assert (tmp_path / "file").read_text() == ""
 
 

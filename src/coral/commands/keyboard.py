@@ -11,9 +11,18 @@ from typing import IO
 
 from coral.reef.sea.operator import WORDS, OperatorWords, Word
 
-KEYS: dict[str, Word] = {" ": "hold", "h": "hold", "r": "resume", "q": "stop", "s": "surface"}
+KEYS: dict[str, Word] = {
+    " ": "hold",
+    "h": "hold",
+    "r": "resume",
+    "q": "stop",
+    "s": "surface",
+    "a": "align",
+    "n": "unaligned",
+}
 """Keys while the survey runs. Disarming has no key: it has to be written."""
 HELP = "space: hold  r: resume  s: surface  q: stop"
+HELP_ALIGN = "a: use the alignment  n: go on without the saved map"
 WAIT_S = 0.1
 
 

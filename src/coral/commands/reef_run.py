@@ -155,13 +155,14 @@ class ReefRun:
         if asks_people and not self.quiet:
             print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)
         try:
-            with mission_notice(inbox, **about) if asks_people else nullcontext(lambda outcome: None) as finished:
+            with mission_notice(inbox, **about) if asks_people else nullcontext() as notice:
                 result = mission.run([progress, *watching(mission)])
-                finished(
-                    f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
-                    f"{many(result['collisions'], 'collision')}, {result['sim_time_s']:.0f} s simulated; "
-                    f"{result['end_reason']}"
-                )
+                if notice is not None:
+                    notice.finished(
+                        f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
+                        f"{many(result['collisions'], 'collision')}, {result['sim_time_s']:.0f} s simulated; "
+                        f"{result['end_reason']}"
+                    )
         finally:
             progress.close()
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)

@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -22,10 +22,12 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured
-from coral.commands.keyboard import HELP, Keyboard
+from coral.commands.keyboard import HELP, HELP_ALIGN, Keyboard
 from coral.commands.reef_run import render
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
+from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
+from coral.desk.notice import mission_notice
 from coral.errors import InputError, RunError
 from coral.reef.faults import FAULTS, parse_fault
 from coral.reef.heuristic import REEF_RULES
@@ -39,6 +41,7 @@ from coral.reef.sea.priority import describe_priority, prefer_process, prefer_th
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
+from coral.reef.sea.survey_alignment import SavedMap
 from coral.reef.sonar.sonar_3d15 import SonarCfg
 from coral.run_loop import Observer
 from coral.runs import new_run_folder, write_whole
@@ -85,6 +88,11 @@ class ReefSail:
     resume: Path | None = None
     """Run folder of an earlier survey of the same area, to go on with its map. `--start` says where the vehicle is now;
     by default it is at the area's start again."""
+    place: Literal["map", "stated"] = "map"
+    """With --resume. map: the vehicle may be 3 m and 30° off the stated start. It surveys with a new map until that is
+    matched with the saved one, shows the alignment, and uses it on your word. stated: it is exactly where stated."""
+    put_in: tuple[float, float, float] | None = None
+    """Rehearsals only: x, y (m) and heading (rad) where the vehicle truly begins, which the program is not told."""
     fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
     """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. For rehearsals only,
     as `--yes`. `coral reef faults --list` names them."""
@@ -143,8 +151,9 @@ class ReefSail:
             area = area.begun_at(self.start, "--start")
         depth = self.depth or file_depth
         response = None if self.response is None else read_config(self.response, VehicleResponse())
-        parts = opened.enter_context(open_parts(self, area, world, cfg, depth))
-        rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else ""
+        truly = area if self.put_in is None else area.begun_at(self.put_in, "--put-in")
+        parts = opened.enter_context(open_parts(self, truly, world, cfg, depth))
+        rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else "--put-in" if self.put_in else ""
         if rehearsed and not parts.proven_simulation:
             raise InputError(
                 rehearsed,
@@ -154,10 +163,14 @@ class ReefSail:
             )
         folder = self.out or new_run_folder(Path("runs"), f"{area.name}-sail")
         advisor = self._advisor(folder, cfg)
-        belief = None
+        belief = saved = None
         if self.resume is not None:
             sim = cfg.simulator
-            belief, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
+            known, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
+            if self.place == "map":
+                saved = SavedMap(belief=known, confirmed=self.yes)
+            else:
+                belief = known
         if not self.check:
             warm_up(cfg)
         words = OperatorWords()
@@ -189,18 +202,26 @@ class ReefSail:
             return {"ready": not blocking(lines), "preflight": [str(line).strip() for line in lines]}
         sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth, response=response)
         about = {"vehicle": self.vehicle, "camera": self.camera, "dvl": self.dvl, "sonar": self.sonar}
-        about |= {"resumed": str(self.resume)} if self.resume is not None else {}
+        about |= {"resumed": str(self.resume), "place": self.place} if self.resume is not None else {}
         lines = look()
         self._print(lines)
         if wrong := blocking(lines):
             raise RunError(f"nothing arms: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
-        mission = SeaMission(area, sail, crew, folder, belief=belief, seed=self.seed, about=about)
+        mission = SeaMission(area, sail, crew, folder, belief=belief, saved=saved, seed=self.seed, about=about)
         write_whole(folder / "preflight.txt", "".join(f"{line}\n" for line in lines).encode())
-        with self._page(mission) as observers:
+        inbox = self.inbox or folder / "inbox"
+        noticed = mission_notice(inbox, world=area.name, advisor=advisor.name, seed=self.seed, run=str(folder))
+        with (
+            noticed if asks_person(self.advisor) else nullcontext() as notice,
+            self._page(mission) as observers,
+            survey_told(mission, self._say, None if notice is None else notice.doing),
+        ):
             for observer in observers:
                 observer.waiting(tuple(str(line) for line in lines))
             self._arm(mission, parts, words)
             result = conduct(mission, observers, words, first=first)
+            if notice is not None:
+                notice.finished(f"{result['clusters_covered']} clusters covered; {result['end_reason']}")
         save_survey(folder, mission.belief, mission.belief.pose) if not result["recording_failure"] else None
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
@@ -267,7 +288,7 @@ class ReefSail:
         if refusals or not mission.crew.link.report().armed:
             mission.record.close()
             raise RunError(f"the vehicle did not arm: {'; '.join(refusals) or 'no answer'}")
-        self._say(f"armed. {HELP}")
+        self._say(f"armed. {HELP}" + ("" if mission.alignment is None else f"  {HELP_ALIGN}"))
 
     @contextmanager
     def _page(self, mission: SeaMission) -> Iterator[list[Any]]:
@@ -278,7 +299,10 @@ class ReefSail:
         from coral.view.live.sea_survey import LiveSurvey, SurveyControls
 
         with LivePage(
-            self.live_port, SurveyControls(mission.crew.words), label="CORAL survey", flag="--live-port"
+            self.live_port,
+            SurveyControls(mission.crew.words, mission.alignment),
+            label="CORAL survey",
+            flag="--live-port",
         ) as page:
             self._say(f"watch and steer the survey at {page.url}")
             survey = LiveSurvey(mission, page)
@@ -298,6 +322,7 @@ class ReefSail:
             f"ended: {result['end_reason']}",
             f"run folder: {result['run']}",
         ]
+        lines += [f"saved map: {result['alignment']}"] if result.get("alignment") else []
         lines += [f"recording stopped: {result['recording_failure']}"] if result["recording_failure"] else []
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
         lines += [str(result["decided"])] if result["decided"] else []

@@ -118,7 +118,7 @@ class Inbox:
             notices.append(
                 {
                     key: notice.get(key)
-                    for key in ("state", "outcome", "world", "advisor", "variant", "seed", "run", "started_at")
+                    for key in ("state", "outcome", "doing", "world", "advisor", "variant", "seed", "run", "started_at")
                 }
             )
         return sorted(notices, key=lambda notice: _number(notice["started_at"]) or 0.0)

@@ -6,44 +6,66 @@ import json
 import os
 import socket
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 
+class MissionNotice:
+    """The notice of one mission."""
+
+    def __init__(self, path: Path, content: dict[str, Any]) -> None:
+        self._path, self._content = path, content
+        self.tell()
+
+    def tell(self, **news: Any) -> None:
+        """Write the notice, with news."""
+        self._content.update(news)
+        _write(self._path, self._content)
+
+    def doing(self, text: str) -> None:
+        """Tell what the vehicle is doing."""
+        self.tell(doing=text)
+
+    def finished(self, outcome: str) -> None:
+        """Tell how the mission ended, as a sentence."""
+        self.tell(state="finished", outcome=outcome, doing="")
+
+    @property
+    def running(self) -> bool:
+        """Whether nobody has told how it ended."""
+        return bool(self._content["state"] == "running")
+
+
 @contextmanager
-def mission_notice(inbox: Path, **about: Any) -> Iterator[Callable[[str], None]]:
+def mission_notice(inbox: Path, **about: Any) -> Iterator[MissionNotice]:
     """Keep a `mission-HOST-PID.json` in an inbox while a mission runs, and leave it there with its outcome.
 
-    It yields a function that takes the outcome as a sentence; a mission that ends without calling it has failed. The
-    notice is optional: an inbox that cannot be written does not stop the mission.
+    A mission that ends without telling its outcome has failed. The notice is optional: an inbox that cannot be written
+    does not stop the mission.
 
     Args:
         inbox: Folder of questions; created if it does not exist.
         about: Description of the mission, such as its world and its run folder; JSON values.
     """
     host, pid = socket.gethostname(), os.getpid()
-    notice: dict[str, Any] = {
+    content = {
         **about,
         "host": host,
         "pid": pid,
         "state": "running",
         "outcome": "",
+        "doing": "",
         "started_at": round(time.time(), 3),
     }
-    path = inbox / f"mission-{host}-{pid}.json"
-
-    def finished(outcome: str) -> None:
-        notice.update(state="finished", outcome=outcome)
-
-    _write(path, notice)
+    notice = MissionNotice(inbox / f"mission-{host}-{pid}.json", content)
     try:
-        yield finished
+        yield notice
     finally:
-        if notice["state"] == "running":
-            notice["state"] = "failed"
-        _write(path, {**notice, "ended_at": round(time.time(), 3)})
+        if notice.running:
+            notice.tell(state="failed")
+        notice.tell(ended_at=round(time.time(), 3))
 
 
 def is_alive(host: str, pid: int) -> bool:

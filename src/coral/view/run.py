@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,9 +15,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError
+from coral.errors import InputError, first_line
 from coral.odd_text import encodable_values
 from coral.reef.geometry import Frame
+from coral.rotating_log import earlier_parts, read_parts
 from coral.runs import trajectory_name
 from coral.view.records import figures, histogram, is_extent, is_number, shallow, sound
 from coral.words import many
@@ -192,10 +194,32 @@ def _text(path: Path, notes: list[str]) -> str:
     return ""
 
 
+def _log(path: Path, notes: list[str], *, headed: bool = False) -> str:
+    """Read a log with its earlier parts."""
+    text = _text(path, notes)
+    parts = earlier_parts(path)
+    if not parts:
+        return text
+    before: list[str] = []
+    size = len(text)
+    try:
+        for line in read_parts(parts, headed=headed):
+            size += len(line)
+            if size > MAX_BYTES:
+                notes.append(
+                    f"{path.name}: with its earlier parts it is longer than {MAX_BYTES} bytes; the rest was left out."
+                )
+                return "".join(before)
+            before.append(line)
+    except (OSError, EOFError, ValueError, zlib.error) as error:
+        notes.append(f"{path.name}: an earlier part cannot be read: {first_line(error)}.")
+    return "".join(before) + (text.partition("\n")[2] if headed and before else text)
+
+
 def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
     """Read the objects of a JSON-lines file; other lines are left out and noted."""
     records: list[Record] = []
-    lines = _text(path, notes).splitlines()
+    lines = _log(path, notes).splitlines()
     for number, line in enumerate(lines, 1):
         if not line.strip():
             continue
@@ -213,7 +237,7 @@ def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
 
 def _table(path: Path, notes: list[str]) -> dict[str, NDArray[np.float64]]:
     """Read the columns of a CSV file of numbers with a header line."""
-    text = _text(path, notes)
+    text = _log(path, notes, headed=True)
     try:
         rows = list(csv.reader(io.StringIO(text)))
     except csv.Error as error:

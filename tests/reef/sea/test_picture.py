@@ -38,7 +38,8 @@ def test_the_newest_picture_is_kept_and_perceived():
     for _ in range(3):
         camera.step()
     assert camera.latest.stamp_s == 2.0
-    assert camera.latest.frame is FRAME
+    assert camera.latest.frame.depth is FRAME.depth
+    assert camera.latest.frame.rgb is camera.latest.rgb  # so that the record has colours
 
 
 def test_without_perception_a_picture_has_no_frame():

@@ -1,10 +1,11 @@
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from coral.reef.geometry import Frame, Pose
-from coral.reef.record import COLUMNS, RecordCfg
+from coral.reef.record import COLUMNS, POSES, PicturePose, RecordCfg
 from coral.reef.sea.record import OWN_COLUMNS, SeaRecord
 from coral.reef.simulator import SimulatorCfg
 from coral.reef.world import load_world
@@ -66,3 +67,17 @@ def test_nothing_is_written_in_the_callers_thread(tmp_path):
     assert list(read_rows(tmp_path / "run" / "trajectory.csv")) == []
     record.close()
     assert len(list(read_rows(tmp_path / "run" / "trajectory.csv"))) == 1
+
+
+def test_keyframes_are_kept_twice_a_second_with_colour_and_pose(tmp_path):
+    record = made(tmp_path / "run", None)
+    frame = replace(FRAME, rgb=np.full((2, 2, 3), 90, np.uint8))
+    for step in range(20):
+        at = PicturePose(pose=Pose(0.1 * step, 2.0, 0.3), odometry=Pose(0.0, 0.0, 0.0), height_m=0.9, pitch=0.1)
+        record.offer_frame(step, 0.1 * step, lambda: np.zeros((4, 4), np.uint8), frame, at)
+    record.close()
+    rows = list(read_rows(tmp_path / "run" / POSES))
+    assert [float(row["t"]) for row in rows] == [0.0, 0.5, 1.0, 1.5]
+    assert (float(rows[2]["x"]), float(rows[2]["yaw"]), float(rows[2]["pitch"])) == (1.0, 0.3, 0.1)
+    assert (tmp_path / "run" / "frames" / rows[2]["rgb"]).is_file()
+    assert len(list((tmp_path / "run" / "frames").glob("*_map.png"))) == 1

@@ -9,7 +9,12 @@ import pytest
 from voyage import WORLD, Voyage
 
 from coral.reef.geometry import Pose
+from coral.reef.mission import MissionCfg
+from coral.reef.recordings.find_recording import find_recording
+from coral.reef.sea.map_alignment import AlignmentCfg
+from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.sea.sea_mission import OWN_MAP, TRUTH
+from coral.reef.sea.survey_alignment import ResumeCfg, SavedMap
 from coral.reef.sea.survey_file import SurveyArea
 from coral.runs import read_events, read_rows
 
@@ -94,6 +99,8 @@ def test_a_lost_link_holds_and_the_survey_goes_on_when_it_is_back(tmp_path):
     voyage.run()
     assert voyage.states[69] == "holding"
     assert voyage.states[125] == "surveying"
+    told = [event["ends_when"] for event in events(tmp_path / "run", "awaited") if event["state"] == "holding"]
+    assert told[-1:] == ["goes on when the cause has been gone for 2 s, or on your word"]
 
 
 def test_the_way_home_leads_back_to_the_start(tmp_path):
@@ -149,8 +156,70 @@ def test_a_failure_of_the_loop_leaves_the_vehicle_holding(tmp_path, where):
     def broken(*_):
         raise ValueError("broken")
 
-    target, name = {"pilot": (lambda: voyage.mission.pilot, "tick"), "link": (lambda: voyage.link, "command")}[where]
+    target, name = {"pilot": (lambda: voyage.mission.pilot, "sense"), "link": (lambda: voyage.link, "command")}[where]
     voyage.on(20, lambda: setattr(target(), name, broken))
     with pytest.raises(ValueError, match="broken"):
         voyage.run()
     assert voyage.link.report().mode == "POSHOLD"
+
+
+@pytest.fixture(scope="module")
+def earlier(tmp_path_factory):
+    """A survey of 20 s that was saved."""
+    folder = tmp_path_factory.mktemp("earlier") / "run"
+    voyage = Voyage(folder)
+    voyage.run()
+    save_survey(folder, voyage.mission.belief, voyage.mission.belief.pose)
+    return folder
+
+
+def resumed(folder, earlier, **given):
+    """A survey whose vehicle is put in at the world's start, and believes to be 2.2 m and 20 degrees off."""
+    start, cfg = WORLD.start, MissionCfg()
+    saved, _ = load_survey(earlier, WORLD.size_m, cfg.simulator.camera, cfg.map, cfg.belief)
+    stated = Pose(start.x + 1.8, start.y + 1.2, start.theta - 0.35)
+    area = SurveyArea.of_world(WORLD).with_start(stated)
+    put_in = Pose(start.x, start.y, start.theta)
+    cfg = ResumeCfg(alignment=AlignmentCfg(least_bodies=5, least_score=40.0))  # what 8 s show
+    resume = SavedMap(belief=saved, cfg=cfg)
+    return Voyage(folder, area=area, put_in=put_in, saved=resume, time_limit_s=15.0, **given), saved
+
+
+def test_a_resumed_survey_finds_its_place_and_goes_on_with_the_saved_map(tmp_path, earlier):
+    voyage, saved = resumed(tmp_path / "run", earlier)
+    before = {track.index for track in saved.tracks if not track.far}
+    voyage.on(80, lambda: voyage.words.say("align", "page"))
+    result = voyage.run()
+    belief, true = voyage.mission.belief, voyage.link.true_pose()
+    assert result["alignment"] == "aligned"
+    assert belief.pose[:2] == pytest.approx(true[:2], abs=0.1)
+    assert before <= {track.index for track in belief.tracks}
+    assert voyage.states[-1] == "surveying"
+    assert result["collisions"] == 0
+    assert voyage.mission.area.start[:2] == pytest.approx((WORLD.start.x, WORLD.start.y), abs=0.1)  # the way home
+    told = events(tmp_path / "run", "alignment", "frame")
+    assert [event.get("status") for event in told][-3:] == ["proposed", "used", None]
+    kept = list(find_recording(tmp_path / "run").keyframes())
+    rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
+    for keyframe in (kept[4], kept[16], kept[18], kept[-2]):  # before and after, in one frame
+        true = rows[round(10 * keyframe.t)]
+        assert keyframe.pose[:2] == pytest.approx((float(true["x"]), float(true["y"])), abs=0.15)
+
+
+def test_without_a_word_the_resumed_survey_keeps_its_own_map(tmp_path, earlier):
+    voyage, _ = resumed(tmp_path / "run", earlier)
+    voyage.on(80, lambda: voyage.words.say("unaligned", "keyboard"))
+    result = voyage.run()
+    assert result["alignment"] == "refused by the operator (keyboard)"
+    off = np.subtract(voyage.mission.belief.pose[:2], voyage.link.true_pose()[:2])
+    assert np.hypot(*off) > 1.0
+
+
+def test_pictures_with_poses_are_kept_so_that_the_dive_can_be_mapped_again(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=12.0)
+    voyage.run()
+    kept = list(find_recording(tmp_path / "run").keyframes())
+    assert len(kept) in (24, 25)  # two a second
+    rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
+    true = rows[round(10 * kept[20].t)]
+    assert kept[20].pose[:2] == pytest.approx((float(true["x"]), float(true["y"])), abs=0.1)

@@ -86,7 +86,9 @@ class SentSonar:
 
 
 class Voyage:
-    def __init__(self, folder, *, known=True, area=None, time_limit_s=20.0, sonar=False, **safety):
+    def __init__(
+        self, folder, *, known=True, area=None, time_limit_s=20.0, sonar=False, put_in=None, saved=None, **safety
+    ):
         self.clock = FakeClock()
         record = RecordCfg(pictures=False)
         mission = with_sonar(MissionCfg(time_limit_s=time_limit_s, record=record), sonar)
@@ -94,7 +96,7 @@ class Voyage:
         small = dataclasses.replace(sim.sonar, width=96, height=32)
         mission = dataclasses.replace(mission, simulator=dataclasses.replace(sim, sonar=small))
         self.area = area or SurveyArea.of_world(WORLD)
-        self.link = SimulatedLink(mission.simulator.vehicle, self.area.start, clock=self.clock)
+        self.link = SimulatedLink(mission.simulator.vehicle, put_in or self.area.start, clock=self.clock)
         self.camera = FakeCamera(self.link, self.clock, mission.simulator.camera)
         self.sonar = SentSonar(self.link, self.clock, small) if sonar else None
         crew = Crew(
@@ -115,7 +117,10 @@ class Voyage:
             sleep=self.clock.sleep,
             decision_clock=SimulatedClock("fixed:1", np.random.default_rng(0)),
             threaded=False,
+            saved=saved,
         )
+        if put_in is not None:
+            self.mission.align(trust_heading=False)
         self.at = {}
         self.states = []
         self.link.arm()

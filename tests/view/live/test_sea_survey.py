@@ -1,5 +1,8 @@
 from types import SimpleNamespace
 
+import pytest
+from viser._icons import svg_from_icon
+
 from coral.reef.belief import Belief
 from coral.reef.camera import Camera, CameraCfg
 from coral.reef.geometry import Pose
@@ -9,7 +12,7 @@ from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.states import PilotState
 from coral.reef.world import load_world
-from coral.view.live.sea_survey import LiveSurvey, SurveyControls
+from coral.view.live.sea_survey import BUTTONS, RESUME_BUTTONS, LiveSurvey, SurveyControls
 from coral.view.live.state import LiveState
 
 
@@ -48,6 +51,7 @@ def mission():
         end_reason="",
         t=12.0,
         coverage=0.25,
+        notice="goes on only on your word",
     )
 
 
@@ -58,7 +62,7 @@ def test_the_state_of_the_vehicle_and_its_battery_are_shown():
     survey.tick(one)
     survey.close()
     state = page.states[-1]
-    assert state.status == "holding - link lost"
+    assert (state.status, state.note) == ("holding - link lost", "goes on only on your word")
     assert {number.name: number.value for number in state.numbers}["battery"] == "75%"
     assert {number.name: number.value for number in state.numbers}["collisions"] == "1"
 
@@ -94,3 +98,24 @@ def test_only_arming_is_offered_before_and_nothing_after():
     assert controls._buttons["arm"].disabled
     controls.show(LiveState(title="s1", status="ended: time limit"))
     assert all(button.disabled for button in controls._buttons.values())
+
+
+def test_an_alignment_can_be_used_once_it_is_proposed_and_given_up_before():
+    search = SimpleNamespace(outcome="", proposal=None)
+    controls = SurveyControls(OperatorWords(), search)
+    controls.build(Gui())
+
+    def offered():
+        controls.show(LiveState(title="s1", status="surveying"))
+        return [word for word in ("align", "unaligned") if not controls._buttons[word].disabled]
+
+    assert offered() == ["unaligned"]
+    search.proposal = object()
+    assert offered() == ["align", "unaligned"]
+    search.outcome = "aligned"
+    assert offered() == []
+
+
+@pytest.mark.parametrize("icon", [button[2] for button in BUTTONS + RESUME_BUTTONS])
+def test_every_icon_exists(icon):
+    assert svg_from_icon(icon)

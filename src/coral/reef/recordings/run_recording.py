@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,9 @@ from coral.reef.geometry import Pose
 from coral.reef.mapping import MapCfg
 from coral.reef.record import POSES
 from coral.reef.recordings.picture_folder import read_folder
-from coral.reef.recordings.recording import Recording
+from coral.reef.recordings.recording import PosedFrame, Recording
+from coral.reef.sea.local_frame import LocalFrame
+from coral.runs import read_events
 
 
 def is_run(path: Path) -> bool:
@@ -42,6 +45,7 @@ def read_run(path: Path) -> Recording:
     name, size, start = _world(path, config)
     return dataclasses.replace(
         recording,
+        keyframes=_in_one_frame(path, recording.keyframes),
         name=name,
         source=str(path),
         area=None if size is None else (0.0, 0.0, *size),
@@ -49,6 +53,22 @@ def read_run(path: Path) -> Recording:
         start=start or recording.start,
         final_map=_final_map(path),
     )
+
+
+def _in_one_frame(path: Path, read: Callable[[], Iterator[PosedFrame]]) -> Callable[[], Iterator[PosedFrame]]:
+    """Move the keyframes from before a resumed survey found its place into the frame of the saved map."""
+    logged = read_events(path / "events.jsonl") if (path / "events.jsonl").is_file() else ()
+    found = [event for event in logged if event.get("event") == "frame" and len(event.get("shift", ())) == 3]
+    if not found:
+        return read
+    until_s, shift = float(found[0]["t"]), LocalFrame(*(float(value) for value in found[0]["shift"]))
+
+    def keyframes() -> Iterator[PosedFrame]:
+        for keyframe in read():
+            early = keyframe.t <= until_s
+            yield dataclasses.replace(keyframe, pose=shift.to_survey(keyframe.pose)) if early else keyframe
+
+    return keyframes
 
 
 def camera_of(config: dict[str, Any], where: str) -> CameraCfg:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from coral.reef.geometry import Pose, wrap
 
 
@@ -38,3 +41,25 @@ class LocalFrame:
         """Convert a pose of the vehicle's frame to the survey's."""
         c, s = math.cos(self.turn), math.sin(self.turn)
         return Pose(self.x + c * pose.x - s * pose.y, self.y + s * pose.x + c * pose.y, wrap(pose.theta + self.turn))
+
+    def then(self, onward: LocalFrame) -> LocalFrame:
+        """Return the frame that converts by this one, and then by another."""
+        x, y, turn = onward.to_survey(Pose(self.x, self.y, self.turn))
+        return LocalFrame(x, y, turn)
+
+    def inverse(self) -> LocalFrame:
+        """Return the frame that converts back."""
+        c, s = math.cos(self.turn), math.sin(self.turn)
+        return LocalFrame(-(c * self.x + s * self.y), s * self.x - c * self.y, wrap(-self.turn))
+
+
+def shift_points(frame: LocalFrame, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Convert places (m), Shape=(N, 2), as `LocalFrame.to_survey` converts poses."""
+    c, s = math.cos(frame.turn), math.sin(frame.turn)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]) + (frame.x, frame.y))
+
+
+def turned_about(start: Pose, x: float, y: float, turn: float) -> LocalFrame:
+    """Return the frame that turns about a start (rad) and then shifts by (x, y) in metres."""
+    c, s = math.cos(turn), math.sin(turn)
+    return LocalFrame(start.x + x - (c * start.x - s * start.y), start.y + y - (s * start.x + c * start.y), wrap(turn))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -100,7 +100,10 @@ class LatestShot:
         try:
             shot = self.source.read()
             if shot is not None and shot.frame is None and shot.rgb is not None and self.perception is not None:
-                shot = Shot(stamp_s=shot.stamp_s, rgb=shot.rgb, frame=self.perception.perceive(shot.rgb))
+                frame = self.perception.perceive(shot.rgb)
+                if frame.rgb is None and shot.rgb.shape[:2] == frame.depth.shape:
+                    frame = replace(frame, rgb=shot.rgb)  # for the record
+                shot = Shot(stamp_s=shot.stamp_s, rgb=shot.rgb, frame=frame)
         except Exception as error:  # a camera may fail in any way; the guard stops the vehicle when none comes
             self.failure = first_line(error)
             self._closing.wait(0.2)

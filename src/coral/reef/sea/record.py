@@ -9,7 +9,7 @@ from typing import Any
 from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
 from coral.reef.geometry import Frame, Pose
-from coral.reef.record import COLUMNS, FrameRecorder, RecordCfg
+from coral.reef.record import COLUMNS, FrameRecorder, PicturePose, RecordCfg
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.reef_truth import ReefTruth
 from coral.reef.simulator import SimulatorCfg
@@ -54,7 +54,8 @@ class SeaRecord:
         """Functions called with every event, on the thread that emits it."""
         self._frames, self._attempts = FrameRecorder(self.writer, record), AttemptRecorder(folder)
         self._period_s = record.frame_period_s if record.frames else float("inf")
-        self._due_s = 0.0
+        self._keyframe_s = record.keyframe_period_s if record.frames and record.keyframes else float("inf")
+        self._due_s = self._keyframe_due_s = 0.0
         self._step, self._t = 0, 0.0
         self.truth = None if world is None else ReefTruth(world, simulator, folder, self._told_by_truth)
 
@@ -90,16 +91,31 @@ class SeaRecord:
         """
         self.work.offer(lambda: self._write_tick(step, t, pose, true_pose, state, own))
 
-    def offer_frame(self, step: int, t: float, cells: Callable[[], Any], frame: Frame) -> None:
-        """Record the map and a picture if they are due. `cells()` must return a new array."""
-        if t < self._due_s - 1e-9:
-            return
-        self._due_s = t + self._period_s
-        now = cells()
-        self.work.offer(lambda: self._frames.offer(step, t, lambda: now, frame))
+    def offer_frame(
+        self, step: int, t: float, cells: Callable[[], Any], frame: Frame, taken_at: PicturePose | None = None
+    ) -> None:
+        """Record map and picture if they are due.
+
+        Args:
+            step: Number of the tick.
+            t: Time (s).
+            cells: Returns the classes of the map as a new array.
+            frame: The newest picture.
+            taken_at: Where it was taken, if it is new: then it may become a keyframe.
+        """
+        with_map = t >= self._due_s - 1e-9
+        keyframe = taken_at is not None and t >= self._keyframe_due_s - 1e-9
+        if with_map:
+            self._due_s = t + self._period_s
+        if keyframe:
+            self._keyframe_due_s = t + self._keyframe_s
+        if with_map or keyframe:
+            now = cells() if with_map else None
+            self.work.offer(lambda: self._frames.offer(step, t, lambda: now, frame, taken_at if keyframe else None))
 
     def close(self) -> None:
         """Write what waits and close all files."""
+        self.work.offer(self._frames.close)
         self.work.close()
         self._attempts.close()
         self.writer.close()

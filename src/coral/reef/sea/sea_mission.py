@@ -6,8 +6,9 @@ The counterpart of `Mission` without a simulator: nothing here knows the truth, 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,12 +20,13 @@ from coral.advisor.prompt import render as render_prompt
 from coral.advisor.question import Advisor, Picture
 from coral.advisor.rules import RuleAdvisor
 from coral.advisor.thread import AdvisorThread
-from coral.config import Positive, to_mapping
+from coral.config import Positive
 from coral.reef.belief import Belief
 from coral.reef.controller import DdpMppi
 from coral.reef.delay_aware_driver import DelayAwareDriver
 from coral.reef.faults import FaultySensors, parse_fault
 from coral.reef.geometry import Pose
+from coral.reef.guard import Reading
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.leftover import what_is_left
 from coral.reef.mapping import OccupancyMap
@@ -32,23 +34,25 @@ from coral.reef.metrics import compute_metrics
 from coral.reef.mission import MissionCfg
 from coral.reef.pilot import Command, Pilot
 from coral.reef.planner import HighLevelPlanner
+from coral.reef.record import PicturePose
 from coral.reef.response import VehicleResponse
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.loop import FixedRate, IdleCollector, collected_when_idle, prompt_threads
-from coral.reef.sea.operator import OperatorWords, VehicleOrders
+from coral.reef.sea.operator import OperatorWords, VehicleOrders, Word
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.record import SeaRecord
 from coral.reef.sea.safety import SafetyCfg, SafetyMonitor
 from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.stages import StageTimes
 from coral.reef.sea.supervisor import Supervisor
+from coral.reef.sea.survey_alignment import SavedMap, SurveyAlignment
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.sea.survey_head import write_head
 from coral.reef.sensing import Attitude, Stamped, VehicleObservation
 from coral.reef.states import PilotState
-from coral.reef.world import ReefWorld, save_world
+from coral.reef.world import ReefWorld
 from coral.run_loop import Observer, timing_of
-from coral.runs import provenance
 
 OWN_MAP, TRUTH = "the vehicle's own map", "the truth of a simulated reef"
 ORDER_S = 6.0
@@ -97,6 +101,7 @@ class SeaMission:
         *,
         frame: LocalFrame | None = None,
         belief: Belief | None = None,
+        saved: SavedMap | None = None,
         seed: int = 0,
         about: dict[str, Any] | None = None,
         clock: Callable[[], float] = time.monotonic,
@@ -112,7 +117,8 @@ class SeaMission:
             crew: Vehicle, camera, advisor.
             folder: Run folder, new or empty.
             frame: From the vehicle's frame to the survey's.
-            belief: What an earlier survey found; empty by default.
+            belief: What an earlier survey found, where the vehicle is in its frame; empty by default.
+            saved: What an earlier survey found, where the vehicle's place on it must be found first.
             seed: Seed of the controller's samples.
             about: Further entries of config.yaml, such as the names on the command line.
             clock: Monotonic time (s), that of the vehicle's stamps.
@@ -126,7 +132,8 @@ class SeaMission:
         self._clock, self._sleep, self._threaded = clock, sleep, threaded
         sim = mission.simulator
         self.belief = belief or Belief(OccupancyMap(area.size_m, sim.camera, mission.map, sim.sonar), mission.belief)
-        self.belief.map.close_off(area.forbidden(mission.map.cell_m, self.belief.map.target.shape))
+        self._forbidden = area.forbidden(mission.map.cell_m, self.belief.map.target.shape)
+        self.belief.map.close_off(self._forbidden)
         self.response = cfg.response or VehicleResponse.of_vehicle(mission.simulator.vehicle)
         margin_m = mission.controller.margin_m + self.response.margin_m
         controller = DdpMppi(
@@ -156,7 +163,13 @@ class SeaMission:
         self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s)
         self._faults = FaultySensors(map(parse_fault, mission.faults))
         self._recording = True
+        self._decisions = itertools.count()
+        self.alignment: SurveyAlignment | None = None
+        """The search for the vehicle's place on the saved map, in a survey that needs one."""
+        if saved is not None:
+            self.alignment = SurveyAlignment(saved, area.start, self._forbidden, self.emit, threaded=threaded)
         self._idle: IdleCollector | None = None
+        self._awaited = ""
         self._stages = StageTimes(clock)
         self._shown_s = 0.0
 
@@ -165,6 +178,12 @@ class SeaMission:
         report = self.crew.link.report()
         if report.pose is not None:
             self.frame = LocalFrame.from_start(report.pose, start or self.area.start, trust_heading=trust_heading)
+
+    @property
+    def notice(self) -> str:
+        """What would end the vehicle's state, and what the operator is asked; "" if there is nothing to say."""
+        alignment = "" if self.alignment is None else self.alignment.status
+        return " - ".join(text for text in (self._awaited, alignment) if text)
 
     def emit(self, event: str, **fields: Any) -> None:
         """Record an event at the present tick."""
@@ -197,16 +216,21 @@ class SeaMission:
         pose = self.pose = None if report.pose is None else self.frame.to_survey(report.pose)
         self._tell_texts(report)
         self._stages.mark("report")
-        command = self.pilot.tick(self._faults.apply(self._observe(report, pose)))
+        reading = self.pilot.sense(self._faults.apply(self._observe(report, pose)))
+        command = self.pilot.drive(reading)
         self._stages.mark("pilot")
-        self.supervisor.update(now, self.t, report, pose, self.crew.words.take())
+        words = self.crew.words.take()
+        self.supervisor.update(now, self.t, report, pose, words)
+        if self.alignment is not None:
+            self._seek_place(words)
+        self._tell_awaited()
         self.command = command if self.states.state is PilotState.SURVEYING else (0.0, 0.0)
         self.driver.note(self.command)
         if self.supervisor.sends_commands:
             self.crew.link.command(*self.response.setpoint(*self.command), self.cfg.depth_m)
         self._stages.mark("command")
         self.step += 1
-        self._record(report)
+        self._record(report, reading)
         self._stages.mark("record")
         if self.pilot.end_reason and not self.supervisor.returning and self.states.state is not PilotState.TAKEN_OVER:
             self.supervisor.complete(self.t, self.pilot.end_reason)
@@ -227,23 +251,13 @@ class SeaMission:
 
     def _begin(self) -> None:
         cfg, crew = self.cfg.mission, self.crew
-        self._write_head()
-        clock = self._decision_clock or WallClock(self._thread)
-        planner = HighLevelPlanner(
-            self.belief, cfg.pilot.fields, render_prompt, crew.draw or (lambda belief: ()), cfg.planner
-        )
-        self.clock = clock
-        self.pilot = Pilot(
-            self.belief,
-            planner,
-            self.driver,
-            crew.advisor,
-            RuleAdvisor(REEF_RULES),
-            clock,
-            self.emit,
-            self.record.attempt,
-            cfg.pilot,
-        )
+        about = {"world": self.area.name, "advisor": crew.advisor.name, "variant": "full", "seed": self.seed}
+        about |= self.about
+        write_head(self.record.writer, self.area, crew.world, about, self.cfg, self.response, self.frame)
+        total = 0 if crew.world is None else len(crew.world.clusters)
+        self.emit("start", **about, clusters_total=total, judged_by=OWN_MAP if crew.world is None else TRUTH)
+        self.clock = self._decision_clock or WallClock(self._thread)
+        self.pilot = self._make_pilot()
         self.states = self.pilot.safety.states
         self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, self._go_home)
         report = crew.link.report()
@@ -252,35 +266,48 @@ class SeaMission:
         self._began = self._clock()
         self.rate = FixedRate(cfg.control_period_s, self._clock, self._sleep)
 
-    def _write_head(self) -> None:
-        """Write what the run folder says about the survey as a whole, before the first tick."""
-        crew, writer, area = self.crew, self.record.writer, self.area
-        if crew.world is not None:
-            save_world(crew.world, writer.folder / "world.yaml")
-        else:
-            outlines = [{"name": name, "metres": [list(p) for p in ring]} for name, ring in area.keep_out]
-            fence = [list(p) for p in area.fence]
-            writer.yaml(
-                "world.yaml", {"name": area.name, "size_m": list(area.size_m), "geofence": fence, "keep_out": outlines}
-            )
-        about = {"world": area.name, "advisor": crew.advisor.name, "variant": "full", "seed": self.seed}
-        writer.yaml(
-            "config.yaml",
-            {
-                "system": "reef",
-                **about,
-                **self.about,
-                "mission": to_mapping(self.cfg.mission),
-                "safety": to_mapping(self.cfg.safety),
-                "depth_m": self.cfg.depth_m,
-                "response": to_mapping(self.response),
-                "frame": dataclasses.asdict(self.frame),
-                "provenance": provenance(),
-            },
+    def _make_pilot(self) -> Pilot:
+        """Make the pilot that decides by the present belief."""
+        cfg, crew = self.cfg.mission, self.crew
+        draw = crew.draw or (lambda belief: ())
+        return Pilot(
+            self.belief,
+            HighLevelPlanner(self.belief, cfg.pilot.fields, render_prompt, draw, cfg.planner),
+            self.driver,
+            crew.advisor,
+            RuleAdvisor(REEF_RULES),
+            self.clock,
+            self.emit,
+            self.record.attempt,
+            cfg.pilot,
+            self._decisions,
         )
-        total = 0 if crew.world is None else len(crew.world.clusters)
-        judged_by = OWN_MAP if crew.world is None else TRUTH
-        self.emit("start", **about, **self.about, clusters_total=total, judged_by=judged_by)
+
+    def _seek_place(self, words: Iterable[tuple[Word, str]]) -> None:
+        """Go on looking for the vehicle's place on the saved map; take that map over on the operator's word."""
+        assert self.alignment is not None
+        for word, source in words:
+            self.alignment.say(word, source)
+        if self.supervisor.returning or self.states.state not in (PilotState.SURVEYING, PilotState.HOLDING):
+            return
+        found = self.alignment.update(self.t, self.belief)
+        if found is None:
+            return
+        belief, shift = found
+        self.clock.withdraw()
+        self.belief, self.frame = belief, self.frame.then(shift)
+        belief.map.close_off(self._forbidden)
+        self.area = self.safety.area = self.area.with_start(shift.to_survey(self.area.start))
+        states = self.pilot.safety.states
+        self.pilot = self._make_pilot()
+        self.pilot.safety.states = states
+        self.driver.reset()
+        self.emit(
+            "frame",
+            **dataclasses.asdict(self.frame),
+            start=list(self.area.start),
+            shift=list(dataclasses.astuple(shift)),
+        )
 
     def _observe(self, report: VehicleReport, pose: Pose | None) -> VehicleObservation:
         """Put a report and the newest picture into the pilot's input, with stamps on the survey's clock."""
@@ -311,6 +338,13 @@ class SeaMission:
         for text in report.texts:
             self.emit("vehicle_text", severity=text.severity, text=text.text)
 
+    def _tell_awaited(self) -> None:
+        guard = self.cfg.mission.pilot.guard
+        found = self.supervisor.awaits(guard.recover_s, guard.surface_after_s)
+        if found != self._awaited:
+            self._awaited = found
+            self.emit("awaited", state=self.states.state.value, reason=self.states.reason, ends_when=found)
+
     def _go_home(self) -> None:
         self.pilot.go_home(*self.area.start[:2])
 
@@ -324,17 +358,30 @@ class SeaMission:
         hull_m = self.cfg.mission.simulator.vehicle.hull_radius_m
         return away - hull_m, done / len(near) if near else 0.0, done
 
-    def _record(self, report: VehicleReport) -> None:
+    def _record(self, report: VehicleReport, reading: Reading) -> None:
         belief, plan = self.belief, self.pilot.plan
         goal = belief.goal or (float("nan"), float("nan"))
         ok = float(plan.ok) if plan is not None else 1.0
         state = (*(report.velocity or (0.0, 0.0, 0.0)), *self.command, *goal, ok)
         self.record.tick(self.step, self.t, belief.pose, self.crew.true_pose(), state, self._own())
         if belief.frame is not None:
-            self.record.offer_frame(self.step, self.t, belief.map.cells, belief.frame)
+            self.record.offer_frame(self.step, self.t, belief.map.cells, belief.frame, self._taken_at(reading))
         if self._recording and self.record.work.failure:
             self._recording = False
             self.emit("recording_stopped", reason=self.record.work.failure)
+
+    def _taken_at(self, reading: Reading) -> PicturePose | None:
+        """Where the tick's new picture was taken; None without one."""
+        if reading.frame is None or reading.frame_pose is None:
+            return None
+        level = reading.attitude or Attitude(roll=0.0, pitch=0.0, depth_m=self.cfg.depth_m)
+        return PicturePose(
+            pose=reading.frame_pose,
+            odometry=reading.frame_pose,
+            height_m=self.cfg.mission.simulator.camera.altitude_m,
+            roll=level.roll,
+            pitch=level.pitch,
+        )
 
     def _count(self, event: dict[str, Any]) -> None:
         self.calls += event["event"] == "question"
@@ -362,6 +409,8 @@ class SeaMission:
             self.emit("judged", tracks=near)
         self.emit("end", reason=self.end_reason)
         self.clock.close()
+        if self.alignment is not None:
+            self.alignment.close()
         if self._thread is not None:
             self._thread.close()
         record.close()
@@ -378,6 +427,7 @@ class SeaMission:
             "recording_failure": record.work.failure,
             "recording_dropped": record.work.dropped,
             "tether_turns": round(self.report.tether_turns, 2),
+            **({} if self.alignment is None else {"alignment": self.alignment.outcome or "not decided"}),
         }
         timing = timing_of(self._clock() - self._began, self.t, control_ms=self.control_ms)
         if not record.work.failure:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 
 from coral.reef.geometry import Pose
+from coral.reef.sea.awaited import awaited
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.operator import Order, VehicleOrders, Word
 from coral.reef.sea.safety import Breach, SafetyMonitor
@@ -61,6 +62,18 @@ class Supervisor:
         """Whether set-points go to the vehicle: the pilot's, or zero until the autopilot itself holds."""
         state = self.states.state
         return state in (PilotState.READY, PilotState.SURVEYING) or (state is PilotState.HOLDING and not self._held)
+
+    def awaits(self, recover_s: float, surface_after_s: float | None) -> str:
+        """Return what would end the present state, in words; the sensors' times (s) as `GuardCfg` has them."""
+        if self.returning and self.states.state is PilotState.SURVEYING:
+            return f"on the way back, because of {self.returning}; ends within {HOME_M:g} m of the start"
+        return awaited(
+            self.states,
+            passing=self._breach is not None and self._breach.passing,
+            settle_s=self.safety.cfg.settle_s,
+            recover_s=recover_s,
+            surface_after_s=math.inf if surface_after_s is None else surface_after_s,
+        )
 
     def update(
         self, now: float, t: float, report: VehicleReport, pose: Pose | None, words: Iterable[tuple[Word, str]]

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from coral.reef.geometry import Frame, Pose
+from coral.reef.belief import Belief
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.operator import OperatorWords, Word
 from coral.reef.sea.sea_mission import SeaMission
+from coral.reef.sea.survey_alignment import SurveyAlignment
 from coral.view.live import reef_scene
 from coral.view.live.page import LivePage
 from coral.view.live.state import LiveState, Number
 from coral.view.live.story import Story, told
-from coral.view.mapview import MapScene
 from coral.view.questions import map_scene
 from coral.view.run import Record
 
@@ -27,18 +27,24 @@ BUTTONS: tuple[tuple[Word, str, str, str, str], ...] = (
     ("stop", "Stop the survey", "player-stop-filled", "red", "Ends the survey; the vehicle holds where it is."),
 )
 """Word, label, icon, colour and hint of each button."""
+RESUME_BUTTONS: tuple[tuple[Word, str, str, str, str], ...] = (
+    ("align", "Use the alignment", "check", "teal", "Go on with the saved map, placed as proposed."),
+    ("unaligned", "Go on without the saved map", "x", "gray", "Survey with the new map alone."),
+)
+"""Of a survey that looks for its place on a saved map."""
 
 
 class SurveyControls:
     """The operator's buttons."""
 
-    def __init__(self, words: OperatorWords) -> None:
-        self._words = words
+    def __init__(self, words: OperatorWords, alignment: SurveyAlignment | None = None) -> None:
+        """Set up; `alignment` is the search of a resumed survey for its place on the saved map."""
+        self._words, self._alignment = words, alignment
         self._buttons: dict[Word, Any] = {}
 
     def build(self, gui: Any) -> None:
         """Add the buttons to the panel under construction."""
-        for word, label, icon, color, hint in BUTTONS:
+        for word, label, icon, color, hint in BUTTONS + (RESUME_BUTTONS if self._alignment is not None else ()):
             button = gui.add_button(label, icon=icon, color=color, hint=hint)
             button.on_click(lambda _, word=word: self._words.say(word, "page"))
             self._buttons[word] = button
@@ -48,25 +54,32 @@ class SurveyControls:
         ended, waiting = state.status.startswith("ended"), state.status.startswith("preflight")
         for word, button in self._buttons.items():
             disabled = ended or (word == "arm") != waiting
+            if word in ("align", "unaligned"):
+                disabled = disabled or not self._offers(word)
             if button.disabled != disabled:
                 button.disabled = disabled
+
+    def _offers(self, word: Word) -> bool:
+        """Check whether the operator is asked about an alignment, or may give it up."""
+        search = self._alignment
+        return search is not None and not search.outcome and (word == "unaligned" or search.proposal is not None)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Snapshot:
-    """What the page draws, copied on the control thread in a few milliseconds."""
+    """What the page shows, copied on the control thread: 2 ms on a map of 100 m. It is drawn on another one."""
 
-    scene: MapScene
+    belief: Belief
     plan: Any
     reference: Any
-    frame: Frame | None
-    pose: Pose
     t: float
     coverage: float
     speed_m_s: float
     status: str
     battery: float | None
     story: Story
+    note: str
+    """What would end the vehicle's state, and what the operator is asked."""
 
 
 class LiveSurvey:
@@ -100,17 +113,16 @@ class LiveSurvey:
             status += f" - {states.reason}"
         velocity = mission.report.velocity
         snapshot = Snapshot(
-            scene=map_scene(mission.belief),
+            belief=mission.belief.snapshot(),
             plan=None if plan is None else plan.path,
             reference=mission.pilot.monitor.path,
-            frame=mission.belief.frame,
-            pose=mission.belief.pose,
             t=mission.t,
             coverage=mission.coverage,
             speed_m_s=velocity[0] if velocity is not None else float("nan"),
             status=status,
             battery=mission.report.battery_fraction,
             story=self._story,
+            note=mission.notice,
         )
         self._work.offer(lambda: self.page.show(self.state(snapshot)))
 
@@ -124,8 +136,9 @@ class LiveSurvey:
 
     def state(self, now: Snapshot) -> LiveState:
         """Return the state of the page."""
-        story, scene = now.story, replace(now.scene, reference=now.reference)
-        scene = replace(scene, trajectory=np.vstack([scene.trajectory, [now.pose[:2]]]))
+        story, belief = now.story, now.belief
+        scene = replace(map_scene(belief), reference=now.reference)
+        scene = replace(scene, trajectory=np.vstack([scene.trajectory, [belief.pose[:2]]]))
         battery = () if now.battery is None else (Number(name="battery", value=f"{now.battery:.0%}"),)
         return LiveState(
             title=self._title,
@@ -139,8 +152,9 @@ class LiveSurvey:
             ground=reef_scene.ground(scene),
             lines=(*reef_scene.lines(scene, now.plan), *self._truth),
             markers=reef_scene.markers(scene),
-            bodies=reef_scene.robot(now.pose),
+            bodies=reef_scene.robot(belief.pose),
             follow="robot",
-            pictures=reef_scene.cameras(now.frame),
+            pictures=reef_scene.cameras(belief.frame),
             legend=reef_scene.LEGEND + reef_scene.PLANNED,
+            note=now.note,
         )

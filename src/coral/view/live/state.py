@@ -151,4 +151,4 @@ class LiveState:
     charts: tuple[Chart, ...] = ()
     legend: tuple[tuple[RGB, str], ...] = ()
     note: str = ""
-    """Note about data that the page cannot show."""
+    """A line for the operator: what the page cannot show, or what it waits for."""

@@ -117,6 +117,18 @@ def _sensor(story: Story, event: Record) -> Story:
     return _note(story, event, f"{event.get('input', 'sensor')} {refused or 'is good again'}")
 
 
+def _alignment(story: Story, event: Record) -> Story:
+    """Tell what became of a resumed survey's search for its place."""
+    evidence = f"{event.get('matched')} of {event.get('bodies')} bodies match, residual {event.get('residual_m')} m"
+    said = {
+        "proposed": f"alignment proposed: {evidence}",
+        "used": f"on the saved map: {evidence}",
+        "none yet": f"no place on the saved map yet: {event.get('reason', '')}",
+        "unaligned": f"goes on without the saved map: {event.get('reason', '')}",
+    }
+    return _note(story, event, said.get(str(event.get("status")), "alignment"))
+
+
 def _note(story: Story, event: Record, text: str) -> Story:
     if story.log and story.log[0].partition(" ")[2] == text:  # a lasting failure is reported at every tick
         return story
@@ -135,6 +147,7 @@ _FOLDS: dict[str, Callable[[Story, Record], Story]] = {
     "end": _end,
     "state": _state,
     "sensor": _sensor,
+    "alignment": _alignment,
     "planner_failure": lambda s, e: _note(s, e, f"no way found: {e.get('reason', '')}"),
     "held": lambda s, e: _note(s, e, "the goal is kept"),
     "fallback": lambda s, e: _note(s, e, f"the advisor failed ({e.get('failure', '')})"),
