@@ -27,7 +27,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from coral.commands.reef_sail import ReefSail
-from coral.errors import RunError
+from coral.errors import InputError, RunError
 from coral.reef.mission import MissionCfg
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.ardusub import load_dialect
@@ -115,7 +115,7 @@ class Bench:
         def run() -> None:
             try:
                 end.update(sail())
-            except RunError as error:
+            except (InputError, RunError) as error:
                 end["error"] = str(error)
 
         mouth, ear = os.pipe()[::-1]
@@ -127,7 +127,8 @@ class Bench:
             while thread.is_alive() and _last_t(folder) < AT_S:
                 time.sleep(0.02)
             began = _last_t(folder)
-            act(folder)
+            if thread.is_alive():
+                act(folder)
         thread.join(25.0)
         if thread.is_alive():  # taken over: it waits for a person
             os.write(mouth, b"q\n")
