@@ -15,6 +15,7 @@ import csv
 import json
 import math
 import os
+import resource
 import signal
 import socket
 import subprocess
@@ -26,7 +27,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from coral.commands.reef_sail import ReefSail
-from coral.errors import RunError
+from coral.errors import InputError, RunError
 from coral.reef.mission import MissionCfg
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.ardusub import load_dialect
@@ -35,6 +36,8 @@ from coral.reef.sea.transport import open_transport
 from coral.reef.sea.truth import TruthFeed
 
 AT_S, LASTS_S, LIMIT_S = 8.0, 3.0, 18.0
+FORCED = 20190226.0
+"""With this number ArduPilot restarts even while it is armed."""
 mavlink = load_dialect()
 
 
@@ -50,7 +53,11 @@ class Proxy:
     def _serve(self) -> None:
         while True:
             near, _ = self.server.accept()
-            far = socket.create_connection(self.target)
+            try:
+                far = socket.create_connection(self.target)
+            except OSError:  # an autopilot that restarts
+                near.close()
+                continue
             for source, sink in ((near, far), (far, near)):
                 threading.Thread(target=self._pump, args=(source, sink), daemon=True).start()
 
@@ -94,7 +101,7 @@ class Bench:
         """Give an order as another station."""
         self.say(mavlink.MAVLink_command_long_message(1, 1, number, 0, *[*values, *[0.0] * 7][:7]))
 
-    def survey(self, name: str, act: Callable[[], None] | None, fault: str = "", **safety) -> dict:
+    def survey(self, name: str, act: Callable[[Path], None] | None, fault: str = "", **safety) -> dict:
         """Run a survey with a fault, and read what happened."""
         folder = Path(tempfile.mkdtemp()) / "run"
         sail = ReefSail(
@@ -108,7 +115,7 @@ class Bench:
         def run() -> None:
             try:
                 end.update(sail())
-            except RunError as error:
+            except (InputError, RunError) as error:
                 end["error"] = str(error)
 
         mouth, ear = os.pipe()[::-1]
@@ -120,7 +127,8 @@ class Bench:
             while thread.is_alive() and _last_t(folder) < AT_S:
                 time.sleep(0.02)
             began = _last_t(folder)
-            act()
+            if thread.is_alive():
+                act(folder)
         thread.join(25.0)
         if thread.is_alive():  # taken over: it waits for a person
             os.write(mouth, b"q\n")
@@ -152,6 +160,17 @@ def _read(name: str, folder: Path, began: float, end: dict) -> dict:
 def _leak(bench: Bench) -> None:
     water = 0x20000000
     bench.say(mavlink.MAVLink_sys_status_message(water, water, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0))
+
+
+def _fill(folder: Path) -> None:
+    """Let every write that makes a file longer fail for a while, as on a full disk."""
+    whole = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, ((folder / "trajectory.csv").stat().st_size, whole[1]))
+    threading.Timer(LASTS_S, lambda: resource.setrlimit(resource.RLIMIT_FSIZE, whole)).start()
+
+
+def _restart(bench: Bench) -> None:
+    bench.command(mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1, 0, 0, 0, 0, FORCED)
 
 
 def _cut(bench: Bench) -> None:
@@ -197,7 +216,7 @@ def _rows(bench: Bench, only: str) -> list[dict]:
         return row
 
     def low() -> dict:
-        row = bench.survey("battery low", lambda: battery(10.5), battery_min_v=11.5, on_battery="surface")
+        row = bench.survey("battery low", lambda _: battery(10.5), battery_min_v=11.5, on_battery="surface")
         battery(12.6)
         return row
 
@@ -205,11 +224,13 @@ def _rows(bench: Bench, only: str) -> list[dict]:
         "arming": refused,
         **{fault: (lambda fault=fault: bench.survey(fault, None, fault)) for fault in
            ("nan-pose", "stale-pose", "blind-camera", "wrong-size")},
-        "link": lambda: bench.survey("link lost for 3 s", lambda: _cut(bench)),
-        "leak": lambda: bench.survey("leak", lambda: _leak(bench)),
+        "link": lambda: bench.survey("link lost for 3 s", lambda _: _cut(bench)),
+        "leak": lambda: bench.survey("leak", lambda _: _leak(bench)),
         "battery": low,
-        "pilot": lambda: bench.survey("pilot chooses POSHOLD", lambda: bench.command(176, 1.0, 16.0)),
+        "pilot": lambda: bench.survey("pilot chooses POSHOLD", lambda _: bench.command(176, 1.0, 16.0)),
+        "disk": lambda: bench.survey("full disk", _fill),
         "killed": lambda: _killed(bench),
+        "reboot": lambda: bench.survey("autopilot restarts", lambda _: _restart(bench)),
     }  # fmt: skip
     found = []
     for name, trial in trials.items():

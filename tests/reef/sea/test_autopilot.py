@@ -171,6 +171,12 @@ def test_no_restart_under_way():
     assert Station().guided().order(mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == 4
 
 
+def test_a_restart_under_way_only_where_it_is_forced():
+    station = Station().guided()
+    assert station.order(mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1, 0, 0, 0, 0, 20190226) == 0
+    assert not station.wait(3.0).autopilot.armed
+
+
 def test_a_leak_reported_by_a_sensor_elsewhere_surfaces():
     station = Station(
         SimulatedAutopilot(

@@ -1,9 +1,14 @@
 """Every fault of a survey through MAVLink ends in its configured state within a second, on the simulated autopilot."""
 
 import errno
+import re
+import time
+from pathlib import Path
 
 import pytest
 from mavlink_voyage import MavlinkVoyage
+
+import coral
 
 AT_S = 3.0
 STEP = 30
@@ -79,3 +84,29 @@ def test_a_program_that_dies_leaves_a_vehicle_that_stands(tmp_path):
     assert abs(voyage.autopilot.body.velocity[0]) < 0.05
     voyage.autopilot.step(5.0)
     assert not voyage.autopilot.armed
+
+
+def test_a_system_clock_that_is_set_changes_nothing(tmp_path, monkeypatch):
+    def survey(folder, jump):
+        voyage = MavlinkVoyage(folder, time_limit_s=4.5)
+        voyage.at[STEP] = lambda: jump(-86400.0)
+        voyage.at[STEP + 7] = lambda: jump(3600.0)
+        voyage.run()
+        return voyage.states, (folder / "trajectory.csv").read_text()
+
+    def jump(seconds, now=time.time):
+        monkeypatch.setattr(time, "time", lambda: now() + seconds)
+        monkeypatch.setattr(time, "time_ns", lambda: int((now() + seconds) * 1e9))
+
+    calm = survey(tmp_path / "calm", lambda _: None)
+    assert survey(tmp_path / "jumped", jump) == calm
+
+
+def test_nothing_that_drives_reads_the_time_of_day():
+    """Monotonic clocks alone: a clock set by NTP or by a person moves no stamp, no limit and no due time."""
+    source = Path(coral.__file__).parent
+    driving = [*source.glob("reef/*.py"), *source.glob("reef/sea/*.py"), *source.glob("mppi/*.py")]
+    driving += [source / "commands" / name for name in ("reef_sail.py", "sail_parts.py", "reef_identify.py")]
+    wall = re.compile(r"\btime\.(time|time_ns|localtime|gmtime|ctime|strftime)\(|\bdate(time)?\.(now|utcnow|today)\(")
+    assert len(driving) > 100
+    assert [path.name for path in driving if re.search(wall, path.read_text())] == []

@@ -29,6 +29,8 @@ TURN_RAD_S, TURN_DEAD = 3.0, 0.05
 at 0.06 and 0.15 rad/s with r = 145 and 200 at gain 0.5."""
 DEAD_ZONE_M_S = 0.07
 """Climb rate that the throttle axis loses about its centre: z = 300 gave 0.13 m/s with ArduSub."""
+REBOOT_WHILE_ARMED = 20190226.0
+"""ArduPilot restarts an armed vehicle only if the sixth parameter of the order is this number."""
 STICKS_S = 3.0
 """Joystick axes are forgotten after this time (RC_OVERRIDE_TIME)."""
 
@@ -295,7 +297,7 @@ class SimulatedAutopilot:
             m.MAV_CMD_COMPONENT_ARM_DISARM: self._do_arm,
             m.MAV_CMD_SET_MESSAGE_INTERVAL: self._do_interval,
             m.MAV_CMD_REQUEST_MESSAGE: self._do_request,
-            m.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._do_reboot,
+            m.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: lambda what, _: self._do_reboot(what, getattr(message, "param6", 0.0)),
         }
         order = orders.get(message.command)
         before, self._out = self._out, []
@@ -342,10 +344,8 @@ class SimulatedAutopilot:
         self._say(message)
         return 0
 
-    def _do_reboot(self, what: float, _: float) -> int:
-        if what != 1.0 or self.armed:
-            return 4
-        return 0
+    def _do_reboot(self, what: float, force: float) -> int:
+        return 0 if what == 1.0 and (not self.armed or force == REBOOT_WHILE_ARMED) else 4
 
     def _on_set_position_target_local_ned(self, message: Any) -> None:
         if self.mode != "GUIDED" or message.coordinate_frame not in (8, 9, 12):
