@@ -20,6 +20,7 @@ from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, Stop
 from coral.reef.products.survey_products import SurveyProducts
+from coral.reef.recordings.recording import EXACT, RECORDED
 from coral.runs import write_whole
 from coral.view.svg import clock
 
@@ -96,6 +97,7 @@ def render_products(
         keyframes=products.keyframes,
         headline=_headline(products),
         place=where,
+        network=None if products.recording.seen_by in (RECORDED, EXACT) else products.recording.seen_by,
         area=products.area,
         seen=products.seen_m2,
         clusters=[feature.values for feature in make_layers(products, placement)[0].features],

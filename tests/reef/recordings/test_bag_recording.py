@@ -6,7 +6,9 @@ import pytest
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
 from coral.reef.recordings.bag_export import write_bag
-from coral.reef.recordings.bag_recording import BagTopics, is_bag, read_bag
+from coral.reef.recordings.bag_reader import is_bag
+from coral.reef.recordings.bag_recording import BagTopics, read_bag
+from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import map_of
 from coral.reef.recordings.run_recording import read_run
 
@@ -38,7 +40,7 @@ def test_a_round_trip_gives_the_same_map(bags, survey_run, name):
 
 def test_a_given_camera_wins(bags):
     camera = CameraCfg(width=80, height=60, hfov_deg=100.0)
-    assert read_bag(bags / "patch.mcap", BagTopics(), camera).camera == camera
+    assert read_bag(bags / "patch.mcap", BagTopics(), RecordedCamera.plain(camera)).camera == camera
 
 
 @pytest.mark.parametrize(

@@ -68,6 +68,7 @@ def summary(products: SurveyProducts, placement: EarthPlacement) -> dict[str, An
         "oyster_cells": int(products.cells.target.sum()),
         "clusters": len(products.clusters),
         "colour": products.mosaic.colour,
+        "perception": products.recording.seen_by,
         "latitude": None if datum is None else datum.latitude,
         "longitude": None if datum is None else datum.longitude,
         "epsg": placement.epsg,

@@ -17,6 +17,7 @@ from coral.reef.mapping import MapCfg, OccupancyMap
 MARGIN_M = 6.5
 """What a map without a stated area reaches beyond the outermost pose: the map's range, and half a metre."""
 LARGEST_M = 500.0
+RECORDED, EXACT = "recorded", "exact"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +56,10 @@ class Recording:
     """Pose at the start of the survey; None: of the first keyframe."""
     final_map: NDArray[np.uint8] | None = None
     """Classes of the map's cells as the robot had them in the end, if the recording has them. Shape=(NY, NX)."""
+    seen_by: str = RECORDED
+    """Who found classes and depth: "recorded", nobody knows; "exact", a simulator; or the name of a network."""
+    omitted: set[float] = field(default_factory=set)
+    """Times of pictures that were left out for want of a pose near them (s); known after all have been read."""
 
     def located(self) -> Recording:
         """Return the recording with its area in full cells, and poses from the area's corner on.
@@ -103,7 +108,7 @@ def map_of(recording: Recording) -> OccupancyMap:
     """
     cells = OccupancyMap(recording.size_m, recording.camera, recording.map)
     for keyframe in recording.keyframes():
-        cells.integrate(keyframe.frame, keyframe.pose)
+        cells.integrate(keyframe.frame, keyframe.pose, keyframe.roll, keyframe.pitch)
     return cells
 
 

@@ -53,7 +53,7 @@ def write_rerun(recording: Recording, path: Path) -> dict[str, int]:
         stream.log("world/robot/camera/image/classes", rr.SegmentationImage(frame.labels))
         stream.log("world/robot/camera/image/depth", rr.DepthImage(encode_depth(frame.depth), meter=1000.0))
         counts["keyframes"] += 1
-        cells.integrate(frame, keyframe.pose)
+        cells.integrate(frame, keyframe.pose, keyframe.roll, keyframe.pitch)
         if keyframe.t >= due - 1e-9:
             due = keyframe.t + MAP_EVERY_S
             iy, ix = np.nonzero(cells.target)
