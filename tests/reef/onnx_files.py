@@ -78,7 +78,7 @@ def red_is_oyster_yolo(size):
     prototypes, bias = np.zeros((32, 3, 1, 1), np.float32), np.full(32, -1.0, np.float32)
     prototypes[0, :2, 0, 0], bias[0] = (60.0, -60.0), -5.0
     raw = np.zeros((1, 4 + 2 + 32, 2), np.float32)
-    raw[0, :4] = size / 2, size / 2, size, size
+    raw[0, :4] = np.array([[size / 2], [size / 2], [size], [size]])
     raw[0, 4, 0], raw[0, 6, 0] = 0.9, 1.0
     raw[0, 5, 1], raw[0, 7, 1] = 0.4, 1.0
     return model(

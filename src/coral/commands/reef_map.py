@@ -41,6 +41,9 @@ class ReefMap:
     perception: Annotated[str, tyro.conf.arg(metavar="recorded|rgb|FILE.onnx")] = RECORDED
     """Where classes and depth come from. recorded: pictures of classes and depth in the recording. rgb: its colour
     pictures, by the network that comes with CORAL. FILE.onnx: the same by a network of yours."""
+    depth: Annotated[Path | None, tyro.conf.arg(metavar="FILE.onnx")] = None
+    """A relative depth network (Depth Anything V2) whose depth replaces that of --perception, which still gives the
+    classes."""
     period_s: NonNegative = 0.2
     """Least time between two pictures that are used (s); 0 for all."""
     datum: Annotated[str | None, tyro.conf.arg(metavar="LAT,LON[,HEADING]")] = None
@@ -80,6 +83,8 @@ class ReefMap:
 
     def _perception(self) -> PicturePerception | None:
         if self.perception == RECORDED:
+            if self.depth is not None:
+                raise InputError("--depth", "", f"{self.depth} alone", "--perception rgb or FILE.onnx, for the classes")
             return None
         if self.perception != RGB and not self.perception.endswith(".onnx"):
             known = (RECORDED, RGB)
@@ -89,9 +94,9 @@ class ReefMap:
                 repr(self.perception),
                 f"recorded, rgb or FILE.onnx{nearest(self.perception, known)}",
             )
-        eyes = open_eyes(self.perception)
+        eyes = open_eyes(self.perception, depth=str(self.depth or ""))
         assert eyes is not None
-        return PicturePerception(eyes, self.perception)
+        return PicturePerception(eyes, self.perception if self.depth is None else f"{self.perception}, {self.depth}")
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was found, and list the main files."""

@@ -57,6 +57,9 @@ class ReefRun:
     perception: Annotated[str | None, tyro.conf.arg(metavar="exact|rgb|FILE.onnx")] = None
     """Where classes and depth come from: the ray caster (exact, the default), the network that comes with CORAL (rgb)
     or one of yours, both on colour pictures alone."""
+    depth: Annotated[Path | None, tyro.conf.arg(metavar="FILE.onnx")] = None
+    """A relative depth network (Depth Anything V2) whose depth replaces that of --perception, which still gives the
+    classes."""
     seed: int = 0
     """Seed of all random numbers."""
     fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
@@ -114,6 +117,7 @@ class ReefRun:
                 self._with_sonar(),
                 faults=(*self.cfg.faults, *self.fault),
                 perception=self.cfg.perception if self.perception is None else self.perception,
+                depth=self.cfg.depth if self.depth is None else str(self.depth),
             ),
             world,
             variant=self.variant,

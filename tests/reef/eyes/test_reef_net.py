@@ -4,6 +4,7 @@ from given_networks import given, one_hot
 
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
+from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.reef_net import ReefNetEyes
 from coral.reef.geometry import Label
@@ -53,3 +54,14 @@ def test_an_obstacle_counts_before_it_is_the_likeliest():
         np.zeros((2, 4, 3), np.uint8), CameraCfg(width=4, height=2), CameraAttitude()
     )
     assert seen.labels[0, 2] == Label.OBSTACLE
+
+
+def test_a_picture_of_another_shape_keeps_its_proportions():
+    # 8 x 2 in a network of 4 x 2: scaled to 4 x 1, a row of the network's picture stays beside it.
+    camera = CameraCfg(width=8, height=2)
+    file = given(outputs(), channels=4)
+    seen = ReefNetEyes(file).perceive(np.zeros((2, 8, 3), np.uint8), camera, CameraAttitude())
+    assert seen.labels.tolist() == np.repeat(np.repeat([LABELS[0]], 2, 0), 2, 1).tolist()
+    # The sea floor that the network is told lies where a camera with square pixels sees it.
+    whole = ground_depth(CameraCfg(width=4, height=2), None)
+    np.testing.assert_allclose(file.session.fed[0, 3], np.clip(1.0 / whole, 0.0, 4.0))
