@@ -15,15 +15,8 @@ from coral.reef.geometry import Frame, Label
 from coral.reef.products.mosaic_kernels import paint
 from coral.reef.products.seen_points import grid_shape, lens_of, transform_of
 from coral.reef.products.water_colour import undo_attenuation
+from coral.reef.recordings.class_colours import CLASS_COLOURS
 from coral.reef.recordings.recording import Recording
-
-CLASS_COLOURS = {
-    Label.WATER: (20, 60, 90),
-    Label.OYSTER: (64, 160, 92),
-    Label.OBSTACLE: (70, 72, 78),
-    Label.SEABED: (205, 188, 150),
-}
-"""Colours of the classes where no colour picture was taken: red, green, blue."""
 
 
 @dataclass(frozen=True, kw_only=True)
