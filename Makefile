@@ -22,6 +22,8 @@ $(STAMP): pyproject.toml constraints.txt
 	$(PIP) --upgrade pip hatchling editables
 	$(PIP) --no-build-isolation --editable '.[contact,vehicle,vision,geo,bags]' --group dev
 	$(PIP) --no-deps robosuite
+	find $(VENV)/lib/python3.*/site-packages/robosuite/models/assets/robots -mindepth 1 -maxdepth 1 ! -name panda \
+		-exec rm -rf {} +  # meshes of arms that no scene here has: 310 MB
 	@touch $@
 
 demo: setup  ## survey the S-shaped reef, make its report and a video

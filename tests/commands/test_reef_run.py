@@ -125,3 +125,10 @@ def test_networks_of_ones_own_see_for_a_mission(told, tmp_path):
     code, _, error = told("reef", "run", "s1", "--depth", tmp_path / "depth.onnx", *short, "--out", tmp_path / "other")
     assert (code, error.count("\n")) == (2, 1)
     assert "--perception rgb or FILE.onnx, for the classes" in error
+
+
+def test_the_first_mission_says_why_nothing_moves_yet(told, tmp_path, monkeypatch):
+    monkeypatch.setattr("coral.commands.reef_run.is_compiled", lambda: False)
+    short = ["--cfg.time-limit-s", "0.2", "--cfg.record.no-report", "--json"]
+    assert "compiling once, about a minute" in told("reef", "run", "s1", *short, "--out", tmp_path / "a")[2]
+    assert "compiling" not in told("reef", "run", "s1", *short, "--quiet", "--out", tmp_path / "b")[2]

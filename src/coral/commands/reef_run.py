@@ -23,6 +23,7 @@ from coral.commands.progress import MissionProgress
 from coral.config import checked
 from coral.desk.notice import mission_notice
 from coral.errors import InputError
+from coral.reef.compiled import NOTICE, is_compiled
 from coral.reef.generated import find_world
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg
@@ -139,6 +140,8 @@ class ReefRun:
             cfg=dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts),
             mistakes=REEF_MISTAKES,
         )
+        if not self.quiet and not is_compiled():
+            print(NOTICE, file=sys.stderr, flush=True)
         if self.preflight and cfg.decider == "advisor":
             preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
         mission = Mission(
