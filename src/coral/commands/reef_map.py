@@ -23,6 +23,7 @@ from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE, datum_of_folder
 from coral.reef.recordings.recording import RECORDED
 from coral.reef.recordings.run_recording import is_run
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 from coral.reef.world import load_world
 from coral.words import many
 
@@ -51,6 +52,9 @@ class ReefMap:
     axis does not point east. A table with lat and lon has its own."""
     topics: BagTopics = field(default_factory=BagTopics)
     """Topics of a bag or an MCAP file."""
+    sonar: SonarCfg = field(default_factory=SonarCfg)
+    """Beams of the sonar whose echoes a bag may have: width, height, hfov_deg, vfov_deg, range_m. Its tilt is the
+    bag's."""
     doubt: DoubtCfg = field(default_factory=DoubtCfg)
     """Doubt with which a pixel still counts, where a network states one."""
     json: bool = False
@@ -68,6 +72,7 @@ class ReefMap:
             topics=self.topics,
             perception=self._perception(),
             period_s=self.period_s,
+            sonar=checked(self.sonar, "--sonar"),
         )
         recording = replace(recording, map=replace(recording.map, doubt=checked(self.doubt, "--doubt")))
         datum = self.datum

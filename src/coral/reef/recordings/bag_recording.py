@@ -17,14 +17,17 @@ from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping import MapCfg
 from coral.reef.recordings.bag_reader import count_messages, read_messages, stamp_of
+from coral.reef.recordings.bag_sonar import open_sonar
 from coral.reef.recordings.lens import Lens
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
 from coral.reef.recordings.picture_files import colours_of, depth_of, frame_of, labels_of
 from coral.reef.recordings.pose_track import NEAR_S, PoseTrack, StampedTransforms
 from coral.reef.recordings.recorded_camera import RecordedCamera
-from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
+from coral.reef.recordings.recording import RECORDED, PosedFrame, PosedPing, Recording
 from coral.reef.recordings.ros_images import colours_in, values_in
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
+from coral.reef.sonar.echo_points import project_points
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +41,8 @@ class BagTopics:
     classes: str = "/camera/classes/compressed"
     """Classes of pixels (0 water, 1 oyster, 2 obstacle, 3 seabed) in 8 bits, CompressedImage (PNG) or Image."""
     camera_info: str = "/camera/camera_info"
+    sonar: str = "/sonar/points"
+    """Echoes of an imaging sonar, PointCloud2, x forward, y left, z up; read if they are there."""
     odometry: str = "/odometry"
     map: str = "/map"
     """OccupancyGrid whose extent and cells the new map takes over, if it is there."""
@@ -63,6 +68,7 @@ def read_bag(
     cfg: MapCfg | None = None,
     perception: PicturePerception | None = None,
     period_s: float = 0.0,
+    sonar: SonarCfg | None = None,
 ) -> Recording:
     """Read a bag.
 
@@ -74,6 +80,7 @@ def read_bag(
         perception: Sees what colour pictures show, whatever else the bag has of them; None: classes and depth are the
             bag's own.
         period_s: Least time between two pictures that are used (s).
+        sonar: Beams of the sonar, if the bag has echoes of one; None: those of the Sonar 3D-15.
 
     Raises:
         InputError: It is no bag, or something in it is missing or wrong. Pictures are checked when they are read.
@@ -94,10 +101,22 @@ def read_bag(
     if contents.cell_m is not None:
         cfg = replace(cfg, cell_m=contents.cell_m)
     omitted: set[float] = set()
+    hearing = (
+        open_sonar(path, topics.sonar, contents.track, contents.static, mount, sonar)
+        if contents.counts.get(topics.sonar)
+        else None
+    )
 
     def keyframes() -> Iterator[PosedFrame]:
-        due = -math.inf
-        for t, images in _moments(path, set(pictured), where):
+        due, pings, clouds = -math.inf, list[PosedPing](), list[tuple[float, NDArray[np.float64]]]()
+        for t, images in _moments(path, set(pictured), {topics.sonar}, where):
+            if topics.sonar in images:
+                assert hearing is not None
+                ping, cloud = hearing.hear(t, images[topics.sonar])
+                if ping is not None:
+                    pings.append(ping)
+                    clouds[:] = [(t, cloud)]
+                continue
             if t < due - 1e-6:
                 continue
             due = t + period_s
@@ -112,13 +131,20 @@ def read_bag(
             place = f"{where} at {t:.3f} s"
             if not height_m > 0.0:
                 raise InputError(place, "height", f"{height_m:g} m", "a height above the sea floor, z = 0 in the map")
-            frame = _frame(images, topics, found, perception, CameraAttitude(height_m, roll, pitch), place)
-            yield PosedFrame(t=t, pose=pose, height_m=height_m, frame=frame, roll=roll, pitch=pitch, odometry=at[1])
+            heard = [project_points(cloud, found.view) for when, cloud in clouds if abs(when - t) <= NEAR_S]
+            attitude = CameraAttitude(height_m, roll, pitch, heard[0] if heard else None)
+            frame = _frame(images, topics, found, perception, attitude, place)
+            yield PosedFrame(
+                t=t, pose=pose, height_m=height_m, frame=frame, roll=roll, pitch=pitch, odometry=at[1],
+                pings=tuple(pings),
+            )  # fmt: skip
+            pings.clear()
 
     name = path.stem if path.suffix else path.name
     return Recording(
         name=name, source=where, camera=found.view, keyframes=keyframes, area=contents.area, map=cfg,
         seen_by=perception.name if perception else RECORDED, omitted=omitted,
+        sonar=None if hearing is None else hearing.sonar,
     )  # fmt: skip
 
 
@@ -143,22 +169,30 @@ def _frame(
     return perception.frame(colours, camera, attitude, where)
 
 
-def _moments(path: Path, wanted: set[str], where: str) -> Iterator[tuple[float, dict[str, Any]]]:
-    """Return the pictures of each moment: those with one time stamp."""
-    t_open, images = math.nan, dict[str, Any]()
-    for topic, message in read_messages(path, wanted):
+def _moments(path: Path, pictures: set[str], others: set[str], where: str) -> Iterator[tuple[float, dict[str, Any]]]:
+    """Return the pictures of each moment, those with one time stamp, and every other message by itself."""
+    t_open, images, later = math.nan, dict[str, Any](), list[tuple[float, dict[str, Any]]]()
+    for topic, message in read_messages(path, pictures | others):
         try:
             t = stamp_of(message)
         except AttributeError as error:
-            raise InputError(where, topic, first_line(error), "pictures") from None
+            raise InputError(where, topic, first_line(error), "messages with a time stamp") from None
+        if topic not in pictures:
+            if images and t > t_open:
+                later.append((t, {topic: message}))  # after the picture, which may not be complete yet
+            else:
+                yield t, {topic: message}
+            continue
         if images and t != t_open:
             if t < t_open - NEAR_S:
                 raise InputError(where, topic, f"{t:.3f} s after {t_open:.3f} s", "time stamps that never go back")
             yield t_open, images
-            images = {}
+            yield from later
+            images, later = {}, []
         t_open, images[topic] = t, message
     if images:
         yield t_open, images
+    yield from later
 
 
 def _with_mount(contents: _Contents, where: str, topics: BagTopics) -> RecordedCamera:

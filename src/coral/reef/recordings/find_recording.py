@@ -14,6 +14,7 @@ from coral.reef.recordings.picture_folder import TABLE, read_folder
 from coral.reef.recordings.recorded_camera import read_camera
 from coral.reef.recordings.recording import Recording
 from coral.reef.recordings.run_recording import is_run, read_run
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 
 KINDS = "a run folder, a ROS 2 bag, an MCAP file, or a folder of pictures with poses.csv"
 
@@ -26,6 +27,7 @@ def find_recording(
     cfg: MapCfg | None = None,
     perception: PicturePerception | None = None,
     period_s: float = 0.0,
+    sonar: SonarCfg | None = None,
 ) -> Recording:
     """Read a recording of any kind.
 
@@ -37,6 +39,7 @@ def find_recording(
         cfg: How pictures become a map.
         perception: Sees what colour pictures show; None: classes and depth are the recording's own.
         period_s: Least time between two pictures that are used (s).
+        sonar: Beams of the sonar whose echoes a bag may have.
 
     Raises:
         InputError: The path is nothing of that, or something in it is missing or wrong.
@@ -45,7 +48,7 @@ def find_recording(
     if not path.exists():
         raise InputError(str(path), "", "nothing", KINDS)
     if is_bag(path):
-        return read_bag(path, topics or BagTopics(), given, cfg, perception, period_s)
+        return read_bag(path, topics or BagTopics(), given, cfg, perception, period_s, sonar)
     if is_run(path):
         if given is not None:
             raise InputError("--camera", "", str(camera), "none: a run knows its camera")

@@ -26,7 +26,20 @@ def echoes_in_picture(image: RangeImage, pitch_down_deg: float, camera: CameraCf
     points = image.directions()[heard] * image.ranges[heard][:, None]
     to_body = sonar_attitude(0.0, 0.0, 0.0, pitch_down_deg)
     to_camera = T_world_camera(Pose(0.0, 0.0, 0.0), camera)[:3, :3].T
-    x, y, z = to_camera @ to_body @ points.T
+    return project_points(points @ (to_camera @ to_body).T, camera)
+
+
+def project_points(points: NDArray[np.float64], camera: CameraCfg) -> NDArray[np.float32]:
+    """Return column, row (px) and depth (m) of the points that the camera has in view.
+
+    Args:
+        points: In the camera's optical frame (m). Shape=(N, 3).
+        camera: The camera.
+
+    Returns:
+        Shape=(M, 3).
+    """
+    x, y, z = points.T
     ahead = z > camera.near_m
     x, y, z = x[ahead], y[ahead], z[ahead]
     fx, fy, cx, cy = camera.intrinsics
