@@ -89,6 +89,10 @@ def render_products(
         start = f"{datum.latitude:.6f}, {datum.longitude:.6f}"
         where = f"Start at {start} (WGS 84); rasters and layers in EPSG:{placement.epsg}."
     note = "Colours as the camera saw them through the water."
+    if products.mosaic.water:
+        note = (
+            f"Colours as if all had been seen from 1 m: what {products.mosaic.water} takes with distance is taken back."
+        )
     if not products.mosaic.colour:
         note = "The recording has no colour pictures: these are classes (green: oysters, sand: floor, dark: obstacles)."
     return environment.get_template("products.html.j2").render(

@@ -43,6 +43,8 @@ class Mosaic:
     pixel_m: float
     colour: bool
     """False: class colours, since the recording has no colour pictures."""
+    water: str = ""
+    """The water whose loss of colour was taken back; empty: none."""
 
 
 def make_mosaic(recording: Recording, cfg: MosaicCfg) -> Mosaic:
@@ -77,7 +79,9 @@ def make_mosaic(recording: Recording, cfg: MosaicCfg) -> Mosaic:
     seen = np.isfinite(best)
     rgb = np.round(np.clip(shade / np.maximum(weight, 1e-12)[:, :, None] + fine, 0.0, 255.0)).astype(np.uint8)
     rgb[~seen] = 0
-    return Mosaic(np.dstack([rgb, np.where(seen, 255, 0).astype(np.uint8)]), cfg.pixel_m, colour)
+    return Mosaic(
+        np.dstack([rgb, np.where(seen, 255, 0).astype(np.uint8)]), cfg.pixel_m, colour, water.name if water else ""
+    )
 
 
 def split_bands(rgb: NDArray[np.uint8], share: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
