@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 from given_networks import given, one_hot
@@ -57,11 +59,16 @@ def test_an_obstacle_counts_before_it_is_the_likeliest():
 
 
 def test_a_picture_of_another_shape_keeps_its_proportions():
-    # 8 x 2 in a network of 4 x 2: scaled to 4 x 1, a row of the network's picture stays beside it.
-    camera = CameraCfg(width=8, height=2)
+    # 4 x 4 in a network of 4 x 2: scaled to 2 x 2, with a column of the network's picture on each side.
+    camera = CameraCfg(width=4, height=4, hfov_deg=90.0)
     file = given(outputs(), channels=4)
-    seen = ReefNetEyes(file).perceive(np.zeros((2, 8, 3), np.uint8), camera, CameraAttitude())
-    assert seen.labels.tolist() == np.repeat(np.repeat([LABELS[0]], 2, 0), 2, 1).tolist()
-    # The sea floor that the network is told lies where a camera with square pixels sees it.
-    whole = ground_depth(CameraCfg(width=4, height=2), None)
-    np.testing.assert_allclose(file.session.fed[0, 3], np.clip(1.0 / whole, 0.0, 4.0))
+    rgb = np.zeros((4, 4, 3), np.uint8)
+    rgb[:, 2:] = 255
+    seen = ReefNetEyes(file).perceive(rgb, camera, CameraAttitude())
+    middle = [row[1:3] for row in LABELS]
+    assert seen.labels.tolist() == np.repeat(np.repeat(middle, 2, 0), 2, 1).tolist()
+    fed = file.session.fed[0]
+    assert fed[0].tolist() == [[-1.0, -1.0, 1.0, 1.0]] * 2
+    # Twice as many columns at the same focal length: twice the tangent of half the angle.
+    wide = CameraCfg(width=4, height=2, hfov_deg=2 * math.degrees(math.atan(2.0)))
+    np.testing.assert_allclose(fed[3], np.clip(1.0 / ground_depth(wide), 0.0, 4.0), rtol=1e-6)
