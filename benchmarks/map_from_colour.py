@@ -29,7 +29,7 @@ from coral.reef.recordings.run_recording import read_run
 from coral.reef.world import load_world
 
 DOUBTS = (0.5, 0.3, 0.2, 0.1)
-"""Limits of doubt for oysters; the first is the default."""
+"""Limits of doubt for oysters."""
 
 
 def main(folders: list[Path], say: Callable[[str], None] = print) -> None:

@@ -87,7 +87,7 @@ def test_pictures_and_poses_alone_become_a_map_with_the_oysters_where_they_are(c
         found, seen = cluster(tmp_path / f"map-{kind}")
         assert found == pytest.approx(there, abs=0.2)
         # Without true depth, shells lean away from the camera, and blurred edges are no oysters: not quite the same.
-        assert 0.7 * area < seen < 1.6 * area
+        assert 0.6 * area < seen < 1.7 * area
 
 
 def test_a_run_seen_by_a_network_is_compared_with_the_truth(colour_run, network, tmp_path, told):
