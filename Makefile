@@ -8,7 +8,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-libero setup-blender demo kernels test test-ray test-lance test-model test-libero test-ardusub test-blender check docs site figures bench clean help
+.PHONY: setup setup-libero setup-blender demo kernels test test-ray test-lance test-rerun test-model test-libero test-ardusub test-blender check docs site figures bench clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -22,6 +22,8 @@ $(STAMP): pyproject.toml constraints.txt
 	$(PIP) --upgrade pip hatchling editables
 	$(PIP) --no-build-isolation --editable '.[contact,vehicle,vision,geo,bags]' --group dev
 	$(PIP) --no-deps robosuite
+	find $(VENV)/lib/python3.*/site-packages/robosuite/models/assets/robots -mindepth 1 -maxdepth 1 ! -name panda \
+		-exec rm -rf {} +  # meshes of arms that no scene here has: 310 MB
 	@touch $@
 
 demo: setup  ## survey the S-shaped reef, make its report and a video
@@ -49,6 +51,10 @@ test-ray: setup  ## a two-node Ray cluster on this machine, one node killed midw
 test-lance: setup  ## experience memories in LanceDB, several processes writing (a download of 75 MB)
 	$(PIP) --no-build-isolation --editable '.[lance]'
 	$(BIN)/python -m pytest tests/contact/memory tests/commands/test_memory.py
+
+test-rerun: setup  ## the export to rerun, read back by rerun itself (a download of 180 MB, 500 MB installed)
+	$(PIP) --no-build-isolation --editable '.[rerun]'
+	$(BIN)/python -m pytest tests/reef/recordings/test_rerun_export.py
 
 # Without GGML_NATIVE=OFF the compiled server crashes on some virtual machines that advertise AMX.
 test-model: setup  ## a mission through a small real language model (compiles for minutes)

@@ -1,5 +1,6 @@
 """`coral reef map`: recordings of every kind become the same map."""
 
+import csv
 import sys
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
 
+from onnx_files import red_is_oyster
 from survey_runs import write_run
 
 pytest.importorskip("tifffile")
@@ -47,3 +49,93 @@ def test_what_is_no_recording_is_one_line(tmp_path, told):
     for path in (tmp_path / "text.mcap", tmp_path, tmp_path / "gone"):
         code, _, error = told("reef", "map", path, "--out", tmp_path / "o")
         assert (code, error.count("\n")) == (2, 1)
+
+
+@pytest.fixture(scope="module")
+def colour_run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("survey") / "patch-001"
+    write_run(folder, colour=True)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def network(tmp_path_factory):
+    """A file with a network that takes red for oysters and everything else for sea floor."""
+    path = tmp_path_factory.mktemp("net") / "red.onnx"
+    path.write_bytes(red_is_oyster(80, 60))
+    return path
+
+
+def cluster(folder):
+    """Place (m north and east of the equator's origin) and area of the only cluster of some products."""
+    (row,) = csv.DictReader((folder / "clusters.csv").open())
+    return [111_320.0 * float(row[name]) for name in ("latitude", "longitude")], float(row["area_m2"])
+
+
+def test_pictures_and_poses_alone_become_a_map_with_the_oysters_where_they_are(colour_run, network, tmp_path, told):
+    place = ("--datum", "0.001,0.001")
+    assert told("reef", "map", colour_run, *place, "--out", tmp_path / "exact")[0] == 0
+    there, area = cluster(tmp_path / "exact")
+    for kind, name in (("mcap", "x.mcap"), ("bag", "x_bag"), ("pictures", "x")):
+        only = [] if kind == "pictures" else ["--only-colour"]
+        assert told("export", colour_run, "--to", kind, *only, "--out", tmp_path / name)[0] == 0
+        code, made, error = told(
+            "reef", "map", tmp_path / name, "--perception", network, *place, "--out", tmp_path / f"map-{kind}", "--json"
+        )
+        assert code == 0, error
+        assert made["perception"] == str(network)
+        found, seen = cluster(tmp_path / f"map-{kind}")
+        assert found == pytest.approx(there, abs=0.2)
+        # Without true depth, shells lean away from the camera, and blurred edges are no oysters: not quite the same.
+        assert 0.6 * area < seen < 1.7 * area
+
+
+def test_a_run_seen_by_a_network_is_compared_with_the_truth(colour_run, network, tmp_path, told):
+    code, out, _ = told("reef", "map", colour_run, "--perception", network, "--out", tmp_path / "m")
+    assert code == 0
+    assert "its errors are not in the interval" in out
+    assert "the true area of the simulated reef is" in out
+    assert "Oysters were recognized by a network" in (tmp_path / "m/products.html").read_text()
+
+
+def test_doubtful_oysters_do_not_count(colour_run, network, tmp_path, told):
+    code, made, _ = told(
+        "reef", "map", colour_run, "--perception", network, "--doubt.oyster", "0", "--out", tmp_path / "m", "--json"
+    )
+    assert code == 0
+    assert made["oyster_cells"] == 0
+
+
+def test_the_shipped_network_maps_a_recording(colour_run, tmp_path, told):
+    code, made, error = told("reef", "map", colour_run, "--perception", "rgb", "--out", tmp_path / "m", "--json")
+    assert code == 0, error
+    assert made["perception"] == "rgb"
+    assert made["keyframes"] == 41
+
+
+def test_recordings_that_lie_are_one_line(colour_run, network, tmp_path, told):
+    assert told("export", colour_run, "--to", "pictures", "--out", tmp_path / "x")[0] == 0
+    table, picture = tmp_path / "x/poses.csv", tmp_path / "x/000003.jpg"
+    text, content = table.read_text(), picture.read_bytes()
+
+    def refused(*words):
+        code, _, error = told("reef", "map", tmp_path / "x", "--out", tmp_path / "o", *words)
+        assert (code, error.count("\n")) == (2, 1), error
+        assert not (tmp_path / "o").exists()
+        return error
+
+    assert "--perception rgb" in refused()
+    assert "recorded, rgb or FILE.onnx (did you mean 'rgb'?)" in refused("--perception", "rbg")
+    assert "--period-s" in refused("--period-s", "-1", "--perception", network)
+    picture.unlink()
+    assert "line 4: rgb: found 000003.jpg: No such file" in refused("--perception", network)
+    picture.write_bytes(content[:200])
+    assert "line 4: rgb: found no picture" in refused("--perception", network)
+    picture.write_bytes(content)
+    table.write_text(text.replace("\n1,", "\n9,"))
+    assert "expected times that never go back" in refused("--perception", network)
+    table.write_text(text.replace("\n1,", "\n1,nan").replace("nan2", "nan,2"))
+    assert "expected" in refused("--perception", network)
+    table.write_text(text)
+    (tmp_path / "x/camera.yaml").write_text("{width: 800, height: 600}")
+    assert "line 2: rgb: found 80 x 60 pixels, expected 800 x 600" in refused("--perception", network)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from given_eyes import FlatEyes
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
@@ -17,6 +18,8 @@ from coral.reef.pilot import NOTHING_LEFT, Pilot
 from coral.reef.planner import HighLevelPlanner
 from coral.reef.robot import Robot
 from coral.reef.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.vehicle import VehicleCfg
 from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 POOL = ReefWorld(
@@ -33,7 +36,7 @@ def robot():
     """Makes robots whose events are kept in `events`."""
     clocks = []
 
-    def make(number=0, alone=True, **simulator):
+    def make(number=0, alone=True, eyes=None, **simulator):
         cfg = SimulatorCfg(**simulator)
         clocks.append(SimulatedClock("fixed:3", np.random.default_rng(0)))
         events = []
@@ -53,6 +56,7 @@ def robot():
             lambda event, **fields: events.append({"event": event, **fields}),
             pilot,
             alone,
+            eyes=eyes,
         )
         made.events = events
         return made
@@ -137,3 +141,25 @@ def test_a_velocity_without_bottom_lock_keeps_its_old_stamp(robot):
         one.sense(0.1 * k, 0.1 if k else 0.0)
     assert one.seen.velocity.t == pytest.approx(0.0)
     assert one.seen.pose.t == pytest.approx(0.3)
+
+
+def test_a_picture_is_kept_with_the_height_that_was_measured(robot):
+    floating = robot(vehicle=VehicleCfg(model="six_dof"))
+    for k in range(3):
+        floating.sense(0.1 * k, 0.1)
+        floating.localize(0.1)
+        floating.think(())
+        floating.act(0.1, ())
+    floating.sense(0.3, 0.1)
+    floating.localize(0.1)
+    assert floating.taken_at.height_m == floating.simulator.camera_attitude.height != 1.0
+
+
+def test_eyes_are_told_what_the_sonar_hears_in_the_picture(robot):
+    eyes = FlatEyes()
+    listening = robot(pictures=True, sonar=SonarCfg(enabled=True), eyes=eyes)
+    listening.sense(0.0, 0.0)
+    assert eyes.attitude.echoes.shape[1] == 3
+    assert len(eyes.attitude.echoes) > 1000
+    listening.sense(0.1, 0.1)  # the next image is due after 0.2 s
+    assert eyes.attitude.echoes is None

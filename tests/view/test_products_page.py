@@ -1,6 +1,7 @@
 """The products as a page."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -46,6 +47,14 @@ def test_the_truth_has_a_section_of_its_own(products, tmp_path):
     page = write_products_page(products, placement, tmp_path, [], CoverCfg(), truth).read_text()
     assert "The survey is +5.0 % off" in page
     assert "no datum was given" in page
+
+
+def test_the_page_says_that_a_network_found_the_oysters_and_which_water_was_taken_back(products, tmp_path):
+    recording = replace(products.recording, seen_by="rgb")
+    seen = replace(products, recording=recording, mosaic=replace(products.mosaic, colour=True, water="jerlov-1C"))
+    page = write_products_page(seen, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
+    assert "Oysters were recognized by a network (rgb)" in page
+    assert "what jerlov-1C takes with distance is taken back" in page
 
 
 def test_colours_lie_between_the_stops():

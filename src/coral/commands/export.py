@@ -11,11 +11,12 @@ import tyro
 
 from coral.errors import InputError
 from coral.reef.recordings.bag_export import write_bag
+from coral.reef.recordings.picture_export import write_pictures
 from coral.reef.recordings.rerun_export import write_rerun
 from coral.reef.recordings.run_recording import read_run
 from coral.words import many
 
-SUFFIX = {"bag": "_bag", "mcap": ".mcap", "rerun": ".rrd"}
+SUFFIX = {"bag": "_bag", "mcap": ".mcap", "rerun": ".rrd", "pictures": "_pictures"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,10 +25,13 @@ class Export:
 
     run: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN")]
     """Run folder of a reef mission."""
-    to: Literal["mcap", "bag", "rerun"] = "mcap"
-    """mcap: one file, for Foxglove and others. bag: a ROS 2 bag, a folder. rerun: a recording for rerun."""
+    to: Literal["mcap", "bag", "rerun", "pictures"] = "mcap"
+    """mcap: one file, for Foxglove and others. bag: a ROS 2 bag, a folder. rerun: a recording for rerun. pictures: a
+    folder of colour pictures with their poses, and nothing else."""
+    only_colour: bool = False
+    """Leave out of a bag or MCAP file all that was made of the colour pictures: classes, depth, points, maps."""
     out: Path | None = None
-    """What is written; it must not exist. By default RUN/RUN.mcap, RUN/RUN_bag or RUN/RUN.rrd."""
+    """What is written; it must not exist. By default RUN/RUN.mcap, RUN/RUN_bag and so on."""
     json: bool = False
     """Print one JSON object."""
 
@@ -37,13 +41,20 @@ class Export:
         out = self.out or self.run / f"{self.run.resolve().name}{SUFFIX[self.to]}"
         if out.exists():
             raise InputError(str(out), "--out", "something there already", "a new path")
-        counts = write_rerun(recording, out) if self.to == "rerun" else write_bag(
-            recording, out, single_file=self.to == "mcap"
-        )  # fmt: skip
+        if self.only_colour and self.to in ("rerun", "pictures"):
+            raise InputError("--only-colour", "", f"--to {self.to}", "--to mcap or --to bag")
+        if self.to == "rerun":
+            counts = write_rerun(recording, out)
+        elif self.to == "pictures":
+            counts = write_pictures(recording, out)
+        else:
+            counts = write_bag(recording, out, single_file=self.to == "mcap", only_colour=self.only_colour)
         size = out.stat().st_size if out.is_file() else sum(p.stat().st_size for p in out.rglob("*") if p.is_file())
         return {"export": str(out), "messages": counts, "bytes": size}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was written in a line."""
         total, topics = sum(result["messages"].values()), len(result["messages"])
-        return f"{result['export']}: {many(total, 'message')} on {topics} topics, {result['bytes'] / 1e6:.1f} MB"
+        return (
+            f"{result['export']}: {many(total, 'message')} on {many(topics, 'topic')}, {result['bytes'] / 1e6:.1f} MB"
+        )

@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import tyro
 
 from coral.commands.reef_products import describe_products, make_products
-from coral.errors import InputError
+from coral.config import NonNegative, checked
+from coral.errors import InputError, nearest
+from coral.reef.eyes.backends import RGB, open_eyes
+from coral.reef.eyes.doubt import DoubtCfg
 from coral.reef.products.survey_products import ProductsCfg
+from coral.reef.products.truth import true_area_m2
 from coral.reef.recordings.bag_recording import BagTopics
 from coral.reef.recordings.find_recording import find_recording
+from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE, datum_of_folder
+from coral.reef.recordings.recording import RECORDED
+from coral.reef.recordings.run_recording import is_run
+from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.world import load_world
+from coral.words import many
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,14 +37,26 @@ class ReefMap:
     out: Path
     """Folder of the map and the products, new or empty."""
     camera: Annotated[Path | None, tyro.conf.arg(metavar="FILE.yaml")] = None
-    """The camera: width, height, hfov_deg, pitch_down_deg, altitude_m. By default the recording's own."""
-    perception: Literal["recorded"] = "recorded"
-    """Where classes and depth come from. recorded: pictures of classes and depth in the recording."""
+    """The camera: width, height, and hfov_deg or fx, fy, cx, cy, model, distortion; pitch_down_deg, altitude_m. By
+    default the recording's own."""
+    perception: Annotated[str, tyro.conf.arg(metavar="recorded|rgb|FILE.onnx")] = RECORDED
+    """Where classes and depth come from. recorded: pictures of classes and depth in the recording. rgb: its colour
+    pictures, by the network that comes with CORAL. FILE.onnx: the same by a network of yours."""
+    depth: Annotated[Path | None, tyro.conf.arg(metavar="FILE.onnx")] = None
+    """A relative depth network (Depth Anything V2) whose depth replaces that of --perception, which still gives the
+    classes."""
+    period_s: NonNegative = 0.2
+    """Least time between two pictures that are used (s); 0 for all."""
     datum: Annotated[str | None, tyro.conf.arg(metavar="LAT,LON[,HEADING]")] = None
     """Latitude and longitude of the first picture (WGS 84, degrees), and the compass heading there if the recording's x
     axis does not point east. A table with lat and lon has its own."""
     topics: BagTopics = field(default_factory=BagTopics)
     """Topics of a bag or an MCAP file."""
+    sonar: SonarCfg = field(default_factory=SonarCfg)
+    """Beams of the sonar whose echoes a bag may have: width, height, hfov_deg, vfov_deg, range_m. Its tilt is the
+    bag's."""
+    doubt: DoubtCfg = field(default_factory=DoubtCfg)
+    """Doubt with which a pixel still counts, where a network states one."""
     json: bool = False
     """Print one JSON object."""
     cfg: ProductsCfg = field(default_factory=ProductsCfg)
@@ -41,15 +64,48 @@ class ReefMap:
 
     def __call__(self) -> Mapping[str, Any]:
         """Make them."""
-        recording = find_recording(self.recording, camera=self.camera, topics=self.topics)
+        if not 0.0 <= self.period_s < math.inf:
+            raise InputError("--period-s", "", self.period_s, "a number of seconds from 0 on")
+        recording = find_recording(
+            self.recording,
+            camera=self.camera,
+            topics=self.topics,
+            perception=self._perception(),
+            period_s=self.period_s,
+            sonar=checked(self.sonar, "--sonar"),
+        )
+        recording = replace(recording, map=replace(recording.map, doubt=checked(self.doubt, "--doubt")))
         datum = self.datum
         own = datum_of_folder(self.recording) if (self.recording / TABLE).is_file() else None
         if own is not None:
             if datum is not None:
                 raise InputError("--datum", "", datum, f"none: {self.recording / TABLE} has lat and lon")
             datum = f"{own[0]!r},{own[1]!r}"
-        return make_products(recording, self.cfg, datum, self.out)
+        world = self.recording / "world.yaml"
+        true_m2 = true_area_m2(load_world(world)) if is_run(self.recording) and world.is_file() else None
+        made = make_products(recording, self.cfg, datum, self.out, true_m2)
+        return {**made, "pictures_left_out": len(recording.omitted)}
+
+    def _perception(self) -> PicturePerception | None:
+        if self.perception == RECORDED:
+            if self.depth is not None:
+                raise InputError("--depth", "", f"{self.depth} alone", "--perception rgb or FILE.onnx, for the classes")
+            return None
+        if self.perception != RGB and not self.perception.endswith(".onnx"):
+            known = (RECORDED, RGB)
+            raise InputError(
+                "--perception",
+                "",
+                repr(self.perception),
+                f"recorded, rgb or FILE.onnx{nearest(self.perception, known)}",
+            )
+        eyes = open_eyes(self.perception, depth=str(self.depth or ""))
+        assert eyes is not None
+        return PicturePerception(eyes, self.perception if self.depth is None else f"{self.perception}, {self.depth}")
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was found, and list the main files."""
-        return describe_products(result)
+        lines = [describe_products(result)]
+        if result["pictures_left_out"]:
+            lines.append(f"left out for want of a pose: {many(result['pictures_left_out'], 'picture')}")
+        return "\n".join(lines)

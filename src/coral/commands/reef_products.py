@@ -15,7 +15,7 @@ from coral.reef.products.files import summary, write_products
 from coral.reef.products.placement import EarthPlacement, parse_datum
 from coral.reef.products.survey_products import ProductsCfg, measure
 from coral.reef.products.truth import true_area_m2
-from coral.reef.recordings.recording import Recording
+from coral.reef.recordings.recording import EXACT, RECORDED, Recording
 from coral.reef.recordings.run_recording import read_run
 from coral.reef.world import load_world
 from coral.view.products_page import TruthComparison, write_products_page
@@ -92,6 +92,10 @@ def describe_products(result: Mapping[str, Any]) -> str:
         lines.append(
             f"the true area of the simulated reef is {result['true_area_m2']:.2f} m²: "
             f"{100 * result['area_error']:+.1f} %, {inside} the interval"
+        )
+    if result["perception"] not in (RECORDED, EXACT):
+        lines.append(
+            f"oysters were recognized by a network ({result['perception']}): its errors are not in the interval"
         )
     if result["epsg"] is None:
         lines.append("not placed on Earth: --datum LAT,LON gives the latitude and longitude of the start")

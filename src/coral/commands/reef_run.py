@@ -23,6 +23,7 @@ from coral.commands.progress import MissionProgress
 from coral.config import checked
 from coral.desk.notice import mission_notice
 from coral.errors import InputError
+from coral.reef.compiled import NOTICE, is_compiled
 from coral.reef.generated import find_world
 from coral.reef.heuristic import REEF_RULES
 from coral.reef.mission import Mission, MissionCfg
@@ -57,6 +58,9 @@ class ReefRun:
     perception: Annotated[str | None, tyro.conf.arg(metavar="exact|rgb|FILE.onnx")] = None
     """Where classes and depth come from: the ray caster (exact, the default), the network that comes with CORAL (rgb)
     or one of yours, both on colour pictures alone."""
+    depth: Annotated[Path | None, tyro.conf.arg(metavar="FILE.onnx")] = None
+    """A relative depth network (Depth Anything V2) whose depth replaces that of --perception, which still gives the
+    classes."""
     seed: int = 0
     """Seed of all random numbers."""
     fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
@@ -114,6 +118,7 @@ class ReefRun:
                 self._with_sonar(),
                 faults=(*self.cfg.faults, *self.fault),
                 perception=self.cfg.perception if self.perception is None else self.perception,
+                depth=self.cfg.depth if self.depth is None else str(self.depth),
             ),
             world,
             variant=self.variant,
@@ -135,6 +140,8 @@ class ReefRun:
             cfg=dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts),
             mistakes=REEF_MISTAKES,
         )
+        if not self.quiet and not is_compiled():
+            print(NOTICE, file=sys.stderr, flush=True)
         if self.preflight and cfg.decider == "advisor":
             preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
         mission = Mission(

@@ -73,6 +73,9 @@ class MissionCfg:
     perception: str = EXACT
     """Where classes and depth come from: exact, by the simulator's ray caster; rgb, from the colour pictures by the
     network that comes with the package; or a network of your own, FILE.onnx."""
+    depth: str = ""
+    """File of a relative depth network (Depth Anything V2), whose depth replaces that of `perception`; its scale and
+    shift are fitted to the sea floor and the sonar's echoes."""
     driver: str = "ddp-mppi"
     """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
     decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"
@@ -148,7 +151,7 @@ class Mission:
         if cfg.decider != "advisor":
             advisor = RuleAdvisor(baseline_rules(cfg.decider, np.random.default_rng([seed, 11])), name=cfg.decider)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
-        eyes = open_eyes(cfg.perception)
+        eyes = open_eyes(cfg.perception, depth=cfg.depth)
         self.preset = preset
         """Name of the water and sensors, for the record; `cfg` and `world` have their values."""
         self.step, self.t = 0, 0.0

@@ -20,6 +20,7 @@ from coral.reef.pilot import Command, LocalPlanner, Pilot
 from coral.reef.record import PicturePose
 from coral.reef.sensing import Stamped, VehicleObservation
 from coral.reef.simulator import ReefSimulator, Sensed
+from coral.reef.sonar.echo_points import echoes_in_picture
 from coral.reef.states import PilotState
 
 Build = Callable[["Robot"], Pilot]
@@ -67,6 +68,9 @@ class Robot:
         sensed = self.simulator.sense(dt)
         if self._eyes is not None:
             camera, attitude = self.simulator.cfg.camera, self.simulator.camera_attitude
+            if sensed.sonar is not None:
+                tilt = self.simulator.cfg.sonar.pitch_down_deg
+                attitude = replace(attitude, echoes=echoes_in_picture(sensed.sonar, tilt, camera))
             sensed = replace(sensed, frame=perceive_frame(sensed.frame, self._eyes, camera, attitude))
         self.sensed = sensed
         seen = VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude, sensed.sonar)
@@ -93,10 +97,16 @@ class Robot:
         return PicturePose(
             pose=reading.frame_pose,
             odometry=self._odometry,
-            height_m=self.simulator.cfg.camera.altitude_m,
+            height_m=self._height_m(),
             roll=attitude.value.roll if attitude else 0.0,
             pitch=attitude.value.pitch if attitude else 0.0,
         )
+
+    def _height_m(self) -> float:
+        """Return the camera's height above the sea floor as it is measured, or as configured (m)."""
+        attitude = self.seen.attitude
+        measured = None if attitude is None else attitude.value.altitude_m
+        return self.simulator.cfg.camera.altitude_m if measured is None else measured
 
     def localize(self, dt: float) -> Pose:
         """Check the last observation, `dt` seconds after the one before, and correct its odometry."""

@@ -20,6 +20,7 @@ from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, Stop
 from coral.reef.products.survey_products import SurveyProducts
+from coral.reef.recordings.recording import EXACT, RECORDED
 from coral.runs import write_whole
 from coral.view.svg import clock
 
@@ -88,6 +89,10 @@ def render_products(
         start = f"{datum.latitude:.6f}, {datum.longitude:.6f}"
         where = f"Start at {start} (WGS 84); rasters and layers in EPSG:{placement.epsg}."
     note = "Colours as the camera saw them through the water."
+    if products.mosaic.water:
+        note = (
+            f"Colours as if all had been seen from 1 m: what {products.mosaic.water} takes with distance is taken back."
+        )
     if not products.mosaic.colour:
         note = "The recording has no colour pictures: these are classes (green: oysters, sand: floor, dark: obstacles)."
     return environment.get_template("products.html.j2").render(
@@ -96,6 +101,7 @@ def render_products(
         keyframes=products.keyframes,
         headline=_headline(products),
         place=where,
+        network=None if products.recording.seen_by in (RECORDED, EXACT) else products.recording.seen_by,
         area=products.area,
         seen=products.seen_m2,
         clusters=[feature.values for feature in make_layers(products, placement)[0].features],

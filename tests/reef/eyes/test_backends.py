@@ -1,10 +1,13 @@
 import numpy as np
 import pytest
+from onnx_files import relative_depth
 
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
 from coral.reef.eyes.backends import open_eyes
 from coral.reef.eyes.perception import CameraAttitude
+from coral.reef.eyes.reef_net import SHIPPED
+from coral.reef.eyes.relative_depth_eyes import RelativeDepthEyes
 
 
 def test_exact_perception_needs_no_eyes():
@@ -24,3 +27,16 @@ def test_the_shipped_network_sees_the_same_twice():
     assert first.labels.shape == first.depth.shape == first.doubt.shape == (120, 160)
     assert ((first.doubt >= 0.0) & (first.doubt <= 1.0)).all()
     assert np.array_equal(first.depth, again.depth)
+
+
+def test_a_depth_network_needs_classes_from_elsewhere(tmp_path):
+    pytest.importorskip("onnxruntime")
+    path = tmp_path / "d.onnx"
+    path.write_bytes(relative_depth(np.ones((14, 28))))
+    with pytest.raises(InputError, match=r"d\.onnx: outputs: found predicted_depth alone, expected classes.*--depth"):
+        open_eyes(str(path))
+    with pytest.raises(InputError, match=r"--depth: found .*d\.onnx beside exact, expected --perception rgb"):
+        open_eyes("exact", depth=str(path))
+    with pytest.raises(InputError, match="found picture, expected pixel_values"):
+        open_eyes("rgb", depth=str(SHIPPED))
+    assert isinstance(open_eyes("rgb", depth=str(path)), RelativeDepthEyes)

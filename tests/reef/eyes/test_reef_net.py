@@ -1,9 +1,12 @@
+import math
+
 import numpy as np
 import pytest
 from given_networks import given, one_hot
 
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
+from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.reef_net import ReefNetEyes
 from coral.reef.geometry import Label
@@ -53,3 +56,19 @@ def test_an_obstacle_counts_before_it_is_the_likeliest():
         np.zeros((2, 4, 3), np.uint8), CameraCfg(width=4, height=2), CameraAttitude()
     )
     assert seen.labels[0, 2] == Label.OBSTACLE
+
+
+def test_a_picture_of_another_shape_keeps_its_proportions():
+    # 4 x 4 in a network of 4 x 2: scaled to 2 x 2, with a column of the network's picture on each side.
+    camera = CameraCfg(width=4, height=4, hfov_deg=90.0)
+    file = given(outputs(), channels=4)
+    rgb = np.zeros((4, 4, 3), np.uint8)
+    rgb[:, 2:] = 255
+    seen = ReefNetEyes(file).perceive(rgb, camera, CameraAttitude())
+    middle = [row[1:3] for row in LABELS]
+    assert seen.labels.tolist() == np.repeat(np.repeat(middle, 2, 0), 2, 1).tolist()
+    fed = file.session.fed[0]
+    assert fed[0].tolist() == [[-1.0, -1.0, 1.0, 1.0]] * 2
+    # Twice as many columns at the same focal length: twice the tangent of half the angle.
+    wide = CameraCfg(width=4, height=2, hfov_deg=2 * math.degrees(math.atan(2.0)))
+    np.testing.assert_allclose(fed[3], np.clip(1.0 / ground_depth(wide), 0.0, 4.0), rtol=1e-6)

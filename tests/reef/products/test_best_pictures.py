@@ -14,6 +14,8 @@ def test_the_best_come_first_and_apart(products, recording):
     assert found[0].pixels >= found[1].pixels >= found[2].pixels > 50
     assert all(abs(a.t - b.t) >= 3.0 for a, b in itertools.combinations(found, 2))
     assert found[0].image.shape == (60, 80, 3)
+    reddish = found[0].image[..., 0].astype(int) - found[0].image[..., 1] > 100  # shells, as the camera saw them
+    assert reddish.sum() > 50
 
 
 def test_a_map_without_clusters_has_none(recording, products):

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from coral.reef.products import cover_kernels
-from coral.reef.products.cover import Cover, CoverCfg, area_within, fine_of, lens_of, measure_cover, transform_of
+from coral.reef.products.cover import Cover, CoverCfg, area_within, fine_of, measure_cover
+from coral.reef.products.seen_points import find_points, lens_of, transform_of
 from coral.reef.products.truth import true_area_m2
 from coral.reef.world import load_world
 
@@ -63,7 +64,7 @@ def test_votes_are_those_of_a_plain_loop(recording):
     transform, (focal, cx, cy) = transform_of(one, recording), lens_of(recording)
     votes = [np.zeros((400, 450), np.float32) for _ in range(2)]
     depth, labels = one.frame.depth, one.frame.labels
-    cover_kernels.vote(depth, labels, transform, (focal, cx, cy), 3.0, 0.02, *votes)
+    cover_kernels.vote(find_points(one, recording, 0.02, (400, 450), 3.0).cell, depth, labels, *votes)
     v, u = np.indices(depth.shape)
     z = np.where(np.isfinite(depth), depth, 0.0).astype(float)
     points = np.stack([(u - cx) / focal * z, (v - cy) / focal * z, z], axis=-1)

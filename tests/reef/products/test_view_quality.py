@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from coral.reef.products.cover import transform_of
+from coral.reef.products.seen_points import transform_of
 
 
 def test_distance_and_looks_agree_with_the_map_and_the_pictures(products, recording):

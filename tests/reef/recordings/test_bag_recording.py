@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from bag_copies import copy_bag
 
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
 from coral.reef.recordings.bag_export import write_bag
-from coral.reef.recordings.bag_recording import BagTopics, is_bag, read_bag
+from coral.reef.recordings.bag_reader import is_bag
+from coral.reef.recordings.bag_recording import BagTopics, read_bag
+from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import map_of
 from coral.reef.recordings.run_recording import read_run
 
@@ -38,7 +41,7 @@ def test_a_round_trip_gives_the_same_map(bags, survey_run, name):
 
 def test_a_given_camera_wins(bags):
     camera = CameraCfg(width=80, height=60, hfov_deg=100.0)
-    assert read_bag(bags / "patch.mcap", BagTopics(), camera).camera == camera
+    assert read_bag(bags / "patch.mcap", BagTopics(), RecordedCamera.plain(camera)).camera == camera
 
 
 @pytest.mark.parametrize(
@@ -62,3 +65,72 @@ def test_a_damaged_file_is_told_in_one_line(bags, tmp_path):
         with pytest.raises(InputError, match=path.name) as told:
             list(read_bag(path, BagTopics()).keyframes())
         assert "\n" not in str(told.value)
+
+
+def test_a_distorted_camera_is_rectified_unless_the_pictures_are(bags, tmp_path):
+    def bent(topic, t, message):
+        if topic == "/camera/camera_info":
+            message.d = np.array([-0.2, 0.05, 0.0, 0.0, 0.0])
+        return message
+
+    path = copy_bag(bags / "patch_bag", tmp_path / "bent", bent)
+    straight = read_bag(bags / "patch_bag", BagTopics())
+    found = read_bag(path, BagTopics())
+    assert found.camera.height > straight.camera.height  # the barrel shows more above and below
+    assert found.camera.pitch_down_deg == straight.camera.pitch_down_deg
+    one = next(iter(found.keyframes()))
+    assert one.frame.labels.shape == (found.camera.height, found.camera.width)
+    topics = BagTopics(image="/camera/image_rect/compressed")
+    assert read_bag(path, topics).camera == straight.camera
+
+
+def test_pictures_far_from_all_poses_are_left_out_and_counted(bags, tmp_path):
+    def silent(topic, t, message):
+        return None if topic == "/odometry" and 5.2 < t < 8.2 else message
+
+    found = read_bag(copy_bag(bags / "patch_bag", tmp_path / "silent", silent), BagTopics())
+    times = [one.t for one in found.keyframes()]
+    assert len(times) == 41 - 6
+    assert found.omitted == {5.5, 6.0, 6.5, 7.0, 7.5, 8.0}
+
+
+def test_a_clock_that_goes_back_and_a_pose_that_is_none_are_one_line(bags, tmp_path):
+    def back(topic, t, message):
+        if topic == "/odometry" and t > 10.0:
+            message.header.stamp.sec -= 5
+        return message
+
+    def nowhere(topic, t, message):
+        if topic == "/odometry" and t > 10.0:
+            message.pose.pose.position.x = float("nan")
+        return message
+
+    def late(topic, t, message):
+        if topic.startswith("/camera") and topic.endswith("compressed") and t > 10.0:
+            message.header.stamp.sec -= 5
+        return message
+
+    for name, change, said in (
+        ("back", back, "/odometry: found a time stamp of 5.500 s after one of 10.000 s"),
+        ("nowhere", nowhere, "/odometry: found a pose that is not finite"),
+        ("late", late, "found 5.500 s after 10.000 s, expected time stamps that never go back"),
+    ):
+        path = copy_bag(bags / "patch_bag", tmp_path / name, change)
+        with pytest.raises(InputError, match=said) as told:
+            list(read_bag(path, BagTopics()).keyframes())
+        assert "\n" not in str(told.value)
+
+
+def test_pictures_between_two_poses_are_placed_between_them(bags, tmp_path):
+    def shifted(topic, t, message):
+        if topic in ("/camera/classes/compressed", "/camera/depth/compressed"):
+            message.header.stamp.nanosec += 200_000_000
+        return message
+
+    path = copy_bag(bags / "patch_bag", tmp_path / "shifted", shifted)
+    first, second = (next(iter(read_bag(p, BagTopics()).keyframes())) for p in (bags / "patch_bag", path))
+    _, after = (one for one, _ in zip(read_bag(bags / "patch_bag", BagTopics()).keyframes(), range(2), strict=False))
+    there = first.pose.x + 0.4 * (after.pose.x - first.pose.x)
+    assert second.t == pytest.approx(0.2)
+    # Localization's correction is that of the nearest stamp: it jumps by the drift of 1 cm a picture.
+    assert second.pose.x == pytest.approx(there, abs=0.011)

@@ -1,5 +1,7 @@
 """Pictures as files."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -9,13 +11,15 @@ from coral.reef.recordings.picture_files import (
     decode_depth,
     decode_labels,
     decode_rgb,
+    depth_of,
     encode_depth,
     encode_jpeg,
     encode_png,
     read_picture,
 )
+from coral.reef.recordings.recorded_camera import RecordedCamera
 
-CAMERA = CameraCfg(width=4, height=3)
+CAMERA = RecordedCamera.plain(CameraCfg(width=4, height=3))
 
 
 def test_depth_comes_back_in_millimetres_and_nothing_seen_stays_nothing():
@@ -58,3 +62,14 @@ def test_no_picture_is_refused(tmp_path):
         decode_rgb(b"text", CAMERA, "x")
     with pytest.raises(InputError, match=r"gone\.png"):
         read_picture(tmp_path / "gone.png", "x", "rgb")
+
+
+def test_a_pipe_does_not_block(tmp_path):
+    os.mkfifo(tmp_path / "pipe.png")
+    with pytest.raises(InputError, match=r"pipe\.png: a named pipe"):
+        read_picture(tmp_path / "pipe.png", "x", "rgb")
+
+
+def test_depth_in_metres_is_read_too():
+    image = np.array([[1.5, np.nan, 0.0, 2.0]] * 3, np.float32)
+    np.testing.assert_array_equal(depth_of(image, CAMERA, "x")[0], np.array([1.5, np.inf, np.inf, 2.0], np.float32))

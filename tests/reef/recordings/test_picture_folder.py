@@ -4,14 +4,16 @@ import math
 
 import numpy as np
 import pytest
+from given_eyes import FlatEyes
 
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
-from coral.reef.geometry import Frame
+from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_files import encode_jpeg
 from coral.reef.recordings.picture_folder import datum_of_folder, read_folder
+from coral.reef.recordings.recorded_camera import RecordedCamera
 
-CAMERA = CameraCfg(width=4, height=3)
+CAMERA = RecordedCamera.plain(CameraCfg(width=4, height=3))
 
 
 def folder(tmp_path, text):
@@ -20,7 +22,7 @@ def folder(tmp_path, text):
 
 
 def test_pictures_and_poses_of_a_run_are_such_a_folder(survey_run):
-    frames = list(read_folder(survey_run / "frames", CameraCfg(width=80, height=60)).keyframes())
+    frames = list(read_folder(survey_run / "frames", RecordedCamera.plain(CameraCfg(width=80, height=60))).keyframes())
     assert len(frames) == 41
     assert frames[0].pose == pytest.approx((2.0, 2.0, 0.5))
     assert frames[1].t == 0.5
@@ -32,8 +34,7 @@ def test_pictures_and_poses_of_a_run_are_such_a_folder(survey_run):
 def test_degrees_become_metres_east_and_north_and_a_heading_an_angle(tmp_path):
     path = folder(tmp_path, "t,lat,lon,heading,rgb\n0,45.0,9.0,0,a.jpg\n1,45.001,9.001,90,a.jpg\n")
     (path / "a.jpg").write_bytes(encode_jpeg(np.zeros((3, 4, 3), np.uint8)))
-    seen = Frame(np.ones((3, 4), np.float32), np.full((3, 4), 3, np.uint8), np.zeros((0, 0), np.int32))
-    recording = read_folder(path, CAMERA, lambda rgb, **about: seen)
+    recording = read_folder(path, CAMERA, PicturePerception(FlatEyes(), "flat"))
     first, second = (one.pose for one in recording.keyframes())
     assert first == pytest.approx((0.0, 0.0, math.pi / 2), abs=1e-6)
     # A degree at 45 north: 111 132 m along the meridian, 78 847 m along the parallel (WGS 84).
@@ -50,6 +51,8 @@ def test_degrees_become_metres_east_and_north_and_a_heading_an_angle(tmp_path):
         ("t,x,y,yaw\n0,1,2,north\n", "line 2: yaw: found 'north', expected a number"),
         ("t,x,y,yaw\n1,1,2,0\n0,1,2,0\n", "line 3: t: found 0, expected times that never go back"),
         ("t,lat,lon,heading\n0,100,9,0\n", "lat, lon: found 100, 9"),
+        ("t,x,y,yaw\n0,nan,2,0\n", "line 2: x: found 'nan', expected a number"),
+        ("t,x,y,yaw,z\n0,1,2,0,-3\n", "line 2: z: found -3, expected a height above the sea floor"),
     ],
 )
 def test_a_bad_table_is_told_in_one_line(tmp_path, text, said):
@@ -71,5 +74,20 @@ def test_a_picture_that_is_missing_is_named(tmp_path):
 def test_colour_alone_needs_eyes(tmp_path):
     path = folder(tmp_path, "t,x,y,yaw,rgb\n0,1,2,0,a.jpg\n")
     (path / "a.jpg").write_bytes(encode_jpeg(np.zeros((3, 4, 3), np.uint8)))
-    with pytest.raises(InputError, match="found colour pictures only"):
+    with pytest.raises(InputError, match="found colour pictures only, expected --perception rgb"):
         list(read_folder(path, CAMERA).keyframes())
+
+
+def test_eyes_see_colour_pictures_even_where_the_folder_has_classes(survey_run, tmp_path):
+    path = folder(tmp_path, "t,x,y,z,yaw,pitch,labels,depth,rgb\n0,1,2,0.7,0,0.1,gone.png,gone.png,a.jpg\n")
+    (path / "a.jpg").write_bytes(encode_jpeg(np.full((3, 4, 3), 90, np.uint8)))
+    eyes = FlatEyes()
+    (one,) = read_folder(path, CAMERA, PicturePerception(eyes, "flat")).keyframes()
+    assert (one.frame.labels == 3).all()
+    assert (eyes.attitude.height, eyes.attitude.pitch) == (0.7, 0.1)
+
+
+def test_pictures_closer_in_time_than_the_period_are_passed_over(survey_run):
+    camera = RecordedCamera.plain(CameraCfg(width=80, height=60))
+    times = [one.t for one in read_folder(survey_run / "frames", camera, period_s=1.2).keyframes()]
+    assert times[:3] == [0.0, 1.5, 3.0]

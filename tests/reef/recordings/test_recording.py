@@ -45,3 +45,17 @@ def test_the_map_of_keyframes_is_that_of_their_pictures(survey_run):
     final = read_run(survey_run).final_map == 3
     shared = (final & made.target).sum() / (final | made.target).sum()
     assert shared > 0.9
+
+
+def test_roll_and_pitch_reach_the_map(survey_run):
+    from dataclasses import replace
+
+    from coral.reef.recordings.run_recording import read_run
+
+    level = read_run(survey_run).located()
+
+    def nose_down():
+        return (replace(one, pitch=0.2) for one in level.keyframes())
+
+    there = map_of(replace(level, keyframes=nose_down))
+    assert (there.target != map_of(level).target).mean() > 0.002

@@ -8,18 +8,21 @@ from coral.errors import InputError, nearest
 from coral.reef.eyes.onnx_file import open_onnx
 from coral.reef.eyes.perception import RgbPerception
 from coral.reef.eyes.reef_net import OUTPUTS, SHIPPED, ReefNetEyes
+from coral.reef.eyes.relative_depth import DepthAnything
+from coral.reef.eyes.relative_depth_eyes import RelativeDepthEyes
 from coral.reef.eyes.semantic_map import SemanticEyes
 from coral.reef.eyes.yolo_eyes import YoloEyes, is_yolo
 
 EXACT, RGB = "exact", "rgb"
 
 
-def open_eyes(name: str, where: str = "--perception") -> RgbPerception | None:
+def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> RgbPerception | None:
     """Return eyes by name.
 
     Args:
         name: exact, rgb, or the path of an ONNX file, whose layout says what it is.
         where: Flag or key that it comes from, for errors.
+        depth: ONNX file of a relative depth network, which replaces the depth of the eyes; "" for none.
 
     Returns:
         None for exact: the simulator's frames are used as they are.
@@ -27,6 +30,13 @@ def open_eyes(name: str, where: str = "--perception") -> RgbPerception | None:
     Raises:
         InputError: There is no such thing, or the file has a layout that is not known.
     """
+    if depth:
+        eyes = open_eyes(name, where)
+        if eyes is None:
+            raise InputError(
+                "--depth", "", f"{depth} beside {EXACT}", f"--perception {RGB} or FILE.onnx, for the classes"
+            )
+        return RelativeDepthEyes(eyes, DepthAnything(open_onnx(Path(depth), "--depth")))
     if name == EXACT:
         return None
     if name != RGB and not name.endswith(".onnx"):
@@ -41,6 +51,8 @@ def open_eyes(name: str, where: str = "--perception") -> RgbPerception | None:
             f"{file.input_shape[1]} channels",
             f"3 (red, green, blue), or 4 with outputs {', '.join(OUTPUTS)}",
         )
+    if "predicted_depth" in file.outputs:
+        raise InputError(file.path, "outputs", "predicted_depth alone", "classes; for depth give this file to --depth")
     if is_yolo(file):
         return YoloEyes(file)
     return SemanticEyes(file)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -36,6 +36,8 @@ class CameraAttitude:
     """As for `T_world_camera` (rad)."""
     pitch: float = 0.0
     """As for `T_world_camera` (rad)."""
+    echoes: NDArray[np.float32] | None = field(default=None, compare=False)
+    """Column, row (px) and depth (m) of what a sonar hears in the picture; None without a sonar. Shape=(N, 3)."""
 
 
 class RgbPerception(Protocol):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -48,20 +49,30 @@ class ReefNetEyes:
         """Width and height of the network's own pictures (px)."""
 
     def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
-        """Find classes and depth. A picture of another size is scaled, and so is the result."""
+        """Find classes and depth. A picture of another size or shape is scaled to fit, and so is the result."""
         width, height = self.size
+        scale = min(width / camera.width, height / camera.height)
+        inner = round(camera.width * scale), round(camera.height * scale)
+        left, top = (width - inner[0]) // 2, (height - inner[1]) // 2
         same = (camera.width, camera.height) == self.size
-        small = rgb if same else cv2.resize(rgb, self.size, interpolation=cv2.INTER_AREA)
+        small = rgb if same else cv2.resize(rgb, inner, interpolation=cv2.INTER_AREA)
         view = camera if same else replace(camera, width=width, height=height)
+        if inner != self.size:  # pixels stay square: what is missing of the network's picture repeats the edge
+            below, beside = height - inner[1] - top, width - inner[0] - left
+            small = cv2.copyMakeBorder(small, top, below, left, beside, cv2.BORDER_REPLICATE)
+            focal = camera.intrinsics[0] * inner[0] / camera.width
+            view = replace(view, hfov_deg=math.degrees(2.0 * math.atan(0.5 * width / focal)))
         ground = ground_depth(view, attitude.height, roll=attitude.roll, pitch=attitude.pitch)
         out = self.file.run(network_input(np.asarray(small, np.uint8), ground)[None])
-        logits, depth, depth_doubt = out["logits"][0], out["depth"][0, 0], out["depth_doubt"][0, 0]
+        rows, columns = slice(top, top + inner[1]), slice(left, left + inner[0])
+        logits = np.ascontiguousarray(out["logits"][0, :, rows, columns])
+        depth, depth_doubt = out["depth"][0, 0, rows, columns], out["depth_doubt"][0, 0, rows, columns]
         labels, doubt = choose_labels(logits, self.obstacle_from)
         if not same:
             full = (camera.width, camera.height)
             labels = np.asarray(cv2.resize(labels, full, interpolation=cv2.INTER_NEAREST), np.uint8)
             doubt, depth, depth_doubt = (
-                np.asarray(cv2.resize(image, full, interpolation=cv2.INTER_NEAREST), np.float32)
+                np.asarray(cv2.resize(np.ascontiguousarray(image), full, interpolation=cv2.INTER_NEAREST), np.float32)
                 for image in (doubt, depth, depth_doubt)
             )
         far = (labels == Label.WATER) | (depth * ray_lengths(camera) > camera.range_m)

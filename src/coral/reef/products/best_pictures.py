@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.products.cover import lens_of, transform_of
 from coral.reef.products.cover_kernels import count_in_groups
 from coral.reef.products.mosaic import colours_of
+from coral.reef.products.seen_points import find_points
 from coral.reef.recordings.recording import Recording
 
 
@@ -44,10 +44,8 @@ def best_pictures(
     scores = []
     for keyframe in recording.keyframes():
         counts = np.zeros(count + 1, np.int64)
-        count_in_groups(
-            keyframe.frame.depth, keyframe.frame.labels, transform_of(keyframe, recording), lens_of(recording),
-            recording.map.cell_m, group, border, counts,
-        )  # fmt: skip
+        points = find_points(keyframe, recording, recording.map.cell_m, (group.shape[0], group.shape[1]))
+        count_in_groups(points.cell, points.frame.labels, group, border, counts)
         scores.append((keyframe.t, counts))
     chosen: dict[int, list[tuple[int, int]]] = {}
     for cluster in range(1, count + 1):

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count, Fraction, Positive
-from coral.reef.camera import T_world_camera
-from coral.reef.products import cover_kernels
-from coral.reef.recordings.recording import PosedFrame, Recording
+from coral.reef.products.cover_kernels import vote
+from coral.reef.products.seen_points import find_points, grid_shape
+from coral.reef.recordings.recording import Recording
 
 NORMAL_95 = 1.96
 
@@ -66,8 +66,7 @@ def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cove
     A fine cell's share is that of the votes for oyster among the votes of its pixels. Where no pixel hit, behind shells
     and in their shade, nobody knows: `seen` has no oysters there, and `filled` what lies nearest.
     """
-    width, height = recording.size_m
-    shape = (math.ceil(height / cfg.fine_m - 1e-9), math.ceil(width / cfg.fine_m - 1e-9))
+    shape = grid_shape(recording, cfg.fine_m)
 
     def empty() -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         return np.zeros(shape, np.float32), np.zeros(shape, np.float32)
@@ -76,10 +75,8 @@ def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cove
     parts = [empty() for _ in range(cfg.subsets)] if cfg.subsets > 1 else []
     for number, keyframe in enumerate(recording.keyframes()):
         votes = parts[number % cfg.subsets] if parts else whole
-        cover_kernels.vote(
-            keyframe.frame.depth, keyframe.frame.labels, transform_of(keyframe, recording), lens_of(recording),
-            cfg.range_m, cfg.fine_m, *votes,
-        )  # fmt: skip
+        points = find_points(keyframe, recording, cfg.fine_m, shape, cfg.range_m)
+        vote(points.cell, points.frame.depth, points.frame.labels, *votes)
     for oyster, floor in parts:
         whole[0][...] += oyster
         whole[1][...] += floor
@@ -115,19 +112,6 @@ def fine_of(cells: NDArray[np.bool_], cell_m: float, cover: Cover) -> NDArray[np
     iy = np.minimum(((np.arange(fy) + 0.5) * cover.cfg.fine_m / cell_m).astype(np.intp), ny - 1)
     ix = np.minimum(((np.arange(fx) + 0.5) * cover.cfg.fine_m / cell_m).astype(np.intp), nx - 1)
     return cells[np.ix_(iy, ix)]
-
-
-def transform_of(keyframe: PosedFrame, recording: Recording) -> NDArray[np.float64]:
-    """Return T_c^w of a keyframe, the sea floor at 0 m. Shape=(4, 4)."""
-    return T_world_camera(
-        keyframe.pose, recording.camera, altitude=keyframe.height_m, roll=keyframe.roll, pitch=keyframe.pitch
-    )
-
-
-def lens_of(recording: Recording) -> tuple[float, float, float]:
-    """Return focal length and principal point of the camera (px)."""
-    focal, _, cx, cy = recording.camera.intrinsics
-    return focal, cx, cy
 
 
 def _cover(oyster: NDArray[np.float32], floor: NDArray[np.float32], cfg: CoverCfg) -> Cover:

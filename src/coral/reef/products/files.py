@@ -45,7 +45,7 @@ def write_products(products: SurveyProducts, placement: EarthPlacement, folder: 
     write_geopackage(folder / "survey.gpkg", layers, placement)
     if placement.datum is not None:
         write_geojson(folder / "clusters.geojson", layers[0], placement)
-        write_whole(folder / "clusters.qml", outline_style("number").encode())
+        write_whole(folder / "clusters.qml", layers[0].style.encode())
     write_table(folder / "clusters.csv", CLUSTER_COLUMNS, [feature.values for feature in layers[0].features])
     density = [{name: feature.values[name] for name in DENSITY_COLUMNS} for feature in layers[1].features]
     write_table(folder / "density.csv", DENSITY_COLUMNS, density)
@@ -68,6 +68,7 @@ def summary(products: SurveyProducts, placement: EarthPlacement) -> dict[str, An
         "oyster_cells": int(products.cells.target.sum()),
         "clusters": len(products.clusters),
         "colour": products.mosaic.colour,
+        "perception": products.recording.seen_by,
         "latitude": None if datum is None else datum.latitude,
         "longitude": None if datum is None else datum.longitude,
         "epsg": placement.epsg,
@@ -111,7 +112,7 @@ def make_layers(products: SurveyProducts, placement: EarthPlacement) -> list[Lay
     ]
     track = [Feature((products.track,), {"pictures": products.keyframes})] if products.keyframes > 1 else []
     return [
-        Layer("clusters", "MultiPolygon", tuple(clusters), "oyster clusters", CLUSTER_COLUMNS),
+        Layer("clusters", "MultiPolygon", tuple(clusters), "oyster clusters", CLUSTER_COLUMNS, outline_style("number")),
         Layer("density", "MultiPolygon", tuple(_density(products)), "oysters per sea floor", DENSITY_COLUMNS),
         Layer("pictures", "Point", tuple(points), "the best pictures", ("picture", "cluster", "t_s", "pixels")),
         Layer("track", "LineString", tuple(track), "where pictures were taken", ("pictures",)),

@@ -33,6 +33,12 @@ CREATE TABLE gpkg_geometry_columns (table_name TEXT NOT NULL, column_name TEXT N
   CONSTRAINT fk_gc_tn FOREIGN KEY (table_name) REFERENCES gpkg_contents(table_name),
   CONSTRAINT fk_gc_srs FOREIGN KEY (srs_id) REFERENCES gpkg_spatial_ref_sys(srs_id));
 """
+_STYLES = """
+CREATE TABLE layer_styles (id INTEGER PRIMARY KEY AUTOINCREMENT, f_table_catalog TEXT, f_table_schema TEXT,
+  f_table_name TEXT, f_geometry_column TEXT, styleName TEXT, styleQML TEXT, styleSLD TEXT, useAsDefault BOOLEAN,
+  description TEXT, owner TEXT, ui TEXT, update_time DATETIME DEFAULT CURRENT_TIMESTAMP);
+"""
+"""Where QGIS keeps the styles of a database's layers."""
 
 
 def write_geopackage(path: Path, layers: Sequence[Layer], placement: EarthPlacement) -> None:
@@ -67,6 +73,7 @@ def _write(path: Path, layers: Sequence[Layer], placement: EarthPlacement) -> No
         base.executemany("INSERT INTO gpkg_spatial_ref_sys VALUES (?, ?, ?, ?, ?, ?)", _reference_systems(placement))
         for layer in layers:
             _add(base, layer, placement, srs)
+        _add_styles(base, [layer for layer in layers if layer.style])
         base.commit()
     finally:
         base.close()
@@ -81,10 +88,9 @@ def _add(base: sqlite3.Connection, layer: Layer, placement: EarthPlacement, srs:
     placed = [_placed(feature, placement) for feature in layer.features]
     everything = np.concatenate([ring for rings in placed for ring in rings]) if placed else np.full((1, 2), np.nan)
     extent = [None] * 4 if not placed else [*everything.min(axis=0).tolist(), *everything.max(axis=0).tolist()]
-    now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S.000Z")
     base.execute(
         "INSERT INTO gpkg_contents VALUES (?, 'features', ?, ?, ?, ?, ?, ?, ?, ?)",
-        (layer.name, layer.name, layer.title, now, *extent, srs),
+        (layer.name, layer.name, layer.title, _now(), *extent, srs),
     )
     base.execute(
         "INSERT INTO gpkg_geometry_columns VALUES (?, 'geom', ?, ?, 0, 0)", (layer.name, layer.kind.upper(), srs)
@@ -96,6 +102,25 @@ def _add(base: sqlite3.Connection, layer: Layer, placement: EarthPlacement, srs:
             f'INSERT INTO "{layer.name}" (geom{names}) VALUES (?{marks})',
             (_blob(layer, rings, srs), *feature.values.values()),
         )
+
+
+def _add_styles(base: sqlite3.Connection, layers: Sequence[Layer]) -> None:
+    if not layers:
+        return
+    base.executescript(_STYLES)
+    base.execute(
+        "INSERT INTO gpkg_contents (table_name, data_type, identifier, last_change) VALUES (?, 'attributes', ?, ?)",
+        ("layer_styles", "layer_styles", _now()),
+    )
+    base.executemany(
+        "INSERT INTO layer_styles (f_table_catalog, f_table_schema, f_table_name, f_geometry_column, styleName,"
+        " styleQML, useAsDefault, update_time) VALUES ('', '', ?, 'geom', ?, ?, 1, ?)",
+        [(layer.name, layer.name, layer.style, _now()) for layer in layers],
+    )
+
+
+def _now() -> str:
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S.000Z")
 
 
 def _type_of(layer: Layer, name: str) -> str:

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Positive
+from coral.config import Fraction, Positive
+from coral.reef.eyes.ground_plane import ray_lengths
+from coral.reef.eyes.water_types import find_water
 from coral.reef.geometry import Frame, Label
-from coral.reef.products.cover import lens_of, transform_of
 from coral.reef.products.mosaic_kernels import paint
+from coral.reef.products.seen_points import grid_shape, lens_of, transform_of
+from coral.reef.products.water_colour import undo_attenuation
+from coral.reef.recordings.class_colours import CLASS_COLOURS
 from coral.reef.recordings.recording import Recording
-
-CLASS_COLOURS = {
-    Label.WATER: (20, 60, 90),
-    Label.OYSTER: (64, 160, 92),
-    Label.OBSTACLE: (70, 72, 78),
-    Label.SEABED: (205, 188, 150),
-}
-"""Colours of the classes where no colour picture was taken: red, green, blue."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +27,11 @@ class MosaicCfg:
     """Edge of a pixel of the mosaic."""
     range_m: Positive = 4.0
     """Largest distance of a picture that gives a colour (m)."""
+    water: str = ""
+    """A water type, such as jerlov-1C, whose loss of colour with distance is taken back; empty: colours as they are."""
+    shade_share: Fraction = 0.05
+    """Structures larger than this share of a picture's width are shade: the mean of all pictures. 0: each point has the
+    colour of one picture, with seams."""
 
 
 @dataclass(frozen=True)
@@ -42,27 +43,60 @@ class Mosaic:
     pixel_m: float
     colour: bool
     """False: class colours, since the recording has no colour pictures."""
+    water: str = ""
+    """The water whose loss of colour was taken back; empty: none."""
 
 
 def make_mosaic(recording: Recording, cfg: MosaicCfg) -> Mosaic:
     """Put the pictures of a located recording together.
 
-    Each point of the flat sea floor takes its colour from the picture that shows it best. What stands on the floor
-    leans away from the camera that saw it, as in every orthomosaic without a surface model. Colours are those of the
-    water.
+    Each point of the flat sea floor takes its detail from the picture that shows it best, and its shade from all that
+    show it, so that differences of light and exposure fade across seams (two bands, as Brown and Lowe, Automatic
+    panoramic image stitching, 2007, blend more of them). What stands on the floor leans away from the camera that saw
+    it, as in every orthomosaic without a surface model. Colours are those of the water, unless it is known.
+
+    Raises:
+        InputError: There is no water of that name.
     """
-    width, height = recording.size_m
-    shape = (math.ceil(height / cfg.pixel_m - 1e-9), math.ceil(width / cfg.pixel_m - 1e-9))
-    best, rgb = np.full(shape, np.inf, np.float32), np.zeros((*shape, 3), np.uint8)
+    water = find_water(cfg.water, "--cfg.mosaic.water") if cfg.water else None
+    shape = grid_shape(recording, cfg.pixel_m)
+    best, weight = np.full(shape, np.inf, np.float32), np.zeros(shape, np.float32)
+    shade, fine = np.zeros((*shape, 3), np.float32), np.zeros((*shape, 3), np.float32)
+    lengths = ray_lengths(recording.camera)
     colour = False
     for keyframe in recording.keyframes():
-        colour = colour or keyframe.frame.rgb is not None
+        frame = keyframe.frame
+        picture = colours_of(frame)
+        if frame.rgb is not None:
+            colour = True
+            if water is not None:
+                picture = undo_attenuation(picture, frame.depth * lengths, water)
+        coarse, detail = split_bands(picture, cfg.shade_share if frame.rgb is not None else 0.0)
         paint(
-            colours_of(keyframe.frame), keyframe.frame.depth, transform_of(keyframe, recording), lens_of(recording),
-            0.0, cfg.range_m, recording.camera.near_m, cfg.pixel_m, best, rgb,
+            coarse, detail, frame.depth, transform_of(keyframe, recording), lens_of(recording), 0.0, cfg.range_m,
+            recording.camera.near_m, cfg.pixel_m, best, weight, shade, fine,
         )  # fmt: skip
-    alpha = np.where(np.isfinite(best), 255, 0).astype(np.uint8)
-    return Mosaic(np.dstack([rgb, alpha]), cfg.pixel_m, colour)
+    seen = np.isfinite(best)
+    rgb = np.round(np.clip(shade / np.maximum(weight, 1e-12)[:, :, None] + fine, 0.0, 255.0)).astype(np.uint8)
+    rgb[~seen] = 0
+    return Mosaic(
+        np.dstack([rgb, np.where(seen, 255, 0).astype(np.uint8)]), cfg.pixel_m, colour, water.name if water else ""
+    )
+
+
+def split_bands(rgb: NDArray[np.uint8], share: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Split a picture into its shade and its detail, which add up to it. Shape=(H, W, 3) each.
+
+    Args:
+        rgb: Shape=(H, W, 3).
+        share: Standard deviation of the Gaussian that makes the shade, as a share of the picture's width; 0: all is
+            detail.
+    """
+    picture = rgb.astype(np.float32)
+    if share <= 0.0:
+        return np.zeros_like(picture), picture
+    coarse = np.asarray(cv2.GaussianBlur(picture, (0, 0), max(share * rgb.shape[1], 0.5)), np.float32)
+    return coarse, picture - coarse
 
 
 def colours_of(frame: Frame) -> NDArray[np.uint8]:

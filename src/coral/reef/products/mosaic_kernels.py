@@ -1,4 +1,4 @@
-"""Hot loop of the orthomosaic: each point of the sea floor takes its colour from the best picture."""
+"""Hot loop of the orthomosaic: each point of the sea floor takes its colour from the pictures that show it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 @njit(cache=True)
 def paint(
-    rgb: NDArray[np.uint8],
+    coarse: NDArray[np.float32],
+    detail: NDArray[np.float32],
     depth: NDArray[np.float32],
     transform: NDArray[np.float64],
     lens: tuple[float, float, float],
@@ -20,17 +21,21 @@ def paint(
     near_m: float,
     pixel_m: float,
     best: NDArray[np.float32],
-    mosaic: NDArray[np.uint8],
+    weight: NDArray[np.float32],
+    shade: NDArray[np.float32],
+    fine: NDArray[np.float32],
 ) -> None:
-    """Look up the colour of every point in view, and keep it where this picture shows the point better.
+    """Look up the colour of every point in view: detail from the best picture, shade as a mean over all.
 
     A point is projected into the picture (the inverse of Eq. 1) at the height of the floor. It is visible if the
     pixel's own depth agrees with it within a quarter of its depth: oysters rise a little above the floor, obstacles
     hide it.
-    The best picture is the nearest one, with a malus towards the edges of the picture, where pixels are stretched.
+    The best picture is the nearest one, with a malus towards the edges of the picture, where pixels are stretched. That
+    score, squared, divides the weight of a picture in the mean.
 
     Args:
-        rgb: Shape=(H, W, 3).
+        coarse: Shape=(H, W, 3), colours without detail.
+        detail: Shape=(H, W, 3), what the picture has besides.
         depth: Shape=(H, W), metres along the optical axis; inf where nothing is seen.
         transform: Shape=(4, 4), camera optical frame to world.
         lens: Focal length and principal point (px).
@@ -38,8 +43,10 @@ def paint(
         range_m: Largest distance along the line of sight (m).
         near_m: Smallest depth along the optical axis (m).
         pixel_m: Edge of a pixel of the mosaic (m).
-        best: Shape=(MY, MX), score of the colour of each point, lower is better; updated in place.
-        mosaic: Shape=(MY, MX, 3), updated in place.
+        best: Shape=(MY, MX), score of the detail of each point, lower is better; updated in place.
+        weight: Shape=(MY, MX), sum of weights; updated in place.
+        shade: Shape=(MY, MX, 3), weighted sum of colours without detail; updated in place.
+        fine: Shape=(MY, MX, 3), detail; updated in place.
     """
     my, mx = best.shape
     height, width = depth.shape
@@ -55,7 +62,7 @@ def paint(
         for i in range(i0, i1):
             dx = (i + 0.5) * pixel_m - x0
             square = dx * dx + dy * dy + dz * dz
-            if square > range_m * range_m or square >= best[j, i]:
+            if square > range_m * range_m:
                 continue
             z = transform[0, 2] * dx + transform[1, 2] * dy + transform[2, 2] * dz
             if z < near_m:
@@ -63,11 +70,14 @@ def paint(
             p = (transform[0, 0] * dx + transform[1, 0] * dy + transform[2, 0] * dz) / z
             q = (transform[0, 1] * dx + transform[1, 1] * dy + transform[2, 1] * dz) / z
             u, v = int(math.floor(cx + focal * p + 0.5)), int(math.floor(cy + focal * q + 0.5))
-            if u < 0 or v < 0 or u >= width or v >= height:
+            if u < 0 or v < 0 or u >= width or v >= height or not abs(depth[v, u] - z) < 0.25 * z:
                 continue
             score = square * (1.0 + p * p + q * q)
-            if score >= best[j, i] or not abs(depth[v, u] - z) < 0.25 * z:
-                continue
-            best[j, i] = score
+            share = 1.0 / (score * score)
+            weight[j, i] += share
             for k in range(3):
-                mosaic[j, i, k] = rgb[v, u, k]
+                shade[j, i, k] += share * coarse[v, u, k]
+            if score < best[j, i]:
+                best[j, i] = score
+                for k in range(3):
+                    fine[j, i, k] = detail[v, u, k]

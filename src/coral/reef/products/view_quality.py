@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.products import cover_kernels
-from coral.reef.products.cover import lens_of, transform_of
+from coral.reef.products.cover_kernels import look
+from coral.reef.products.seen_points import find_points, grid_shape
 from coral.reef.recordings.recording import Recording
 
 
@@ -28,14 +28,11 @@ class ViewQuality:
 
 def measure_views(recording: Recording) -> ViewQuality:
     """Go through all pictures of a located recording, within the map's range."""
-    width, height = recording.size_m
     cell_m = recording.map.cell_m
-    shape = (int(np.ceil(height / cell_m - 1e-9)), int(np.ceil(width / cell_m - 1e-9)))
+    shape = grid_shape(recording, cell_m)
     nearest, looks = np.full(shape, np.inf, np.float32), np.zeros(shape, np.uint16)
     last = np.zeros(shape, np.int32)
     for number, keyframe in enumerate(recording.keyframes(), 1):
-        cover_kernels.look(
-            keyframe.frame.depth, keyframe.frame.labels, transform_of(keyframe, recording), lens_of(recording),
-            recording.map.range_m, cell_m, nearest, looks, last, number,
-        )  # fmt: skip
+        points = find_points(keyframe, recording, cell_m, shape, recording.map.range_m)
+        look(points.cell, points.away, points.frame.labels, nearest, looks, last, number)
     return ViewQuality(nearest, looks)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from coral.errors import InputError
 from coral.reef.geometry import Frame
 from coral.reef.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
+from coral.reef.recordings.picture_export import colour_of
 from coral.reef.recordings.picture_files import encode_depth, encode_jpeg, encode_png
 from coral.reef.recordings.recording import PosedFrame, Recording
 from coral.reef.recordings.transforms import body_transform, camera_in_body, quaternion_of
@@ -40,19 +41,20 @@ POINTS_STRIDE = 3
 """Every third pixel of every third row becomes a point."""
 
 
-def write_bag(recording: Recording, path: Path, *, single_file: bool) -> dict[str, int]:
+def write_bag(recording: Recording, path: Path, *, single_file: bool, only_colour: bool = False) -> dict[str, int]:
     """Write a located recording.
 
     Args:
         recording: What is written.
         path: The bag's folder, or the MCAP file; it must not exist.
         single_file: Whether to write one MCAP file and no folder.
+        only_colour: Whether to leave out all that was made of the pictures: classes, depth, points, maps.
 
     Returns:
         Number of messages on each topic that has some.
 
     Raises:
-        InputError: The path exists, or rosbags is not installed.
+        InputError: The path exists, there are no colour pictures to be written alone, or rosbags is not installed.
     """
     if path.exists():
         raise InputError(str(path), "--out", "something there already", "a new path")
@@ -64,7 +66,7 @@ def write_bag(recording: Recording, path: Path, *, single_file: bool) -> dict[st
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
         folder = Path(scratch) / path.stem
         with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-            counts = _BagWriter(writer).write(recording)
+            counts = _BagWriter(writer, only_colour).write(recording)
         if single_file:
             shutil.move(next(folder.glob("*.mcap")), path)
         else:
@@ -75,9 +77,10 @@ def write_bag(recording: Recording, path: Path, *, single_file: bool) -> dict[st
 class _BagWriter:
     """Turns keyframes into messages."""
 
-    def __init__(self, writer: Any) -> None:
+    def __init__(self, writer: Any, only_colour: bool) -> None:
         from rosbags.typesys import Stores, get_typestore
 
+        self._only_colour = only_colour
         self._writer, self._store = writer, get_typestore(Stores.ROS2_HUMBLE)
         self._connections: dict[str, Any] = {}
         self._counts: dict[str, int] = {}
@@ -93,15 +96,21 @@ class _BagWriter:
                 self._send("/tf_static", t, self._new("tf2_msgs/msg/TFMessage", transforms=[static]))
             self._send("/camera/camera_info", t, self._camera_info(recording, t))
             self._pose(keyframe)
+            if self._only_colour:
+                self._picture(
+                    "/camera/image/compressed", "rgb8; jpeg compressed bgr8", colour_of(keyframe, recording), t
+                )
+                continue
             self._pictures(keyframe)
-            cells.integrate(keyframe.frame, keyframe.pose)
+            cells.integrate(keyframe.frame, keyframe.pose, keyframe.roll, keyframe.pitch)
             if t >= points_due - 1e-9:
                 points_due = t + POINTS_EVERY_S
                 self._send("/camera/points", t, self._points(recording, keyframe.frame, t))
             if t >= map_due - 1e-9:
                 map_due = t + MAP_EVERY_S
                 self._maps(cells, t)
-        self._maps(cells, t)
+        if not self._only_colour:
+            self._maps(cells, t)
         return self._counts
 
     def _pose(self, keyframe: PosedFrame) -> None:
@@ -145,9 +154,11 @@ class _BagWriter:
         if frame.rgb is not None:
             pictures.append(("/camera/image/compressed", "rgb8; jpeg compressed bgr8", encode_jpeg(frame.rgb)))
         for topic, kind, content in pictures:
-            data = np.frombuffer(content, np.uint8)
-            header = self._header(t, "camera_optical")
-            self._send(topic, t, self._new("sensor_msgs/msg/CompressedImage", header=header, format=kind, data=data))
+            self._picture(topic, kind, content, t)
+
+    def _picture(self, topic: str, kind: str, content: bytes, t: float) -> None:
+        data, header = np.frombuffer(content, np.uint8), self._header(t, "camera_optical")
+        self._send(topic, t, self._new("sensor_msgs/msg/CompressedImage", header=header, format=kind, data=data))
 
     def _camera_info(self, recording: Recording, t: float) -> Any:
         camera = recording.camera

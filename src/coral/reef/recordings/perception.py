@@ -1,36 +1,87 @@
-"""The seam between a recording's colour pictures and what is seen in them."""
+"""What colour pictures of a recording show, by eyes: found once, and kept for the passes that products need."""
 
 from __future__ import annotations
 
-from typing import Protocol
+import tempfile
+from pathlib import Path
+from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.geometry import Frame
+from coral.reef.camera import CameraCfg
+from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
+from coral.reef.geometry import Frame, Label
+from coral.reef.recordings.picture_files import encode_depth, encode_png, frame_of
+from coral.reef.recordings.recorded_camera import RecordedCamera
+
+_PARTS = ("labels", "depth", "doubt")
 
 
-class Perceive(Protocol):
-    """Makes classes and metric depth of a colour picture."""
+class PicturePerception:
+    """Sees what pictures of a recording show. Products go through a recording several times: it looks once.
 
-    def __call__(self, rgb: NDArray[np.uint8], *, height_m: float, roll: float, pitch: float, where: str) -> Frame:
-        """Return what a picture shows.
+    Depth is kept in millimetres and doubt in steps of 1/255, in a folder that goes with this object.
+    """
+
+    def __init__(self, eyes: RgbPerception, name: str) -> None:
+        """Use eyes, whose name is that of a network, for the record."""
+        self._eyes, self.name = eyes, name
+        self._folder = tempfile.TemporaryDirectory(prefix="coral-seen-")
+        self._seen: dict[str, int] = {}
+
+    def frame(self, rgb: NDArray[np.uint8], camera: RecordedCamera, attitude: CameraAttitude, where: str) -> Frame:
+        """Return a colour picture with classes, depth and doubt.
 
         Args:
-            rgb: The picture. Shape=(H, W, 3), sRGB.
-            height_m: Height of the camera above the seabed (m).
-            roll: About body x (rad).
-            pitch: About body y (rad).
-            where: The picture's place in the recording, for messages.
+            rgb: The picture, of the camera's view. Shape=(H, W, 3), sRGB.
+            camera: The camera.
+            attitude: Of the camera then.
+            where: The picture's place in the recording, which names it.
         """
-        ...
+        number = self._seen.get(where)
+        if number is None:
+            seen = perceive_frame(frame_of(*_nothing(camera.view), rgb), self._eyes, camera.view, attitude)
+            number = self._seen[where] = len(self._seen)
+            self._keep(number, seen, camera)
+        labels, depth, doubt = (self._read(number, part) for part in _PARTS)
+        metres = np.where(depth > 0, depth.astype(np.float32) / np.float32(1000.0), np.float32(np.inf))
+        return Frame(
+            depth=metres.astype(np.float32),
+            labels=np.asarray(labels, np.uint8),
+            instances=np.empty((0, 0), np.int32),
+            rgb=rgb,
+            doubt=doubt.astype(np.float32) / np.float32(255.0),
+        )
+
+    def _keep(self, number: int, seen: Frame, camera: RecordedCamera) -> None:
+        assert seen.doubt is not None
+        doubt = np.round(255.0 * np.clip(seen.doubt, 0.0, 1.0)).astype(np.uint8)
+        labels, depth = seen.labels, encode_depth(seen.depth)
+        if camera.rectifier is not None:
+            labels = np.where(camera.rectifier.outside, np.uint8(Label.WATER), labels).astype(np.uint8)
+            depth = np.where(camera.rectifier.outside, np.uint16(0), depth).astype(np.uint16)
+        self._path(number, "labels").write_bytes(encode_png(labels))
+        self._path(number, "depth").write_bytes(encode_png(depth))
+        self._path(number, "doubt").write_bytes(encode_png(doubt))
+
+    def _read(self, number: int, part: str) -> NDArray[Any]:
+        return np.asarray(cv2.imread(str(self._path(number, part)), cv2.IMREAD_UNCHANGED))
+
+    def _path(self, number: int, part: str) -> Path:
+        return Path(self._folder.name) / f"{number:06d}_{part}.png"
 
 
-def perceive_nothing(rgb: NDArray[np.uint8], *, height_m: float, roll: float, pitch: float, where: str) -> Frame:
-    """Refuse: the recording itself must tell what its pictures show.
+def refuse_colour_only(where: str) -> InputError:
+    """Return the error of a picture without classes and depth, where no eyes were chosen."""
+    return InputError(
+        where, "labels, depth", "colour pictures only",
+        "--perception rgb or FILE.onnx, or pictures of classes and depth beside them",
+    )  # fmt: skip
 
-    Raises:
-        InputError: Always.
-    """
-    raise InputError(where, "labels, depth", "colour pictures only", "pictures of classes and depth beside them")
+
+def _nothing(camera: CameraCfg) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    shape = (camera.height, camera.width)
+    return np.zeros(shape, np.uint8), np.full(shape, np.inf, np.float32)

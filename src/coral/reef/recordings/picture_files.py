@@ -3,68 +3,132 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Frame, Label
+from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.yaml_file import NotRegularError, regular_bytes
+
+Image = NDArray[Any]
 
 NO_OBJECTS = np.empty((0, 0), np.int32)
 """A recording knows no objects."""
+MAX_PICTURE_BYTES = 200_000_000
+"""More than any camera's picture without compression."""
 
 
 def read_picture(path: Path, where: str, field: str) -> bytes:
     """Read a file of a recording.
 
     Raises:
-        InputError: It cannot be read.
+        InputError: It cannot be read, is no regular file, or is larger than any picture.
     """
+    expected = "a picture"
     try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(where, field, f"{path.name}: {error.strerror or error}", "a picture") from None
+        content = regular_bytes(path, MAX_PICTURE_BYTES)
+    except NotRegularError as error:
+        raise InputError(where, field, f"{path.name}: {error.kind}", expected) from None
+    except (OSError, ValueError) as error:
+        raise InputError(where, field, f"{path.name}: {getattr(error, 'strerror', None) or error}", expected) from None
+    if len(content) > MAX_PICTURE_BYTES:
+        raise InputError(where, field, f"{path.name}: more than {MAX_PICTURE_BYTES / 1e6:.0f} MB", expected)
+    return content
 
 
-def decode_labels(content: bytes, camera: CameraCfg, where: str) -> NDArray[np.uint8]:
-    """Decode a picture of classes (`Label`), 8 bits in one channel. Shape=(H, W).
+def decode_labels(content: bytes, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:
+    """Decode a picture of classes (`Label`), 8 bits in one channel. Shape=(H, W) of the camera's view.
 
     Raises:
         InputError: It is none, or has another size than the camera's.
     """
-    image = _decoded(content, camera, where, "labels")
-    if image.dtype != np.uint8 or image.ndim != 2 or int(image.max()) > max(Label):
-        raise InputError(where, "labels", _kind(image), f"8 bits in one channel, classes 0 to {int(max(Label))}")
-    return np.ascontiguousarray(image)
+    return labels_of(decode(content, where, "labels"), camera, where)
 
 
-def decode_depth(content: bytes, camera: CameraCfg, where: str) -> NDArray[np.float32]:
+def decode_depth(content: bytes, camera: RecordedCamera, where: str) -> NDArray[np.float32]:
     """Decode a picture of depth along the optical axis, in millimetres of 16 bits; 0 where nothing is seen.
 
     Returns:
-        Metres, inf where nothing is seen. Shape=(H, W), float32.
+        Metres, inf where nothing is seen. Shape=(H, W) of the camera's view, float32.
 
     Raises:
         InputError: It is none, or has another size than the camera's.
     """
-    image = _decoded(content, camera, where, "depth")
-    if image.dtype != np.uint16 or image.ndim != 2:
+    return depth_of(decode(content, where, "depth"), camera, where)
+
+
+def decode_rgb(content: bytes, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:
+    """Decode a colour picture. Shape=(H, W, 3) of the camera's view, red first.
+
+    Raises:
+        InputError: It is none, or has another size than the camera's.
+    """
+    return colours_of(decode(content, where, "rgb", cv2.IMREAD_COLOR)[:, :, ::-1], camera, where)
+
+
+def decode(content: bytes, where: str, field: str, mode: int = cv2.IMREAD_UNCHANGED) -> Image:
+    """Decode a PNG or JPEG picture.
+
+    Raises:
+        InputError: It is none.
+    """
+    try:
+        image = cv2.imdecode(np.frombuffer(content, np.uint8), mode) if content else None
+    except cv2.error:  # a picture too large for OpenCV
+        image = None
+    if image is None:
+        raise InputError(where, field, "no picture", "a PNG or JPEG picture")
+    return np.asarray(image)
+
+
+def labels_of(image: Image, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:
+    """Return decoded classes, as the camera's view shows them. Shape=(H, W).
+
+    Raises:
+        InputError: They are of another kind or size.
+    """
+    _check_size(image, camera, where, "labels")
+    if image.dtype != np.uint8 or image.ndim != 2 or int(image.max()) > max(Label):
+        raise InputError(where, "labels", _kind(image), f"8 bits in one channel, classes 0 to {int(max(Label))}")
+    labels = image if camera.rectifier is None else camera.rectifier.values(image)
+    return np.ascontiguousarray(labels, np.uint8)
+
+
+def depth_of(image: Image, camera: RecordedCamera, where: str) -> NDArray[np.float32]:
+    """Return decoded depth in metres, as the camera's view shows it; inf where nothing is seen. Shape=(H, W).
+
+    Args:
+        image: Millimetres of 16 bits, or metres as float32 (REP-118); 0 or nan where nothing is seen.
+        camera: The camera.
+        where: For errors.
+
+    Raises:
+        InputError: It is of another kind or size.
+    """
+    _check_size(image, camera, where, "depth")
+    if image.ndim != 2 or image.dtype not in (np.uint16, np.float32):
         raise InputError(where, "depth", _kind(image), "millimetres, 16 bits in one channel")
-    metres = image.astype(np.float32) / np.float32(1000.0)
-    metres[image == 0] = np.inf
+    if camera.rectifier is not None:
+        image = camera.rectifier.values(image)
+    metres = image.astype(np.float32) / np.float32(1000.0 if image.dtype == np.uint16 else 1.0)
+    metres[~(metres > 0.0)] = np.inf
     return metres
 
 
-def decode_rgb(content: bytes, camera: CameraCfg, where: str) -> NDArray[np.uint8]:
-    """Decode a colour picture. Shape=(H, W, 3), red first.
+def colours_of(rgb: Image, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:
+    """Return decoded colours, red first, as the camera's view shows them. Shape=(H, W, 3).
 
     Raises:
-        InputError: It is none, or has another size than the camera's.
+        InputError: They have another size.
     """
-    image = _decoded(content, camera, where, "rgb", cv2.IMREAD_COLOR)
-    return np.ascontiguousarray(image[:, :, ::-1])
+    _check_size(rgb, camera, where, "rgb")
+    if camera.rectifier is None:
+        return np.ascontiguousarray(rgb, np.uint8)
+    return camera.rectifier.colours(np.ascontiguousarray(rgb, np.uint8))
 
 
 def encode_depth(depth: NDArray[np.float32]) -> NDArray[np.uint16]:
@@ -88,18 +152,12 @@ def frame_of(labels: NDArray[np.uint8], depth: NDArray[np.float32], rgb: NDArray
     return Frame(depth=depth, labels=labels, instances=NO_OBJECTS, rgb=rgb)
 
 
-def _decoded(
-    content: bytes, camera: CameraCfg, where: str, field: str, mode: int = cv2.IMREAD_UNCHANGED
-) -> NDArray[np.uint8] | NDArray[np.uint16]:
-    image = cv2.imdecode(np.frombuffer(content, np.uint8), mode) if content else None
-    if image is None:
-        raise InputError(where, field, "no picture", "a PNG or JPEG picture")
-    if image.shape[:2] != (camera.height, camera.width):
+def _check_size(image: Image, camera: RecordedCamera, where: str, field: str) -> None:
+    width, height = camera.size
+    if image.shape[:2] != (height, width):
         raise InputError(
-            where, field, f"{image.shape[1]} x {image.shape[0]} pixels",
-            f"{camera.width} x {camera.height}, the size of the camera",
-        )  # fmt: skip
-    return image  # type: ignore[return-value]
+            where, field, f"{image.shape[1]} x {image.shape[0]} pixels", f"{width} x {height}, the size of the camera"
+        )
 
 
 def _encoded(kind: str, image: NDArray[np.uint8] | NDArray[np.uint16], options: list[int]) -> bytes:
@@ -109,5 +167,5 @@ def _encoded(kind: str, image: NDArray[np.uint8] | NDArray[np.uint16], options: 
     return encoded.tobytes()
 
 
-def _kind(image: NDArray[np.uint8] | NDArray[np.uint16]) -> str:
+def _kind(image: Image) -> str:
     return f"{8 * image.dtype.itemsize} bits in {1 if image.ndim == 2 else image.shape[2]} channels"

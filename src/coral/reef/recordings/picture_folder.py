@@ -8,12 +8,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
-from coral.reef.geometry import Pose, wrap
+from coral.reef.eyes.perception import CameraAttitude
+from coral.reef.geometry import Frame, Pose, wrap
 from coral.reef.local_plane import MOST_DEGREES, LocalPlane
-from coral.reef.recordings.perception import Perceive, perceive_nothing
+from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
 from coral.reef.recordings.picture_files import decode_depth, decode_labels, decode_rgb, frame_of, read_picture
-from coral.reef.recordings.recording import PosedFrame, Recording
+from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
+from coral.yaml_file import read_regular
 
 TABLE = "poses.csv"
 LOCAL = ("x", "y", "yaw")
@@ -22,13 +24,21 @@ GLOBAL = ("lat", "lon", "heading")
 EXPECTED = "columns t, x, y, yaw or t, lat, lon, heading; z, roll, pitch, rgb, depth, labels if known"
 
 
-def read_folder(path: Path, camera: CameraCfg, perceive: Perceive = perceive_nothing) -> Recording:
+MAX_TABLE_BYTES = 500_000_000
+"""Of the table: days of poses."""
+
+
+def read_folder(
+    path: Path, camera: RecordedCamera, perception: PicturePerception | None = None, period_s: float = 0.0
+) -> Recording:
     """Read a folder of pictures.
 
     Args:
         path: Folder with `poses.csv` and the pictures that it names.
         camera: The camera.
-        perceive: Makes classes and depth of colour pictures where the folder has none.
+        perception: Sees what the colour pictures show, whatever else the folder has of them; None: classes and depth
+            are the folder's own.
+        period_s: Least time between two pictures that are used (s).
 
     Raises:
         InputError: The table is missing or a value in it is wrong. Pictures are checked when they are read.
@@ -39,28 +49,45 @@ def read_folder(path: Path, camera: CameraCfg, perceive: Perceive = perceive_not
     placed = [(number, _pose(values, plane), values, names) for number, values, names in rows]
 
     def keyframes() -> Iterator[PosedFrame]:
+        due = -math.inf
         for number, (pose, odometry), values, names in placed:
-            where = f"{table}: line {number}"
-            rgb = None
-            if names.get("rgb"):
-                rgb = decode_rgb(read_picture(path / names["rgb"], where, "rgb"), camera, where)
-            height_m = values.get("z", camera.altitude_m)
-            roll, pitch = values.get("roll", 0.0), values.get("pitch", 0.0)
-            if names.get("labels") and names.get("depth"):
-                labels = decode_labels(read_picture(path / names["labels"], where, "labels"), camera, where)
-                depth = decode_depth(read_picture(path / names["depth"], where, "depth"), camera, where)
-                frame = frame_of(labels, depth, rgb)
-            elif rgb is not None:
-                frame = perceive(rgb, height_m=height_m, roll=roll, pitch=pitch, where=where)
-            else:
-                raise InputError(where, "", "no names of pictures", "rgb, or both labels and depth")
+            if values["t"] < due - 1e-6:
+                continue
+            due = values["t"] + period_s
+            height_m = values.get("z", camera.view.altitude_m)
+            attitude = CameraAttitude(height_m, values.get("roll", 0.0), values.get("pitch", 0.0))
+            frame = _frame(path, names, camera, perception, attitude, f"{table}: line {number}")
             yield PosedFrame(
-                t=values["t"], pose=pose, height_m=height_m, frame=frame, roll=roll, pitch=pitch, odometry=odometry
-            )
+                t=values["t"], pose=pose, height_m=height_m, frame=frame, roll=attitude.roll, pitch=attitude.pitch,
+                odometry=odometry,
+            )  # fmt: skip
 
     return Recording(
-        name=path.resolve().name, source=str(path), camera=camera, keyframes=keyframes, start=placed[0][1][0]
-    )
+        name=path.resolve().name, source=str(path), camera=camera.view, keyframes=keyframes, start=placed[0][1][0],
+        seen_by=perception.name if perception else RECORDED,
+    )  # fmt: skip
+
+
+def _frame(
+    path: Path,
+    names: dict[str, str],
+    camera: RecordedCamera,
+    perception: PicturePerception | None,
+    attitude: CameraAttitude,
+    where: str,
+) -> Frame:
+    rgb = None
+    if names.get("rgb"):
+        rgb = decode_rgb(read_picture(path / names["rgb"], where, "rgb"), camera, where)
+    if perception is None and names.get("labels") and names.get("depth"):
+        labels = decode_labels(read_picture(path / names["labels"], where, "labels"), camera, where)
+        return frame_of(labels, decode_depth(read_picture(path / names["depth"], where, "depth"), camera, where), rgb)
+    if rgb is None:
+        expected = "rgb, or both labels and depth" if perception is None else "rgb: --perception needs a colour picture"
+        raise InputError(where, "", "no names of pictures", expected)
+    if perception is None:
+        raise refuse_colour_only(where)
+    return perception.frame(rgb, camera, attitude, where)
 
 
 def datum_of_folder(path: Path) -> tuple[float, float] | None:
@@ -80,10 +107,7 @@ def _pose(values: dict[str, float], plane: LocalPlane | None) -> tuple[Pose, Pos
 def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
     """Return (line number, numbers, file names) of every complete row."""
     where = str(table)
-    try:
-        text = table.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(where, "", getattr(error, "strerror", None) or "no text", "a table of poses") from None
+    text = read_regular(table, "a table of poses", MAX_TABLE_BYTES)
     lines = text.splitlines()
     if lines and not text.endswith("\n"):
         lines.pop()  # the line that a killed run was writing
@@ -115,6 +139,8 @@ def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
             )
         if found and values["t"] < found[-1][1]["t"]:
             raise InputError(where, f"line {number}: t", cells["t"], "times that never go back")
+        if values.get("z", 1.0) <= 0.0:
+            raise InputError(where, f"line {number}: z", cells["z"], "a height above the sea floor, above 0 m")
         found.append((number, values, {name: cells[name] for name in texts}))
     return found
 

@@ -13,10 +13,27 @@ from coral.errors import InputError
 from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping import MapCfg, OccupancyMap
+from coral.reef.sensing import Attitude
+from coral.reef.sonar.range_image import RangeImage
+from coral.reef.sonar.sonar_3d15 import SonarCfg
 
 MARGIN_M = 6.5
 """What a map without a stated area reaches beyond the outermost pose: the map's range, and half a metre."""
 LARGEST_M = 500.0
+RECORDED, EXACT = "recorded", "exact"
+
+
+@dataclass(frozen=True, kw_only=True)
+class PosedPing:
+    """A range image of a sonar and where it was taken."""
+
+    t: float
+    """Time since the recording's start (s)."""
+    pose: Pose
+    """Of the sonar in the plane, world ENU."""
+    attitude: Attitude
+    """Of a body with the sonar at its origin."""
+    image: RangeImage
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +52,8 @@ class PosedFrame:
     """Of the body, without the camera's own tilt (rad, REP-103)."""
     odometry: Pose | None = None
     """The same pose by odometry alone; None where it is not known apart."""
+    pings: tuple[PosedPing, ...] = ()
+    """What a sonar heard since the picture before."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,10 +70,16 @@ class Recording:
     """x and y of the south-west corner of the area to be mapped, its width and height (m); None: about the poses."""
     map: MapCfg = field(default_factory=MapCfg)
     """How pictures become a map."""
+    sonar: SonarCfg | None = None
+    """The sonar; None without one."""
     start: Pose | None = None
     """Pose at the start of the survey; None: of the first keyframe."""
     final_map: NDArray[np.uint8] | None = None
     """Classes of the map's cells as the robot had them in the end, if the recording has them. Shape=(NY, NX)."""
+    seen_by: str = RECORDED
+    """Who found classes and depth: "recorded", nobody knows; "exact", a simulator; or the name of a network."""
+    omitted: set[float] = field(default_factory=set)
+    """Times of pictures that were left out for want of a pose near them (s); known after all have been read."""
 
     def located(self) -> Recording:
         """Return the recording with its area in full cells, and poses from the area's corner on.
@@ -77,7 +102,8 @@ class Recording:
 
         def moved() -> Iterator[PosedFrame]:
             for keyframe in read():
-                yield replace(keyframe, pose=_moved(keyframe.pose, x, y))
+                pings = tuple(replace(ping, pose=_moved(ping.pose, x, y)) for ping in keyframe.pings)
+                yield replace(keyframe, pose=_moved(keyframe.pose, x, y), pings=pings)
 
         corner_free = (0.0, 0.0, width, height)
         unchanged = (x, y) == (0.0, 0.0)
@@ -96,14 +122,16 @@ class Recording:
 
 
 def map_of(recording: Recording) -> OccupancyMap:
-    """Make the occupancy map of a located recording from its keyframes.
+    """Make the occupancy map of a located recording from its keyframes and what a sonar heard between them.
 
     Raises:
         InputError: A picture is not one of the recording's camera.
     """
-    cells = OccupancyMap(recording.size_m, recording.camera, recording.map)
+    cells = OccupancyMap(recording.size_m, recording.camera, recording.map, recording.sonar)
     for keyframe in recording.keyframes():
-        cells.integrate(keyframe.frame, keyframe.pose)
+        for ping in keyframe.pings:
+            cells.hear(ping.image, ping.pose, ping.attitude)
+        cells.integrate(keyframe.frame, keyframe.pose, keyframe.roll, keyframe.pitch)
     return cells
 
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from coral.errors import InputError
+from coral.reef.geometry import Label
 from coral.reef.mapping import OccupancyMap
 from coral.reef.recordings.bag_export import MAP_EVERY_S
-from coral.reef.recordings.picture_files import encode_depth
+from coral.reef.recordings.class_colours import CLASS_COLOURS
+from coral.reef.recordings.picture_files import encode_depth, encode_jpeg
 from coral.reef.recordings.recording import Recording
 from coral.reef.recordings.transforms import body_transform, camera_in_body
 
@@ -27,14 +32,26 @@ def write_rerun(recording: Recording, path: Path) -> dict[str, int]:
         import rerun as rr
     except ImportError:
         raise InputError(
-            str(path), "--to", "no package rerun", "rerun-sdk (some 700 MB: pip install 'coral[rerun]'), or --to mcap"
+            str(path), "--to", "no package rerun", "rerun-sdk (some 500 MB: pip install 'coral[rerun]'), or --to mcap"
         ) from None
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
+        whole = Path(scratch) / path.name
+        counts = _write(rr, recording, whole)
+        shutil.move(whole, path)
+    return counts
+
+
+def _write(rr: Any, recording: Recording, path: Path) -> dict[str, int]:
     stream = rr.RecordingStream("coral", recording_id=recording.name)
+    stream.set_log_time_enabled(False)  # the clock of this machine is no part of the survey
+    stream.set_log_tick_enabled(False)
     stream.save(str(path))
     camera = recording.camera
     focal, _, cx, cy = camera.intrinsics
     mount = camera_in_body(camera)
     stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    stream.log("world", rr.AnnotationContext([(int(k), k.name.lower(), CLASS_COLOURS[k]) for k in Label]), static=True)
     stream.log("world/robot/camera", rr.Transform3D(translation=mount[:3, 3], mat3x3=mount[:3, :3]), static=True)
     stream.log(
         "world/robot/camera/image",
@@ -49,11 +66,12 @@ def write_rerun(recording: Recording, path: Path) -> dict[str, int]:
         stream.log("world/robot", rr.Transform3D(translation=at[:3, 3], mat3x3=at[:3, :3]))
         frame = keyframe.frame
         if frame.rgb is not None:
-            stream.log("world/robot/camera/image/colour", rr.Image(frame.rgb))
+            jpeg = rr.EncodedImage(contents=encode_jpeg(frame.rgb), media_type="image/jpeg")
+            stream.log("world/robot/camera/image/colour", jpeg)
         stream.log("world/robot/camera/image/classes", rr.SegmentationImage(frame.labels))
         stream.log("world/robot/camera/image/depth", rr.DepthImage(encode_depth(frame.depth), meter=1000.0))
         counts["keyframes"] += 1
-        cells.integrate(frame, keyframe.pose)
+        cells.integrate(frame, keyframe.pose, keyframe.roll, keyframe.pitch)
         if keyframe.t >= due - 1e-9:
             due = keyframe.t + MAP_EVERY_S
             iy, ix = np.nonzero(cells.target)
@@ -61,4 +79,5 @@ def write_rerun(recording: Recording, path: Path) -> dict[str, int]:
             stream.log("world/oysters", rr.Points3D(places, radii=0.02, colors=(38, 166, 76)))
             counts["maps"] += 1
     stream.flush()
+    stream.disconnect()
     return counts

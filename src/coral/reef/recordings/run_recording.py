@@ -17,8 +17,10 @@ from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Pose
 from coral.reef.mapping import MapCfg
 from coral.reef.record import POSES
+from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import read_folder
-from coral.reef.recordings.recording import PosedFrame, Recording
+from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.sea.local_frame import LocalFrame
 from coral.runs import read_events
 
@@ -28,8 +30,13 @@ def is_run(path: Path) -> bool:
     return (path / "config.yaml").is_file() and not (path / "task.yaml").is_file()
 
 
-def read_run(path: Path) -> Recording:
+def read_run(path: Path, perception: PicturePerception | None = None, period_s: float = 0.0) -> Recording:
     """Read the keyframes of a run, finished or killed.
+
+    Args:
+        path: The run folder.
+        perception: Sees what the run's colour pictures show; None: classes and depth as the run kept them.
+        period_s: Least time between two pictures that are used (s).
 
     Raises:
         InputError: There is no run of a reef mission, or it kept no keyframes.
@@ -41,7 +48,8 @@ def read_run(path: Path) -> Recording:
         raise InputError(str(path), POSES, "nothing", "a run that kept its keyframes (--cfg.record.keyframes)")
     where = str(path / "config.yaml")
     config = read_yaml(path / "config.yaml")
-    recording = read_folder((path / POSES).parent, camera_of(config, where))
+    camera = RecordedCamera.plain(camera_of(config, where))
+    recording = read_folder((path / POSES).parent, camera, perception, period_s)
     name, size, start = _world(path, config)
     return dataclasses.replace(
         recording,
@@ -51,6 +59,7 @@ def read_run(path: Path) -> Recording:
         area=None if size is None else (0.0, 0.0, *size),
         map=merge(MapCfg(), _part(config, "map"), where),
         start=start or recording.start,
+        seen_by=perception.name if perception else str(_mission(config).get("perception", RECORDED)),
         final_map=_final_map(path),
     )
 
@@ -80,8 +89,13 @@ def camera_of(config: dict[str, Any], where: str) -> CameraCfg:
     return merge(CameraCfg(), _part(config, "simulator", "camera"), where)
 
 
+def _mission(config: dict[str, Any]) -> dict[str, Any]:
+    mission = config.get("mission", config.get("survey", {}))
+    return mission if isinstance(mission, dict) else {}
+
+
 def _part(config: dict[str, Any], *names: str) -> dict[str, Any]:
-    part: Any = config.get("mission", config.get("survey", {}))
+    part: Any = _mission(config)
     for name in names:
         part = part.get(name, {}) if isinstance(part, dict) else {}
     return part if isinstance(part, dict) else {}

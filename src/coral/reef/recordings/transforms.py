@@ -83,3 +83,19 @@ def euler_of(rotation: NDArray[np.float64]) -> tuple[float, float, float]:
     pitch = math.asin(max(-1.0, min(1.0, -float(rotation[2, 0]))))
     roll = math.atan2(float(rotation[2, 1]), float(rotation[2, 2]))
     return roll, pitch, math.atan2(float(rotation[1, 0]), float(rotation[0, 0]))
+
+
+def interpolate_transform(before: NDArray[np.float64], after: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+    """Return the transform at a share of the way between two: straight, and turning evenly (slerp). Shape=(4, 4)."""
+    one, other = (np.array(quaternion_of(transform[:3, :3])) for transform in (before, after))
+    cosine = float(np.dot(one, other))
+    if cosine < 0.0:
+        other, cosine = -other, -cosine
+    angle = math.acos(min(cosine, 1.0))
+    if angle < 1e-6:
+        mixed = (1.0 - share) * one + share * other
+    else:
+        mixed = (math.sin((1.0 - share) * angle) * one + math.sin(share * angle) * other) / math.sin(angle)
+    x, y, z, w = (float(part) for part in mixed)
+    place = (1.0 - share) * before[:3, 3] + share * after[:3, 3]
+    return transform_from((float(place[0]), float(place[1]), float(place[2])), (x, y, z, w))

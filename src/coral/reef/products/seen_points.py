@@ -1,0 +1,66 @@
+"""Where the pixels of a keyframe lie on the sea floor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.camera import T_world_camera
+from coral.reef.eyes.doubt import drop_doubtful
+from coral.reef.geometry import Frame
+from coral.reef.products.cover_kernels import locate_pixels
+from coral.reef.recordings.recording import PosedFrame, Recording
+
+
+@dataclass(frozen=True)
+class SeenPoints:
+    """A keyframe's pixels on a grid over the sea floor."""
+
+    frame: Frame
+    """Without pixels that are too doubtful for the map."""
+    cell: NDArray[np.int64]
+    """Number of the cell, iy NX + ix; -1 for none. Shape=(H, W)."""
+    away: NDArray[np.float64]
+    """Distance along the line of sight (m) where there is a cell. Shape=(H, W)."""
+
+
+def find_points(
+    keyframe: PosedFrame, recording: Recording, cell_m: float, shape: tuple[int, int], range_m: float = math.inf
+) -> SeenPoints:
+    """Find the cell in which each pixel of a keyframe lies.
+
+    Args:
+        keyframe: The keyframe.
+        recording: Its recording, located.
+        cell_m: Edge of a cell (m).
+        shape: (NY, NX) of the grid.
+        range_m: Largest distance along the line of sight (m).
+    """
+    frame = drop_doubtful(keyframe.frame, recording.map.doubt)
+    cell, away = np.empty(frame.depth.shape, np.int64), np.zeros(frame.depth.shape)
+    locate_pixels(
+        frame.depth, transform_of(keyframe, recording), lens_of(recording), range_m, cell_m, shape, cell, away
+    )
+    return SeenPoints(frame, cell, away)
+
+
+def grid_shape(recording: Recording, cell_m: float) -> tuple[int, int]:
+    """Return (NY, NX) of a grid over a located recording's area."""
+    width, height = recording.size_m
+    return math.ceil(height / cell_m - 1e-9), math.ceil(width / cell_m - 1e-9)
+
+
+def transform_of(keyframe: PosedFrame, recording: Recording) -> NDArray[np.float64]:
+    """Return T_c^w of a keyframe, the sea floor at 0 m. Shape=(4, 4)."""
+    return T_world_camera(
+        keyframe.pose, recording.camera, altitude=keyframe.height_m, roll=keyframe.roll, pitch=keyframe.pitch
+    )
+
+
+def lens_of(recording: Recording) -> tuple[float, float, float]:
+    """Return focal length and principal point of the camera (px)."""
+    focal, _, cx, cy = recording.camera.intrinsics
+    return focal, cx, cy

@@ -1,0 +1,78 @@
+"""Messages of a ROS 2 bag or an MCAP file, with one line for what is wrong in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from coral.errors import InputError, first_line
+
+
+def is_bag(path: Path) -> bool:
+    """Check whether a path is a ROS 2 bag or an MCAP file."""
+    return path.suffix == ".mcap" or (path / "metadata.yaml").is_file()
+
+
+def count_messages(path: Path) -> dict[str, int]:
+    """Return the number of messages on each topic.
+
+    Raises:
+        InputError: It is no bag, or rosbags is not installed.
+    """
+    with _opened(path) as reader:
+        return {one.topic: one.msgcount for one in reader.connections}
+
+
+def read_messages(path: Path, wanted: set[str]) -> Iterator[tuple[str, Any]]:
+    """Return topic and message of all messages on some topics, in order of time, one after the other.
+
+    Raises:
+        InputError: It is no bag, a message is damaged, or rosbags is not installed.
+    """
+    with _opened(path) as reader:
+        connections = [one for one in reader.connections if one.topic in wanted]
+        if not connections:
+            return
+        try:
+            for connection, _, raw in reader.messages(connections=connections):
+                try:
+                    message = reader.deserialize(raw, connection.msgtype)
+                except Exception as error:  # a damaged message: the library has no common class for this
+                    raise InputError(str(path), connection.topic, first_line(error), "a whole message") from None
+                yield connection.topic, message
+        except InputError:
+            raise
+        except Exception as error:
+            if type(error).__module__.startswith("rosbags"):
+                raise InputError(str(path), "", first_line(error), "a whole file") from None
+            raise
+
+
+def stamp_of(message: Any) -> float:
+    """Return the time of a message's header (s)."""
+    stamp = message.header.stamp
+    return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    try:
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError:
+        raise InputError(str(path), "", "no package rosbags", "the extra bags: pip install 'coral[bags]'") from None
+    try:
+        reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+        reader.open()
+    except (AnyReaderError, OSError, ValueError, AssertionError, AttributeError, KeyError, EOFError) as error:
+        raise InputError(str(path), "", first_line(error), "a ROS 2 bag or an MCAP file") from None
+    except Exception as error:
+        if type(error).__module__.startswith("rosbags"):
+            raise InputError(str(path), "", first_line(error), "a ROS 2 bag or an MCAP file") from None
+        raise
+    try:
+        yield reader
+    finally:
+        reader.close()

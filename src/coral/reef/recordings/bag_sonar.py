@@ -1,0 +1,88 @@
+"""A bag's echoes as range images on the map, and as points of known depth in the camera's pictures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.errors import InputError
+from coral.reef.geometry import Pose
+from coral.reef.recordings.bag_reader import read_messages
+from coral.reef.recordings.point_clouds import points_in, range_image_of
+from coral.reef.recordings.pose_track import PoseTrack
+from coral.reef.recordings.recording import PosedPing
+from coral.reef.recordings.transforms import euler_of
+from coral.reef.sensing import Attitude
+from coral.reef.sonar.sonar_3d15 import SonarCfg, sonar_attitude
+
+
+@dataclass(frozen=True)
+class BagSonar:
+    """How echoes of a bag are read."""
+
+    sonar: SonarCfg
+    """Its beams and its tilt."""
+    track: PoseTrack
+    turned: NDArray[np.float64]
+    """From a body with the sonar at its origin, tilted as `sonar` says, to the bag's body. Shape=(4, 4)."""
+    to_camera: NDArray[np.float64]
+    """T_sonar^camera. Shape=(4, 4)."""
+    where: str
+    """Path of the bag, for errors."""
+
+    def hear(self, t: float, message: Any) -> tuple[PosedPing | None, NDArray[np.float64]]:
+        """Return a cloud as a range image with its place, and its points in the camera's optical frame (m).
+
+        The range image is None where no pose is near in time. Shape=(N, 3).
+
+        Raises:
+            InputError: It is no cloud of points.
+        """
+        points = points_in(message, f"{self.where} at {t:.3f} s")
+        seen = points @ self.to_camera[:3, :3].T + self.to_camera[:3, 3]
+        at = self.track.at(t)
+        if at is None:
+            return None, seen
+        body = at[0] @ self.turned
+        roll, pitch, yaw = euler_of(body[:3, :3])
+        attitude = Attitude(roll=roll, pitch=pitch, depth_m=math.inf, altitude_m=float(body[2, 3]))
+        pose = Pose(float(body[0, 3]), float(body[1, 3]), yaw)
+        return PosedPing(t=t, pose=pose, attitude=attitude, image=range_image_of(points, self.sonar)), seen
+
+
+def open_sonar(
+    path: Path,
+    topic: str,
+    track: PoseTrack,
+    static: Mapping[tuple[str, str], NDArray[np.float64]],
+    camera_mount: NDArray[np.float64],
+    sonar: SonarCfg | None = None,
+) -> BagSonar:
+    """Prepare for the echoes on a topic that has some.
+
+    Args:
+        path: The bag.
+        topic: Of the clouds.
+        track: Poses of the body.
+        static: T_child^parent by parent and child.
+        camera_mount: T_camera^body, optical.
+        sonar: The sonar's beams; None: those of the Sonar 3D-15.
+
+    Raises:
+        InputError: Nobody knows where on the vehicle the sonar is.
+    """
+    frame = str(next(read_messages(path, {topic}))[1].header.frame_id)
+    mount = np.eye(4) if frame == track.child else static.get((track.child, frame))
+    if mount is None:
+        raise InputError(str(path), "/tf_static", f"no transform from {track.child} to {frame or 'the sonar'}", "one")
+    down = math.asin(max(-1.0, min(1.0, -float(mount[2, 0]))))
+    cfg = replace(sonar or SonarCfg(), enabled=True, pitch_down_deg=round(math.degrees(down), 9))
+    tilt = np.eye(4)
+    tilt[:3, :3] = sonar_attitude(0.0, 0.0, 0.0, cfg.pitch_down_deg)
+    return BagSonar(cfg, track, mount @ np.linalg.inv(tilt), np.linalg.inv(camera_mount) @ mount, str(path))

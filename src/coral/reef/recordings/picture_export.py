@@ -1,0 +1,67 @@
+"""A recording as a folder of colour pictures with their poses, and nothing else: what a diver's camera brings home."""
+
+from __future__ import annotations
+
+import csv
+import io
+import shutil
+import tempfile
+from pathlib import Path
+
+import yaml
+
+from coral.errors import InputError
+from coral.reef.camera import CameraCfg
+from coral.reef.recordings.picture_files import encode_jpeg
+from coral.reef.recordings.picture_folder import TABLE
+from coral.reef.recordings.recording import PosedFrame, Recording
+
+COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw", "rgb")
+
+
+def write_pictures(recording: Recording, path: Path) -> dict[str, int]:
+    """Write a located recording as a folder that `read_folder` reads.
+
+    Returns:
+        Number of pictures.
+
+    Raises:
+        InputError: The path exists, or there are no colour pictures.
+    """
+    if path.exists():
+        raise InputError(str(path), "--out", "something there already", "a new path")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    table = io.StringIO()
+    rows = csv.writer(table, lineterminator="\n")
+    rows.writerow(COLUMNS)
+    count = 0
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
+        folder = Path(scratch) / path.name
+        folder.mkdir()
+        for count, one in enumerate(recording.keyframes(), 1):
+            name = f"{count:06d}.jpg"
+            (folder / name).write_bytes(colour_of(one, recording))
+            values = (one.t, one.pose.x, one.pose.y, one.height_m, one.roll, one.pitch, one.pose.theta)
+            rows.writerow([*(f"{value:.9g}" for value in values), name])
+        (folder / TABLE).write_text(table.getvalue(), encoding="utf-8")
+        (folder / "camera.yaml").write_text(yaml.safe_dump(_camera(recording.camera), sort_keys=False))
+        shutil.move(folder, path)
+    return {"pictures": count}
+
+
+def colour_of(keyframe: PosedFrame, recording: Recording) -> bytes:
+    """Return the colour picture of a keyframe as a JPEG file.
+
+    Raises:
+        InputError: It has none.
+    """
+    if keyframe.frame.rgb is None:
+        raise InputError(
+            recording.source, "", f"no colour picture at {keyframe.t:g} s", "a run with --cfg.simulator.pictures"
+        )
+    return encode_jpeg(keyframe.frame.rgb)
+
+
+def _camera(camera: CameraCfg) -> dict[str, float]:
+    names = ("width", "height", "hfov_deg", "pitch_down_deg", "altitude_m", "range_m", "near_m")
+    return {name: getattr(camera, name) for name in names}

@@ -1,0 +1,87 @@
+"""Where a body was at any time, from stamped odometry and what localization corrects of it."""
+
+from __future__ import annotations
+
+import bisect
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.geometry import Pose
+from coral.reef.recordings.transforms import euler_of, interpolate_transform
+
+NEAR_S = 0.1
+"""A picture without a pose within this time of it is left out (s)."""
+GAP_S = 0.5
+"""Between poses farther apart than this nothing is interpolated (s)."""
+_SAME_S = 1e-6
+
+Transform = NDArray[np.float64]
+
+
+@dataclass
+class StampedTransforms:
+    """Transforms in order of time."""
+
+    times: list[float] = field(default_factory=list)
+    transforms: list[Transform] = field(default_factory=list)
+
+    def add(self, t: float, transform: Transform) -> None:
+        """Add a transform, which may be up to `NEAR_S` older than the last one.
+
+        Raises:
+            ValueError: It is older than that: the clock has been set back.
+        """
+        if self.times and t < self.times[-1] - NEAR_S:
+            raise ValueError(f"a time stamp of {t:.3f} s after one of {self.times[-1]:.3f} s")
+        at = bisect.bisect_right(self.times, t)
+        self.times.insert(at, t)
+        self.transforms.insert(at, transform)
+
+    def at(self, t: float) -> Transform | None:
+        """Return the transform at a time: that of this very stamp, or between two, or one near by; None without."""
+        if not self.times:
+            return None
+        after = bisect.bisect_left(self.times, t - _SAME_S)
+        if after < len(self.times) and abs(self.times[after] - t) <= _SAME_S:
+            return self.transforms[after]
+        if 0 < after < len(self.times):
+            before = after - 1
+            gap = self.times[after] - self.times[before]
+            if gap <= GAP_S:
+                share = (t - self.times[before]) / gap
+                return interpolate_transform(self.transforms[before], self.transforms[after], share)
+        k = self.nearest(t)
+        return self.transforms[k] if abs(self.times[k] - t) <= NEAR_S else None
+
+    def nearest(self, t: float) -> int:
+        """Return the index of the transform nearest in time."""
+        k = bisect.bisect_left(self.times, t)
+        if k == 0 or (k < len(self.times) and self.times[k] - t < t - self.times[k - 1]):
+            return k
+        return k - 1
+
+
+@dataclass
+class PoseTrack:
+    """Poses of a body in the map."""
+
+    odometry: StampedTransforms = field(default_factory=StampedTransforms)
+    """T_body^odom."""
+    parent: str = ""
+    child: str = ""
+    """Frames of the odometry and of the body."""
+    corrections: dict[str, StampedTransforms] = field(default_factory=dict)
+    """T_odom^map by the odometry's frame."""
+
+    def at(self, t: float) -> tuple[Transform, Pose | None] | None:
+        """Return T_body^map, and the pose by odometry alone if it is corrected; None where no pose is near."""
+        body = self.odometry.at(t)
+        if body is None:
+            return None
+        corrections = self.corrections.get(self.parent)
+        if corrections is None:
+            return body, None
+        correction = corrections.transforms[corrections.nearest(t)]
+        return correction @ body, Pose(float(body[0, 3]), float(body[1, 3]), euler_of(body[:3, :3])[2])

@@ -1,0 +1,80 @@
+"""Pictures in ROS messages: sensor_msgs/Image and sensor_msgs/CompressedImage."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.errors import InputError
+from coral.reef.recordings.picture_files import decode
+
+_PLAIN: dict[str, tuple[str, int]] = {
+    "mono8": ("u1", 1), "8UC1": ("u1", 1), "mono16": ("u2", 1), "16UC1": ("u2", 1), "32FC1": ("f4", 1),
+    "rgb8": ("u1", 3), "bgr8": ("u1", 3), "8UC3": ("u1", 3), "rgba8": ("u1", 4), "bgra8": ("u1", 4),
+    "bayer_rggb8": ("u1", 1), "bayer_bggr8": ("u1", 1), "bayer_gbrg8": ("u1", 1), "bayer_grbg8": ("u1", 1),
+    "yuv422": ("u1", 2), "yuv422_yuy2": ("u1", 2),
+}  # fmt: skip
+"""Type and channels by encoding (sensor_msgs/image_encodings.hpp)."""
+_TO_RGB = {
+    "mono8": cv2.COLOR_GRAY2RGB, "8UC1": cv2.COLOR_GRAY2RGB, "bgr8": cv2.COLOR_BGR2RGB, "8UC3": cv2.COLOR_BGR2RGB,
+    "rgba8": cv2.COLOR_RGBA2RGB, "bgra8": cv2.COLOR_BGRA2RGB,
+    # OpenCV names a Bayer pattern by its second row and column.
+    "bayer_rggb8": cv2.COLOR_BayerBG2RGB, "bayer_bggr8": cv2.COLOR_BayerRG2RGB,
+    "bayer_gbrg8": cv2.COLOR_BayerGR2RGB, "bayer_grbg8": cv2.COLOR_BayerGB2RGB,
+    "yuv422": cv2.COLOR_YUV2RGB_UYVY, "yuv422_yuy2": cv2.COLOR_YUV2RGB_YUYV,
+}  # fmt: skip
+_HEADER_BYTES = 12
+"""Of compressed_depth_image_transport, before the PNG."""
+
+
+def colours_in(message: Any, where: str) -> NDArray[np.uint8]:
+    """Return the colour picture of a message, red first. Shape=(H, W, 3).
+
+    Raises:
+        InputError: It is none, or has an encoding that is not read here.
+    """
+    if _is_compressed(message):
+        return np.asarray(decode(bytes(message.data), where, "rgb", cv2.IMREAD_COLOR)[:, :, ::-1], np.uint8)
+    image, encoding = _plain(message, where), str(message.encoding)
+    if encoding == "rgb8":
+        return np.asarray(image, np.uint8)
+    if encoding not in _TO_RGB:
+        raise InputError(where, "encoding", repr(encoding), f"one of rgb8, {', '.join(_TO_RGB)}")
+    return np.asarray(cv2.cvtColor(np.ascontiguousarray(image), _TO_RGB[encoding]), np.uint8)
+
+
+def values_in(message: Any, where: str, field: str) -> NDArray[Any]:
+    """Return the picture of classes or of depth of a message, as it is. Shape=(H, W).
+
+    Raises:
+        InputError: It is none, or has an encoding that is not read here.
+    """
+    if not _is_compressed(message):
+        return _plain(message, where)
+    content = bytes(message.data)
+    if "compressedDepth" in str(message.format):
+        content = content[_HEADER_BYTES:]
+    return decode(content, where, field)
+
+
+def _is_compressed(message: Any) -> bool:
+    return hasattr(message, "format")
+
+
+def _plain(message: Any, where: str) -> NDArray[Any]:
+    encoding = str(message.encoding)
+    if encoding not in _PLAIN:
+        raise InputError(where, "encoding", repr(encoding), f"one of {', '.join(_PLAIN)}")
+    kind, channels = _PLAIN[encoding]
+    dtype = np.dtype(kind).newbyteorder(">" if message.is_bigendian else "<")
+    width, height, step = int(message.width), int(message.height), int(message.step)
+    data = np.asarray(message.data).view(np.uint8)
+    used = width * channels * dtype.itemsize
+    if min(width, height) < 1 or step < used or data.size < step * height:
+        raise InputError(where, "data", f"{data.size} bytes", f"{height} rows of {step} bytes, {used} of them pixels")
+    rows = data[: step * height].reshape(height, step)[:, :used]
+    image = np.ascontiguousarray(rows).view(dtype).reshape((height, width, channels))
+    return image.astype(dtype.newbyteorder("="))[:, :, 0] if channels == 1 else image

@@ -1,0 +1,51 @@
+"""Camera files."""
+
+import pytest
+
+from coral.errors import InputError
+from coral.reef.camera import CameraCfg
+from coral.reef.recordings.recorded_camera import RecordedCamera, read_camera
+
+
+def camera(tmp_path, text):
+    (tmp_path / "camera.yaml").write_text(text)
+    return read_camera(tmp_path / "camera.yaml")
+
+
+def test_a_field_of_view_is_enough_and_nothing_is_rectified(tmp_path):
+    found = camera(tmp_path, "{width: 640, height: 480, hfov_deg: 80, pitch_down_deg: 30, altitude_m: 1.5}")
+    assert found.view == CameraCfg(width=640, height=480, hfov_deg=80.0, pitch_down_deg=30.0, altitude_m=1.5)
+    assert found.rectifier is None
+    assert found.size == (640, 480)
+
+
+def test_a_calibration_makes_pictures_of_a_pinhole_camera(tmp_path):
+    text = "{width: 640, height: 480, fx: 520, fy: 518, cx: 310, cy: 250, distortion: [-0.3, 0.1, 0, 0]}"
+    found = camera(tmp_path, text)
+    assert found.rectifier is not None
+    assert found.size == (640, 480)
+    assert found.view.pitch_down_deg == 15.0
+    # The barrel shows more than 640 / 520 at its sides: the view is wider than without distortion.
+    assert found.view.hfov_deg > 62.0
+
+
+def test_a_camera_of_ours_is_taken_as_it_is():
+    cfg = CameraCfg(width=80, height=60)
+    assert RecordedCamera.plain(cfg) == RecordedCamera(cfg, (80, 60))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{fx: 100}", "fx, fy: found one without the other"),
+        ("{fx: 100, fy: 100, hfov_deg: 90}", "hfov_deg: found fx, fy besides"),
+        ("{distortion: [0.1, 0, 0, 0]}", "distortion: found no fx, fy"),
+        ("{fov: 100}", "camera.yaml: fov: found an unknown key"),
+        ("{width: -3}", "width"),
+        ("{hfov_deg: 200}", "hfov_deg: found 200"),
+        ("{fx: 100, fy: 100, model: kannala}", "model"),
+    ],
+)
+def test_a_file_that_is_wrong_names_the_field(tmp_path, text, said):
+    with pytest.raises(InputError, match=said):
+        camera(tmp_path, text)

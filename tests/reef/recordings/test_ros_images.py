@@ -1,0 +1,89 @@
+"""Pictures in ROS messages."""
+
+from types import SimpleNamespace
+
+import cv2
+import numpy as np
+import pytest
+
+from coral.errors import InputError
+from coral.reef.recordings.picture_files import encode_jpeg, encode_png
+from coral.reef.recordings.ros_images import colours_in, values_in
+
+RED = np.zeros((2, 4, 3), np.uint8)
+RED[...] = (200, 30, 10)
+
+
+def plain(encoding, rows, step=None, big=0):
+    """A message whose rows may be longer than their pixels."""
+    raw = np.ascontiguousarray(rows).view(np.uint8).reshape(len(rows), -1)
+    padded = np.zeros((len(rows), step or raw.shape[1]), np.uint8)
+    padded[:, : raw.shape[1]] = raw
+    return SimpleNamespace(
+        encoding=encoding, height=rows.shape[0], width=rows.shape[1], step=padded.shape[1], is_bigendian=big,
+        data=padded.ravel(),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("encoding", "rows"),
+    [
+        ("rgb8", RED),
+        ("bgr8", RED[..., ::-1]),
+        ("rgba8", np.dstack([RED, RED[..., :1]])),
+        ("bgra8", np.dstack([RED[..., ::-1], RED[..., :1]])),
+    ],
+)
+@pytest.mark.parametrize("step", [None, 64])
+def test_plain_colours_come_out_red_first_whatever_the_length_of_a_row(encoding, rows, step):
+    np.testing.assert_array_equal(colours_in(plain(encoding, rows, step), "x"), RED)
+
+
+def test_bayer_patterns_are_those_of_ros():
+    mosaic = np.zeros((8, 8), np.uint8)
+    mosaic[0::2, 0::2] = 200  # rggb: red in the first row and column
+    made = colours_in(plain("bayer_rggb8", mosaic), "x")[4, 4]
+    assert made[0] > 90 > made[2]
+
+
+def test_yuv_is_read():
+    packed = np.full((2, 4, 2), (128, 90), np.uint8)  # u or v, y
+    made = colours_in(plain("yuv422", packed), "x")
+    assert made.shape == (2, 4, 3)
+    assert np.ptp(made[0, 0].astype(int)) <= 2  # gray
+
+
+def test_compressed_colours_are_read():
+    message = SimpleNamespace(format="jpeg", data=np.frombuffer(encode_jpeg(np.repeat(RED, 8, 0)), np.uint8))
+    assert np.abs(colours_in(message, "x").astype(int) - (200, 30, 10)).max() < 12
+
+
+def test_depth_keeps_its_values_in_both_byte_orders_and_behind_a_header():
+    depth = np.array([[1000, 2500], [0, 65535]], np.uint16)
+    np.testing.assert_array_equal(values_in(plain("16UC1", depth), "x", "depth"), depth)
+    np.testing.assert_array_equal(values_in(plain("mono16", depth.byteswap(), big=1), "x", "depth"), depth)
+    metres = np.array([[1.5, np.nan]], np.float32)
+    np.testing.assert_array_equal(values_in(plain("32FC1", metres), "x", "depth"), metres)
+    packed = b"\0" * 12 + encode_png(depth)
+    message = SimpleNamespace(format="16UC1; compressedDepth png", data=np.frombuffer(packed, np.uint8))
+    np.testing.assert_array_equal(values_in(message, "x", "depth"), depth)
+
+
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        (plain("jpeg2000", RED), "encoding: found 'jpeg2000', expected one of mono8"),
+        (plain("32FC1", np.zeros((2, 2), np.float32)), "encoding: found '32FC1', expected one of rgb8"),
+        (SimpleNamespace(**{**vars(plain("rgb8", RED)), "height": 9}), "data: found 24 bytes, expected 9 rows of 12"),
+        (SimpleNamespace(**{**vars(plain("rgb8", RED)), "step": 3}), "data: found"),
+        (SimpleNamespace(**{**vars(plain("rgb8", RED)), "width": 0}), "data: found"),
+        (SimpleNamespace(format="jpeg", data=np.zeros(9, np.uint8)), "found no picture"),
+    ],
+)
+def test_a_message_that_lies_is_one_line(message, said):
+    with pytest.raises(InputError, match=said):
+        colours_in(message, "x")
+
+
+def test_opencv_has_the_conversions_that_ros_names():
+    assert cv2.COLOR_YUV2RGB_UYVY == cv2.COLOR_YUV2RGB_Y422
