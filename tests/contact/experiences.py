@@ -1,6 +1,7 @@
 """An experience of a scene, for tests of the memory."""
 
-from coral.contact.memory.memory import Experience, scene_numbers
+from coral.contact.memory.memory import Experience
+from coral.contact.memory.scene_numbers import scene_numbers
 from coral.contact.rules.composition import compose
 
 

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from coral.contact.episode.retrieval_bench import retrieve_cases, score_retrieval
+from coral.contact.episode.retrieval_bench import rank_by_wording, retrieve_cases, score_retrieval
 from coral.contact.episode.retrieval_cases import load_retrieval_cases
+from coral.contact.memory.embedding import DEFAULT, embedder_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,14 +17,20 @@ class MemoryBench:
 
     half: str = "development"
     """Half of the test set: development, or test, which is kept for measuring."""
+    embedder: str = DEFAULT
+    """Embeds instructions: concepts, words, wordllama, or an entry point of the group coral.embedders."""
     json: bool = False
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Look up every case."""
-        results = retrieve_cases(load_retrieval_cases(self.half))
+        cases, embedder = load_retrieval_cases(self.half), embedder_of(self.embedder)
+        results = retrieve_cases(cases, embedder)
+        reworded, nearest = rank_by_wording(cases, embedder)
         return {
             "half": self.half,
+            "embedder": embedder.name,
+            "by_wording_alone": {"cases": reworded, "right": nearest},
             "by_change": score_retrieval(results),
             "cases": [
                 {
@@ -51,4 +58,6 @@ class MemoryBench:
             for one in result["cases"]
             if not one["right"]
         ]
+        alone = result["by_wording_alone"]
+        rows.append(f"by wording alone ({result['embedder']}): {alone['right']} of {alone['cases']} reworded tasks")
         return "\n".join([head, *rows, *(["", *missed] if missed else [])])

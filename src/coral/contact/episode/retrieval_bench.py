@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
 from coral.contact.episode.retrieval_cases import NOTHING, REMEMBERED, RetrievalCase
 from coral.contact.memory.embedding import Embedder
-from coral.contact.memory.memory import Experience, Memory, MemoryCfg, scene_numbers
+from coral.contact.memory.memory import Experience, Memory, MemoryCfg
+from coral.contact.memory.scene_numbers import scene_numbers
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.rules.composition import compose
@@ -78,6 +81,24 @@ def retrieve_cases(
                 )
             )
         return results
+
+
+def rank_by_wording(cases: Sequence[RetrievalCase], embedder: Embedder) -> tuple[int, int]:
+    """Count the cases in other words, and those of them whose task has the most similar instruction.
+
+    This is what the embedder alone would find, without goals and numbers.
+
+    Args:
+        cases: The cases.
+        embedder: Embeds the instructions.
+    """
+    tasks = {name: load_task_file(name) for name in REMEMBERED}
+    known = np.stack([embedder.embed(task.instruction) for task in tasks.values()])
+    reworded = [
+        one for one in cases if NOTHING not in one.fits and one.task.instruction != tasks[one.origin].instruction
+    ]
+    nearest = [REMEMBERED[int(np.argmax(known @ embedder.embed(one.task.instruction)))] for one in reworded]
+    return len(reworded), sum(name in one.fits for name, one in zip(nearest, reworded, strict=True))
 
 
 def score_retrieval(results: Sequence[RetrievalResult]) -> dict[str, Mapping[str, int]]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from coral.contact.memory.memory import Experience, roles
+from coral.contact.memory.memory import Experience
+from coral.contact.memory.scene_numbers import roles
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
 from coral.contact.scene.facts import SceneFacts
@@ -14,7 +15,7 @@ from coral.contact.scene.facts import SceneFacts
 def adapt(experience: Experience, facts: SceneFacts) -> tuple[PlanAnswer, RegionsAnswer]:
     """Rewrite a remembered plan and its regions for the names and sizes of this scene; verify them like new ones."""
     before = list(dict.fromkeys(goal["object"] for goal in experience.goals if goal["kind"] != "undisturbed"))
-    names = dict(zip(before, roles(facts), strict=False))
+    names = dict(zip(before, roles(facts["goals"]), strict=False))
     plan = experience.plan
     programs = ("code", "done", "lost", "toward")
     stages = [

@@ -15,7 +15,8 @@ from coral.contact.cost.context import Cost
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError, CostWorker
 from coral.contact.memory.adaptation import adapt
-from coral.contact.memory.memory import Experience, Match, Memory, scene_numbers
+from coral.contact.memory.memory import Experience, Match, Memory
+from coral.contact.memory.scene_numbers import scene_numbers
 from coral.contact.perception.advisor_camera import Look, to_picture
 from coral.contact.perception.scene_labels import PictureLabels, label_picture
 from coral.contact.plan.contact_regions import RegionsAnswer
