@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator
 
 from coral.config import Count, Signed
 from coral.contact.memory.embedding import DEFAULT, Embedder, Vector, embedder_of
+from coral.contact.memory.expressions import SizeExpression
 from coral.contact.memory.goal_match import GoalMatch, match_goals
 from coral.contact.memory.scene_numbers import (
     HELD,
@@ -44,6 +45,7 @@ class Experience(BaseModel):
         plan, regions: The successful plan and its regions.
         beliefs: Believed mass and friction at the end.
         provenance: Origin of the success: world, seed, variant, advisor, run, metrics.
+        expressions: Lengths of the programs that were sizes or places, by the number as written (`expressions.py`).
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -55,6 +57,7 @@ class Experience(BaseModel):
     regions: RegionsAnswer
     beliefs: dict[str, tuple[FiniteFloat, FiniteFloat]]
     provenance: dict[str, Any]
+    expressions: dict[str, SizeExpression] = Field(default_factory=dict)
 
     @field_validator("goals")
     @classmethod
@@ -114,7 +117,10 @@ class MemoryCfg(ScaleLimits):
     """Smallest cosine similarity of the instructions. None is required: goals decide, and the wording ranks, because
     a paraphrase may share no word."""
     candidates: Count = 3
-    """Maximum number of remembered plans that are tried in the planning world."""
+    """Maximum number of remembered plans that are adapted and checked."""
+    rehearsed: Count = 2
+    """Number of plans that pass the checks and are rehearsed, of which the best is followed: of each remembered plan,
+    with lengths computed anew and, if that changes it, with lengths as they were. 1 follows the first without one."""
     failures: Count = 3
     """A plan that failed so often without ever succeeding again is no longer offered."""
 

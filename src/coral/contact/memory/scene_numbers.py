@@ -47,8 +47,8 @@ def scene_numbers(facts: SceneFacts) -> dict[str, float]:
 
     Returns:
         For thing k: `objectk.size.0` to `.2` (m), `.up` (its axis nearest to vertical), `.z` (m), `.mass_kg`,
-        `.friction`, `.joint`; `place.NAME.0` to `.2` (m) of places and fixtures; `goal.KIND.objectk.FIELD`;
-        `number.NAME` of the task.
+        `.friction`, `.joint`; `place.NAME.0` to `.2` (m) of places and fixtures, and `place.NAME.low.0` and `.high.0`
+        for the faces of a fixture that is not turned; `goal.KIND.objectk.FIELD`; `number.NAME` of the task.
     """
     found: dict[str, float] = {}
     order = {name: f"object{index}" for index, name in enumerate(roles(facts["goals"]))}
@@ -69,7 +69,10 @@ def scene_numbers(facts: SceneFacts) -> dict[str, float]:
             found.setdefault(f"goal.{goal['kind']}.{order.get(goal['object'], goal['object'])}.{field}", value)
     found |= {f"number.{key}": float(value) for key, value in facts["numbers"].items()}
     for name, fixture in facts["fixtures"].items():
-        found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(fixture["position"])}
+        for k, (middle, size) in enumerate(zip(fixture["position"], fixture["size_m"], strict=True)):
+            found[f"place.{name}.{k}"] = float(middle)
+            found[f"place.{name}.low.{k}"] = round(middle - size / 2, 5)
+            found[f"place.{name}.high.{k}"] = round(middle + size / 2, 5)
     for name, place in facts["places"].items():
         found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(place)}
     return found
