@@ -1,6 +1,6 @@
 """Lifelong learning: success and advisor calls over a stream of changing tasks, with and without a memory.
 
-    python benchmarks/contact_lifelong.py --trials 24 --out lifelong       # some 5 minutes on a free core
+    python benchmarks/contact_lifelong.py --trials 60 --out lifelong
 
 The stream takes turns between two families of tasks; each trial is one of the development cases of the memory's test
 set (`coral memory bench`) or the shipped task itself, with a seed of its own. Both arms see the same stream with the
