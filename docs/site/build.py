@@ -22,7 +22,7 @@ SECTIONS = {
              "run-on-a-bluerov2"],
     "Eyes and maps": ["underwater-pictures", "see-with-your-own-network", "sonar-and-navigation",
                       "what-an-ecologist-takes-home", "map-a-recording"],
-    "Contact": ["contact-run", "contact-mind", "contact-tasks", "contact-costs", "contact-libero",
+    "Contact": ["contact-run", "contact-mind", "contact-memory", "contact-tasks", "contact-costs", "contact-libero",
                 "read-a-contact-report", "contact-perception", "contact-policy-server"],
     "Models": ["plug-in-a-model", "is-this-model-good-enough", "answer-as-the-operator"],
     "Python and data": ["use-from-python", "train-a-policy"],

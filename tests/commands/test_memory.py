@@ -3,6 +3,7 @@ import pytest
 from coral.commands.contact_bench import read_memory
 from coral.commands.memory import MemoryImport
 from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.expressions import SizeExpression
 from coral.contact.memory.memory import Experience, Memory
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
@@ -49,6 +50,23 @@ def test_what_is_remembered_is_listed_and_shown(told, memory):
     code, text, _ = told("memory", "show", number, "--file", memory.where)
     assert (code, text.count("def state_cost(self):")) == (0, 1)
     assert "task: pick-box" in text.splitlines()
+
+
+def test_the_rate_of_success_is_listed(told, memory):
+    (number,) = [stored.id for stored in memory.all()]
+    assert "not used yet" in told("memory", "list", "--file", memory.where)[1]
+    for helped in (True, False):
+        memory.used(number, helped)
+    assert "helped 1 of 2" in told("memory", "list", "--file", memory.where)[1]
+    (row,) = told("memory", "list", "--file", memory.where, "--json")[1]["experiences"]
+    assert row["success_rate"] == 0.5
+
+
+def test_lengths_that_follow_the_scene_are_shown(told, memory):
+    half = SizeExpression(shares={"object0.size.2": 0.5}, margin_m=0.01)
+    number = memory.add(experience(seed=5).model_copy(update={"expressions": {"0.04 along z": half}}))
+    text = told("memory", "show", number, "--file", memory.where)[1]
+    assert "  0.04 along z: 0.5 object0.size.2 + 0.01" in text.splitlines()
 
 
 def test_provenance_that_says_little_or_too_much_is_listed_all_the_same(told, memory):

@@ -1,18 +1,21 @@
 """An experience of a scene, for tests of the memory."""
 
-from coral.contact.memory.memory import Experience, scene_numbers
+from coral.contact.memory.expressions import find_expressions
+from coral.contact.memory.memory import Experience
+from coral.contact.memory.scene_numbers import scene_numbers
 from coral.contact.rules.composition import compose
 
 
 def experience(one, **provenance):
-    made = compose(one.facts)
+    made, numbers = compose(one.facts), scene_numbers(one.facts)
     return Experience(
         task="t",
         instruction=one.facts["instruction"],
         goals=one.facts["goals"],
-        numbers=scene_numbers(one.facts),
+        numbers=numbers,
         plan=made.plan,
         regions=made.regions,
         beliefs={"box": (0.2, 0.5)},
         provenance={"success": True, "world": "hand", "seed": 0, **provenance},
+        expressions=find_expressions(made.plan, numbers),
     )

@@ -34,7 +34,7 @@ CORE = (
 )
 EXTRAS = {
     "contact": ("robosuite", "contact tasks on the Panda"),
-    "memory": ("wordllama", "meanings of task descriptions, for the experience memory"),
+    "memory": ("wordllama", "another embedder of instructions, for the experience memory"),
     "lance": ("lancedb", "an experience memory that several machines share"),
     "ray": ("ray", "campaigns on a cluster"),
     "blender": ("bpy", "reefs as .blend files, and photorealistic pictures (make setup-blender)"),

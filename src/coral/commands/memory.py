@@ -48,12 +48,17 @@ def _row(stored: Stored) -> dict[str, Any]:
         "stages": held.plan.names,
         "used": stored.used,
         "helped": stored.helped,
+        "success_rate": None if not stored.used else round(stored.helped / stored.used, 3),
     }
+
+
+def _rate_text(row: Mapping[str, Any]) -> str:
+    return f"helped {row['helped']} of {row['used']}" if row["used"] else "not used yet"
 
 
 @dataclass(frozen=True, kw_only=True)
 class MemoryList:
-    """List the remembered experiences."""
+    """List the remembered experiences: origin, uses, and how many of these succeeded."""
 
     file: str = FILE
     """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
@@ -67,8 +72,8 @@ class MemoryList:
     def describe(self, result: Mapping[str, Any]) -> str:
         """Return one line for each experience."""
         rows = [
-            f"{row['id']:>4}  {row['task']:<18} {row['world']!s:<6} seed {row['seed']!s:<5} used {row['used']}, "
-            f"helped {row['helped']}  {', '.join(row['stages'])}"
+            f"{row['id']:>4}  {row['task']:<18} {row['world']!s:<6} seed {row['seed']!s:<5} "
+            f"by {row.get('advisor')!s:<22} {_rate_text(row):<16}  {', '.join(row['stages'])}"
             for row in result["experiences"]
         ]
         return "\n".join(rows) or f"{result['file']}: nothing is remembered"
@@ -92,12 +97,17 @@ class MemoryShow:
             **_row(stored),
             "experience": stored.experience.model_dump(mode="json"),
             "programs": stored.experience.plan.text(),
+            "expressions": {number: one.text() for number, one in stored.experience.expressions.items()},
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Return its record, then its programs."""
-        head = [f"{key}: {value}" for key, value in result.items() if key not in ("experience", "programs")]
-        return "\n".join([*head, "", result["programs"]])
+        head = [
+            f"{key}: {value}" for key, value in result.items() if key not in ("experience", "programs", "expressions")
+        ]
+        lengths = [f"  {number}: {text}" for number, text in result["expressions"].items()]
+        means = ["", "lengths that follow the scene:", *lengths] if lengths else []
+        return "\n".join([*head, *means, "", result["programs"]])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -63,9 +63,9 @@ def test_a_failed_tracker_is_no_result(tmp_path, monkeypatch):
 
 @pytest.fixture
 def practice(scene, tmp_path):
-    """A memory with one experience of the task, exported."""
+    """A memory with one experience of another task, exported."""
     memory = Memory(tmp_path / "practice.sqlite", embedder=HashedWords())
-    memory.add(experience(scene("pick-box"), run="practice"))
+    memory.add(experience(scene("flip-box"), run="practice"))
     return memory.export()
 
 

@@ -3,45 +3,101 @@
 import json
 
 import numpy as np
+import pytest
 from experiences import experience
 
 from coral.contact.memory.adaptation import adapt, renamed
+from coral.contact.memory.expressions import lengths_in
+from coral.contact.memory.goal_match import match_goals
 from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.region_validation import verify_regions
+from coral.contact.rules.composition import compose
+
+
+def adapted(held, facts, scaled=True):
+    return adapt(held, facts, match_goals(held.goals, facts["goals"]), scaled)
+
+
+def changed(facts, **texts):
+    text = json.dumps(facts)
+    for old, new in texts.items():
+        text = text.replace(f'"{old}"', f'"{new}"')
+    return json.loads(text)
 
 
 def test_a_remembered_plan_fits_another_size(scene):
     one, other = scene("pick-box", 0), scene("pick-box", 2)
-    plan, regions = adapt(experience(one), other.facts)
+    plan, regions = adapted(experience(one), other.facts)
     assert verify_plan(plan, other.world.schema, other.samples) is None
     assert verify_regions(regions, other.facts, plan.names) is None
 
 
 def test_regions_are_stretched_with_the_object_they_lie_on(scene):
     one = scene("pick-box")
-    bigger = json.loads(json.dumps(one.facts))
+    bigger = changed(one.facts)
     factors = np.array([1.2, 1.0, 0.5])
     bigger["objects"]["box"]["size_m"] = [
         a * b for a, b in zip(one.facts["objects"]["box"]["size_m"], factors, strict=True)
     ]
     held = experience(one)
-    _, found = adapt(held, bigger)
+    _, found = adapted(held, bigger)
     before = np.array([region.center for region in held.regions.root["box"].regions])
     after = np.array([region.center for region in found.root["box"].regions])
     assert np.abs(before).max() > 0.01
     np.testing.assert_allclose(after, before * factors, atol=1e-5)
 
 
+@pytest.mark.parametrize("task", ["pick-box", "push-force"])
+def test_lengths_become_those_that_the_rules_write_for_the_other_size(scene, task):
+    held, other = experience(scene(task, 0)), scene(task, 2).facts
+    direct = compose(other).plan
+    wanted = [float(one.text) for stage in direct.each() for one in lengths_in(stage.code)]
+
+    def share_right(scaled):
+        plan, _ = adapted(held, other, scaled)
+        found = [float(one.text) for stage in plan.each() for one in lengths_in(stage.code)]
+        return np.isclose(found, wanted, atol=3e-4).mean()
+
+    assert share_right(scaled=True) > max(0.8, share_right(scaled=False) + 0.15)
+
+
+def test_a_lift_goes_to_the_height_that_is_asked_for(scene):
+    one = scene("pick-box")
+    higher = changed(one.facts)
+    higher["goals"][0].update(height_m=0.2, most_m=0.3)
+    plan, _ = adapted(experience(one), higher)
+    assert "init_pos[2] - 0.225)" in plan.stages[-1].code
+    assert plan.stages[-1].toward == "self.ee_pos + np.array([0.0, 0.0, 0.225])"
+
+
 def test_programs_and_regions_take_the_names_of_the_scene(scene):
     one = scene("pick-box")
-    renamed_facts = json.loads(json.dumps(one.facts).replace('"box"', '"crate"'))
     held = experience(one)
-    plan, regions = adapt(held, renamed_facts)
+    plan, regions = adapted(held, changed(one.facts, box="crate"))
     assert list(regions.root) == ["crate"]
     text = plan.model_dump_json()
     assert "self.crate_" in text
     assert "self.box_" not in text
     assert "self.box_" in held.plan.model_dump_json()
+
+
+def test_a_neighbour_that_is_not_here_is_not_read(scene):
+    one = scene("pick-clutter")
+    held = experience(one).model_copy(update={"beliefs": dict.fromkeys(one.facts["objects"], (0.2, 0.5))})
+    alone = changed(one.facts)
+    for name in ("carton", "block", "tin"):
+        del alone["objects"][name]
+    text = adapted(held, alone)[0].text()
+    assert "self.can_pos" in text
+    assert "leave others alone" not in text
+    assert "leave others alone" in held.plan.text()
+
+
+def test_a_neighbour_of_another_name_takes_the_place_of_one(scene):
+    one = scene("pick-clutter")
+    held = experience(one).model_copy(update={"beliefs": dict.fromkeys(one.facts["objects"], (0.2, 0.5))})
+    text = adapted(held, changed(one.facts, tin="jar"))[0].text()
+    assert "norm(self.carton_vel) + norm(self.block_vel) + norm(self.jar_vel)" in text
 
 
 def test_only_whole_names_of_quantities_are_renamed():
@@ -57,3 +113,9 @@ def test_two_names_can_be_swapped():
 def test_the_longer_of_two_names_is_renamed_first():
     names = {"box": "can", "box_lid": "cap"}
     assert renamed("self.box_lid_pos - self.box_pos", names) == "self.cap_pos - self.can_pos"
+
+
+def test_what_a_thing_touches_is_renamed_too():
+    names = {"box": "can", "wall": "barrier"}
+    program = "self.box_wall_contact * self.wall_pos[0] + self.box_left_contact"
+    assert renamed(program, names) == "self.can_barrier_contact * self.barrier_pos[0] + self.can_left_contact"

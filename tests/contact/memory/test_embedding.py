@@ -7,7 +7,8 @@ import types
 import numpy as np
 import pytest
 
-from coral.contact.memory.embedding import HashedWords, best_embedder
+from coral.contact.memory.embedding import DEFAULT, HashedConcepts, HashedWords, embedder_of
+from coral.errors import InputError
 
 
 def similarity(first, second):
@@ -51,30 +52,41 @@ def test_another_process_gives_the_same_vector():
     assert done.stdout.strip() == str(HashedWords().embed("lift the box").tolist())
 
 
-@pytest.fixture
-def anew():
-    best_embedder.cache_clear()
-    yield
-    best_embedder.cache_clear()
+def test_words_of_one_meaning_are_one_concept():
+    concepts = HashedConcepts()
+    first = concepts.embed("Raise the carton")
+    assert first @ concepts.embed("lifting a parcel") == pytest.approx(1.0)
+    assert first @ concepts.embed("Push the block") < 0.6
+    assert first @ HashedConcepts().embed("Shut the lid") == pytest.approx(0.0)
 
 
-@pytest.mark.usefixtures("anew")
-def test_without_weights_words_are_hashed(monkeypatch):
+def test_the_default_needs_no_package(monkeypatch):
     monkeypatch.setitem(sys.modules, "wordllama", None)
-    assert best_embedder().name == "hashed-words"
-    assert best_embedder() is best_embedder()
+    assert embedder_of(DEFAULT).name == "hashed-concepts"
+    assert embedder_of("words").name == "hashed-words"
 
 
-@pytest.mark.usefixtures("anew")
 def test_weights_that_load_are_used_and_their_vectors_have_length_one(monkeypatch):
     model = types.SimpleNamespace(embed=lambda texts: [[3.0, 4.0 * len(text)] for text in texts])
     loader = types.SimpleNamespace(load=lambda **_: model)
     monkeypatch.setitem(sys.modules, "wordllama", types.SimpleNamespace(WordLlama=loader, __file__="w/__init__.py"))
-    assert best_embedder().name == "wordllama-256"
-    assert best_embedder().embed("x") == pytest.approx([0.6, 0.8])
+    assert embedder_of("wordllama").name == "wordllama-256"
+    assert embedder_of("wordllama").embed("x") == pytest.approx([0.6, 0.8])
 
 
-@pytest.mark.usefixtures("anew")
-def test_weights_that_do_not_load_are_no_error(monkeypatch):
-    monkeypatch.setitem(sys.modules, "wordllama", sys)  # a module that has no WordLlama
-    assert best_embedder().name == "hashed-words"
+@pytest.mark.parametrize("broken", [None, sys])
+def test_a_package_that_is_missing_or_does_not_load_is_named(monkeypatch, broken):
+    monkeypatch.setitem(sys.modules, "wordllama", broken)
+    with pytest.raises(InputError, match="embedder: found wordllama, which does not load"):
+        embedder_of("wordllama")
+
+
+def test_an_unknown_embedder_is_one_line_with_the_known_ones():
+    with pytest.raises(InputError, match="one of wordllama, concepts, words"):
+        embedder_of("concept")
+
+
+def test_an_embedder_of_another_package_is_found_by_its_name(monkeypatch):
+    made = HashedWords(size=8)
+    monkeypatch.setattr("coral.contact.memory.embedding.named_plugin", lambda group, name, where, ours: lambda: made)
+    assert embedder_of("mine") is made

@@ -8,17 +8,13 @@ import pytest
 from experiences import experience
 
 from coral.contact.memory.embedding import HashedWords
-from coral.contact.memory.memory import FORMAT, Memory
+from coral.contact.memory.memory import FORMAT, Memory, MemoryCfg
 from coral.errors import InputError
 
 
 @pytest.fixture
 def memory(place):
     return Memory(place("m"), embedder=HashedWords())
-
-
-def changed(facts, **size):
-    return json.loads(json.dumps(facts)) | size
 
 
 def test_what_succeeded_is_found_again(scene, memory):
@@ -37,14 +33,66 @@ def test_only_verified_successes_are_stored(scene, memory, provenance):
     assert memory.all() == []
 
 
-def test_numbers_are_compared_as_numbers(scene, memory):
+def differing(facts, change):
+    other = json.loads(json.dumps(facts))
+    change(other)
+    return other
+
+
+def scale_size(factor):
+    def change(facts):
+        facts["objects"]["box"]["size_m"] = [factor * side for side in facts["objects"]["box"]["size_m"]]
+
+    return change
+
+
+def lift_higher(facts):
+    facts["goals"][0].update(height_m=0.2, most_m=0.3)
+
+
+def say_otherwise(facts):
+    facts["instruction"] = "Take the parcel and bring it up."
+
+
+def add_a_shelf(facts):
+    facts["fixtures"]["shelf"] = {"position": [0.3, 0.3, 0.1], "size_m": [0.1, 0.1, 0.2], "yaw_deg": 0.0}
+    facts["objects"]["mug"] = {**facts["objects"]["box"], "label": "mug"}
+    facts["goals"].append({"object": "mug", "kind": "undisturbed", "tolerance_m": 0.02, "tolerance_deg": 10.0})
+
+
+@pytest.mark.parametrize("change", [scale_size(0.6), lift_higher, say_otherwise, add_a_shelf])
+def test_another_size_height_wording_or_thing_does_not_hide_a_plan(scene, memory, change):
+    one = scene("pick-box")
+    number = memory.add(experience(one))
+    assert [match.stored.id for match in memory.find(differing(one.facts, change))] == [number]
+
+
+def much_heavier(facts):
+    facts["objects"]["box"]["mass_kg"] *= 20
+
+
+def lie_on_its_side(facts):
+    facts["objects"]["box"]["pose"][3:] = [0.7071, 0.7071, 0.0, 0.0]
+
+
+def push_instead(facts):
+    facts["instruction"] = "Push the box."
+
+
+@pytest.mark.parametrize("change", [scale_size(1.5), much_heavier, lie_on_its_side, push_instead])
+def test_what_the_plan_cannot_do_is_not_offered(scene, memory, change):
     one = scene("pick-box")
     memory.add(experience(one))
-    bigger, heavier, higher = (json.loads(json.dumps(one.facts)) for _ in range(3))
-    bigger["objects"]["box"]["size_m"] = [2 * side for side in bigger["objects"]["box"]["size_m"]]
-    heavier["objects"]["box"]["mass_kg"] *= 10
-    higher["goals"][0]["height_m"] *= 2
-    assert [memory.find(facts) for facts in (bigger, heavier, higher)] == [[], [], []]
+    assert memory.find(differing(one.facts, change)) == []
+
+
+def test_the_limits_are_configurable(scene, memory):
+    one = scene("pick-box")
+    memory.add(experience(one))
+    strict = Memory(memory.where, MemoryCfg(size_factor=1.35), HashedWords())
+    assert strict.find(differing(one.facts, scale_size(0.6))) == []
+    deaf = Memory(memory.where, MemoryCfg(similarity=0.9), HashedWords())
+    assert deaf.find(differing(one.facts, say_otherwise)) == []
 
 
 def test_other_goals_do_not_match_however_near_the_words(scene, memory):
@@ -60,6 +108,35 @@ def test_an_experience_that_did_not_help_ranks_lower(scene, memory):
     first, second = memory.add(experience(one)), memory.add(experience(one, seed=1))
     memory.used(second, helped=False)
     assert [match.stored.id for match in memory.find(one.facts)] == [first, second]
+
+
+def test_a_plan_that_failed_comes_last_however_near_its_words(scene, memory):
+    one = scene("pick-box")
+    first = memory.add(experience(one))
+    second = memory.add(experience(one).model_copy(update={"instruction": "Fetch it."}))
+    assert [match.stored.id for match in memory.find(one.facts)] == [first, second]
+    memory.used(first, helped=False)
+    assert [match.stored.id for match in memory.find(one.facts)] == [second, first]
+
+
+def test_a_plan_that_only_fails_is_no_longer_offered(scene, memory):
+    one = scene("pick-box")
+    number = memory.add(experience(one))
+    for times in range(1, 4):
+        memory.used(number, helped=False)
+        assert len(memory.find(one.facts)) == (times < 3)
+    memory.used(number, helped=True)
+    assert len(memory.find(one.facts)) == 1
+
+
+def test_the_rate_of_success_counts_the_success_that_was_stored(scene, memory):
+    one = scene("pick-box")
+    number = memory.add(experience(one))
+    rates = [memory.get(number).success_rate]
+    for helped in (True, False, False):
+        memory.used(number, helped)
+        rates.append(memory.get(number).success_rate)
+    assert rates == pytest.approx([2 / 3, 3 / 4, 3 / 5, 3 / 6])
 
 
 class Counting(HashedWords):

@@ -103,6 +103,21 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
             "lowers the cost by 12 %",
         ),
         (
+            {
+                "event": "recall",
+                "id": 3,
+                "similarity": 0.9,
+                "distance": 0.2,
+                "lengths": "computed anew",
+                "gain": 0.12,
+                "outcome": {"succeeded": False, "stages": 0.5, "conditions": 0.25, "spare_s": 1.0},
+                "refused": "",
+            },
+            "Memory 3 was used",
+            "its lengths are computed anew; the best rehearsal lowers the cost by 12 %; rehearsed for six seconds, it "
+            "came through 50 % of its stages",
+        ),
+        (
             {"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.0, "refused": "off the surface"},
             "Memory 3 was not used",
             "similar by 0.90",

@@ -78,7 +78,7 @@ def _asking_variant(
     """Make a variant that asks an advisor, with parts of the method disabled."""
 
     def make(task: Task, asking: AdvisorSetup) -> Strategist:
-        memory = Memory(asking.memory) if asking.memory is not None and remember else None
+        memory = Memory(asking.memory, asking.think.memory) if asking.memory is not None and remember else None
         think = dataclasses.replace(
             asking.think,
             strategy=strategy and asking.think.strategy,

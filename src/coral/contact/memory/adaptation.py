@@ -1,52 +1,105 @@
-"""Adaptation of a remembered plan to the scene: names of objects, and regions scaled to their sizes."""
+"""Adaptation of a remembered plan to the scene: names of things, lengths that were sizes or places, and regions."""
 
 from __future__ import annotations
 
+import ast
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from coral.contact.memory.memory import Experience, roles
+from coral.contact.memory.expressions import PROGRAMS, replace_lengths
+from coral.contact.memory.goal_match import GoalMatch
+from coral.contact.memory.memory import Experience
+from coral.contact.memory.scene_numbers import roles, scene_numbers, translate_numbers
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
 from coral.contact.scene.facts import SceneFacts
 
 
-def adapt(experience: Experience, facts: SceneFacts) -> tuple[PlanAnswer, RegionsAnswer]:
-    """Rewrite a remembered plan and its regions for the names and sizes of this scene; verify them like new ones."""
-    before = list(dict.fromkeys(goal["object"] for goal in experience.goals if goal["kind"] != "undisturbed"))
-    names = dict(zip(before, roles(facts), strict=False))
+def adapt(
+    experience: Experience, facts: SceneFacts, goals: GoalMatch, scaled: bool = True
+) -> tuple[PlanAnswer, RegionsAnswer]:
+    """Rewrite a remembered plan and its regions for this scene; verify them like new ones.
+
+    Names follow the goals. Regions are stretched with their objects. Cost terms about things that are not here, such as
+    a term that leaves a neighbour alone, are dropped.
+
+    Args:
+        experience: The remembered success.
+        facts: The scene.
+        goals: How its goals correspond to those of the scene.
+        scaled: Whether lengths that were sizes or places are computed anew (`expressions.py`).
+    """
+    names, absent = _counterparts(experience, facts, goals)
+    inverse = {here: there for there, here in names.items()}
+    numbers = translate_numbers(scene_numbers(facts), facts["goals"], experience.goals, inverse)
+    found = {text: one.value(numbers) for text, one in experience.expressions.items()} if scaled else {}
+    values = {text: value for text, value in found.items() if value is not None and value >= 0.0}
+
+    def rewrite(program: str) -> str:
+        return renamed(_without_terms_of(replace_lengths(program, values), absent), names)
+
     plan = experience.plan
-    programs = ("code", "done", "lost", "toward")
     stages = [
-        StageAnswer.model_validate(
-            {**stage.model_dump(), **{key: renamed(getattr(stage, key), names) for key in programs}}
-        )
+        StageAnswer.model_validate({**stage.model_dump(), **{key: rewrite(getattr(stage, key)) for key in PROGRAMS}})
         for stage in plan.stages
     ]
-    made = plan.model_copy(update={"code": renamed(plan.code, names), "stages": stages})
+    made = plan.model_copy(update={"code": rewrite(plan.code), "stages": stages})
     regions: dict[str, ObjectRegions] = {}
     for name, held in experience.regions.root.items():
-        if name not in names:
+        if names.get(name) not in facts["objects"]:
             continue
-        role = before.index(name)
-        old = [experience.numbers[f"object{role}.size.{k}"] for k in range(3)]
+        key = f"object{roles(experience.goals).index(name)}.size" if name in roles(experience.goals) else ""
+        old = [experience.numbers.get(f"{key}.{k}", 0.0) for k in range(3)]
         new = facts["objects"][names[name]]["size_m"]
-        regions[names[name]] = ObjectRegions(regions=[_stretch_region(region, old, new) for region in held.regions])
+        stretched = [_stretch_region(region, old, new) if all(old) else region for region in held.regions]
+        regions[names[name]] = ObjectRegions(regions=stretched)
     return made, RegionsAnswer(regions)
 
 
+def _counterparts(experience: Experience, facts: SceneFacts, goals: GoalMatch) -> tuple[dict[str, str], list[str]]:
+    """Return the names of things here by their remembered names, and what has no counterpart here."""
+    names, absent = dict(goals.names), []
+    for name in experience.beliefs:
+        if name in names:
+            continue
+        free = [other for other in facts["objects"] if other not in names.values()]
+        if not free:
+            absent.append(name)
+            continue
+        names[name] = name if name in free else free[0]
+    return names, absent
+
+
 def renamed(text: str, names: Mapping[str, str]) -> str:
-    """Return the program with the quantities of some objects read from others."""
-
-    def other(found: re.Match[str]) -> str:
-        return f"self.{names[found[1]]}_"
-
+    """Return the program with the quantities of some things read from others."""
     changed = {old: new for old, new in names.items() if old != new}
     if not changed:
         return text
-    return re.sub(r"\bself\.(" + "|".join(map(re.escape, sorted(changed, key=len, reverse=True))) + ")_", other, text)
+    one_of = "|".join(map(re.escape, sorted(changed, key=len, reverse=True)))
+    # The first name owns the quantity, a second one is what it touches: self.box_wall_contact.
+    text = re.sub(rf"(\bself\.\w+_)({one_of})(?=_contact\b)", lambda found: found[1] + changed[found[2]], text)
+    return re.sub(rf"\bself\.({one_of})_", lambda found: f"self.{changed[found[1]]}_", text)
 
 
-def _stretch_region(region: Region, old: list[float], new: list[float]) -> Region:
+def _without_terms_of(program: str, absent: Sequence[str]) -> str:
+    """Return a program without the terms that read a quantity of an absent thing."""
+    reads = re.compile(r"\bself\.(" + "|".join(map(re.escape, absent)) + ")_") if absent else None
+    if reads is None or not reads.search(program):
+        return program
+    try:
+        tree = ast.parse(program)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return program
+    lines = program.split("\n")
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Subscript) and node.end_lineno is not None:
+            span = range(node.lineno - 1, node.end_lineno)
+            if reads.search("\n".join(lines[k] for k in span)):
+                for k in span:
+                    lines[k] = ""
+    return "\n".join(lines)
+
+
+def _stretch_region(region: Region, old: Sequence[float], new: Sequence[float]) -> Region:
     x, y, z = (round(c * b / a, 5) for c, a, b in zip(region.center, old, new, strict=True))
     return region.model_copy(update={"center": (x, y, z)})

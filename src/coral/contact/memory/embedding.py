@@ -1,4 +1,4 @@
-"""Embeddings of task texts, offline and without torch: WordLlama's weights if installed, else hashed word counts.
+"""Embeddings of task texts, offline and without torch: concepts by default, WordLlama's weights if installed.
 
 Similar texts may mean different tasks ("flip against the wall", "flip away from the wall"): the similarity only ranks
 experiences that match in goals and numbers.
@@ -9,12 +9,16 @@ from __future__ import annotations
 import hashlib
 import itertools
 import re
-from functools import cache
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from coral.contact.memory.wording import concepts_of
+from coral.errors import InputError, first_line
+from coral.plugins import named_plugin
 
 Vector = NDArray[np.float32]
 STOP = frozenset(
@@ -80,8 +84,28 @@ class HashedWords:
         ]
         found = np.zeros(self.size, dtype=np.float32)
         for gram in grams:
-            digest = hashlib.blake2b(gram.encode(), digest_size=8).digest()
-            found[int.from_bytes(digest[:4], "big") % self.size] += 1.0 if digest[4] % 2 else -1.0
+            _count(found, gram)
+        return _unit(found)
+
+
+class HashedConcepts:
+    """The concepts of a text's words (`wording.py`), hashed into bins: a small lexicon, no weights file.
+
+    Args:
+        size: Number of bins.
+    """
+
+    name = "hashed-concepts"
+
+    def __init__(self, size: int = 512) -> None:
+        self.size = size
+
+    def embed(self, text: str) -> Vector:
+        """See `Embedder.embed`."""
+        found = np.zeros(self.size, dtype=np.float32)
+        # How often a concept is repeated says little about the task.
+        for concept in sorted({concept for concept in concepts_of(text) if concept not in STOP}):
+            _count(found, concept)
         return _unit(found)
 
 
@@ -101,13 +125,41 @@ class WordLlamaEmbedder:
         return _unit(np.asarray(self._model.embed([text])[0], dtype=np.float32))
 
 
-@cache
-def best_embedder() -> Embedder:
-    """Return WordLlama if it is installed and loads, else hashed words; its name tells which."""
+EMBEDDERS: dict[str, Callable[[], Embedder]] = {
+    "wordllama": WordLlamaEmbedder,
+    "concepts": HashedConcepts,
+    "words": HashedWords,
+}
+"""The embedders that come with the package, by the name that a configuration gives."""
+DEFAULT = "concepts"
+"""Without packages or weights, so that a trial does not depend on what is installed."""
+
+
+def embedder_of(name: str) -> Embedder:
+    """Return an embedder by name.
+
+    Args:
+        name: One of `EMBEDDERS`, or an entry point of the group `coral.embedders`.
+
+    Raises:
+        InputError: There is none of this name, or it cannot be loaded.
+    """
+    where = "--cfg.think.memory.embedder"
+    if name not in EMBEDDERS:
+        made: Embedder = named_plugin("coral.embedders", name, where, ours=tuple(EMBEDDERS))()
+        return made
     try:
-        return WordLlamaEmbedder()
-    except Exception:  # an optional package may fail to load in any way
-        return HashedWords()
+        return EMBEDDERS[name]()
+    except Exception as error:  # an optional package may fail to load in any way
+        raise InputError(
+            where, "", f"{name}, which does not load ({first_line(error)})", "an embedder whose package is installed"
+        ) from None
+
+
+def _count(bins: Vector, gram: str) -> None:
+    """Add a word to its bin, with a sign of its own so that words in one bin cancel rather than add."""
+    digest = hashlib.blake2b(gram.encode(), digest_size=8).digest()
+    bins[int.from_bytes(digest[:4], "big") % len(bins)] += 1.0 if digest[4] % 2 else -1.0
 
 
 def _unit(vector: Vector) -> Vector:

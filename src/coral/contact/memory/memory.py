@@ -1,20 +1,32 @@
-"""The experience memory (Eq. 1): successful plans, retrieved by task and by numbers."""
+"""The experience memory (Eq. 1): successful plans, retrieved by goals, numbers and wording."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, FiniteFloat, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator
 
-from coral.config import Fraction, Positive
-from coral.contact.memory.embedding import Embedder, Vector, best_embedder
+from coral.config import Count, Signed
+from coral.contact.memory.embedding import DEFAULT, Embedder, Vector, embedder_of
+from coral.contact.memory.expressions import SizeExpression
+from coral.contact.memory.goal_match import GoalMatch, match_goals
+from coral.contact.memory.scene_numbers import (
+    HELD,
+    ScaleLimits,
+    fits_hand,
+    joints_of,
+    roles,
+    scene_distance,
+    scene_numbers,
+    translate_numbers,
+)
 from coral.contact.memory.store import ExperienceStore, store_of
+from coral.contact.memory.wording import contradict
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.scene.facts import SceneFacts
@@ -29,10 +41,11 @@ class Experience(BaseModel):
     Args:
         task, instruction: The task.
         goals: The task file's conditions.
-        numbers: Measurements of the scene, by name (`box.size_m.0`, `box.mass_kg`).
+        numbers: Measurements of the scene, by name (`scene_numbers`).
         plan, regions: The successful plan and its regions.
         beliefs: Believed mass and friction at the end.
         provenance: Origin of the success: world, seed, variant, advisor, run, metrics.
+        expressions: Lengths of the programs that were sizes or places, by the number as written (`expressions.py`).
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -44,6 +57,7 @@ class Experience(BaseModel):
     regions: RegionsAnswer
     beliefs: dict[str, tuple[FiniteFloat, FiniteFloat]]
     provenance: dict[str, Any]
+    expressions: dict[str, SizeExpression] = Field(default_factory=dict)
 
     @field_validator("goals")
     @classmethod
@@ -72,6 +86,11 @@ class Stored:
     vector: Vector = field(compare=False, repr=False)
     """Embedding of the instruction, Shape=(n,); vectors of different embedders are not comparable."""
 
+    @property
+    def success_rate(self) -> float:
+        """Return the expected share of its uses that succeed, counting its first success (rule of succession)."""
+        return (self.helped + 2) / (self.used + 3)
+
 
 @dataclass(frozen=True)
 class Match:
@@ -83,22 +102,27 @@ class Match:
     """Cosine similarity of the instructions."""
     distance: float
     """Largest difference of the numbers, relative to the limit."""
+    goals: GoalMatch
+    """How its goals correspond to those of the scene."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemoryCfg:
-    """Limits within which an experience matches."""
+class MemoryCfg(ScaleLimits):
+    """How experiences are retrieved."""
 
-    similarity: Fraction = 0.5
-    """Smallest cosine similarity of the instructions."""
-    size_factor: Positive = 1.35
-    mass_factor: Positive = 4.0
-    friction_factor: Positive = 2.5
-    """Largest factor between the numbers."""
-    number_factor: Positive = 1.3
-    """The same for the numbers of the goals (heights, forces, tolerances) and of the task."""
-    place_m: Positive = 0.08
-    """Largest distance between places, or between fixtures."""
+    embedder: str = DEFAULT
+    """Embeds instructions: `concepts` (a small lexicon), `words`, `wordllama` (a package), or an entry point of the
+    group `coral.embedders`."""
+    similarity: Signed = -1.0
+    """Smallest cosine similarity of the instructions. None is required: goals decide, and the wording ranks, because
+    a paraphrase may share no word."""
+    candidates: Count = 3
+    """Maximum number of remembered plans that are adapted and checked."""
+    rehearsed: Count = 2
+    """Number of plans that pass the checks and are rehearsed, of which the best is followed: of each remembered plan,
+    with lengths computed anew and, if that changes it, with lengths as they were. 1 follows the first without one."""
+    failures: Count = 3
+    """A plan that failed so often without ever succeeding again is no longer offered."""
 
 
 class Memory:
@@ -107,12 +131,12 @@ class Memory:
     Args:
         where: The SQLite file, or another string for `store_of`; created at the first success.
         cfg: Limits within which an experience matches.
-        embedder: Embeds texts; by default the best one installed.
+        embedder: Embeds texts; by default the one that `cfg` names.
     """
 
     def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
         self.store: ExperienceStore = store_of(where)
-        self.cfg, self.embedder = cfg or MemoryCfg(), embedder or best_embedder()
+        self.cfg, self.embedder = cfg or MemoryCfg(), embedder or embedder_of((cfg or MemoryCfg()).embedder)
 
     @property
     def where(self) -> str:
@@ -178,38 +202,51 @@ class Memory:
         """Record that an experience was used, and whether the episode succeeded."""
         self.store.count(number, helped)
 
-    def find(self, facts: SceneFacts, most: int = 3) -> list[Match]:
-        """Find the experiences that match a scene, best first: same goals, similar numbers, then similar texts.
+    def find(self, facts: SceneFacts, most: int | None = None) -> list[Match]:
+        """Find the experiences that match a scene, best first.
+
+        The goals have to be of the same kinds, directions and manner; the instructions must not contradict each other;
+        sizes, masses, heights and places may differ within limits, but what had to fit the hand still has to. Of those
+        that are left, similar wording, success in earlier uses and similar numbers come first.
 
         Args:
             facts: The scene (`scene_facts`).
-            most: Maximum number of matches.
+            most: Maximum number of matches; by default `candidates`.
         """
-        goals, numbers = facts["goals"], scene_numbers(facts)
-        candidates = []
-        for stored in self.all():
-            held = stored.experience
-            distance = (
-                _distance(held.numbers, numbers, self.cfg)
-                if _goal_structure(held.goals) == _goal_structure(goals)
-                else math.inf
-            )
-            if distance <= 1.0:
-                candidates.append((stored, distance))
         here = self.embedder.embed(facts["instruction"])
         found = []
-        for stored, distance in candidates:
-            there = self._vector(stored, len(here))
-            similarity = float(np.dot(here, there))
-            if similarity >= self.cfg.similarity:
-                found.append(Match(stored, round(similarity, 4), round(distance, 4)))
+        for stored in self.all():
+            if stored.used - stored.helped >= self.cfg.failures and not stored.helped:
+                continue
+            match = self._match(stored, facts, here)
+            if match is not None:
+                found.append(match)
 
-        def rank(match: Match) -> tuple[float, int]:
-            # An experience that was used without success ranks lower.
-            luck = (match.stored.helped + 1) / (match.stored.used + 1)
-            return (-(match.similarity - 0.5 * match.distance + 0.3 * luck), -match.stored.id)
+        def rank(match: Match) -> tuple[bool, float, int]:
+            stored = match.stored
+            # A plan that failed more often than it helped comes after all others.
+            failed = stored.used - stored.helped > stored.helped
+            score = match.similarity + stored.success_rate - 0.5 * match.distance - 0.2 * len(match.goals.missing)
+            return (failed, -score, -stored.id)
 
-        return sorted(found, key=rank)[:most]
+        return sorted(found, key=rank)[: self.cfg.candidates if most is None else most]
+
+    def _match(self, stored: Stored, facts: SceneFacts, here: Vector) -> Match | None:
+        """Compare an experience with the scene; None if its plan cannot serve."""
+        held, numbers = stored.experience, scene_numbers(facts)
+        goals = match_goals(
+            held.goals, facts["goals"], joints_of(held.numbers, held.goals), joints_of(numbers, facts["goals"])
+        )
+        if goals is None or contradict(held.instruction, facts["instruction"]):
+            return None
+        before = translate_numbers(held.numbers, held.goals, facts["goals"], goals.names)
+        distance = scene_distance(before, numbers, frozenset(goals.names.values()), self.cfg)
+        if distance > 1.0 or not _still_fits_hand(held, goals, before, numbers, facts):
+            return None
+        similarity = float(np.dot(here, self._vector(stored, len(here))))
+        if similarity < self.cfg.similarity:
+            return None
+        return Match(stored, round(similarity, 4), round(distance, 4), goals)
 
     def _vector(self, stored: Stored, size: int) -> Vector:
         """Return the stored embedding, or a new one if another embedder made it."""
@@ -254,76 +291,12 @@ class Memory:
         return count
 
 
-def scene_numbers(facts: SceneFacts) -> dict[str, float]:
-    """Return the numbers of a scene by name, objects identified by their order in the goals, not by their names."""
-    order = {name: index for index, name in enumerate(roles(facts))}
-    found: dict[str, float] = {}
-    for name, item in facts["objects"].items():
-        if name not in order:
-            continue
-        key = f"object{order[name]}"
-        found |= {f"{key}.size.{k}": float(value) for k, value in enumerate(item["size_m"])}
-        if "mass_kg" in item:
-            found[f"{key}.mass_kg"] = float(item["mass_kg"])
-        if "friction" in item:
-            found[f"{key}.friction"] = float(item["friction"])
-    for index, goal in enumerate(facts["goals"]):
-        found |= {
-            f"goal{index}.{key}": float(value)
-            for key, value in goal.items()
-            if isinstance(value, int | float) and not isinstance(value, bool)
-        }
-    found |= {f"number.{key}": float(value) for key, value in facts["numbers"].items()}
-    for name, fixture in facts["fixtures"].items():
-        found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(fixture["position"])}
-    for name, place in facts["places"].items():
-        found |= {f"place.{name}.{k}": float(value) for k, value in enumerate(place)}
-    return found
-
-
-def roles(facts: SceneFacts) -> list[str]:
-    """Return the objects that the goals move, in the order of the goals."""
-    return list(dict.fromkeys(goal["object"] for goal in facts["goals"] if goal["kind"] != "undisturbed"))
-
-
-def _goal_structure(goals: Sequence[Mapping[str, Any]]) -> list[tuple[str, ...]]:
-    """Return the goals without numbers and names: their kinds, the roles of their objects, and their other words."""
-    order = {name: f"object{k}" for k, name in enumerate(dict.fromkeys(goal["object"] for goal in goals))}
-    return [
-        (
-            goal["kind"],
-            order[goal["object"]],
-            *(
-                f"{key}={value}"
-                for key, value in sorted(goal.items())
-                if isinstance(value, str) and key not in ("kind", "object")
-            ),
-        )
-        for goal in goals
-        if goal["kind"] != "undisturbed"
-    ]
-
-
-def _distance(one: Mapping[str, float], other: Mapping[str, float], cfg: MemoryCfg) -> float:
-    """Compute the largest difference, relative to its limit; infinite if a number is missing."""
-    if set(one) != set(other):
-        return math.inf
-    worst = 0.0
-    for key, a in one.items():
-        b = other[key]
-        if key.startswith("place."):
-            worst = max(worst, abs(a - b) / cfg.place_m)
-            continue
-        factor = (
-            cfg.size_factor
-            if ".size." in key
-            else cfg.mass_factor
-            if key.endswith("mass_kg")
-            else (cfg.friction_factor if key.endswith(".friction") else cfg.number_factor)
-        )
-        if a == b:
-            continue
-        if a <= 0 or b <= 0:
-            return math.inf
-        worst = max(worst, abs(math.log(a / b)) / math.log(factor))
-    return worst
+def _still_fits_hand(
+    held: Experience, goals: GoalMatch, before: Mapping[str, float], numbers: Mapping[str, float], facts: SceneFacts
+) -> bool:
+    """Check that every object that was grasped between the fingers can be grasped so here."""
+    pinched = {name for name, region in held.regions.each() if region.approach == "pinch"}
+    gripped = pinched | {goal["object"] for goal in held.goals if goal["kind"] in HELD}
+    keys = {name: f"object{index}" for index, name in enumerate(roles(facts["goals"]))}
+    here = [keys[goals.names[name]] for name in gripped if goals.names.get(name) in keys]
+    return all(fits_hand(numbers, key) or not fits_hand(before, key) for key in here)

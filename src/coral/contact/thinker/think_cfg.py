@@ -12,6 +12,7 @@ from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.advisor.registry import asks_person
 from coral.config import Count, NonNegative
 from coral.contact.control.mppi_controller import ControllerCfg
+from coral.contact.memory.memory import MemoryCfg
 from coral.contact.plan.contact_regions import RegionCfg, reach_box
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.world_model.identification import IdentifyCfg
@@ -60,6 +61,8 @@ class ThinkCfg:
     """What the hand does during the latency once there is a plan: follow the plan, or hold still."""
     belief: ParameterBoundsCfg = field(default_factory=ParameterBoundsCfg)
     """Bounds of believed parameters."""
+    memory: MemoryCfg = field(default_factory=MemoryCfg)
+    """Retrieval of remembered plans."""
     region: RegionCfg = field(default_factory=RegionCfg)
     """Bounds of contact regions."""
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)

@@ -8,20 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from coral.advisor.question import Picture, Rejection
+from coral.advisor.question import Picture
 from coral.advisor.rules import Rule
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Cost
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError, CostWorker
-from coral.contact.memory.adaptation import adapt
-from coral.contact.memory.memory import Experience, Match, Memory, scene_numbers
+from coral.contact.memory.expressions import find_expressions
+from coral.contact.memory.memory import Experience, Match, Memory
+from coral.contact.memory.scene_numbers import scene_numbers
 from coral.contact.perception.advisor_camera import Look, to_picture
 from coral.contact.perception.scene_labels import PictureLabels, label_picture
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
 from coral.contact.plan.last_good_cost import LastGoodCost
-from coral.contact.plan.rehearsal import rehearsed_gain
 from coral.contact.scene.observation import BodyState, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
@@ -32,6 +32,7 @@ from coral.contact.thinker.evidence import collect_evidence
 from coral.contact.thinker.pose_question import ask_poses
 from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
+from coral.contact.thinker.recall import Recall
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, StrategistCounts
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinking_clock import Thinking
@@ -157,7 +158,6 @@ class Thinker:
         strategy = self._recall(first)
         if strategy is not None:
             return strategy
-        self._last_good, self._failure = self._new_last_good(), None  # a rejected plan must not take over
         asked = questions.ask_plan(first)
         self._plan = questions.plan_by_rules() if asked is None else questions.revise_plan(asked, first)
         self._regions = questions.ask_regions(self._plan)
@@ -223,42 +223,17 @@ class Thinker:
     def _recall(self, first: Observation) -> Strategy | None:
         if self.memory is None:
             return None
-        facts = self._questions.facts
-        for match in self.memory.find(facts):
-            # A memory may come from anyone and contain model-written code: none of it runs in this process.
-            plan, regions = adapt(match.stored.experience, facts)
-            refusal = self._questions.check_plan(plan, first, self._worker.load)
-            if refusal is None and self.cfg.regions:
-                refusal = self._questions.check_regions(regions, plan)
-            gain = 0.0
-            if refusal is None:
-                self._plan, self._regions = plan, regions
-                self._last_good = self._new_last_good()
-                try:
-                    strategy = self._strategy(f"remembered {match.stored.id}", self._worker.load)
-                    gain = rehearsed_gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
-                except CostError as error:
-                    refusal = Rejection(code=error.code, reason=str(error))
-            if refusal is None and gain < self.cfg.least_gain:
-                refusal = Rejection(code="rehearsal", reason=f"rehearsed, it lowers the cost by {100 * gain:.0f} %")
-            self._emit(
-                "recall",
-                id=match.stored.id,
-                similarity=match.similarity,
-                distance=match.distance,
-                embedder=self.memory.embedder.name,
-                gain=round(gain, 4),
-                refused="" if refusal is None else refusal.reason,
-                **({"decided": "plan", "source": "memory"} if refusal is None else {}),
-            )
-            if refusal is None:
-                self._match, self._recalled = match, plan
-                # So are its repairs: a plan that is kept, or quoted by a repair, is as untrusted as the original.
-                self._load = self._questions.load = self._worker.load
-                return strategy
-        return None
+        # A memory may come from anyone and contain model-written code: none of it runs in this process.
+        recall = Recall(self._questions, self._trial, self._world, self.cfg, self._rng, self._worker.load)
+        chosen = recall.choose(self.memory, first, self._emit)
+        if chosen is None:
+            return None
+        self._match, self._plan, self._recalled, self._regions = chosen.match, chosen.plan, chosen.plan, chosen.regions
+        # So are its repairs: a plan that is kept, or quoted by a repair, is as untrusted as the original.
+        self._load = self._questions.load = self._worker.load
+        return self._strategy(f"remembered {chosen.match.stored.id}")
 
-    def _strategy(self, name: str, load: Loader | None = None) -> Strategy:
+    def _strategy(self, name: str) -> Strategy:
         regions = self._regions if self.cfg.regions else None
         candidates = None if regions is None else self._questions.touchable_candidates(regions, self._plan)
         return make_strategy(
@@ -267,7 +242,7 @@ class Thinker:
             regions,
             self._world.schema,
             self._questions.sizes,
-            load or self._load,
+            self._load,
             self._last_good,
             candidates,
         )
@@ -383,14 +358,15 @@ class Thinker:
         return f"Diagnosis: {TEXTS[self._questions.diagnoses[-1]]}."
 
     def _experience(self) -> Experience:
-        task = self._trial.task
+        task, numbers = self._trial.task, scene_numbers(self._questions.facts)
         return Experience(
             task=task.name,
             instruction=task.instruction,
             goals=[dict(goal) for goal in self._questions.facts["goals"]],
-            numbers=scene_numbers(self._questions.facts),
+            numbers=numbers,
             plan=self._plan,
             regions=self._regions,
             beliefs={name: (one.mass_kg, one.friction) for name, one in self._questions.beliefs.items()},
             provenance={"success": True, "repairs": self._repairs, **self._provenance},
+            expressions=find_expressions(self._plan, numbers),
         )

@@ -194,6 +194,15 @@ def _poses(event: Record) -> ThoughtPart:
 def _recall(event: Record) -> ThoughtPart:
     known = f"It is similar by {float(event['similarity']):.2f} and differs by {float(event['distance']):.2f}"
     gain = f"the best rehearsal lowers the cost by {100 * float(event['gain']):.0f} %"
+    if "lengths" in event:
+        known += f"; its lengths are {event['lengths']}"
+    outcome = event.get("outcome")
+    if outcome:
+        gain += "; rehearsed for six seconds, it " + (
+            "succeeded"
+            if outcome["succeeded"]
+            else f"came through {100 * float(outcome['stages']):.0f} % of its stages"
+        )
     if event.get("refused"):
         return ThoughtPart(
             title=f"Memory {event['id']} was not used", state="warn", text=f"{known}.", refused=(str(event["refused"]),)

@@ -1,0 +1,96 @@
+"""Words of manipulation by meaning: verbs and things as concepts, and instructions that contradict each other."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
+
+CONCEPTS: Mapping[str, str] = {
+    "lift": "lift pick raise hoist heave elevate",
+    "hold": "hold grasp grab grip seize clutch take keep",
+    "carry": "carry transport fetch bring transfer deliver",
+    "push": "push shove press nudge slide shift drag propel poke drive",
+    "put": "put place set lay deposit position stand",
+    "flip": "flip tip topple turn rotate overturn knock roll rear upend invert",
+    "open": "open unlock unfold",
+    "close": "close shut fold",
+    "pull": "pull draw extract remove tug withdraw",
+    "insert": "insert plug drop fit stick",
+    "stack": "stack pile tower top upon atop above",
+    "release": "release leave let",
+    "move": "move",
+    "still": "still steady motionless calm constant even smoothly evenly steadily",
+    "gentle": "gentle gently soft softly careful carefully light lightly",
+    "upright": "upright standing level straight tilting vertical end",
+    "box": "box carton package parcel case crate block brick cube container",
+    "cylinder": "can tin cylinder bottle jar mug cup",
+    "peg": "peg pin dowel rod stick bolt",
+    "hole": "hole well socket slot opening",
+    "board": "board plate plank tray panel",
+    "handle": "handle grip knob",
+    "lid": "lid cover cap hinge",
+    "drawer": "drawer compartment",
+    "chest": "chest cabinet cupboard dresser",
+    "wall": "wall barrier",
+    "table": "table tabletop desk bench",
+    "edge": "edge side rim border",
+    "goal": "goal target mark marked spot destination",
+    "mat": "mat pad",
+    "red": "red crimson scarlet",
+    "blue": "blue azure navy",
+    "force": "force newton newtons pressure",
+    "clutter": "clutter crowd others things items objects rest",
+    "flat": "flat broad large face lying lie",
+    "wood": "wooden chopping cutting wood",
+}
+"""Concepts, each with the words that mean it in an instruction for a robot's hand."""
+OPPOSED = (
+    (frozenset({"push"}), frozenset({"carry", "lift"})),
+    (frozenset({"open", "pull"}), frozenset({"close"})),
+    (frozenset({"insert"}), frozenset({"pull"})),
+)
+"""Actions that exclude each other, unless an instruction asks for both."""
+
+
+@cache
+def _word_concepts() -> dict[str, str]:
+    return {word: concept for concept, words in reversed(list(CONCEPTS.items())) for word in words.split()}
+
+
+def concept_of(word: str) -> str:
+    """Return the concept of a lower-case word in any inflection; the word itself if it has none."""
+    known = _word_concepts()
+    for form in _forms(word):
+        if form in known:
+            return known[form]
+    return word
+
+
+def _forms(word: str) -> list[str]:
+    """Return a word and what it may be an inflection of."""
+    forms = [word]
+    for ending, others in (("s", ("",)), ("es", ("",)), ("ing", ("", "e")), ("ed", ("", "e")), ("er", ("",))):
+        if word.endswith(ending) and len(word) > len(ending) + 2:
+            stem = word.removesuffix(ending)
+            forms += [stem + other for other in others]
+            if len(stem) > 2 and stem[-1] == stem[-2]:
+                forms.append(stem[:-1])
+    return forms
+
+
+def concepts_of(text: str) -> list[str]:
+    """Return the concepts of a text in order; words without one stand for themselves."""
+    return [concept_of(word) for word in re.findall(r"[a-z]+", text.lower())]
+
+
+def contradict(first: str, second: str) -> bool:
+    """Check whether two instructions ask for actions that exclude each other, as pushing and carrying do."""
+    one, other = set(concepts_of(first)), set(concepts_of(second))
+    return any(
+        (_only(one, a, b) and _only(other, b, a)) or (_only(one, b, a) and _only(other, a, b)) for a, b in OPPOSED
+    )
+
+
+def _only(said: set[str], wanted: frozenset[str], excluded: frozenset[str]) -> bool:
+    return bool(said & wanted) and not said & excluded
