@@ -37,8 +37,8 @@ FREE_M = 0.35
 FALSE_M, MISSED_M, FAR_M = 0.3, 0.2, 1.0
 CLUSTER_CELLS = 100
 """Smallest cluster, as in the paper."""
-OYSTERS = (0.025, 0.05, 0.1, 0.2, 0.3, 0.5)
-DEPTHS = (0.1, 0.125, 0.15, 0.2, 0.25, 10.0)
+OYSTERS = (0.05, 0.1, 0.2, 0.3, 0.5)
+DEPTHS = (0.1, 0.15, 0.2, 0.25, 10.0)
 
 
 @dataclass(frozen=True)

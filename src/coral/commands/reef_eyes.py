@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import sys
 import time
 from collections.abc import Iterator, Mapping
@@ -103,7 +104,8 @@ class ReefEyes:
             begun = time.process_time()
             perceived = perceive_frame(frame, eyes, camera, CameraAttitude())
             spent += time.process_time() - begun
-            kept = drop_doubtful(perceived, DoubtCfg())
+            # An obstacle at a doubtful depth is seen all the same; how wrong depth is has a row of its own.
+            kept = drop_doubtful(perceived, DoubtCfg(obstacle_depth=math.inf))
             assert kept.doubt is not None
             seen = SeenPicture(kept.labels, kept.depth, kept.doubt)
             scores.setdefault(kind, EyesScore()).add(seen, frame, ray_lengths(camera))
