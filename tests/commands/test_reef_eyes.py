@@ -7,15 +7,21 @@ import pytest
 from coral.cli import main
 
 
-def test_a_score_is_one_json_object_with_a_row_for_each_water(capsys):
+def test_a_score_is_one_json_object_with_a_row_for_each_water_and_light(capsys):
     pytest.importorskip("onnxruntime")
     words = ["reef", "eyes", "score", "--worlds", "s1", "--waters", "clear", "--pictures", "1", "--json"]
-    assert main(words) == 0
+    assert main([*words, "--lights", "day", "overcast"]) == 0
     result = json.loads(capsys.readouterr().out)
-    (row,) = result["rows"]
-    assert row["water"] == "jerlov-IB"
-    assert row["pictures"] == 1
+    row, overcast = result["rows"]
+    assert (row["water"], row["light"], row["pictures"]) == ("jerlov-IB", "day", 1)
+    assert (overcast["water"], overcast["light"]) == ("jerlov-IB", "overcast")
     assert len(row["oyster_iou"]) == len(result["bands_m"]) - 1
+
+
+def test_a_light_that_does_not_exist_is_refused(capsys):
+    pytest.importorskip("onnxruntime")
+    assert main(["reef", "eyes", "score", "--worlds", "s1", "--lights", "moon"]) == 2
+    assert "--lights: found 'moon', expected one of day, low-sun" in capsys.readouterr().err
 
 
 def test_training_refuses_a_file_that_exists(tmp_path, capsys):

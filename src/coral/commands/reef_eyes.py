@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import sys
 import time
 from collections.abc import Iterator, Mapping
@@ -34,6 +36,8 @@ class ReefEyes:
     """score: reefs to take pictures of; `all` are the ten shipped ones, on which nothing is trained."""
     waters: tuple[str, ...] = ("clear", "1C", "bay")
     """score: waters of these pictures."""
+    lights: tuple[str, ...] = ("day",)
+    """score: light of these pictures: day, low-sun, overcast, dim."""
     folder: tuple[Path, ...] = ()
     """score: sets of pictures instead, as written by `coral reef blender`."""
     pictures: Count = 6
@@ -94,13 +98,14 @@ class ReefEyes:
         eyes = open_eyes(self.perception)
         if eyes is None:
             raise InputError("--perception", "", "exact", "rgb or FILE.onnx: exact perception has no errors")
-        scores: dict[str, EyesScore] = {}
+        scores: dict[tuple[str, str], EyesScore] = {}
         spent = 0.0
         for kind, camera, frame in self._taken():
             begun = time.process_time()
             perceived = perceive_frame(frame, eyes, camera, CameraAttitude())
             spent += time.process_time() - begun
-            kept = drop_doubtful(perceived, DoubtCfg())
+            # An obstacle at a doubtful depth is seen all the same; how wrong depth is has a row of its own.
+            kept = drop_doubtful(perceived, DoubtCfg(obstacle_depth=math.inf))
             assert kept.doubt is not None
             seen = SeenPicture(kept.labels, kept.depth, kept.doubt)
             scores.setdefault(kind, EyesScore()).add(seen, frame, ray_lengths(camera))
@@ -111,7 +116,8 @@ class ReefEyes:
             "cpu_ms_per_picture": round(1e3 * spent / max(total, 1), 1),
             "rows": [
                 {
-                    "water": kind,
+                    "water": water,
+                    "light": light,
                     "pictures": score.pictures,
                     "oyster_iou": score.overlap(Label.OYSTER),
                     "oyster_iou_within_3_m": score.overlap(Label.OYSTER, 3.0)[0],
@@ -119,13 +125,14 @@ class ReefEyes:
                     "obstacle_iou": score.overlap(Label.OBSTACLE),
                     "depth_error": score.depth_error(),
                 }
-                for kind, score in scores.items()
+                for (water, light), score in scores.items()
             ],
         }
 
-    def _taken(self) -> Iterator[tuple[str, CameraCfg, Frame]]:
-        """Yield a name of the kind of picture, its camera, and the picture with its truth."""
+    def _taken(self) -> Iterator[tuple[tuple[str, str], CameraCfg, Frame]]:
+        """Yield the names of water and light, the camera, and the picture with its truth."""
         from coral.reef.camera import Camera, CameraCfg
+        from coral.reef.eyes.daylight import find_light
         from coral.reef.eyes.painter import Painter
         from coral.reef.eyes.picture_set import read_pictures
         from coral.reef.eyes.viewpoints import choose_viewpoints
@@ -139,24 +146,28 @@ class ReefEyes:
                 view = replace(
                     camera, altitude_m=about.height, pitch_down_deg=about.pitch_down_deg, hfov_deg=about.hfov_deg
                 )
-                yield about.water, view, _shrunk(frame, (view.width, view.height))
+                yield (about.water, "cycles"), view, _shrunk(frame, (view.width, view.height))
         for name in () if self.folder else expand_names(self.worlds):
             world = find_world(name)
             scene = Scene.from_world(world)
             caster, rng = Camera(scene, camera), np.random.default_rng([self.seed, world.seed])
             poses = choose_viewpoints(scene, self.pictures, rng)
-            for water in self.waters:
-                painter = Painter(scene, camera, find_water(water, "--waters"), seed=world.seed)
+            for water, light in itertools.product(self.waters, self.lights):
+                cfg = find_light(light, "--lights")
+                painter = Painter(scene, camera, find_water(water, "--waters"), cfg, seed=world.seed)
                 for k, pose in enumerate(poses):
                     frame = caster.render(pose)
-                    yield painter.water.name, camera, replace(frame, rgb=painter.paint(frame, pose, t=7.0 * k))
+                    yield (painter.water.name, light), camera, replace(frame, rgb=painter.paint(frame, pose, t=7.0 * k))
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Return the file, or a table in Markdown."""
         if self.action == "train":
             return f"{result['file']}, from {result['pictures']} pictures"
         bands = [f"{a:g}-{b:g} m" for a, b in zip(result["bands_m"][:-1], result["bands_m"][1:], strict=True)]
-        lines = [f"| water | pictures | what | {' | '.join(bands)} |", f"|---|---|---|{'---|' * len(bands)}"]
+        lines = [
+            f"| water | light | pictures | what | {' | '.join(bands)} |",
+            f"|---|---|---|---|{'---|' * len(bands)}",
+        ]
         for row in result["rows"]:
             for key, what in (
                 ("oyster_iou", "oysters, IoU"),
@@ -164,8 +175,8 @@ class ReefEyes:
                 ("depth_error", "depth, median error"),
             ):
                 values = " | ".join("" if value is None else f"{value:.2f}" for value in row[key])
-                lines.append(f"| {row['water']} | {row['pictures']} | {what} | {values} |")
-        within = ", ".join(f"{row['water']} {row['oyster_iou_within_3_m']}" for row in result["rows"])
+                lines.append(f"| {row['water']} | {row['light']} | {row['pictures']} | {what} | {values} |")
+        within = ", ".join(f"{row['water']} {row['light']} {row['oyster_iou_within_3_m']}" for row in result["rows"])
         return "\n".join(
             [*lines, f"oysters within 3 m, IoU: {within}", f"{result['cpu_ms_per_picture']} ms of CPU a picture"]
         )

@@ -43,6 +43,8 @@ class Frame:
     """The colour picture, sRGB; None where none was taken. Shape=(H, W, 3), uint8."""
     doubt: NDArray[np.float32] | None = None
     """Probability that the label of a pixel is wrong; None where labels are exact. Shape=(H, W), float32."""
+    depth_doubt: NDArray[np.float32] | None = None
+    """Expected error of the depth as a share of it; None where it is exact or not known. Shape=(H, W), float32."""
 
 
 def wrap(angle: float) -> float:

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 
 from coral.reef.eyes.doubt import DoubtCfg, choose_labels, drop_doubtful
@@ -19,6 +21,14 @@ def test_doubtful_pixels_become_water_by_the_limit_of_their_class():
     kept = drop_doubtful(frame([1, 2, 3, 1], [0.6, 0.6, 0.6, 0.4]), DoubtCfg(oyster=0.5, obstacle=0.7, seabed=0.5))
     assert kept.labels.tolist() == [[Label.WATER, Label.OBSTACLE, Label.WATER, Label.OYSTER]]
     assert np.isinf(kept.depth).tolist() == [[True, False, True, False]]
+
+
+def test_an_obstacle_of_doubtful_depth_becomes_water_other_classes_do_not():
+    sure = frame([1, 2, 2, 3], [0.0, 0.0, 0.0, 0.0])
+    doubted = replace(sure, depth_doubt=np.array([[0.5, 0.5, 0.1, 0.5]], np.float32))
+    kept = drop_doubtful(doubted, DoubtCfg(obstacle_depth=0.2))
+    assert kept.labels.tolist() == [[Label.OYSTER, Label.WATER, Label.OBSTACLE, Label.SEABED]]
+    assert np.isinf(kept.depth).tolist() == [[False, True, False, False]]
 
 
 def test_a_class_that_does_not_exist_is_left_to_the_checks_of_the_map():

@@ -70,4 +70,5 @@ def perceive_frame(frame: Frame, eyes: RgbPerception, camera: CameraCfg, attitud
         labels=np.where(unseen, np.uint8(Label.WATER), seen.labels).astype(np.uint8),
         instances=np.full(seen.labels.shape, -1, np.int32),
         doubt=seen.doubt,
+        depth_doubt=seen.depth_doubt,
     )
