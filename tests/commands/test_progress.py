@@ -54,7 +54,7 @@ def test_an_episode_shows_its_stage_and_the_conditions_that_hold(shown):
         time_limit_s=9.0,
         stage="reach [/red]" + "x" * 40,
         trial=SimpleNamespace(task=SimpleNamespace(name="pick-box")),
-        judge=SimpleNamespace(holding=[True, False, True]),
+        referee=SimpleNamespace(holding=[True, False, True]),
     )
     text = shown(EpisodeProgress(), episode)
     assert "pick-box" in text

@@ -95,9 +95,40 @@ class ObedientWorld:
         objects = {name: self._script(self._k, body) for name, body in seen.objects.items()}
         return Truth(seen.time_s, seen.tool, seen.opening_m, objects, contacts)
 
+    def stop(self):
+        self.stopped_after = len(self.commands)
+
     def close(self):
         self.closed = True
 
     def _observe(self):
         objects = {name: item.pose for name, item in self._trial.objects.items()}
         return Observation(0.02 * self._k, self._tool, 0.08, np.zeros(6), objects)
+
+
+class ObedientRobot:
+    """The same hand as a robot: nobody knows the truth. Objects are seen where `script` says."""
+
+    name = "robot"
+    control_period_s = 0.02
+
+    def __init__(self, trial, script=lambda k, box: box):
+        self._inner, self._script, self.calls = ObedientWorld(trial), script, []
+
+    def reset(self):
+        self._k = 0
+        return self._seen(self._inner.reset())
+
+    def step(self, target):
+        self.calls.append("step")
+        self._k += 1
+        return self._seen(self._inner.step(target))
+
+    def stop(self):
+        self.calls.append("stop")
+
+    def close(self):
+        self.calls.append("close")
+
+    def _seen(self, now):
+        return dataclasses.replace(now, objects={n: self._script(self._k, b) for n, b in now.objects.items()})

@@ -18,6 +18,7 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, make_advisor
 from coral.commands.config_flag import configured
+from coral.commands.operator_verdict import HINT, KeyboardVerdict
 from coral.commands.progress import EpisodeProgress
 from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
@@ -155,7 +156,16 @@ class ContactRun:
             ),
         )
         who = "none" if self.variant in ALONE else self.advisor
-        episode = Episode(trial, self.world, strategist, cfg, folder, variant=self.variant, advisor=who)
+        episode = Episode(
+            trial,
+            self.world,
+            strategist,
+            cfg,
+            folder,
+            variant=self.variant,
+            advisor=who,
+            operator_verdict=_operator(cfg),
+        )
         episode.listeners.append(StandInNotice())
         return self._attempt(episode, folder, cfg)
 
@@ -163,7 +173,15 @@ class ContactRun:
         """Run an episode with a cost of the user's own."""
         own = own_cost(cost, trial, cfg)
         folder = self.out or new_run_folder(Path("runs"), trial.task.name)
-        episode = Episode(trial, self.world, FixedStrategist(own.strategy), cfg, folder, variant=OWN_COST)
+        episode = Episode(
+            trial,
+            self.world,
+            FixedStrategist(own.strategy),
+            cfg,
+            folder,
+            variant=OWN_COST,
+            operator_verdict=_operator(cfg),
+        )
         episode.writer.text(own.file, own.text)
         return self._attempt(episode, folder, cfg)
 
@@ -195,17 +213,32 @@ class ContactRun:
         reason = str(result["end_reason"])
         why = "" if result["success"] else f" ({END_REASONS.get(reason.partition(':')[0], '')})"
         whole_s = result["time_with_thinking_s"]
+        peak = result["peak_hand_force_n"]
+        force = "contact forces unknown" if peak is None else f"at most {peak:.0f} N on an object"
         thinking = f" ({whole_s:.1f} s with thinking)" if whole_s > result["sim_time_s"] else ""
         lines = [
             f"{self.task}: {reason}{why} after {result['sim_time_s']:.1f} s simulated{thinking} in "
             f"{result['wall_time_s']:.0f} s; {_count(result)} of {result['plan_ms_median']:.0f} ms, "
             f"{result['path_length_m']:.2f} m of path, "
-            f"at most {result['peak_hand_force_n']:.0f} N on an object",
+            f"{force}{_judged(result)}",
             f"run folder: {result['run']}",
         ]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
         lines += [str(result["decided"])] if result.get("decided") else []
         return "\n".join(lines)
+
+
+def _operator(cfg: EpisodeCfg) -> KeyboardVerdict | None:
+    """Return the operator where one judges, and tell how."""
+    if cfg.judged_by != "operator":
+        return None
+    print(HINT, file=sys.stderr, flush=True)
+    return KeyboardVerdict()
+
+
+def _judged(result: Mapping[str, Any]) -> str:
+    """Say who judged, if it was not the simulator."""
+    return "" if result["judged_by"] == "truth" else f"; judged by {result['judged_by']}"
 
 
 def _count(result: Mapping[str, Any]) -> str:

@@ -8,7 +8,7 @@ from typing import Protocol
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from coral.contact.scene.judge import Judge
+from coral.contact.episode.referee import Referee
 from coral.contact.scene.trial import Trial
 from coral.odd_text import printable
 from coral.reef.mission import Mission
@@ -76,7 +76,7 @@ class RunningEpisode(Protocol):
     t: float
     time_limit_s: float
     trial: Trial
-    judge: Judge
+    referee: Referee
 
     @property
     def stage(self) -> str:
@@ -89,6 +89,7 @@ class EpisodeProgress(RunBar):
 
     def tick(self, episode: RunningEpisode) -> None:
         """Update the bar."""
-        holding = episode.judge.holding
-        status = f"{printable(episode.stage, 30)} · {sum(holding)} of {len(holding)} conditions"
+        holding = episode.referee.holding
+        conditions = f" · {sum(holding)} of {len(holding)} conditions" if holding else ""
+        status = f"{printable(episode.stage, 30)}{conditions}"
         self.show(episode.trial.task.name, episode.t, episode.time_limit_s, status)

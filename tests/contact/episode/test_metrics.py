@@ -58,6 +58,7 @@ def test_metrics_of_a_finished_episode():
         "track_lost_s": 0.0,
         "pose_error_mm": None,
         "pose_error_deg": None,
+        "judged_by": "truth",
         "poses": "ground-truth",
         "tracker": "",
     }
@@ -114,3 +115,11 @@ def test_time_in_which_an_advisor_was_thinking_is_told_apart():
     ]
     found = metrics_of([*passed, *EVENTS], ROWS)
     assert (found["sim_time_s"], found["time_with_thinking_s"]) == (0.04, 2.38)
+
+
+def test_without_truth_contacts_and_forces_are_unknown_not_zero():
+    start = {**EVENTS[0], "judged_by": "operator"}
+    found = metrics_of([start, *EVENTS[1:3], EVENTS[-1]], [{**row, "box_hand_force": ""} for row in ROWS])
+    assert found["judged_by"] == "operator"
+    unknown = ("peak_hand_force_n", "mean_hand_force_n", "contact_time_s", "contacts", "first_touch_s")
+    assert [found[name] for name in unknown] == [None] * 5

@@ -1,8 +1,12 @@
-"""The order of events."""
+"""The order of events, and what conditions read."""
+
+import inspect
+import re
 
 import pytest
 from contact_bench import body, make_trial, plain, touch, truth, written
 
+from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.conditions import EventSequence
 from coral.errors import InputError
 
@@ -65,3 +69,11 @@ def test_refuses(tmp_path, events, field, expected):
 def test_a_sequence_is_not_among_its_own_events():
     kinds = EventSequence.model_json_schema()["$defs"]
     assert "EventSequence" not in kinds
+
+
+def test_conditions_that_read_contacts_say_so():
+    for one in (cls for cls in BaseCondition.__subclasses__() if cls.__module__.startswith("coral.")):
+        if one is EventSequence:
+            continue
+        reads = bool(re.search(r"touches\(|\.contacts|hand_force", inspect.getsource(one.monitor)))
+        assert one.needs_poses_only != reads, one

@@ -10,6 +10,7 @@ from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.control.reactive import ReactiveCfg
 from coral.contact.episode.recorder import EpisodeRecordCfg
+from coral.contact.episode.referee import JudgedBy
 from coral.contact.perception.advisor_camera import AdvisorCameraCfg
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.policy.cfg import PolicyCfg
@@ -38,6 +39,9 @@ class EpisodeCfg:
     """A served policy that acts instead of the planner."""
     poses: Literal["tracked", "ground-truth"] = "tracked"
     """Source of the objects' poses: tracked in a camera's pictures, or ground-truth, the simulator."""
+    judged_by: JudgedBy = "truth"
+    """Who decides about success: truth, which only a simulation knows; perception, the measured poses, where no
+    condition of the task reads contacts; operator, a person at the keyboard."""
     tracked: TrackedCfg = field(default_factory=TrackedCfg)
     """The camera, the tracker and the filter."""
     sight: AdvisorCameraCfg = field(default_factory=AdvisorCameraCfg)

@@ -18,6 +18,7 @@ END_REASONS = {
     "cost-error": "the strategy's cost could not be evaluated",
     "no-plan": "many plans in a row had no valid rehearsal, or a plan was not finite",
     "policy": "a served policy gave no valid actions",
+    "operator-failure": "the operator said that the task had failed",
     "stopped by the operator": "interrupted",
     "failed": "an error in the program",
 }

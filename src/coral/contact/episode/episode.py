@@ -26,12 +26,12 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.plan_under_way import PlanUnderWay
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
-from coral.contact.episode.trial_log import end_reason, parameter_fields, start_fields, write_head
+from coral.contact.episode.referee import OperatorVerdict, make_referee
+from coral.contact.episode.trial_log import parameter_fields, start_fields, write_head
 from coral.contact.perception.advisor_camera import make_advisor_camera
 from coral.contact.perception.guessed_world import GuessedWorld
 from coral.contact.perception.pose_difference import PoseDifference
 from coral.contact.perception.tracked_world import TrackedWorld
-from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import HandTarget, Observation, Transition, Truth
 from coral.contact.scene.prior_beliefs import prior_beliefs
 from coral.contact.scene.trial import Trial, with_beliefs
@@ -41,6 +41,7 @@ from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
 from coral.contact.thinker.think_cfg import resolved
 from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
 from coral.contact.worlds.registry import make_world
+from coral.contact.worlds.robot_world import RobotWorld
 from coral.errors import InputError, RunError
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter
@@ -51,13 +52,14 @@ class Episode:
 
     Args:
         trial: The trial.
-        world: Name of the evaluation world.
+        world: Name of the evaluation world, or a world of your own, such as a robot.
         strategist: Chooses the strategies.
         cfg: Configuration of the episode.
         folder: Run folder, new or empty.
         variant: For the record.
         advisor: For the record.
         controller: The controller of the hand: a name, or the function that makes it.
+        operator_verdict: Asks the operator, who may judge the episode; None if there is none.
 
     Raises:
         InputError: A value is out of range, a name is unknown, or the folder is not empty.
@@ -67,7 +69,7 @@ class Episode:
     def __init__(
         self,
         trial: Trial,
-        world: str,
+        world: str | RobotWorld,
         strategist: Strategist,
         cfg: EpisodeCfg,
         folder: Path,
@@ -75,6 +77,7 @@ class Episode:
         variant: str,
         advisor: str = "none",
         controller: str | MakeHandController = "mppi",
+        operator_verdict: OperatorVerdict | None = None,
     ) -> None:
         self._make_controller = hand_controller_maker(controller)
         cfg = checked(cfg, "--cfg")
@@ -84,16 +87,22 @@ class Episode:
         self.time_limit_s = trial.task.time_limit_s
         self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
         self.plan_ms: list[float] = []
-        self.judge = Judge(trial)
         whole_steps(cfg.planning.step_s, cfg.planning.physics_dt_s, "--cfg", "planning.physics_dt_s")
         whole_steps(cfg.planning.step_s, cfg.think.outer.replay_dt_s, "--cfg", "think.outer.replay_dt_s")
-        self.world: EvaluationWorld = make_world(world, trial, cfg.planning.step_s)
+        self.world: RobotWorld = make_world(world, trial, cfg.planning.step_s) if isinstance(world, str) else world
+        if abs(self.world.control_period_s - cfg.planning.step_s) > 1e-9:
+            expected = f"{self.world.control_period_s:g} s, the control period of the world {self.world.name!r}"
+            raise InputError("--cfg", "planning.step_s", cfg.planning.step_s, expected)
+        self.referee = make_referee(cfg.judged_by, self.world, trial, operator_verdict)
         self.look = make_advisor_camera(
             self.world, trial, cfg.tracked, cfg.sight, np.random.default_rng([trial.seed, 5])
         )
         self.tracked: TrackedWorld | None = None
         self.guessed: GuessedWorld | None = None
-        if strategist.guesses_poses:
+        if not isinstance(self.world, EvaluationWorld):
+            if strategist.guesses_poses:
+                raise InputError("--variant", "", variant, "one whose poses are measured: no picture can be made here")
+        elif strategist.guesses_poses:
             self.world = self.guessed = GuessedWorld(self.world, trial)
         elif cfg.poses == "tracked":
             self.world = self.tracked = TrackedWorld(
@@ -359,7 +368,7 @@ class Episode:
         command = self.reactive.command(target, before)
         try:
             self.now = self.world.step(command)
-            truth = self.world.truth()
+            truth = self.referee.judged_state(self.now)
         except WorldError as fault:
             self.end_reason, self.detail = fault.code, str(fault)
             return False
@@ -371,7 +380,7 @@ class Episode:
         self.recorder.state(self.step, self.t, self.world)
         self.recorder.contacts(self.step, truth)
         time_left = self._thinking or self.t - self._thought_s < self.time_limit_s - 1e-9
-        self.end_reason = end_reason(self.judge, truth, time_left)
+        self.end_reason = self.referee.end_reason(truth, time_left)
         return True
 
     def _begin(self) -> None:
@@ -401,7 +410,7 @@ class Episode:
         first = self._still = HandTarget(
             self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, cfg.planning.hand.stiffness_n_m
         )
-        truth = self.world.truth()
+        truth = self.referee.judged_state(self.now)
         self.recorder.row(0, self.now, truth, first, 0, self._pose_errors(truth))
         self.recorder.state(0, self.t, self.world)
         self.recorder.contacts(0, truth)
@@ -414,9 +423,12 @@ class Episode:
 
     def _emit_start(self) -> None:
         about = {"world": self.world.name, "variant": self.variant, "advisor": self.advisor, "seed": self.trial.seed}
-        poses = self.cfg.poses if self.guessed is None else "guessed"
+        poses: str = self.cfg.poses if self.guessed is None else "guessed"
+        if not isinstance(self.world, EvaluationWorld):
+            poses = "measured"
+        judged = {} if self.referee.name == "truth" else {"judged_by": self.referee.name}
         tracker = {} if self.tracked is None else {"tracker": self.tracked.tracker}
-        self.emit("start", **start_fields(self.trial, **about, poses=poses, **tracker))
+        self.emit("start", **start_fields(self.trial, **about, poses=poses, **tracker, **judged))
 
     def _emit_track_changes(self) -> None:
         """Emit events for objects that the tracker lost or found again."""
@@ -426,7 +438,7 @@ class Episode:
     def _pose_errors(self, truth: Truth) -> Mapping[str, PoseDifference] | None:
         """Compute the error of the tracked poses: for the record, never for a decision."""
         seen = self.tracked or self.guessed
-        return None if seen is None else seen.compare(self.now, truth)
+        return None if seen is None or not truth.contacts_known else seen.compare(self.now, truth)
 
     def _follow(self, strategy: Strategy) -> None:
         """Start a strategy at its first stage."""
@@ -441,6 +453,7 @@ class Episode:
         self.emit("stage", before=None, stage=self.stage, index=0)
 
     def _end(self) -> None:
+        self.world.stop()  # before anything that takes time: a robot must not wait for its record
         try:
             self.strategist.on_end(self.end_reason or "failed")
         except (InputError, RunError) as error:

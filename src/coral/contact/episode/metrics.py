@@ -46,8 +46,10 @@ DEFINITIONS = {
     "track_lost_s": "Time (s) during which an object was lost.",
     "pose_error_mm": "Median distance (mm) of tracked poses from the truth, modulo symmetry. No decision uses it.",
     "pose_error_deg": "Median angle (degrees) of the same errors.",
+    "judged_by": "Who decided about success: the simulator's true state (truth), the measured poses (perception), or a "
+    "person (operator). Without truth nothing is known of contacts and their forces.",
     "poses": "Source of the objects' poses: the simulator (ground-truth), a camera (tracked), an estimate from one "
-    "picture (guessed), or none (pictures).",
+    "picture (guessed), the robot itself (measured), or none (pictures).",
     "tracker": 'Tracker: model, the embedded one, or foundationpose, a server\'s; "" without tracking.',
 }
 
@@ -115,13 +117,16 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     poses = str(start.get("poses", ""))
     path, last, step, t, earlier = 0.0, None, 0, 0.0, 0.0
     peak = impulse = touching = missed = 0.0
+    felt = True
     off_m: list[float] = []
     off_rad: list[float] = []
     for row in rows:
         here = (float(row["x"]), float(row["y"]), float(row["z"]))
         path += math.dist(last, here) if last else 0.0
         last, step, earlier, t = here, int(float(row["step"])), t, float(row["t"])
-        force = max((float(row[name]) for name in row if name.endswith("_hand_force")), default=0.0)
+        forces = [row[name] for name in row if name.endswith("_hand_force")]
+        felt = felt and "" not in forces
+        force = max(map(float, filter(None, forces)), default=0.0)
         peak = max(peak, force)
         off_m += _tracking_errors(row, "_off_m")
         off_rad += _tracking_errors(row, "_off_rad")
@@ -143,10 +148,10 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "repairs": int(end.get("repairs", 0)),
         "memory_hit": bool(end.get("memory_hit", False)),
         "path_length_m": round(path, 4),
-        "peak_hand_force_n": round(peak, 2),
+        "peak_hand_force_n": round(peak, 2) if felt else None,
         "mean_hand_force_n": round(impulse / touching, 2) if touching else None,
-        "contact_time_s": round(touching, 3),
-        "contacts": contacts,
+        "contact_time_s": round(touching, 3) if felt else None,
+        "contacts": contacts if felt else None,
         "first_touch_s": touched,
         "plan_cost": round(fmean(costs), 4) if costs else None,
         "plan_cost_jump": round(fmean(jumps), 4) if jumps else None,
@@ -158,6 +163,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "track_lost_s": round(missed, 3),
         "pose_error_mm": round(1e3 * median(off_m), 2) if off_m else None,
         "pose_error_deg": round(math.degrees(median(off_rad)), 2) if off_rad else None,
+        "judged_by": str(start.get("judged_by", "truth")),
         "poses": poses,
         "tracker": str(start.get("tracker", "model" if poses == "tracked" else "")),
     }  # older runs knew no other tracker

@@ -16,12 +16,12 @@ from coral.contact.control.reactive import Reactive
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
-from coral.contact.episode.trial_log import end_reason, start_fields, write_head
+from coral.contact.episode.referee import Referee, TruthReferee
+from coral.contact.episode.trial_log import start_fields, write_head
 from coral.contact.policy import libero_convention as libero
 from coral.contact.policy.address import Address
 from coral.contact.policy.cameras import PolicyCameras
 from coral.contact.policy.client import PolicyError, printable
-from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import Array, HandTarget, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.think_cfg import resolved
@@ -74,13 +74,15 @@ class PolicyEpisode:
         self.time_limit_s = trial.task.time_limit_s
         self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
         self.calls = 0
-        self.judge = Judge(trial)
         means = cfg.policy.libero
+        if cfg.judged_by != "truth":
+            raise InputError("--cfg", "judged-by", cfg.judged_by, "truth, for a served policy")
         if means.tick_s < 0.002:
             raise InputError("--cfg", "policy.libero.ticks", means.ticks, "at most 500 ticks a second in all")
         self.world = make_world(world, trial, means.tick_s)
         if self.world.simulation is None:
             raise InputError("--world", "", repr(world), "a simulated world, of which pictures can be made")
+        self.referee: Referee = TruthReferee(self.world, trial)
         self._data = self.world.simulation.data
         self.eyes = PolicyCameras(self.world.simulation.model, cfg.policy.eyes)
         # Without rehearsals there is no feedback; only the limits of the reactive control remain.
@@ -160,13 +162,13 @@ class PolicyEpisode:
     def _act(self, target: HandTarget) -> None:
         command = self.reactive.command(target, self.now)
         self.now = self.world.step(command)
-        truth = self.world.truth()
+        truth = self.referee.judged_state(self.now)
         self.step += 1
         self.t = self.now.time_s
         self.recorder.row(self.step, self.now, truth, command, 0)
         self.recorder.state(self.step, self.t, self.world)
         self.recorder.contacts(self.step, truth)
-        self.end_reason = end_reason(self.judge, truth, self.t < self.time_limit_s - 1e-9)
+        self.end_reason = self.referee.end_reason(truth, self.t < self.time_limit_s - 1e-9)
 
     def _begin(self) -> None:
         self.now = self.world.reset()
@@ -178,7 +180,7 @@ class PolicyEpisode:
         self.emit("start", **start_fields(self.trial, **about, poses="pictures"))
         self.emit("strategy", name=self.address.name, stages=[self.stage], beliefs=[])
         self.emit("stage", before=None, stage=self.stage, index=0)
-        truth = self.world.truth()
+        truth = self.referee.judged_state(self.now)
         rest = HandTarget(
             self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, self.cfg.policy.libero.stiffness_n_m
         )
@@ -187,6 +189,7 @@ class PolicyEpisode:
         self.recorder.contacts(0, truth)
 
     def _end(self) -> None:
+        self.world.stop()
         self.recorder.state(self.step, self.t, self.world, last=True)
         self.recorder.close(self.step)
         self.emit("end", reason=self.end_reason or "failed", detail=self.detail)

@@ -13,7 +13,8 @@ from coral.contact.perception.pose_difference import PoseDifference
 from coral.contact.scene.condition import hand_force
 from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Array, BodyState, Contact, HandTarget, Observation, Truth
-from coral.contact.worlds.evaluation_world import EvaluationWorld
+from coral.contact.worlds.evaluation_world import simulation_of
+from coral.contact.worlds.robot_world import RobotWorld
 from coral.runs import RunWriter
 
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
@@ -37,9 +38,9 @@ def columns(objects: Sequence[str]) -> tuple[str, ...]:
     """Return the columns of trajectory.csv: SI units, world frame; one row per control step.
 
     The measured tool pose and opening, the command, the wrench on the hand, the index of the stage. Then for each
-    object its pose, the hand's net force on it, and the mean point of that contact in the object's frame, empty without
-    contact. Last the error of its tracked pose (m, rad; modulo symmetry) and whether it is lost, empty without
-    tracking.
+    object its pose (as measured where nobody knows the truth), the hand's net force on it (empty where contacts are not
+    known), and the mean point of that contact in the object's frame, empty without contact. Last the error of its
+    tracked pose (m, rad; modulo symmetry) and whether it is lost, empty without tracking.
     """
     found = [
         "step",
@@ -104,18 +105,20 @@ class EpisodeRecorder:
             stage,
         ]
         for name in self._objects:
-            values += [*_pose(truth.objects[name]), hand_force(truth, name) or 0.0, *_touch_point(truth, name)]
+            force = (hand_force(truth, name) or 0.0) if truth.contacts_known else ""
+            values += [*_pose(truth.objects[name]), force, *_touch_point(truth, name)]
         for name in self._objects:
             one = None if seen is None else seen[name]
             values += ["", "", ""] if one is None else [one.off_m, one.off_rad, int(one.lost)]
         self._writer.row(*(value if isinstance(value, str) else float(value) for value in values))
 
-    def state(self, step: int, t: float, world: EvaluationWorld, last: bool = False) -> None:
+    def state(self, step: int, t: float, world: RobotWorld, last: bool = False) -> None:
         """Record the joint positions of a simulated world, at the configured rate."""
-        if not self._cfg.states or world.simulation is None or (t < self._due - 1e-9 and not last):
+        simulation = simulation_of(world)
+        if not self._cfg.states or simulation is None or (t < self._due - 1e-9 and not last):
             return
         self._due = t + self._cfg.state_period_s
-        data = world.simulation.data
+        data = simulation.data
         if self._states is None:
             path = self._writer.folder / "states.csv"
             self._states = open(path, "x", encoding="utf-8", buffering=1)  # noqa: SIM115

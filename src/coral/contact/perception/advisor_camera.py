@@ -14,7 +14,8 @@ from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.scene_geoms import hidden_geoms, instance_names
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import EvaluationWorld
+from coral.contact.worlds.evaluation_world import simulation_of
+from coral.contact.worlds.robot_world import RobotWorld
 
 Look = Callable[[], RgbdFrame | None]
 """Takes a picture of the present world; None without a camera."""
@@ -30,7 +31,7 @@ class AdvisorCameraCfg:
 
 
 def make_advisor_camera(
-    world: EvaluationWorld, trial: Trial, tracked: TrackedCfg, cfg: AdvisorCameraCfg, rng: np.random.Generator
+    world: RobotWorld, trial: Trial, tracked: TrackedCfg, cfg: AdvisorCameraCfg, rng: np.random.Generator
 ) -> Look:
     """Make the advisor's camera. It is built for the first picture: many episodes take none.
 
@@ -41,7 +42,7 @@ def make_advisor_camera(
         cfg: Size of the pictures.
         rng: Random numbers of the depth noise; separate, so that taking pictures changes nothing else.
     """
-    simulation = world.simulation
+    simulation = simulation_of(world)
     camera: list[RayCamera] = []
 
     def look() -> RgbdFrame | None:

@@ -39,7 +39,7 @@ class GuessedWorld:
         return self._world.simulation
 
     def reset(self) -> Observation:
-        """See `EvaluationWorld.reset`; the observation has no objects until `settle`."""
+        """See `RobotWorld.reset`; the observation has no objects until `settle`."""
         self._guessed = {}
         return self._with_guesses(self._world.reset())
 
@@ -49,15 +49,19 @@ class GuessedWorld:
         return self._with_guesses(now)
 
     def step(self, target: HandTarget) -> Observation:
-        """See `EvaluationWorld.step`."""
+        """See `RobotWorld.step`."""
         return self._with_guesses(self._world.step(target))
 
     def truth(self) -> Truth:
         """See `EvaluationWorld.truth`."""
         return self._world.truth()
 
+    def stop(self) -> None:
+        """See `RobotWorld.stop`."""
+        self._world.stop()
+
     def close(self) -> None:
-        """See `EvaluationWorld.close`."""
+        """See `RobotWorld.close`."""
         self._world.close()
 
     def compare(self, now: Observation, truth: Truth) -> dict[str, PoseDifference]:

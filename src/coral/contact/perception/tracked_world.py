@@ -78,7 +78,7 @@ class TrackedWorld:
         return self._world.simulation
 
     def reset(self) -> Observation:
-        """See `EvaluationWorld.reset`; the hand waits until every object is found.
+        """See `RobotWorld.reset`; the hand waits until every object is found.
 
         Raises:
             WorldError: An object was not found ("not-found"), there are no pictures ("camera-off"), or no poses
@@ -110,7 +110,7 @@ class TrackedWorld:
                 now = self._world.step(rest)
 
     def step(self, target: HandTarget) -> Observation:
-        """See `EvaluationWorld.step`.
+        """See `RobotWorld.step`.
 
         Raises:
             WorldError: The world failed, or there are no more pictures ("camera-off") or poses ("tracker-failed").
@@ -151,8 +151,12 @@ class TrackedWorld:
         """See `EvaluationWorld.truth`."""
         return self._world.truth()
 
+    def stop(self) -> None:
+        """See `RobotWorld.stop`."""
+        self._world.stop()
+
     def close(self) -> None:
-        """See `EvaluationWorld.close`."""
+        """See `RobotWorld.close`."""
         self._close_trackers()
         self._world.close()
 

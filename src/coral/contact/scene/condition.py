@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -33,6 +33,14 @@ class BaseCondition(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
     object: str
     kind: str
+
+    needs_poses_only: ClassVar[bool] = False
+    """Whether poses and velocities decide the condition. If not, it reads contacts, which no robot measures."""
+
+    @property
+    def reads_contacts(self) -> bool:
+        """Return whether the condition depends on who touches whom or how hard."""
+        return not self.needs_poses_only
 
     def check(self, task: Task, where: str, field: str) -> None:
         """Check that all names in the condition exist.

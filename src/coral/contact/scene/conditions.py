@@ -64,6 +64,11 @@ class EventSequence(BaseCondition):
             for index, condition in enumerate(event):
                 condition.check(task, where, f"{field}.events[{k}][{index}]")
 
+    @property
+    def reads_contacts(self) -> bool:
+        """See `BaseCondition.reads_contacts`."""
+        return any(condition.reads_contacts for event in self.events for condition in event)
+
     def monitor(self, trial: Trial) -> Monitor:
         """See `BaseCondition.monitor`."""
         monitors = [[condition.monitor(trial) for condition in event] for event in self.events]

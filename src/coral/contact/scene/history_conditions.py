@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -153,6 +153,7 @@ def _step_s(recent: list[tuple[float, float]]) -> float:
 class SpeedLimit(BaseCondition):
     """The object never moved faster than `speed_m_s`."""
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["speed-limit"] = "speed-limit"
     speed_m_s: float = Field(gt=0, le=10, strict=True)
 
@@ -171,6 +172,7 @@ class SpeedLimit(BaseCondition):
 class KeptLevel(BaseCondition):
     """The object's `axis` never left its initial direction by more than `tolerance_deg`, as of a full cup."""
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["kept-level"] = "kept-level"
     axis: Axis = "z"
     tolerance_deg: float = Field(default=15, gt=0, le=180, strict=True)

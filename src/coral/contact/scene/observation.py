@@ -90,7 +90,7 @@ class HandForce:
 
 @dataclass(frozen=True)
 class Truth:
-    """The true state of the world, for the judge."""
+    """The state of the world for the judge: true in simulation, measured where nobody knows the truth."""
 
     time_s: float
     tool: BodyState
@@ -100,6 +100,8 @@ class Truth:
     hand_forces: Mapping[str, HandForce] = field(default_factory=dict)
     """By object; empty where the world does not measure it. A blow is shorter than a control step, and the contacts at
     the step's end miss it."""
+    contacts_known: bool = True
+    """False for a measured state: then `contacts` and `hand_forces` are empty for lack of knowledge."""
 
 
 @dataclass(frozen=True)

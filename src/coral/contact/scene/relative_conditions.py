@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import AfterValidator, Field
@@ -43,6 +43,7 @@ class AtObject(BaseCondition):
     angle of each other.
     """
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["at-object"] = "at-object"
     other: str
     point: str | None = None
@@ -80,6 +81,7 @@ class Inserted(BaseCondition):
     along an axis of the world or of the other object.
     """
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["inserted"] = "inserted"
     point: str
     place: str | None = None
@@ -125,6 +127,7 @@ class Inserted(BaseCondition):
 class Opened(BaseCondition):
     """The object's joint is within `between_deg` (a hinge) or `between_m` (a slide); 0 is how the file places it."""
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["opened"] = "opened"
     between_deg: Annotated[tuple[SignedAngle, SignedAngle], AfterValidator(in_order)] | None = None
     between_m: Annotated[tuple[Metre, Metre], AfterValidator(in_order)] | None = None

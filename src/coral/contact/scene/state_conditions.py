@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import AfterValidator, Field
@@ -119,6 +119,7 @@ class Touching(BaseCondition):
 class At(BaseCondition):
     """The object's centre, or a named point on it, is within `tolerance_m` of a place."""
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["at"] = "at"
     place: str
     point: str | None = None
@@ -147,6 +148,7 @@ class At(BaseCondition):
 class Inside(BaseCondition):
     """The origin of the object's frame, or a named point on it, lies in the box from `low` to `high` (m, world)."""
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["inside"] = "inside"
     low: tuple[Metre, Metre, Metre]
     high: tuple[Metre, Metre, Metre]
@@ -196,6 +198,7 @@ class Resting(BaseCondition):
 class Still(BaseCondition):
     """The object moves slower than `speed_m_s` and turns slower than `turn_rad_s`, wherever it is."""
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["still"] = "still"
     speed_m_s: float = Field(default=0.05, gt=0, le=10, strict=True)
     turn_rad_s: float = Field(default=0.5, gt=0, le=100, strict=True)
@@ -214,6 +217,7 @@ class Still(BaseCondition):
 class Flipped(BaseCondition):
     """The object's `axis` is turned by `degrees` from where it pointed at first, within `tolerance_deg`."""
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["flipped"] = "flipped"
     axis: Axis = "z"
     degrees: float = Field(default=90, ge=0, le=180, strict=True)
@@ -236,6 +240,7 @@ class Pointing(BaseCondition):
     It tells on which side an object lies, and to which side it fell.
     """
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["pointing"] = "pointing"
     axis: Axis = "z"
     direction: Direction
@@ -276,6 +281,7 @@ class Leaning(BaseCondition):
 class Upright(BaseCondition):
     """The object stands as it stood at first, its z axis within `tolerance_deg`; where it points does not matter."""
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["upright"] = "upright"
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
@@ -287,6 +293,7 @@ class Upright(BaseCondition):
 class Undisturbed(BaseCondition):
     """The object is within `tolerance_m` of where it stood at first, and its z axis within `tolerance_deg`."""
 
+    needs_poses_only: ClassVar[bool] = True
     kind: Literal["undisturbed"] = "undisturbed"
     tolerance_m: float = Field(default=0.05, gt=0, le=1, strict=True)
     tolerance_deg: float = Field(default=15, gt=0, le=180, strict=True)

@@ -1,26 +1,16 @@
-"""The interface between an episode and its world: a simulation or a real robot."""
+"""The interface between an episode and a simulated world: a robot's world, and the truth by which success is judged."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import mujoco
 
-from coral.contact.scene.observation import HandTarget, Observation, Truth
+from coral.contact.scene.observation import Truth
+from coral.contact.worlds.robot_world import RobotWorld, WorldError
 
-
-class WorldError(RuntimeError):
-    """The world cannot be stepped any further.
-
-    Args:
-        code: Reason: "diverged", "tunnelling", "unreachable", "camera-off", "not-found", "tracker-failed".
-        text: Message for people.
-    """
-
-    def __init__(self, code: str, text: str) -> None:
-        super().__init__(text)
-        self.code = code
+__all__ = ["EvaluationWorld", "Simulation", "WorldError", "simulation_of"]
 
 
 @dataclass(frozen=True)
@@ -33,16 +23,9 @@ class Simulation:
     """The present state; the world changes it in place."""
 
 
-class EvaluationWorld(Protocol):
-    """World of an episode: a simulated Panda, a free-flying hand, or a robot.
-
-    Attributes:
-        name: Name for records.
-        control_period_s: Duration of one `step`.
-    """
-
-    name: str
-    control_period_s: float
+@runtime_checkable
+class EvaluationWorld(RobotWorld, Protocol):
+    """A world that also knows the truth: a simulated Panda or a free-flying hand."""
 
     @property
     def simulation(self) -> Simulation | None:
@@ -52,22 +35,11 @@ class EvaluationWorld(Protocol):
         """
         ...
 
-    def reset(self) -> Observation:
-        """Return to the start of the episode."""
-        ...
-
-    def step(self, target: HandTarget) -> Observation:
-        """Advance by one control period with the hand pulled towards `target`.
-
-        Raises:
-            WorldError: The simulation diverged, or the robot cannot continue.
-        """
-        ...
-
     def truth(self) -> Truth:
         """Return the true state, by which success is judged."""
         ...
 
-    def close(self) -> None:
-        """Release the world's resources."""
-        ...
+
+def simulation_of(world: RobotWorld) -> Simulation | None:
+    """Return the simulation behind a world; None behind a robot."""
+    return world.simulation if isinstance(world, EvaluationWorld) else None

@@ -69,7 +69,7 @@ class HandWorld:
         return Simulation(self.model, self.data)
 
     def reset(self) -> Observation:
-        """See `EvaluationWorld.reset`."""
+        """See `RobotWorld.reset`."""
         mujoco.mj_resetData(self.model, self.data)
         start = BodyState(np.asarray(self.cfg.start_m, dtype=float), DOWN)
         objects = {name: item.pose for name, item in self._trial.objects.items()}
@@ -80,7 +80,7 @@ class HandWorld:
         return self._observe()
 
     def step(self, target: HandTarget) -> Observation:
-        """See `EvaluationWorld.step`."""
+        """See `RobotWorld.step`."""
         self._pull(target)
         self._forces.begin()
         for _ in range(self._substeps):
@@ -104,8 +104,11 @@ class HandWorld:
             self._forces.read(),
         )
 
+    def stop(self) -> None:
+        """See `RobotWorld.stop`; a simulation stands still between steps."""
+
     def close(self) -> None:
-        """See `EvaluationWorld.close`."""
+        """See `RobotWorld.close`."""
 
     def _pull(self, target: HandTarget) -> None:
         model, data = self.model, self.data

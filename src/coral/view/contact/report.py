@@ -188,20 +188,32 @@ def _who_decided(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     return f"{said}." if said else ""
 
 
+def _judged(metrics: Mapping[str, Any]) -> str:
+    """Return who judged, if it was not the simulator."""
+    who = metrics.get("judged_by", "truth")
+    return "" if who == "truth" else f", judged by {who}"
+
+
+def _force_remark(peak: float | None, mean: float | None) -> str:
+    if peak is None:
+        return "contacts are not measured"
+    return f"mean {mean:.1f} N" if mean is not None else "no touch"
+
+
 def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     """Return (value, remark, name, state) of the key numbers."""
     if not metrics:
         return []
     success, reason = bool(metrics.get("success")), str(metrics.get("end_reason", ""))
     median = run.timing.get("plan_ms_median")
-    mean = metrics.get("mean_hand_force_n")
+    mean, peak = metrics.get("mean_hand_force_n"), metrics.get("peak_hand_force_n", 0)
     wall = run.timing.get("wall_time_s")
     whole = float(metrics.get("time_with_thinking_s", 0.0))
     thinking = f", {whole:.1f} s with thinking" if whole > float(metrics.get("sim_time_s", 0.0)) else ""
     return [
         (
             "yes" if success else "no",
-            ENDED.get(reason.partition(":")[0], reason),
+            ENDED.get(reason.partition(":")[0], reason) + _judged(metrics),
             "success",
             "good" if success else "bad",
         ),
@@ -214,8 +226,8 @@ def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, s
         (str(metrics.get("plans", 0)), f"{median:.0f} ms each (median)" if median else "", "plans", ""),
         (str(metrics.get("stages", 0)), str(metrics.get("strategy", "")), "changes of stage", ""),
         (
-            f"{float(metrics.get('peak_hand_force_n', 0)):.0f} N",
-            f"mean {mean:.1f} N" if mean is not None else "no touch",
+            "unknown" if peak is None else f"{float(peak):.0f} N",
+            _force_remark(peak, mean),
             "largest force",
             "",
         ),

@@ -82,7 +82,7 @@ def pictures(run: RunFolder, scene: ReplayedScene) -> Iterator[Image]:
         for x, name, value, color in (
             (16, "time", f"{t:.1f} s", INK),
             (130, "stage", stage[:28], TEAL),
-            (420, "force", f"{force:.1f} N", INK),
+            (420, "force", f"{force:.1f} N" if np.isfinite(force) else "unknown", INK),
             (530, "outcome", outcome[:14] if over else "", TEAL if outcome == "success" else RED),
         ):
             draw_text(strip, name, x, 14, size=13, color=MUTED, weight=400)

@@ -90,7 +90,7 @@ class PandaWorld:
         return Simulation(self.model, self.data)
 
     def reset(self) -> Observation:
-        """See `EvaluationWorld.reset`."""
+        """See `RobotWorld.reset`."""
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, self._start, mujoco.mjtState.mjSTATE_INTEGRATION)
         self.data.time = 0.0
@@ -100,7 +100,7 @@ class PandaWorld:
         return self._observe(np.zeros(6))
 
     def step(self, target: HandTarget) -> Observation:
-        """See `EvaluationWorld.step`.
+        """See `RobotWorld.step`.
 
         Raises:
             ValueError: The target is not finite, or its stiffness is not positive.
@@ -123,8 +123,11 @@ class PandaWorld:
             self._forces.read(),
         )
 
+    def stop(self) -> None:
+        """See `RobotWorld.stop`; a simulation stands still between steps."""
+
     def close(self) -> None:
-        """See `EvaluationWorld.close`."""
+        """See `RobotWorld.close`."""
         self._env.close()
 
     @property

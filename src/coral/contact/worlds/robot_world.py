@@ -1,0 +1,55 @@
+"""The interface between an episode and a robot: measure, act, stop. It knows nothing that the robot does not."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from coral.contact.scene.observation import HandTarget, Observation
+
+
+class WorldError(RuntimeError):
+    """The world cannot be stepped any further.
+
+    Args:
+        code: Reason: "diverged", "tunnelling", "unreachable", "camera-off", "not-found", "tracker-failed".
+        text: Message for people.
+    """
+
+    def __init__(self, code: str, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+class RobotWorld(Protocol):
+    """A robot and its surroundings, real or simulated, as far as sensors tell.
+
+    Observations carry the time of their measurement and are as noisy as the sensors. There is no true state:
+    `EvaluationWorld` adds it for simulations.
+
+    Attributes:
+        name: Name for records.
+        control_period_s: Duration of one `step`.
+    """
+
+    name: str
+    control_period_s: float
+
+    def reset(self) -> Observation:
+        """Bring the robot to the start of the episode, and measure."""
+        ...
+
+    def step(self, target: HandTarget) -> Observation:
+        """Pull the hand towards `target` for one control period, and measure at its end.
+
+        Raises:
+            WorldError: The robot cannot continue.
+        """
+        ...
+
+    def stop(self) -> None:
+        """Stop all motion. An episode calls it once, as soon as it ends for whatever reason; never raises."""
+        ...
+
+    def close(self) -> None:
+        """Release the world's resources."""
+        ...
