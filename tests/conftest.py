@@ -21,9 +21,12 @@ NARROW_PX = 400
 """Width of a telephone's screen."""
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser():
-    """A headless Chromium. A missing one is a failure: what is not tried is not known to work."""
+    """A headless Chromium. A missing one is a failure: what is not tried is not known to work.
+
+    No longer than a module: Playwright leaves its event loop running in the thread of the tests.
+    """
     from playwright.sync_api import sync_playwright
 
     path = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)

@@ -230,14 +230,14 @@ def test_a_program_is_typed_like_one(visit, ask):
 
 def test_the_end_of_a_mission_is_shown(visit, ask, case, tmp_path):
     page = visit()
-    with mission_notice(tmp_path / "inbox", world="s1", run="runs/s1-001") as finished:
+    with mission_notice(tmp_path / "inbox", world="s1", run="runs/s1-001") as notice:
         expect(page.locator("#mission")).to_have_text("s1 · under way · runs/s1-001")
         asking = ask()
         expect(page.get_by_role("heading", name="Pick")).to_be_visible()
         page.get_by_role("radio", name="3").click()
         page.get_by_role("button", name="Submit").click()
         assert asking.result().index == 3
-        finished("8 of 8 oyster clusters covered")
+        notice.finished("8 of 8 oyster clusters covered")
     expect(page.get_by_role("heading", name="Mission finished")).to_be_visible()
     expect(page.get_by_text("8 of 8 oyster clusters covered")).to_be_visible()
     page.locator("#history button").click()
