@@ -82,7 +82,7 @@ def click_map(page, case, x, y):
     expect(page.locator("#canvas")).to_be_visible()
     drawn = case.drawn_map()
     column, row = drawn.to_pixels([x, y])
-    page.wait_for_function("document.getElementById('picture').naturalWidth > 0")
+    expect(page.locator("#picture")).not_to_have_js_property("naturalWidth", 0)
     box = page.locator("#picture").bounding_box()
     scale = box["width"] / drawn.rgb.shape[1]
     page.mouse.click(box["x"] + scale * column, box["y"] + scale * row)
@@ -250,7 +250,7 @@ def test_picture_and_submit_are_in_reach_on_desks_and_tablets(visit, ask, case, 
     ask(case.reef_question())
     page = visit(width=width, height=height)
     expect(page.get_by_role("tab", name=re.compile("map"))).to_be_visible()
-    page.wait_for_function("document.getElementById('picture').naturalWidth > 0")
+    expect(page.locator("#picture")).not_to_have_js_property("naturalWidth", 0)
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     view = page.locator("#view").bounding_box()
     submit = page.get_by_role("button", name="Submit").bounding_box()
