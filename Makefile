@@ -39,9 +39,9 @@ kernels: setup  ## compile the kernels that most commands need
 test: kernels  ## the whole test suite
 ifeq ($(BROWSER),)
 	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
-	$(BIN)/python -m pytest -n 2 -m "not ray and not model and not libero and not ardusub and not blender and not browser"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not ray and not model and not libero and not ardusub and not blender and not browser"
 else
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 endif
 
 test-ray: setup  ## a two-node Ray cluster on this machine, one node killed midway

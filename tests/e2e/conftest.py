@@ -1,6 +1,7 @@
 """The installed command, run as a user runs it, and a reef small enough for a test."""
 
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,16 @@ import pytest
 import yaml
 
 CORAL = Path(sys.executable).with_name("coral")
+CLIENT = """#!{python} -IS
+import json, os, socket, sys
+with socket.socket(socket.AF_UNIX) as line:
+    line.connect({path!r})
+    socket.send_fds(line, [b"."], [0, 1, 2])
+    line.sendall(json.dumps([sys.argv[1:], os.getcwd(), dict(os.environ)]).encode() + b"\\n")
+    code = line.makefile("rb").read()
+sys.exit(int(code or 1))
+"""
+"""Stands in for the installed command: fork_server.py answers with the exit code, or with none if it was killed."""
 KEYS = ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY", "GEMINI_API_KEY")
 
 
@@ -57,10 +68,21 @@ def environment():
     return {**{key: value for key, value in os.environ.items() if key not in KEYS}, "COLUMNS": "60"}
 
 
-@pytest.fixture(scope="session")
-def coral_folder():
-    """Where the installed command lies."""
-    return CORAL.parent
+@pytest.fixture(scope="module")
+def fast_coral(environment, tmp_path_factory):
+    """The folder of a `coral` that runs in forks of one process, for tests of many commands."""
+    folder = tmp_path_factory.mktemp("fast")
+    with socket.socket(socket.AF_UNIX) as listening:
+        listening.bind(str(folder / "socket"))
+        listening.listen()
+        (folder / "coral").write_text(CLIENT.format(python=sys.executable, path=str(folder / "socket")))
+        (folder / "coral").chmod(0o755)
+        number = listening.fileno()
+        words = [sys.executable, Path(__file__).with_name("fork_server.py"), str(number)]
+        server = subprocess.Popen(words, env=environment, pass_fds=[number])
+        yield folder
+        server.kill()
+        server.wait()
 
 
 @pytest.fixture(scope="session")
