@@ -1,0 +1,64 @@
+"""What straight lanes 10 m apart inspect in the ten reefs, wherever they happen to lie: a table over their offsets.
+
+    python benchmarks/blind_sweep.py
+
+The variant `blind-sweep` lays its lanes symmetrically in the survey area. A lane that happens to lie along a row of
+clusters inspects much, so one offset says little; here the lanes are shifted in ten steps of 1 m.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+
+from coral.reef.generated import find_world
+from coral.reef.geometry import Pose
+from coral.reef.imaging import ImagingMeter
+from coral.reef.mission import MissionCfg
+from coral.reef.scene import Scene
+from coral.reef.tour import drive_lines, lanes
+from coral.reef.tour_kernels import advance
+
+REEFS = ("l1", "l2", "s1", "s2", "k1", "k2", "e1", "e2", "o1", "o2")
+
+
+def inspected(name: str, offset_m: float, cfg: MissionCfg) -> float:
+    """Return the share of the oysters' area that the lanes inspect in clear water, mean over clusters (%)."""
+    world = find_world(name)
+    start = Pose(world.start.x, world.start.y, world.start.theta)
+    points = lanes(world.size_m, cfg.lane_m, start, offset_m)
+    poses = [tuple(start)]
+    for v, omega in drive_lines(points, start, cfg.simulator.vehicle, cfg.control_period_s):
+        poses.append(advance(*poses[-1], v, omega, cfg.control_period_s))
+    meter = ImagingMeter(Scene.from_world(world))
+    levels, counts = np.zeros(len(meter.points), np.uint8), np.zeros((3, len(meter.names)), np.int64)
+    meter.look_along(np.array(poses), levels, counts)
+    return 100.0 * float((counts[2] / meter.size).mean())
+
+
+def row(name: str, values: list[float]) -> str:
+    """Format one row of the table, with the mean of its values."""
+    return f"| {name} | " + " | ".join(f"{value:.0f}" for value in [*values, np.mean(values)]) + " |"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--reefs", nargs="+", default=REEFS)
+    words, cfg = parser.parse_args(), MissionCfg()
+    offsets = np.arange(-5.0, 5.0)
+    print("| offset (m) | " + " | ".join(f"{offset:+.0f}" for offset in offsets) + " | mean |")
+    print("|---|" + "---:|" * (len(offsets) + 1))
+    rows = []
+    for name in words.reefs:
+        rows.append([inspected(name, float(offset), cfg) for offset in offsets])
+        print(
+            f"| {name} | " + " | ".join(f"{value:.0f}" for value in [*rows[-1], np.mean(rows[-1])]) + " |", flush=True
+        )
+    means = np.mean(rows, axis=0)
+    print("| mean | " + " | ".join(f"{value:.0f}" for value in [*means, means.mean()]) + " |")
+
+
+if __name__ == "__main__":
+    main()
