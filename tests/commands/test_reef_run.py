@@ -9,7 +9,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
 from onnx_files import red_is_oyster_yolo, relative_depth
 
 from coral.advisor.consult import DEADLINE_S
-from coral.commands.reef_run import FallbackNotice, ReefRun
+from coral.commands.reef_run import FallbackNotice, ReefRun, share_inspected, still_left
 from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.resolution import PERSON_DEADLINE_S
@@ -46,6 +46,20 @@ def test_the_outcome_in_words_names_the_run_and_who_decided():
         "report: runs/s1-001/report.html",
         result["decided"],
     ]
+
+
+@pytest.mark.parametrize(
+    ("end", "hint"), [("coverage complete", "; --cfg.no-stop-when-covered goes on"), ("time limit", "")]
+)
+def test_clusters_that_are_covered_and_not_inspected_to_the_end_are_told(end, hint):
+    told = still_left({"clusters_left": 1, "end_reason": end})
+    assert told == [f"not inspected to the end, by the robot's own map: 1 cluster{hint}"]
+    assert still_left({"clusters_left": 0, "end_reason": end}) == []
+
+
+def test_the_share_inspected_is_told_where_it_is_known():
+    assert share_inspected({"inspected": 0.876}) == "88 % of the oysters inspected from near, "
+    assert share_inspected({"inspected": None}) == ""
 
 
 @pytest.mark.parametrize(

@@ -205,7 +205,7 @@ class ReefRun:
         """Describe the outcome in a few lines, and list the files."""
         lines = [
             f"{self.world}: {result['clusters_covered']} of {result['clusters_total']} oyster clusters covered "
-            f"({100 * result['coverage']:.0f} %), {many(result['collisions'], 'collision')}, "
+            f"({100 * result['coverage']:.0f} %), {share_inspected(result)}{many(result['collisions'], 'collision')}, "
             f"{many(result['advisor_calls'], 'advisor call')} ({many(result['requeries'], 're-query', 're-queries')}), "
             f"{result['sim_time_s']:.0f} s simulated in "
             f"{result['wall_time_s']:.0f} s; ended: {result['end_reason']}",
@@ -217,14 +217,21 @@ class ReefRun:
         return "\n".join(lines)
 
 
+def share_inspected(result: Mapping[str, Any]) -> str:
+    """Say how much was seen from near enough to count oysters, which is less than what counts as covered."""
+    share = result.get("inspected")
+    return "" if share is None else f"{100 * share:.0f} % of the oysters inspected from near, "
+
+
 def still_left(result: Mapping[str, Any]) -> list[str]:
     """Return a line about what the robot knew of and did not finish, and one about the time it did not survey."""
     left, states = result.get("clusters_left"), result.get("seconds_in_state") or {}
     stood = ", ".join(
         f"{state} {states[state]:.0f} s" for state in ("holding", "surfacing", "taken over") if state in states
     )
+    goes_on = "; --cfg.no-stop-when-covered goes on" if result["end_reason"] == "coverage complete" else ""
     return [
-        *([f"not finished, by the robot's own map: {many(left, 'cluster')}"] if left else []),
+        *([f"not inspected to the end, by the robot's own map: {many(left, 'cluster')}{goes_on}"] if left else []),
         *([f"not surveying: {stood}"] if stood else []),
     ]
 
