@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from coral.contact.episode.referee import Referee
-from coral.contact.scene.trial import Trial
 from coral.odd_text import printable
-from coral.reef.mission import Mission
+
+if TYPE_CHECKING:  # a command loads the system that it runs, not the other one
+    from coral.contact.episode.referee import Referee
+    from coral.contact.scene.trial import Trial
+    from coral.reef.mission import Mission
 
 
 class RunBar:
