@@ -8,7 +8,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-libero setup-blender demo kernels test test-ray test-lance test-rerun test-model test-libero test-ardusub test-blender check docs site figures bench clean help
+.PHONY: setup setup-libero setup-blender demo kernels test test-ray test-lance test-rerun test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -77,6 +77,12 @@ test-ardusub: setup  ## the driver against ArduSub in the loop, in real time (CO
 setup-blender: setup  ## Blender as a package (a download of 374 MB), apart from the environment's packages
 	test -x $(VENV)/share/coral-blender/bin/python || $(PYTHON) -m venv $(VENV)/share/coral-blender
 	$(VENV)/share/coral-blender/bin/python -m pip --disable-pip-version-check install --quiet bpy==5.0.1
+
+test-wheel: setup  ## the wheel without make, in an empty environment: a reef and a task of the hand (1.2 GB for a minute or two)
+	@folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
+	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir "$$folder" . && \
+	$(PYTHON) -m venv "$$folder/env" && "$$folder/env/bin/pip" install --quiet "$$folder"/*.whl && cd "$$folder" && \
+	env/bin/coral reef run s1 --quiet --out reef && env/bin/coral contact run flip-box --world hand --samples 16 --out hand
 
 test-blender: setup  ## Blender builds and renders a reef, where `make setup-blender` or CORAL_BLENDER_PYTHON has one
 	$(BIN)/python -m pytest -m blender tests/reef/eyes tests/commands/test_reef_blender.py
