@@ -1,4 +1,6 @@
 import io
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import pytest
@@ -63,3 +65,8 @@ def test_an_episode_shows_its_stage_and_the_conditions_that_hold(shown):
 
 def test_a_quiet_bar_shows_nothing(shown):
     assert shown(MissionProgress(quiet=True), Running()) == ""
+
+
+def test_a_reefs_command_does_not_load_the_contact_system():
+    words = "import sys, coral.commands.reef_run; print([m for m in sys.modules if m in ('coral.contact', 'mujoco')])"
+    assert subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True).stdout == "[]\n"
