@@ -72,17 +72,17 @@ def environment():
 def fast_coral(environment, tmp_path_factory):
     """The folder of a `coral` that runs in forks of one process, for tests of many commands."""
     folder = tmp_path_factory.mktemp("fast")
+    (folder / "coral").write_text(CLIENT.format(python=sys.executable, path=str(folder / "socket")))
+    (folder / "coral").chmod(0o755)
     with socket.socket(socket.AF_UNIX) as listening:
         listening.bind(str(folder / "socket"))
         listening.listen()
-        (folder / "coral").write_text(CLIENT.format(python=sys.executable, path=str(folder / "socket")))
-        (folder / "coral").chmod(0o755)
         number = listening.fileno()
         words = [sys.executable, Path(__file__).with_name("fork_server.py"), str(number)]
         server = subprocess.Popen(words, env=environment, pass_fds=[number])
-        yield folder
-        server.kill()
-        server.wait()
+    yield folder  # here the socket is closed: if the server dies, its clients are refused and do not wait
+    server.kill()
+    server.wait()
 
 
 @pytest.fixture(scope="session")

@@ -16,6 +16,7 @@ import sys
 
 def import_the_program() -> None:
     """Import every command with what the commands import late; what is not installed is left out."""
+    importlib.import_module("coral.cli")  # first, as in the installed command: it limits the libraries' threads
     import coral.commands
 
     for module in pkgutil.iter_modules(coral.commands.__path__, "coral.commands."):
