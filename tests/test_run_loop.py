@@ -57,7 +57,15 @@ def test_an_interrupt_is_an_end_reason(stop, reason):
     assert run.end_reason == reason
 
 
-def test_an_interrupt_in_a_step_waits_for_its_end():
+@pytest.fixture
+def heard_interrupts():
+    """Python's handler of Ctrl-C, which a process that began in the background does not have."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_in_a_step_waits_for_its_end(heard_interrupts):
     class Interrupted(Run):
         whole = 0
 
