@@ -15,7 +15,7 @@ import sys
 
 
 def import_the_program() -> None:
-    """Import every command with what the commands import late; what is not installed is left out."""
+    """Import every command, and what most of them import late."""
     importlib.import_module("coral.cli")  # first, as in the installed command: it limits the libraries' threads
     import coral.commands
 

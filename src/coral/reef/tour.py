@@ -38,8 +38,8 @@ class TourPilot(Pilot):
 def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose, offset_m: float = 0.0) -> NDArray[np.float64]:
     """Return straight lanes along x, `spacing_m` apart, so that no place is farther than half of that from a lane.
 
-    They lie symmetrically in the area, or `offset_m` beside that, and begin at the corner nearest to the start. With an
-    offset the strip along one border lies farther from a lane.
+    They lie symmetrically in the area, or `offset_m` beside that (at most one spacing), and begin at the corner nearest
+    to the start. With an offset the strip along one border lies farther from a lane.
 
     Returns:
         Waypoints, beginning with the start (m). Shape=(2 N + 1, 2).
