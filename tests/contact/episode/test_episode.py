@@ -262,3 +262,16 @@ def test_without_latency_a_plan_is_followed_at_once(run):
     _, folder, world = run(seconds=0.2)
     assert "ahead_s" not in events(folder, "plan")[0]
     assert np.ptp([command.position for command in world.commands[:2]], axis=0).max() > 0.0
+
+
+def test_with_latency_conditions_read_the_commanded_opening(run):
+    read = []
+
+    def until(now):
+        read.append(float(now.gripper_target[0, 0]))
+        return False
+
+    close = Stage("close", lambda state: {"close": 20.0 * (state.gripper_target + 0.04)}, until=until)
+    _, _, world = run(FixedStrategist(Strategy("close", (close, Stage("stay", stay)))), cfg=late(), seconds=0.4)
+    assert read[-1] == pytest.approx(world.commands[15].opening_m)  # the last one before the plan at 0.32 s
+    assert read[-1] < 0.078  # the measured one stays 0.08

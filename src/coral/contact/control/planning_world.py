@@ -178,12 +178,18 @@ class PlanningWorld:
         values = self._values(rolled.states, rolled.sensors, controls, now, step)
         return Context(values, (total, horizon)), rolled.sane
 
-    def present(self, now: Observation, step: int = 0) -> Context:
-        """Return the measured state as a batch of one; contacts are the first belief's after one still step."""
+    def present(self, now: Observation, step: int = 0, opening_m: float | None = None) -> Context:
+        """Return the measured state as a batch of one; contacts are the first belief's after one still step.
+
+        Args:
+            now: The measured state.
+            step: Control steps since the episode began.
+            opening_m: The commanded opening; by default the measured one.
+        """
         still = ControlSequences(
             now.tool.position[None, None],
             now.tool.quaternion[None, None],
-            np.full((1, 1), now.opening_m),
+            np.full((1, 1), now.opening_m if opening_m is None else opening_m),
             self.cfg.hand.stiffness_n_m,
         )
         context, _ = self.rollout(now, still, step)

@@ -307,8 +307,9 @@ class Episode:
         begun = time.perf_counter()
         start, step = self._plan_start()
         plan = self.controller.plan(start, stage, step)
-        self._touched = touched_by(self.planner, self.now, self._still.opening_m)
-        present = self.planner.present(self.now, self.step) if self.latency.charged else plan.now
+        opening_m = self._still.opening_m
+        self._touched = touched_by(self.planner, self.now, opening_m)
+        present = self.planner.present(self.now, self.step, opening_m) if self.latency.charged else plan.now
         changed = self.progress.update(with_measured_contacts(present, self.now, self._touched))
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
         self.emit(
