@@ -18,6 +18,7 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, make_advisor
 from coral.commands.config_flag import configured
+from coral.commands.franka_robot import WORLD, RobotFlags, make_robot_world, robot_cfg, robot_trial
 from coral.commands.operator_verdict import HINT, KeyboardVerdict
 from coral.commands.progress import EpisodeProgress
 from coral.config import checked
@@ -45,6 +46,8 @@ from coral.contact.thinker.think_cfg import resolved
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
+from coral.contact.worlds.robot_world import RobotWorld
+from coral.errors import InputError
 from coral.runs import new_run_folder
 from coral.words import many
 
@@ -58,7 +61,13 @@ class ContactRun:
     task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
     """A shipped task (see coral contact tasks) or a task file."""
     world: str = "panda"
-    """Evaluation world: panda, the robot in robosuite; hand, its hand alone, free-flying."""
+    """Evaluation world: panda, the robot in robosuite; hand, its hand alone, free-flying; franka, the arm of --robot."""
+    robot: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS|sim")] = None
+    """The arm of --world franka: its address, or sim, a simulated arm that speaks the same protocol."""
+    dry_run: bool = False
+    """Read the arm and show its commands without sending them."""
+    yes: bool = False
+    """Move the simulated arm without asking; at an arm a person says the word."""
     advisor: Annotated[str, tyro.conf.arg(help=advisor_help("The advisor, in variants with one"))] = "heuristic"
     variant: str = "expert-fsm"
     """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, unguided, no-regions and
@@ -124,7 +133,9 @@ class ContactRun:
             memory=self.memory,
             tracker=self.tracker,
         )
-        check_world(self.world)
+        flags = RobotFlags(self.world, self.robot, self.dry_run, self.yes, self.quiet)
+        if not flags.check():
+            check_world(self.world, also=(WORLD,))
         task = load_task(self.task)
         trial = sample_trial(task, self.seed, self.task)
         cfg = resolve_episode(
@@ -133,6 +144,10 @@ class ContactRun:
         thinking_latency(cfg.think.latency, advisor, self.advisor)
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
+        if self.world == WORLD:
+            trial, cfg = robot_trial(trial, flags), robot_cfg(cfg)
+            if self.policy is not None:
+                raise InputError("--policy", "", self.policy, "another world: a policy is served in simulation only")
         if self.policy is not None:
             return self._run_policy(self.policy, trial, cfg)
         if self.cost is not None:
@@ -158,7 +173,7 @@ class ContactRun:
         who = "none" if self.variant in ALONE else self.advisor
         episode = Episode(
             trial,
-            self.world,
+            self._make_world(trial, cfg),
             strategist,
             cfg,
             folder,
@@ -175,7 +190,7 @@ class ContactRun:
         folder = self.out or new_run_folder(Path("runs"), trial.task.name)
         episode = Episode(
             trial,
-            self.world,
+            self._make_world(trial, cfg),
             FixedStrategist(own.strategy),
             cfg,
             folder,
@@ -184,6 +199,12 @@ class ContactRun:
         )
         episode.writer.text(own.file, own.text)
         return self._attempt(episode, folder, cfg)
+
+    def _make_world(self, trial: Trial, cfg: EpisodeCfg) -> str | RobotWorld:
+        """Return the name of a simulated world, or the arm, ready to move."""
+        if self.world != WORLD:
+            return self.world
+        return make_robot_world(trial, cfg, RobotFlags(self.world, self.robot, self.dry_run, self.yes, self.quiet))
 
     def _attempt(self, episode: Episode, folder: Path, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode to its end, and make its pictures and report."""

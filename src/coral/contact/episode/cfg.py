@@ -15,6 +15,7 @@ from coral.contact.perception.advisor_camera import AdvisorCameraCfg
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.policy.cfg import PolicyCfg
 from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.worlds.franka.cfg import FrankaCfg
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +43,8 @@ class EpisodeCfg:
     judged_by: JudgedBy = "truth"
     """Who decides about success: truth, which only a simulation knows; perception, the measured poses, where no
     condition of the task reads contacts; operator, a person at the keyboard."""
+    franka: FrankaCfg = field(default_factory=FrankaCfg)
+    """The arm of the world franka."""
     tracked: TrackedCfg = field(default_factory=TrackedCfg)
     """The camera, the tracker and the filter."""
     sight: AdvisorCameraCfg = field(default_factory=AdvisorCameraCfg)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 import time
@@ -23,6 +24,7 @@ from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress, Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.meanwhile import Meanwhile
 from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.plan_under_way import PlanUnderWay
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
@@ -41,7 +43,7 @@ from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
 from coral.contact.thinker.think_cfg import resolved
 from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
 from coral.contact.worlds.registry import make_world
-from coral.contact.worlds.robot_world import RobotWorld
+from coral.contact.worlds.robot_world import RobotWorld, in_real_time
 from coral.errors import InputError, RunError
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter
@@ -116,6 +118,12 @@ class Episode:
         self.latency = PlanLatency(cfg.planning.latency, cfg.planning.step_s, cfg.replan_steps, cfg.controller.horizon)
         self._under_way: PlanUnderWay | None = None
         self._ahead = 0
+        self._meanwhile: Meanwhile | None = None
+        if in_real_time(self.world):
+            if not self.latency.charged:
+                expected = f"measured or fixed:SECONDS: the world {self.world.name!r} does not wait for a plan"
+                raise InputError("--cfg", "planning.latency", repr(cfg.planning.latency), expected)
+            self._meanwhile = Meanwhile(self._go_on_once)
         self._predicted: Observation
         self._without_plan = 0
         self._taken: list[Transition] = []
@@ -193,12 +201,21 @@ class Episode:
 
     def _await(self, plan: HandPlan) -> None:
         """Follow the plan under way until `plan` is ready, and hand over to it."""
-        steps = max(self._ahead, self.latency.taken_steps(1e-3 * self.plan_ms[-1]))
-        for _ in range(steps):
-            going = self._hold_still() if self._under_way is None else self._act(self._under_way)
-            if not going or self.end_reason:
+        if self._meanwhile is None:
+            taken, steps = 0, max(self._ahead, self.latency.taken_steps(1e-3 * self.plan_ms[-1]))
+        else:
+            taken = self._meanwhile.steps
+            self.latency.taken_steps(taken * self.cfg.planning.step_s)
+            steps = max(self._ahead, taken)
+        for _ in range(steps - taken):
+            if not self._go_on_once():
                 return
         self._under_way = PlanUnderWay.beginning(plan, steps - self._ahead, self._predicted, self.now)
+
+    def _go_on_once(self) -> bool:
+        """Execute one control step of the plan under way; return False if the episode ended."""
+        going = self._hold_still() if self._under_way is None else self._act(self._under_way)
+        return going and not self.end_reason
 
     def _plan_start(self) -> tuple[Observation, int]:
         """Return the state from which to plan and its step: now, or when the plan will be ready."""
@@ -256,7 +273,7 @@ class Episode:
 
     def _plan(self) -> HandPlan | None:
         """Plan, and pass the plan to the strategist; None if there is nothing to execute."""
-        stage, step = self.progress.stage, self.step
+        stage = self.progress.stage
         try:
             plan = self._rehearse()
         except CostError as error:
@@ -270,6 +287,7 @@ class Episode:
         if plan is None:
             return None
         taken, self._taken = tuple(self._taken), []
+        step = self.step
         try:
             report = PlanReport(self.step, self.now, plan, stage.name, taken, self._touched, self._next_state(plan))
             other = self._ask_strategist(lambda: self.strategist.on_plan(report))
@@ -306,7 +324,10 @@ class Episode:
         stage = self.progress.stage
         begun = time.perf_counter()
         start, step = self._plan_start()
-        plan = self.controller.plan(start, stage, step)
+        with contextlib.nullcontext() if self._meanwhile is None else self._meanwhile:
+            plan = self.controller.plan(start, stage, step)
+        if self.end_reason:  # the world ended the episode meanwhile
+            return None
         opening_m = self._still.opening_m
         self._touched = touched_by(self.planner, self.now, opening_m)
         present = self.planner.present(self.now, self.step, opening_m) if self.latency.charged else plan.now

@@ -9,7 +9,7 @@ from coral.contact.episode.trial_log import end_reason
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import Observation, Truth
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.evaluation_world import EvaluationWorld
+from coral.contact.worlds.evaluation_world import TruthfulWorld
 from coral.contact.worlds.robot_world import RobotWorld
 from coral.errors import InputError
 
@@ -57,7 +57,7 @@ def make_referee(
         InputError: This referee cannot judge this task in this world.
     """
     if judged_by == "truth":
-        if not isinstance(world, EvaluationWorld):
+        if not isinstance(world, TruthfulWorld):
             expected = f"perception or operator: the world {world.name!r} does not know the truth"
             raise InputError("--cfg", "judged-by", "truth", expected)
         return TruthReferee(world, trial)
@@ -78,7 +78,7 @@ class TruthReferee:
 
     name: JudgedBy = "truth"
 
-    def __init__(self, world: EvaluationWorld, trial: Trial) -> None:
+    def __init__(self, world: TruthfulWorld, trial: Trial) -> None:
         self._world, self._judge = world, Judge(trial)
 
     @property

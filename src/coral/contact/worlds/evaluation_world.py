@@ -10,7 +10,7 @@ import mujoco
 from coral.contact.scene.observation import Truth
 from coral.contact.worlds.robot_world import RobotWorld, WorldError
 
-__all__ = ["EvaluationWorld", "Simulation", "WorldError", "simulation_of"]
+__all__ = ["EvaluationWorld", "Simulation", "TruthfulWorld", "WorldError", "simulation_of"]
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,16 @@ class Simulation:
 
 
 @runtime_checkable
-class EvaluationWorld(RobotWorld, Protocol):
+class TruthfulWorld(RobotWorld, Protocol):
+    """A world whose true state the judge may ask for."""
+
+    def truth(self) -> Truth:
+        """Return the true state, by which success is judged."""
+        ...
+
+
+@runtime_checkable
+class EvaluationWorld(TruthfulWorld, Protocol):
     """A world that also knows the truth: a simulated Panda or a free-flying hand."""
 
     @property
@@ -33,10 +42,6 @@ class EvaluationWorld(RobotWorld, Protocol):
 
         It is for sensors and records only: a decision must not read it.
         """
-        ...
-
-    def truth(self) -> Truth:
-        """Return the true state, by which success is judged."""
         ...
 
 

@@ -39,11 +39,17 @@ def make_world(name: str, trial: Trial, period_s: float) -> EvaluationWorld:
     return WORLDS[name](trial, period_s)
 
 
-def check_world(name: str, where: str = "--world") -> None:
+def check_world(name: str, where: str = "--world", also: tuple[str, ...] = ()) -> None:
     """Check that a world of this name exists.
+
+    Args:
+        name: The name.
+        where: Where it was given.
+        also: Further names to suggest; they are no evaluation worlds.
 
     Raises:
         InputError: There is none.
     """
     if name not in WORLDS:
-        raise InputError(where, "", repr(name), f"one of {', '.join(WORLDS)}{nearest(name, WORLDS)}")
+        known = (*WORLDS, *also)
+        raise InputError(where, "", repr(name), f"one of {', '.join(known)}{nearest(name, known)}")

@@ -11,7 +11,8 @@ class WorldError(RuntimeError):
     """The world cannot be stepped any further.
 
     Args:
-        code: Reason: "diverged", "tunnelling", "unreachable", "camera-off", "not-found", "tracker-failed".
+        code: Reason: "diverged", "tunnelling", "unreachable", "camera-off", "not-found", "tracker-failed";
+            of an arm "limit", "poses-lost", "link-lost", "watchdog", "arm-fault", "stopped by the operator".
         text: Message for people.
     """
 
@@ -53,3 +54,8 @@ class RobotWorld(Protocol):
     def close(self) -> None:
         """Release the world's resources."""
         ...
+
+
+def in_real_time(world: RobotWorld) -> bool:
+    """Return whether a world's time goes on between steps, as a robot's does; it then has `in_real_time`."""
+    return bool(getattr(world, "in_real_time", False))

@@ -1,0 +1,146 @@
+"""The arm of `coral contact run --world franka`: connect, go through the list, ask, and hand over a world."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.scene.trial import Trial
+from coral.contact.worlds.franka.cfg import FrankaCfg
+from coral.contact.worlds.franka.preflight import preflight_arm, preflight_text
+from coral.contact.worlds.franka.stream_record import StreamReport
+from coral.contact.worlds.franka.world import FrankaDoubleWorld, FrankaWorld, StreamHandle
+from coral.errors import InputError, RunError
+
+WORLD, SIMULATED = "franka", "sim"
+WORD = "move"
+DRY_RUN_S = 3.0
+"""Duration of a dry run: the arm does not move, and the plan's beginning repeats."""
+_SEEN_WITHIN_S = 10.0
+
+
+@dataclass(frozen=True)
+class RobotFlags:
+    """The flags of the command that concern an arm."""
+
+    world: str
+    robot: str | None
+    dry_run: bool
+    yes: bool
+    quiet: bool
+
+    def check(self) -> bool:
+        """Return whether an arm is asked for.
+
+        Raises:
+            InputError: The flags contradict each other.
+        """
+        if self.world != WORLD:
+            for name, value in (("--robot", self.robot), ("--dry-run", self.dry_run), ("--yes", self.yes)):
+                if value:
+                    raise InputError(name, "", value, f"it goes with --world {WORLD} only")
+            return False
+        if not self.robot:
+            raise InputError("--robot", "", "nothing", f"the arm's address, or {SIMULATED!r} for the simulated arm")
+        if self.yes and self.robot != SIMULATED and not self.dry_run:
+            raise InputError("--yes", "", f"--robot {self.robot}", f"--robot {SIMULATED}: at an arm a person says the word")
+        return True
+
+
+def robot_trial(trial: Trial, flags: RobotFlags) -> Trial:
+    """Return the trial as it is attempted: a dry run is short."""
+    if not flags.dry_run:
+        return trial
+    limit_s = min(DRY_RUN_S, trial.task.time_limit_s)
+    return replace(trial, task=trial.task.model_copy(update={"time_limit_s": limit_s}))
+
+
+def robot_cfg(cfg: EpisodeCfg) -> EpisodeCfg:
+    """Return the configuration for an arm, which does not wait for plans: their latency is measured, unless given."""
+    if cfg.planning.latency != "0":
+        return cfg
+    return replace(cfg, planning=replace(cfg.planning, latency="measured"))
+
+
+def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> FrankaWorld:
+    """Connect with the arm, show the list, and wait for the operator's word.
+
+    Raises:
+        InputError: The extra is missing, or nothing answers at the address.
+        RunError: A line of the list is not in order, or the operator did not say the word.
+    """
+    from coral.contact.worlds.franka.double import Double
+    from coral.contact.worlds.franka.franky_arm import FrankyArm, franky
+    from coral.contact.worlds.franka.stream_process import StreamProcess
+
+    franky()  # a missing extra is said before anything is started
+    assert flags.robot is not None
+    arm, names = cfg.franka, tuple(item.name for item in trial.task.objects)
+    double: Double | None = None
+    stream: StreamProcess | None = None
+    show = _tell if flags.dry_run and not flags.quiet else None
+    try:
+        if flags.robot == SIMULATED:
+            _tell("starting the simulated arm ...")
+            double = Double(trial, arm)
+        stream = StreamProcess(FrankyArm, double.address if double else flags.robot, arm, names)
+        if double is not None:
+            double.send_poses_to(arm.poses_host, stream.poses_port)
+        go_through(stream, arm, names)
+        if not flags.dry_run and not flags.yes:
+            ask_for_word()
+    except BaseException:
+        for part in (stream, double):
+            if part is not None:
+                part.close()
+        raise
+    period_s = cfg.planning.step_s
+    if double is not None:
+        return FrankaDoubleWorld(stream, arm, period_s, names, double, dry_run=flags.dry_run, show=show)
+    return FrankaWorld(stream, arm, period_s, names, dry_run=flags.dry_run, show=show)
+
+
+def go_through(
+    stream: StreamHandle, arm: FrankaCfg, names: tuple[str, ...], sleep: Callable[[float], None] = time.sleep
+) -> None:
+    """Show the preflight list once all is in order, or when it does not come into order.
+
+    Raises:
+        RunError: A line is not in order.
+    """
+    waited = 0.0
+    while True:
+        report: StreamReport = stream.report()
+        checks = preflight_arm(report, arm, names)
+        wrong = [check for check in checks if not check.good]
+        if not wrong or waited >= _SEEN_WITHIN_S:
+            break
+        sleep(0.05)
+        waited += 0.05
+    _tell(preflight_text(checks))
+    if wrong:
+        raise RunError(f"the arm does not move: {wrong[0].name}: {wrong[0].found}")
+
+
+def ask_for_word(read: Callable[[], str] = sys.stdin.readline) -> None:
+    """Wait for the operator's word.
+
+    Raises:
+        RunError: Another word came, or none.
+    """
+    print(
+        f"The arm will move to its start posture and then on its own. Keep the stop button in your hand; Ctrl-C stops\n"
+        f"it too. Type {WORD} and Enter: ",
+        end="",
+        file=sys.stderr,
+        flush=True,
+    )
+    if read().strip().lower() != WORD:
+        raise RunError(f"the arm does not move: the operator did not say {WORD!r}")
+
+
+def _tell(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)

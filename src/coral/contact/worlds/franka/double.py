@@ -1,0 +1,254 @@
+"""A simulated arm at a table: franky-sim's robot, which speaks the arm's own protocol, with contacts and poses added.
+
+It runs in a process of its own. What the driver sees of it is what it would see of an arm: the protocol on a loopback
+address, and the objects' poses as datagrams. The truth goes by another way, to the judge only.
+"""
+
+from __future__ import annotations
+
+import socket
+import time
+from dataclasses import dataclass
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+
+from coral.config import NonNegative, Positive
+from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
+from coral.contact.scene.geometry import from_rotvec, multiply, rotate
+from coral.contact.scene.observation import Array, BodyState, Truth
+from coral.contact.scene.trial import Trial
+from coral.contact.worlds.franka.cfg import FrankaCfg
+from coral.contact.worlds.franka.double_scene import (
+    HAND,
+    DoubleScene,
+    body_state,
+    make_rubber,
+    scene_elements,
+)
+from coral.contact.worlds.franka.object_poses import poses_datagram
+from coral.errors import InputError, RunError
+
+MISSING = "pip install franky-sim (with the extra franka)"
+_GROUND_M = -0.912
+_START_TIMEOUT_S = 90.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class DoubleCfg:
+    """The sensors of the simulated arm."""
+
+    wrench_bias: tuple[float, float, float, float, float, float] = (1.5, -1.0, 2.0, 0.1, -0.1, 0.05)
+    """Bias of the measured wrench, N and N m, base axes; assumed, not measured on an arm."""
+    wrench_noise_n: NonNegative = 0.3
+    """Standard deviation of each force; assumed."""
+    wrench_lag_s: NonNegative = 0.005
+    """Time constant of the arm's own estimate; assumed."""
+    poses_hz: Positive = 30.0
+    """Rate of the poses."""
+    poses_noise_m: NonNegative = 0.001
+    poses_noise_rad: NonNegative = 0.01
+    """Standard deviations of the poses."""
+
+
+class Double:
+    """Starts the simulated arm and stops it.
+
+    Args:
+        trial: The trial.
+        arm: Configuration of the arm.
+        cfg: Its sensors.
+
+    Raises:
+        InputError: franky-sim is not installed.
+        RunError: It did not start.
+    """
+
+    def __init__(self, trial: Trial, arm: FrankaCfg, cfg: DoubleCfg | None = None) -> None:
+        try:
+            import franky_sim  # noqa: F401
+        except ImportError as error:
+            raise InputError("--robot", "", f"sim ({error})", f"the package franky-sim: {MISSING}") from None
+        context = get_context("spawn")
+        self._connection, theirs = context.Pipe()
+        self._process = context.Process(
+            target=_serve, args=(trial, arm, cfg or DoubleCfg(), theirs), name="franka-double", daemon=True
+        )
+        self._process.start()
+        theirs.close()
+        answer = self._receive("start", _START_TIMEOUT_S)
+        self.address: str = answer
+
+    def send_poses_to(self, host: str, port: int) -> None:
+        """Begin to send the objects' poses."""
+        self._ask(("poses", (host, port)))
+
+    def hide_objects(self) -> None:
+        """Send no more poses, as if the camera were covered."""
+        self._ask(("poses", None))
+
+    def drop_link(self) -> None:
+        """Send no more states, as if the cable were pulled."""
+        self._ask(("link", False))
+
+    def truth(self) -> Truth:
+        """Return the true state, for the judge only."""
+        found: Truth = self._ask(("truth", None))
+        return found
+
+    def close(self) -> None:
+        """Stop the process."""
+        try:
+            self._connection.send(("stop", None))
+        except OSError:
+            pass
+        self._process.join(2.0)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join(2.0)
+
+    def _ask(self, question: tuple[str, Any]) -> Any:
+        try:
+            self._connection.send(question)
+        except OSError as error:
+            raise RunError(f"the simulated arm has ended ({error})") from None
+        return self._receive(question[0], 5.0)
+
+    def _receive(self, what: str, timeout_s: float) -> Any:
+        try:
+            if self._connection.poll(timeout_s):
+                kind, answer = self._connection.recv()
+                if kind == "ok":
+                    return answer
+                raise RunError(f"the simulated arm failed: {answer}")
+        except (EOFError, OSError):
+            raise RunError("the simulated arm has ended") from None
+        raise RunError(f"the simulated arm did not answer within {timeout_s:.0f} s ({what})")
+
+
+def _serve(trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, connection: Connection) -> None:
+    """Body of the process."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the program says when it ends
+    try:
+        _Server(trial, arm, cfg, connection).run()
+    except Exception as error:
+        connection.send(("error", f"{type(error).__name__}: {error}"))
+
+
+class _Server:
+    """Steps the simulation in real time, as far as the machine allows."""
+
+    def __init__(self, trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, connection: Connection) -> None:
+        import franky_sim
+        from franky_sim.franka_robot_server import FrankaRobotServer
+        from franky_sim.mujoco_simulator import MujocoSimulator
+
+        self._trial, self._cfg, self._connection = trial, cfg, connection
+        self._rng = np.random.default_rng([trial.seed, 7])
+        self._wrench, self._base = np.zeros(6), np.asarray(arm.base_m)
+        self._sending: tuple[str, int] | None = None
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._linked = True
+        simulator = MujocoSimulator()
+        measured = self
+
+        class RobotServer(FrankaRobotServer):  # type: ignore[misc]
+            def _get_state_bytes(self) -> bytes:
+                wrench = tuple(measured.reported_wrench())
+                return bytes(self.robot_state.replace(O_F_ext_hat_K=wrench, K_F_ext_hat_K=wrench).pack_state())
+
+            def send_state(self) -> None:
+                if measured._linked:
+                    super().send_state()
+
+        class Server(franky_sim.SimulationServer):  # type: ignore[misc]
+            def init(self) -> None:
+                for robot in self.sim.robots:
+                    server = RobotServer(robot, self._remaining_hostname_candidates)
+                    server.init()
+                    self.robot_servers.append(server)
+                self.sim.start()
+
+        self._simulator, self._server = simulator, Server(simulator)
+        simulator.init()
+        self._robot = simulator.add_robot(initial_q=arm.start_rad, initial_hand_width=0.08, position=arm.base_m)
+        simulator.worldbody.find("geom[@name='ground']").set("pos", f"0 0 {_GROUND_M}")
+        for section, elements in scene_elements(trial).items():
+            into = simulator.worldbody if section == "worldbody" else simulator.scene.find(section)
+            into.extend(elements)
+        self._server.init()
+        make_rubber(simulator.model)
+        self._scene = DoubleScene(simulator.model, simulator.data, trial)
+
+    def run(self) -> None:
+        """Run until the program says stop or is gone."""
+        self._connection.send(("ok", self._robot.hostname))
+        step, due = 0, time.perf_counter()
+        every = max(1, round(1000.0 / self._cfg.poses_hz))
+        while not (self._connection.poll() and not self._answer()):
+            for server in self._server.robot_servers:
+                server.process_commands()
+            self._simulator.step()
+            self._measure()
+            for server in self._server.robot_servers:
+                server.send_state()
+            step += 1
+            if step % every == 0:
+                self._send_poses()
+            due = max(due + 0.001, time.perf_counter() - 0.02)  # a late simulation catches up with 20 ms at most
+            time.sleep(max(0.0, due - time.perf_counter()))
+
+    def reported_wrench(self) -> Array:
+        """Return the wrench as the arm would report it: filtered, biased and noisy."""
+        noise = self._cfg.wrench_noise_n * self._rng.standard_normal(6) * np.array([1, 1, 1, 0.1, 0.1, 0.1])
+        return np.asarray(self._wrench + self._cfg.wrench_bias + noise)
+
+    def _measure(self) -> None:
+        exact = self._scene.measure(self._tool().position)
+        share = 1.0 - np.exp(-0.001 / self._cfg.wrench_lag_s) if self._cfg.wrench_lag_s else 1.0
+        self._wrench += share * (exact - self._wrench)
+
+    def _answer(self) -> bool:
+        """Answer the program; return False if it wants the end."""
+        try:
+            question, value = self._connection.recv()
+        except (EOFError, OSError):
+            return False
+        if question == "stop":
+            return False
+        answer: Any = None
+        if question == "poses":
+            self._sending = value
+        elif question == "link":
+            self._linked = value
+        elif question == "truth":
+            answer = self._scene.truth(float(self._simulator.data.time), self._tool(), self._opening())
+        self._connection.send(("ok", answer))
+        return True
+
+    def _send_poses(self) -> None:
+        if self._sending is None:
+            return
+        cfg, noisy = self._cfg, {}
+        for name, pose in self._scene.poses().items():
+            turn = from_rotvec(cfg.poses_noise_rad * self._rng.standard_normal(3))
+            position = pose.position + cfg.poses_noise_m * self._rng.standard_normal(3)
+            noisy[name] = BodyState(position, multiply(turn, pose.quaternion))
+        self._socket.sendto(poses_datagram(noisy), self._sending)
+
+    def _tool(self) -> BodyState:
+        model, data = self._simulator.model, self._simulator.data
+        hand = body_state(model, data, HAND)
+        offset = rotate(hand.quaternion, np.array([0.0, 0.0, FLANGE_TO_TOOL_M]))
+        velocity = hand.velocity + np.cross(hand.angular_velocity, offset)
+        return BodyState(hand.position + offset, hand.quaternion, velocity, hand.angular_velocity)
+
+    def _opening(self) -> float:
+        data = self._simulator.data
+        joints = ("robot0_finger_joint1", "robot0_finger_joint2")
+        return float(sum(data.joint(name).qpos[0] for name in joints))
+

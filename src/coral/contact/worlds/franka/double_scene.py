@@ -1,0 +1,117 @@
+"""A trial's table and objects beside the simulated arm of franky-sim, with the contact forces that it leaves out."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from coral.contact.scene.mujoco_scene import FINGER_FRICTION, FINGER_PRIORITY, ROLLING, TORSION, add_scene
+from coral.contact.scene.observation import Array, BodyState, Contact, HandForce, Truth
+from coral.contact.scene.trial import Trial
+from coral.contact.worlds.merged_contacts import merged_contacts
+
+HAND, LEFT, RIGHT = "robot0_hand", "robot0_left_finger", "robot0_right_finger"
+_NAMES = {HAND: "hand", LEFT: "left", RIGHT: "right"}
+_OURS = ("hand", "left", "right")
+
+
+def scene_elements(trial: Trial) -> Mapping[str, list[ET.Element]]:
+    """Return a trial's MJCF elements by section: worldbody, asset, contact."""
+    spec = mujoco.MjSpec()
+    add_scene(spec, trial)
+    spec.compile()
+    root = ET.fromstring(spec.to_xml())
+    found = {section: list(root.find(section) or ()) for section in ("worldbody", "asset", "contact")}
+    for child in found["worldbody"]:  # its defaults would be lost with the sections that are left out
+        child.attrib.pop("childclass", None)
+    return found
+
+
+def make_rubber(model: mujoco.MjModel) -> None:
+    """Give the finger pads the friction that the planner assumes, and contacts the hand world's cones."""
+    for geom in range(model.ngeom):
+        if model.body(int(model.geom_bodyid[geom])).name in (LEFT, RIGHT):
+            model.geom_priority[geom] = FINGER_PRIORITY
+            model.geom_friction[geom] = [FINGER_FRICTION, TORSION, ROLLING]
+            model.geom_condim[geom] = 4
+    model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    model.opt.impratio = 10
+
+
+def part_of(model: mujoco.MjModel, geom: int) -> str:
+    """Return a geom's name for the judge: "left", "right", "hand", "robot", an object or a fixture."""
+    body = int(model.geom_bodyid[geom])
+    name = str(model.body(body).name)
+    if body == 0:
+        return str(model.geom(geom).name)
+    return _NAMES.get(name, "robot" if name.startswith("robot0_") else name)
+
+
+class DoubleScene:
+    """Reads contacts and poses of the simulation.
+
+    Args:
+        model, data: The simulation.
+        trial: The trial.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, trial: Trial) -> None:
+        self._model, self._data = model, data
+        self._objects = tuple(trial.objects)
+        self._contacts: tuple[Contact, ...] = ()
+        self._sums = {name: np.zeros(3) for name in self._objects}
+        self._touched = dict.fromkeys(self._objects, False)
+        self._peaks = dict.fromkeys(self._objects, 0.0)
+        self._steps = 0
+
+    def measure(self, tool: Array) -> Array:
+        """Take in the contacts of a physics step.
+
+        Args:
+            tool: Shape=(3,) m, position of the tool in the world frame.
+
+        Returns:
+            Shape=(6,), force and torque of the surroundings on hand and fingers about the tool, world axes.
+        """
+        self._contacts = merged_contacts(self._model, self._data, part_of) if self._data.ncon else ()
+        wrench = np.zeros(6)
+        on = {name: np.zeros(3) for name in self._objects}
+        for contact in self._contacts:
+            names = (contact.first, contact.second)
+            for ours, other, sign in ((*names, -1.0), (*reversed(names), 1.0)):
+                if ours in _OURS and other not in _OURS:
+                    wrench[:3] += sign * contact.force
+                    wrench[3:] += sign * np.cross(contact.point - tool, contact.force)
+                    if other in on:
+                        on[other] -= sign * contact.force
+                        self._touched[other] = True
+        for name, force in on.items():
+            self._sums[name] += force
+            self._peaks[name] = max(self._peaks[name], float(np.linalg.norm(force)))
+        self._steps += 1
+        return wrench
+
+    def truth(self, time_s: float, tool: BodyState, opening_m: float) -> Truth:
+        """Return the true state; forces are those since the last call."""
+        forces = {
+            name: HandForce(self._sums[name] / max(self._steps, 1) if self._touched[name] else None, self._peaks[name])
+            for name in self._objects
+        }
+        for name in self._objects:
+            self._sums[name], self._touched[name], self._peaks[name] = np.zeros(3), False, 0.0
+        self._steps = 0
+        return Truth(time_s, tool, opening_m, self.poses(), self._contacts, forces)
+
+    def poses(self) -> dict[str, BodyState]:
+        """Return the true poses and velocities of the objects."""
+        return {name: body_state(self._model, self._data, name) for name in self._objects}
+
+
+def body_state(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> BodyState:
+    """Return the pose and velocity of a body, world frame."""
+    body, motion = model.body(name).id, np.zeros(6)
+    mujoco.mj_objectVelocity(model, data, int(mujoco.mjtObj.mjOBJ_XBODY), body, motion, 0)
+    return BodyState(data.xpos[body].copy(), data.xquat[body].copy(), motion[3:].copy(), motion[:3].copy())

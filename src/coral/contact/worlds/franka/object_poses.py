@@ -1,0 +1,124 @@
+"""The objects' poses from any tracker: JSON datagrams on a UDP port."""
+
+from __future__ import annotations
+
+import json
+import math
+import socket
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from coral.contact.scene.geometry import conjugate, multiply, to_rotvec
+from coral.contact.scene.observation import BodyState
+from coral.errors import InputError
+
+SMOOTHING_S = 0.1
+"""Time constant of the velocity, which is a difference of noisy poses."""
+LARGEST = 65_536
+
+
+class ObjectPoses:
+    """Receives poses and keeps the newest of each object, with its age.
+
+    A datagram is `{"objects": {"NAME": {"position": [x, y, z], "quaternion": [w, x, y, z]}}}`, in metres and the world
+    frame. It may name some of the objects only. A datagram that is anything else is counted and otherwise ignored.
+
+    Args:
+        names: The objects of the task.
+        host: Interface to listen on.
+        port: UDP port; 0 takes a free one.
+
+    Raises:
+        InputError: The port cannot be used.
+    """
+
+    def __init__(self, names: Iterable[str], host: str, port: int) -> None:
+        self.names = tuple(names)
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        try:
+            self._socket.bind((host, port))
+        except OSError as error:
+            self._socket.close()
+            raise InputError("--cfg", "franka.poses_port", f"{host}:{port} ({error.strerror})", "a free port") from None
+        self.port: int = self._socket.getsockname()[1]
+        self.malformed = 0
+        self._poses: dict[str, BodyState] = {}
+        self._seen: dict[str, float] = {}
+
+    def update(self, now_s: float) -> None:
+        """Take in all datagrams that have arrived, at the time `now_s` of the arm's clock; never waits."""
+        for _ in range(100):  # a flood must not hold the stream up
+            try:
+                data = self._socket.recv(LARGEST)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError:
+                self.malformed += 1
+                return
+            found = parse_poses(data)
+            if found is None:
+                self.malformed += 1
+                continue
+            for name in self.names:
+                if name in found:
+                    self._take(name, found[name], now_s)
+
+    def _take(self, name: str, pose: BodyState, now: float) -> None:
+        before = self._poses.get(name)
+        if before is not None:
+            passed = now - self._seen[name]
+            if passed < 1e-3:  # two datagrams were waiting: their distance in time is unknown
+                pose = BodyState(pose.position, pose.quaternion, before.velocity, before.angular_velocity)
+            else:
+                share = 1.0 - math.exp(-passed / SMOOTHING_S)
+                turned = to_rotvec(multiply(pose.quaternion, conjugate(before.quaternion)))
+                velocity = before.velocity + share * ((pose.position - before.position) / passed - before.velocity)
+                spin = before.angular_velocity + share * (turned / passed - before.angular_velocity)
+                pose = BodyState(pose.position, pose.quaternion, velocity, spin)
+        self._poses[name], self._seen[name] = pose, now
+
+    @property
+    def poses(self) -> Mapping[str, BodyState]:
+        """Return the newest pose of every object that was ever seen."""
+        return self._poses
+
+    def age_s(self, name: str, now_s: float) -> float:
+        """Return the time since an object's newest pose; infinity if it was never seen."""
+        return now_s - self._seen[name] if name in self._seen else math.inf
+
+    def oldest(self, now_s: float) -> tuple[str, float]:
+        """Return the object whose pose is oldest, and its age (s)."""
+        return max(((name, self.age_s(name, now_s)) for name in self.names), key=lambda found: found[1], default=("", 0.0))
+
+    def close(self) -> None:
+        """Close the port."""
+        self._socket.close()
+
+
+def parse_poses(data: bytes) -> dict[str, BodyState] | None:
+    """Parse a datagram; None if it is malformed."""
+    try:
+        message = json.loads(data)
+        return {str(name): _pose(value) for name, value in message["objects"].items()}
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+
+
+def _pose(value: Any) -> BodyState:
+    position, quaternion = (np.asarray(value[key], float) for key in ("position", "quaternion"))
+    length = float(np.linalg.norm(quaternion))
+    if position.shape != (3,) or quaternion.shape != (4,) or not np.isfinite(position).all() or not 0.9 < length < 1.1:
+        raise ValueError("not a pose")
+    return BodyState(position, quaternion / length)
+
+
+def poses_datagram(poses: Mapping[str, BodyState]) -> bytes:
+    """Return the datagram that tells these poses."""
+    objects = {
+        name: {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}
+        for name, pose in poses.items()
+    }
+    return json.dumps({"objects": objects}).encode()
