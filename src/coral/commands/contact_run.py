@@ -145,7 +145,7 @@ class ContactRun:
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.world == WORLD:
-            trial, cfg = robot_trial(trial, flags), robot_cfg(cfg)
+            trial, cfg = robot_trial(trial, flags), robot_cfg(cfg, flags)
             if self.policy is not None:
                 raise InputError("--policy", "", self.policy, "another world: a policy is served in simulation only")
         if self.policy is not None:

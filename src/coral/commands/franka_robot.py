@@ -19,6 +19,7 @@ WORLD, SIMULATED = "franka", "sim"
 WORD = "move"
 DRY_RUN_S = 3.0
 """Duration of a dry run: the arm does not move, and the plan's beginning repeats."""
+SIMULATED_SILENCE_S = 2.0
 _SEEN_WITHIN_S = 10.0
 
 
@@ -58,11 +59,19 @@ def robot_trial(trial: Trial, flags: RobotFlags) -> Trial:
     return replace(trial, task=trial.task.model_copy(update={"time_limit_s": limit_s}))
 
 
-def robot_cfg(cfg: EpisodeCfg) -> EpisodeCfg:
-    """Return the configuration for an arm, which does not wait for plans: their latency is measured, unless given."""
-    if cfg.planning.latency != "0":
-        return cfg
-    return replace(cfg, planning=replace(cfg.planning, latency="measured"))
+def robot_cfg(cfg: EpisodeCfg, flags: RobotFlags) -> EpisodeCfg:
+    """Return the configuration for an arm.
+
+    It does not wait for plans: their latency is measured, unless it is given. A simulated arm and the program slow down
+    on a busy machine, so their silence is awaited for longer.
+    """
+    if cfg.planning.latency == "0":
+        cfg = replace(cfg, planning=replace(cfg.planning, latency="measured"))
+    if flags.robot == SIMULATED:
+        arm, least_s = cfg.franka, SIMULATED_SILENCE_S
+        silence = {"link_timeout_s": max(arm.link_timeout_s, least_s), "watchdog_s": max(arm.watchdog_s, least_s)}
+        cfg = replace(cfg, franka=replace(arm, **silence))
+    return cfg
 
 
 def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> FrankaWorld:

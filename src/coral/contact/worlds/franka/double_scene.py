@@ -8,8 +8,9 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
+from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
 from coral.contact.scene.mujoco_scene import FINGER_FRICTION, FINGER_PRIORITY, ROLLING, TORSION, add_scene
-from coral.contact.scene.observation import Array, BodyState, Contact, HandForce, Truth
+from coral.contact.scene.observation import Array, BodyState, HandForce, Truth
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.merged_contacts import merged_contacts
 
@@ -61,38 +62,52 @@ class DoubleScene:
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, trial: Trial) -> None:
         self._model, self._data = model, data
         self._objects = tuple(trial.objects)
-        self._contacts: tuple[Contact, ...] = ()
+        names = [part_of(model, geom) for geom in range(model.ngeom)]
+        self._is_ours = np.array([name in _OURS for name in names])
+        self._object_of = [name if name in self._objects else "" for name in names]
+        self._hand, self._contact = model.body(HAND).id, np.zeros(6)
         self._sums = {name: np.zeros(3) for name in self._objects}
         self._touched = dict.fromkeys(self._objects, False)
         self._peaks = dict.fromkeys(self._objects, 0.0)
         self._steps = 0
 
-    def measure(self, tool: Array) -> Array:
+    def measure(self) -> Array:
         """Take in the contacts of a physics step.
-
-        Args:
-            tool: Shape=(3,) m, position of the tool in the world frame.
 
         Returns:
             Shape=(6,), force and torque of the surroundings on hand and fingers about the tool, world axes.
         """
-        self._contacts = merged_contacts(self._model, self._data, part_of) if self._data.ncon else ()
-        wrench = np.zeros(6)
-        on = {name: np.zeros(3) for name in self._objects}
-        for contact in self._contacts:
-            names = (contact.first, contact.second)
-            for ours, other, sign in ((*names, -1.0), (*reversed(names), 1.0)):
-                if ours in _OURS and other not in _OURS:
-                    wrench[:3] += sign * contact.force
-                    wrench[3:] += sign * np.cross(contact.point - tool, contact.force)
-                    if other in on:
-                        on[other] -= sign * contact.force
-                        self._touched[other] = True
+        data, wrench = self._data, np.zeros(6)
+        on: dict[str, Array] = {}
+        pairs = data.contact.geom
+        ours = self._is_ours[pairs] if data.ncon else np.zeros((0, 2), bool)
+        tool = self.tool_m()
+        for k in np.flatnonzero(ours[:, 0] != ours[:, 1]):
+            contact = data.contact[k]
+            if contact.efc_address < 0:
+                continue
+            mujoco.mj_contactForce(self._model, data, k, self._contact)
+            # The contact frame's x axis points from the first geom to the second: this is the force on the second.
+            force = contact.frame.reshape(3, 3).T @ self._contact[:3]
+            if ours[k, 0]:
+                force = -force
+            wrench[:3] += force
+            (ax, ay, az), (fx, fy, fz) = contact.pos - tool, force
+            wrench[3:] += (ay * fz - az * fy, az * fx - ax * fz, ax * fy - ay * fx)
+            other = self._object_of[pairs[k, 1] if ours[k, 0] else pairs[k, 0]]
+            if other:
+                on[other] = on.get(other, 0.0) - force
         for name, force in on.items():
             self._sums[name] += force
+            self._touched[name] = True
             self._peaks[name] = max(self._peaks[name], float(np.linalg.norm(force)))
         self._steps += 1
         return wrench
+
+    def tool_m(self) -> Array:
+        """Return the tool's position in the world frame, Shape=(3,) m."""
+        data, hand = self._data, self._hand
+        return np.asarray(data.xpos[hand] + FLANGE_TO_TOOL_M * data.xmat[hand][2::3])
 
     def truth(self, time_s: float, tool: BodyState, opening_m: float) -> Truth:
         """Return the true state; forces are those since the last call."""
@@ -103,7 +118,8 @@ class DoubleScene:
         for name in self._objects:
             self._sums[name], self._touched[name], self._peaks[name] = np.zeros(3), False, 0.0
         self._steps = 0
-        return Truth(time_s, tool, opening_m, self.poses(), self._contacts, forces)
+        contacts = merged_contacts(self._model, self._data, part_of)
+        return Truth(time_s, tool, opening_m, self.poses(), contacts, forces)
 
     def poses(self) -> dict[str, BodyState]:
         """Return the true poses and velocities of the objects."""

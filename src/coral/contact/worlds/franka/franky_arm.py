@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import time
+import threading
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,10 @@ from coral.errors import InputError, RunError
 MISSING = "an arm needs the package franky-control: pip install 'coral-robotics[franka]'"
 STOP_RAMP_S = 0.02
 """Time in which the torques of the impedance give way to pure damping."""
+STOP_DAMPING = np.array([60.0, 60.0, 60.0, 60.0, 15.0, 15.0, 10.0])
+"""Damping of each joint during a stop, N m s/rad."""
+GRIPPER_S = 0.02
+"""Pause between two readings of the gripper."""
 OPENING_STEP_M = 0.004
 """Smallest change of the commanded opening that is worth a command: the gripper takes a few a second."""
 
@@ -62,7 +66,8 @@ class FrankyArm:
         self._going = False
         self._grip: Any = None
         self._grip_goal: float | None = None
-        self._opening_at, self._opening = -1.0, 0.08
+        self._opening, self._closed = float(self._gripper.width), threading.Event()
+        threading.Thread(target=self._watch_gripper, name="franka-gripper", daemon=True).start()
 
     def read(self) -> ArmState:
         """See `Arm.read`."""
@@ -79,7 +84,7 @@ class FrankyArm:
             quaternion_of(pose[:3, :3]),
             self._twist(state),
             np.asarray(state.O_F_ext_hat_K, float),
-            self._read_opening(),
+            self._opening,
             self._fault(state),
         )
 
@@ -138,13 +143,14 @@ class FrankyArm:
         """See `Arm.stop`."""
         with contextlib.suppress(Exception):
             if self._tracker is not None and self._robot.is_in_control:
-                motion = self._franky.TorqueStopMotion(ramp_duration=STOP_RAMP_S)
+                motion = self._franky.TorqueStopMotion(damping=STOP_DAMPING, ramp_duration=STOP_RAMP_S)
                 self._robot.move(motion, asynchronous=True)
             else:
                 self._robot.stop()
 
     def close(self) -> None:
         """See `Arm.close`."""
+        self._closed.set()
         with contextlib.suppress(Exception):
             self._robot.join_motion(1.0)
 
@@ -158,14 +164,11 @@ class FrankyArm:
         jacobian = np.asarray(self._robot.model.zero_jacobian(self._franky.Frame.EndEffector, state))
         return np.asarray(jacobian @ np.asarray(state.dq, float))
 
-    def _read_opening(self) -> float:
-        """Return the opening, read a few times a second: the gripper has no faster channel."""
-        now = time.monotonic()
-        if now - self._opening_at > 0.1:
+    def _watch_gripper(self) -> None:
+        """Read the opening again and again, beside the stream: reading it waits for the gripper's next message."""
+        while not self._closed.wait(GRIPPER_S):
             with contextlib.suppress(Exception):
                 self._opening = float(self._gripper.width)
-            self._opening_at = now
-        return self._opening
 
     def _fault(self, state: Any) -> str:
         mode = self._franky.RobotMode

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from coral.config import NonNegative, Positive, Signed
+from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.scene.observation import Array, HandTarget
 from coral.contact.worlds.franka.arm import ArmState
 from coral.contact.worlds.franka.arm_geometry import self_distance
@@ -24,7 +25,7 @@ class LimitsCfg:
 
     joint_margin_rad: NonNegative = 0.05
     """Distance that each joint keeps from its end."""
-    joint_speed_share: Positive = 0.6
+    joint_speed_share: Positive = 0.8
     """Share of the joints' own speed limits."""
     tool_speed_m_s: Positive = 0.8
     """Speed of the tool. The planner's targets move with 0.5 m/s at most."""
@@ -38,6 +39,8 @@ class LimitsCfg:
     """Smallest distance between links."""
     push_n: Positive = 30.0
     """Limit on the pull of the impedance. Against a measured force above it the pull is reduced further."""
+    turn_n_m: Positive = 5.0
+    """Limit on the torque of the impedance. Damped critically, the hand then turns with 1.5 rad/s at most."""
     contact_force_n: Positive = 45.0
     """A measured contact force above it stops the arm."""
     contact_torque_n_m: Positive = 12.0
@@ -50,10 +53,11 @@ class Limits:
     Args:
         cfg: The limits.
         base_m: Shape=(3,), the arm's base in the world frame.
+        lever_m2: Rotational stiffness (N m/rad) per translational stiffness (N/m).
     """
 
-    def __init__(self, cfg: LimitsCfg, base_m: Array) -> None:
-        self.cfg = cfg
+    def __init__(self, cfg: LimitsCfg, base_m: Array, lever_m2: float) -> None:
+        self.cfg, self._lever_m2 = cfg, lever_m2
         self._low = np.asarray(cfg.workspace_low_m, float) - base_m
         self._high = np.asarray(cfg.workspace_high_m, float) - base_m
 
@@ -108,4 +112,9 @@ class Limits:
         length = float(np.linalg.norm(lead))
         if length > most:
             lead = lead * (most / length)
-        return replace(target, position=state.position + lead, force=np.zeros(3))
+        turn = to_rotvec(multiply(target.quaternion, conjugate(state.quaternion)))
+        angle, widest = float(np.linalg.norm(turn)), self.cfg.turn_n_m / (self._lever_m2 * target.stiffness)
+        if angle > widest:
+            turn = turn * (widest / angle)
+        quaternion = multiply(from_rotvec(turn), state.quaternion)
+        return replace(target, position=state.position + lead, quaternion=quaternion, force=np.zeros(3))

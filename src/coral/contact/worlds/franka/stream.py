@@ -58,6 +58,8 @@ class Orders:
     start: bool = False
     """Whether the arm may move: set once, after the operator's word."""
     stop: StopCause = StopCause.NONE
+    quit: bool = False
+    """Whether the stream ends, once the arm is stopped."""
     target: HandTarget | None = None
     """Newest target in the arm's base frame."""
 
@@ -74,7 +76,7 @@ class Stream:
 
     def __init__(self, arm: Arm, poses: ObjectPoses, cfg: FrankaCfg, clock: Callable[[], float]) -> None:
         self._arm, self._poses, self._cfg, self._clock = arm, poses, cfg, clock
-        self._limits = Limits(cfg.limits, np.asarray(cfg.base_m))
+        self._limits = Limits(cfg.limits, np.asarray(cfg.base_m), cfg.lever_m2)
         self._bias = WrenchBias(cfg.bias_readings)
         self.phase, self.cause, self.reason = Phase.WATCHING, StopCause.NONE, ""
         self.state: ArmState | None = None

@@ -9,8 +9,9 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from multiprocessing import get_context
+from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
+from typing import Any
 
 import numpy as np
 
@@ -40,7 +41,7 @@ STILL_M_S = 0.005
 """A tool slower than this is at rest."""
 PRIORITY = 10
 """Real-time priority of the stream, 1 to 99; most kernel threads have more."""
-_START_TIMEOUT_S = 30.0
+_START_TIMEOUT_S = 120.0
 
 
 class StreamProcess:
@@ -51,17 +52,24 @@ class StreamProcess:
         address: The arm's address.
         cfg: Configuration.
         names: The objects of the task.
+        make_process: Makes the process; a thread in tests.
 
     Raises:
         InputError, RunError: The arm cannot be used.
     """
 
-    def __init__(self, make_arm: MakeArm, address: str, cfg: FrankaCfg, names: Sequence[str]) -> None:
-        context = get_context("spawn")
+    def __init__(
+        self,
+        make_arm: MakeArm,
+        address: str,
+        cfg: FrankaCfg,
+        names: Sequence[str],
+        make_process: Callable[..., Any] = get_context("spawn").Process,
+    ) -> None:
         self._names = tuple(names)
         self._orders_block, self._report_block = SharedBlock(ORDERS_SIZE), SharedBlock(report_size(len(names)))
-        self._connection, theirs = context.Pipe()
-        self._process = context.Process(
+        self._connection, theirs = Pipe()
+        self._process = make_process(
             target=_run,
             args=(make_arm, address, cfg, self._names, self._orders_block, self._report_block, theirs),
             name="franka-stream",
@@ -72,7 +80,7 @@ class StreamProcess:
         self._reason = ""
         self._ended = threading.Event()
         self._process.start()
-        theirs.close()
+        self._theirs = theirs  # kept: a process that dies is noticed by `is_alive`
         self.poses_port: int = self._await_start()
         threading.Thread(target=self._beat, name="franka-beat", daemon=True).start()
 
@@ -110,24 +118,36 @@ class StreamProcess:
 
     def close(self) -> None:
         """Stop the arm and end the process."""
-        self.stop(StopCause.END)
+        self._order(stop=StopCause.END, quit=True)
         self._ended.set()  # without signs of life the process ends by itself
         self._process.join(3.0)
         if self._process.is_alive():
             self._process.kill()
             self._process.join(3.0)
 
+    @property
+    def pid(self) -> int:
+        """Return the id of the process, for a signal."""
+        return int(self._process.pid or 0)
+
     def pause_beat(self) -> None:
         """Give no more signs of life, as if the program hung: to measure the watchdog."""
         self._ended.set()
 
-    def _order(self, start: bool = False, stop: StopCause | None = None, target: HandTarget | None = None) -> None:
+    def _order(
+        self,
+        start: bool = False,
+        stop: StopCause | None = None,
+        quit: bool = False,  # noqa: A002
+        target: HandTarget | None = None,
+    ) -> None:
         with self._lock:
             before = self._orders
             self._orders = replace(
                 before,
                 start=before.start or start,
                 stop=before.stop or stop or StopCause.NONE,
+                quit=before.quit or quit,
                 target=target or before.target,
             )
             self._orders_block.write(encode_orders(self._orders))
@@ -145,7 +165,7 @@ class StreamProcess:
                 if isinstance(answer, int):
                     return answer
                 self._process.join(3.0)
-                raise answer
+                raise InputError(*answer) if isinstance(answer, tuple) else RunError(str(answer))
         except (EOFError, OSError):
             raise RunError("the stream to the arm could not be started") from None
         self._process.kill()
@@ -163,42 +183,45 @@ def _run(
 ) -> None:
     """Body of the process."""
     pressed: list[int] = []
-    for number in (signal.SIGINT, signal.SIGTERM):  # Ctrl-C reaches this process at once, whatever the program does
-        signal.signal(number, lambda *_: pressed.append(1))
+    if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
+        for number in (signal.SIGINT, signal.SIGTERM):  # Ctrl-C reaches this process, whatever the program does
+            signal.signal(number, lambda *_: pressed.append(1))
+        _take_priority()
     try:
         poses = ObjectPoses(names, cfg.poses_host, cfg.poses_port)
         arm = make_arm(address, cfg)
     except InputError as error:
-        connection.send(InputError(error.where, error.field, error.found, error.expected))
+        connection.send((error.where, error.field, str(error.found), error.expected))
         return
     except Exception as error:
-        connection.send(RunError(str(error)))
+        connection.send(str(error) or type(error).__name__)
         return
     connection.send(poses.port)
-    _take_priority()
     stream, lateness, told = Stream(arm, poses, cfg, time.monotonic), Lateness(), False
     period_s, tick, parent = 1.0 / cfg.rate_hz, 0, os.getppid()
-    due, stopped_at, still_at = time.monotonic(), 0.0, 0.0
+    due, stopped_at, stopped_arm_s, still_after = time.monotonic(), 0.0, 0.0, 0.0
     try:
         while True:
             orders = decode_orders(orders_block.read())
             stream.tick(replace(orders, stop=StopCause.KEYBOARD) if pressed else orders)
             tick += 1
             if stream.phase is Phase.STOPPED:
-                now = time.monotonic()
-                stopped_at = stopped_at or now
-                if not still_at and stream.state is not None and _speed(stream) < STILL_M_S:
-                    still_at = now
+                if not stopped_at:
+                    stopped_at, stopped_arm_s = time.monotonic(), stream.arm_time_s
+                passed_s = stream.arm_time_s - stopped_arm_s
+                if not still_after and passed_s > 0.0 and _speed(stream) < STILL_M_S:
+                    still_after = passed_s
                 if not told:
                     connection.send(stream.reason or stream.cause.name.lower())
                     told = True
-                if orders.stop is StopCause.END or os.getppid() != parent:
+                if orders.quit or os.getppid() != parent:
                     break
-            report_block.write(encode_report(_report(stream, poses, lateness, tick, stopped_at, still_at), names))
+            report_block.write(encode_report(_report(stream, poses, lateness, tick, stopped_at, still_after), names))
             due += period_s
             time.sleep(max(0.0, due - time.monotonic()))
             late_s = time.monotonic() - due
-            lateness.add(late_s)
+            if stream.phase is Phase.FOLLOWING:
+                lateness.add(late_s)
             if late_s > period_s:  # missed ticks are not made up for
                 due = time.monotonic()
     finally:
@@ -218,7 +241,7 @@ def _speed(stream: Stream) -> float:
 
 
 def _report(
-    stream: Stream, poses: ObjectPoses, lateness: Lateness, tick: int, stopped_at: float, still_at: float
+    stream: Stream, poses: ObjectPoses, lateness: Lateness, tick: int, stopped_at: float, still_after: float
 ) -> StreamReport:
     state = stream.state
     zero = np.zeros(7)
@@ -243,7 +266,7 @@ def _report(
         lateness.max_ms,
         stream.stop_latency_s,
         stopped_at,
-        still_at,
+        still_after,
         stream.peak_force_n,
         poses.malformed,
         dict(poses.poses),

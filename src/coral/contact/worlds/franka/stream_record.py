@@ -10,7 +10,7 @@ import numpy as np
 from coral.contact.scene.observation import Array, BodyState, HandTarget
 from coral.contact.worlds.franka.stream import Orders, Phase, StopCause
 
-ORDERS_SIZE = 16
+ORDERS_SIZE = 17
 _HEAD = 57
 _PER_OBJECT = 14
 
@@ -37,14 +37,14 @@ class StreamReport:
     noise: Array
     """Shape=(6,), standard deviations of the wrench while its bias was measured."""
     late_p99_ms: float
-    """99 % of the ticks were late by less."""
+    """99 % of the ticks that followed targets were late by less."""
     late_max_ms: float
     stop_latency_s: float
     """From the cause to the stop command."""
     stopped_at_s: float
     """When the stop command was given, on the machine's monotonic clock; 0 before."""
-    still_at_s: float
-    """When the arm was first at rest after that; 0 before."""
+    still_after_s: float
+    """From the stop command to the first state at rest, by the arm's clock; 0 before."""
     peak_force_n: float
     """Largest measured contact force while following targets."""
     malformed: int
@@ -58,19 +58,19 @@ class StreamReport:
 def encode_orders(orders: Orders) -> Array:
     """Return orders as numbers, Shape=(ORDERS_SIZE,)."""
     values = np.zeros(ORDERS_SIZE)
-    values[:4] = orders.beat, orders.start, orders.stop, orders.target is not None
+    values[:5] = orders.beat, orders.start, orders.stop, orders.quit, orders.target is not None
     if orders.target is not None:
         target = orders.target
-        values[4:] = [*target.position, *target.quaternion, target.opening_m, target.stiffness, *target.force]
+        values[5:] = [*target.position, *target.quaternion, target.opening_m, target.stiffness, *target.force]
     return values
 
 
 def decode_orders(values: Array) -> Orders:
     """Return the orders of `encode_orders`."""
     target = None
-    if values[3]:
-        target = HandTarget(values[4:7], values[7:11], float(values[11]), float(values[12]), values[13:16])
-    return Orders(int(values[0]), bool(values[1]), StopCause(int(values[2])), target)
+    if values[4]:
+        target = HandTarget(values[5:8], values[8:12], float(values[12]), float(values[13]), values[14:17])
+    return Orders(int(values[0]), bool(values[1]), StopCause(int(values[2])), bool(values[3]), target)
 
 
 def report_size(objects: int) -> int:
@@ -83,7 +83,7 @@ def encode_report(report: StreamReport, names: Sequence[str]) -> Array:
     head = [
         report.tick, report.phase, report.cause, report.time_s, *_body(report.tool), report.opening_m, *report.wrench,
         *report.joints, *report.speeds, *report.bias, *report.noise, report.late_p99_ms, report.late_max_ms,
-        report.stop_latency_s, report.stopped_at_s, report.still_at_s, report.peak_force_n, report.malformed,
+        report.stop_latency_s, report.stopped_at_s, report.still_after_s, report.peak_force_n, report.malformed,
     ]  # fmt: skip
     for name in names:
         pose = report.objects.get(name)

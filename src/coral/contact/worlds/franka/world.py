@@ -122,7 +122,7 @@ class FrankaWorld:
             self._tell(target)
         else:
             self.stream.follow(local)
-        before = self.stream.report().time_s
+        before = self._wait(lambda found: True, _SILENCE_S).time_s
         # After a pause, in which the arm has held its target, steps are not made up for.
         self._due_s = max(self._due_s, before - self.control_period_s) + self.control_period_s
         return self._observe(self._wait(lambda found: found.time_s >= self._due_s - 1e-9, _SILENCE_S))
@@ -145,7 +145,7 @@ class FrankaWorld:
         while True:
             try:
                 report = self.stream.report()
-            except (RunError, TimeoutError) as error:
+            except RunError as error:
                 raise WorldError("link-lost", str(error)) from None
             if report.phase is Phase.STOPPED:
                 raise WorldError(CODES[report.cause], self.stream.reason() or report.cause.name.lower())

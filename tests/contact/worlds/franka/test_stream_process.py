@@ -1,0 +1,42 @@
+"""The stream beside the program, with an arm that obeys at once; a thread stands for the process, which costs seconds."""
+
+import threading
+import time
+
+import pytest
+from arms import TOOL, make_obedient_arm
+
+from coral.contact.worlds.franka.cfg import FrankaCfg
+from coral.contact.worlds.franka.stream import Phase, StopCause
+from coral.contact.worlds.franka.stream_process import StreamProcess
+from coral.errors import InputError
+
+CFG = FrankaCfg(poses_port=0, bias_readings=2, watchdog_s=30.0, link_timeout_s=30.0, poses_timeout_s=1e6)
+
+
+def wait(stream, ready):
+    deadline = time.monotonic() + 60.0
+    while not ready(found := stream.report()):
+        assert time.monotonic() < deadline, found
+    return found
+
+
+def test_it_starts_moves_stops_and_ends():
+    stream = StreamProcess(make_obedient_arm, "somebody", CFG, (), threading.Thread)
+    try:
+        watched = wait(stream, lambda found: found.tick > 2)
+        assert watched.phase is Phase.WATCHING
+        stream.start()
+        moving = wait(stream, lambda found: found.phase is Phase.FOLLOWING)
+        assert moving.tool.position == pytest.approx(TOOL)
+        stream.stop(StopCause.PAGE)
+        assert wait(stream, lambda found: found.phase is Phase.STOPPED).cause is StopCause.PAGE
+        assert stream.reason() == "page"
+    finally:
+        stream.close()
+    assert not stream._process.is_alive()
+
+
+def test_an_arm_that_cannot_be_had_is_the_users_error():
+    with pytest.raises(InputError, match="--robot: found nobody, expected the address of an arm"):
+        StreamProcess(make_obedient_arm, "nobody", CFG, (), threading.Thread)
