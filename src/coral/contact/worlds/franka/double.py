@@ -10,8 +10,9 @@ import contextlib
 import os
 import socket
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -64,24 +65,29 @@ class Double:
         trial: The trial.
         arm: Configuration of the arm.
         cfg: Its sensors.
+        make_process: Makes the process; a thread in tests.
 
     Raises:
         InputError: franky-sim is not installed.
         RunError: It did not start.
     """
 
-    def __init__(self, trial: Trial, arm: FrankaCfg, cfg: DoubleCfg | None = None) -> None:
+    def __init__(
+        self,
+        trial: Trial,
+        arm: FrankaCfg,
+        cfg: DoubleCfg | None = None,
+        make_process: Callable[..., Any] = get_context("spawn").Process,
+    ) -> None:
         try:
             import franky_sim  # noqa: F401
         except ImportError as error:
             raise InputError("--robot", "", f"sim ({error})", f"the package franky-sim: {MISSING}") from None
-        context = get_context("spawn")
-        self._connection, theirs = context.Pipe()
-        self._process = context.Process(
-            target=_serve, args=(trial, arm, cfg or DoubleCfg(), theirs), name="franka-double", daemon=True
+        self._connection, self._theirs = Pipe()
+        self._process = make_process(
+            target=_serve, args=(trial, arm, cfg or DoubleCfg(), self._theirs), name="franka-double", daemon=True
         )
         self._process.start()
-        theirs.close()
         answer = self._receive("start", _START_TIMEOUT_S)
         self.address: str = answer
 
