@@ -186,6 +186,7 @@ def stop_once(cause: StopCause, double: Double, stream: StreamProcess, cfg: Fran
     time.sleep(2.0)
     report = stream.report()
     if report.cause is not cause:
+        print(f"{cause.name.lower()}: {report.cause.name.lower()} was first ({stream.reason()})", flush=True)
         return None
     outside = cause in (StopCause.PAGE, StopCause.KEYBOARD)
     command_s = report.stopped_at_s - began if outside else report.stop_latency_s

@@ -44,6 +44,8 @@ EXTRAS = {
     "vehicle": ("pymavlink", "a BlueROV2 by MAVLink, and the simulated autopilot"),
     "geo": ("pyproj", "maps with coordinates: GeoTIFF, GeoJSON, GeoPackage"),
     "bags": ("rosbags", "ROS 2 bags and MCAP files, read and written"),
+    "franka": ("franky", "a Franka arm (coral contact run --world franka)"),
+    "franka-sim": ("franky_sim", "a simulated arm that speaks a Franka arm's protocol"),
     "rerun": ("rerun", "runs as recordings for rerun"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),
 }
