@@ -61,7 +61,7 @@ class ContactRun:
     task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
     """A shipped task (see coral contact tasks) or a task file."""
     world: str = "panda"
-    """Evaluation world: panda, the robot in robosuite; hand, its hand alone, free-flying; franka, the arm of --robot."""
+    """World: panda, the robot in robosuite; hand, its hand alone, free-flying; franka, the arm of --robot."""
     robot: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS|sim")] = None
     """The arm of --world franka: its address, or sim, a simulated arm that speaks the same protocol."""
     dry_run: bool = False

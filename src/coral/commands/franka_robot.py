@@ -47,7 +47,9 @@ class RobotFlags:
         if not self.robot:
             raise InputError("--robot", "", "nothing", f"the arm's address, or {SIMULATED!r} for the simulated arm")
         if self.yes and self.robot != SIMULATED and not self.dry_run:
-            raise InputError("--yes", "", f"--robot {self.robot}", f"--robot {SIMULATED}: at an arm a person says the word")
+            raise InputError(
+                "--yes", "", f"--robot {self.robot}", f"--robot {SIMULATED}: at an arm a person says the word"
+            )
         return True
 
 

@@ -126,3 +126,40 @@ def test_a_world_of_another_period_is_refused(tmp_path):
     robot.control_period_s = 0.05
     with pytest.raises(InputError, match=r"planning\.step_s: found 0\.02, expected 0\.05 s"):
         run(tmp_path, SLIDE_TRIAL, robot, "perception")
+
+
+class UnhurriedRobot(ObedientRobot):
+    """Its time goes on while a plan is computed."""
+
+    in_real_time = True
+
+
+def test_a_robot_does_not_wait_for_plans(tmp_path):
+    """Steps are taken while a plan is computed; none is lost, and each plan begins where the one before has led."""
+    trial, robot = make_trial(0.4), UnhurriedRobot(make_trial(0.4))
+    planning = dataclasses.replace(COARSE.planning, latency="measured")
+    cfg = dataclasses.replace(judged_by("operator"), planning=planning)
+    episode = Episode(
+        trial, robot, FixedStrategist(strategy()), cfg, tmp_path / "run", variant="own", operator_verdict=lambda: ""
+    )
+    result = episode.run()
+    assert result["end_reason"] == "timeout"
+    assert robot.calls.count("step") == result["steps"] == 20
+    assert result["plans"] >= 1
+
+
+def test_a_robot_whose_plans_would_take_no_time_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"planning.latency.*measured or fixed:SECONDS"):
+        run(tmp_path, make_trial(), UnhurriedRobot(make_trial()), "operator", operator_verdict=lambda: "")
+    assert not (tmp_path / "run").exists()
+
+
+def test_the_truth_is_enough_to_judge_by():
+    """A simulated robot may know the truth although no MuJoCo simulation can be looked into."""
+
+    class TruthfulRobot(ObedientRobot):
+        def truth(self):
+            return self._inner.truth()
+
+    trial = make_trial()
+    assert make_referee("truth", TruthfulRobot(trial), trial, None).name == "truth"

@@ -40,7 +40,7 @@ def test_the_table_carries_the_hand_through_the_box(scene):
 
 
 def test_the_torque_counts_about_the_tool(scene):
-    model, found, wrench = scene
+    _, found, wrench = scene
     place = found.tool_m()
     assert place[2] - found._data.xpos[found._hand][2] == pytest.approx(0.1034)
     assert np.abs(wrench[3:]).max() < 0.05  # the force goes through the tool's axis

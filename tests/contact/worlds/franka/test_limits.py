@@ -29,7 +29,7 @@ def test_the_start_posture_violates_nothing():
         (arm_state(joints=changed(START, 3, -3.03)), NOTHING, "joint 4 is"),
         (arm_state(joint_speeds=0.9 * JOINT_SPEED * np.eye(7)[6]), NOTHING, "joint 7 moves with 90%"),
         (arm_state(twist=changed(NOTHING, 0, 0.9)), NOTHING, "0.90 m/s"),
-        (arm_state(position=TOOL - [0, 0, 0.35]), NOTHING, "outside of its workspace"),
+        (arm_state(position=np.subtract(TOOL, [0, 0, 0.35])), NOTHING, "outside of its workspace"),
         (arm_state(), changed(NOTHING, 1, 46.0), "force of 46 N"),
         (arm_state(), changed(NOTHING, 4, 13.0), "torque of 13.0 N m"),
         (arm_state(joints=np.array([0.0, -1.7, 0.0, -2.98, 0.0, 0.6, 0.0])), NOTHING, "two links are"),
@@ -46,7 +46,7 @@ def target(offset, quaternion=DOWN, force=(0, 0, 0)):
 
 def test_a_near_target_is_left_alone():
     found = LIMITS.bounded(target([0.02, 0.01, 0.0]), arm_state(), NOTHING)
-    assert found.position == pytest.approx(TOOL + [0.02, 0.01, 0.0])
+    assert found.position == pytest.approx(np.add(TOOL, [0.02, 0.01, 0.0]))
     assert found.quaternion == pytest.approx(DOWN)
 
 
@@ -54,7 +54,7 @@ def test_the_pull_is_bounded_and_an_additional_force_counts_as_pull():
     far = LIMITS.bounded(target([0.2, 0.0, 0.0]), arm_state(), NOTHING)
     assert 600.0 * np.linalg.norm(far.position - TOOL) == pytest.approx(30.0)
     pushed = LIMITS.bounded(target([0.0, 0.0, 0.0], force=(0, 6.0, 0)), arm_state(), NOTHING)
-    assert pushed.position == pytest.approx(TOOL + [0.0, 0.01, 0.0])
+    assert pushed.position == pytest.approx(np.add(TOOL, [0.0, 0.01, 0.0]))
     assert pushed.force == pytest.approx(np.zeros(3))
 
 

@@ -76,9 +76,9 @@ def test_it_goes_to_the_start_measures_the_bias_and_holds(bench):
 
 def test_it_follows_targets_and_holds_the_last_one(bench):
     bench.following()
-    bench.tick(target=HandTarget(TOOL + [0.01, 0, 0], DOWN, 0.03, 500.0))
+    bench.tick(target=HandTarget(np.add(TOOL, [0.01, 0, 0]), DOWN, 0.03, 500.0))
     bench.tick(3)
-    assert bench.arm.calls[-1].position == pytest.approx(TOOL + [0.01, 0, 0])
+    assert bench.arm.calls[-1].position == pytest.approx(np.add(TOOL, [0.01, 0, 0]))
     assert bench.arm.calls[-1].stiffness == 500.0
     assert ("open", 0.03) in bench.arm.calls
 

@@ -1,4 +1,4 @@
-"""The stream beside the program, with an arm that obeys at once; a thread stands for the process, which costs seconds."""
+"""The stream beside the program, with an arm that obeys at once; a thread stands for the process, which takes long."""
 
 import threading
 import time

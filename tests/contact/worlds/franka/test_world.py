@@ -62,7 +62,7 @@ def test_poses_are_in_the_world_frame_and_targets_in_the_arms():
     stream, world = make()
     first = world.reset()
     assert first.time_s == 0.0
-    assert first.tool.position == pytest.approx(TOOL - [0.5, 0, 0])
+    assert first.tool.position == pytest.approx(np.subtract(TOOL, [0.5, 0, 0]))
     assert first.objects["box"] is BOX
     world.step(HAND)
     assert stream.targets[0].position == pytest.approx([0.5, 0.1, 0.2])

@@ -35,8 +35,8 @@ _CAPSULES = (
     (7, (-0.055, -0.055, 0.135), (0.055, 0.055, 0.135), 0.05),
     (7, (0.0, 0.0, 0.15), (0.0, 0.0, 0.2), 0.035),
 )
-"""(frame, one end, other end, radius), m, from the extents of the FR3's collision meshes. Of 4000 random postures, 1 cm between
-capsules found all 176 in which meshes collide, and refused 166 of the others (measured)."""
+"""(frame, one end, other end, radius), m, from the extents of the FR3's collision meshes. With 1 cm between capsules,
+all 176 of 4000 random postures in which meshes collide were found, and 166 of the others refused (measured)."""
 _FRAMES = np.array([capsule[0] for capsule in _CAPSULES])
 _FIRST, _SECOND = (np.array([capsule[k] for capsule in _CAPSULES]) for k in (1, 2))
 _RADII = np.array([capsule[3] for capsule in _CAPSULES])

@@ -77,14 +77,14 @@ class Double:
         trial: Trial,
         arm: FrankaCfg,
         cfg: DoubleCfg | None = None,
-        make_process: Callable[..., Any] = get_context("spawn").Process,
+        make_process: Callable[..., Any] | None = None,
     ) -> None:
         try:
             import franky_sim  # noqa: F401
         except ImportError as error:
             raise InputError("--robot", "", f"sim ({error})", f"the package franky-sim: {MISSING}") from None
         self._connection, self._theirs = Pipe()
-        self._process = make_process(
+        self._process = (make_process or get_context("spawn").Process)(
             target=_serve, args=(trial, arm, cfg or DoubleCfg(), self._theirs), name="franka-double", daemon=True
         )
         self._process.start()
@@ -110,10 +110,8 @@ class Double:
 
     def close(self) -> None:
         """Stop the process."""
-        try:
+        with contextlib.suppress(OSError):
             self._connection.send(("stop", None))
-        except OSError:
-            pass
         self._process.join(2.0)
         if self._process.is_alive():
             self._process.kill()
@@ -264,4 +262,3 @@ class _Server:
         data = self._simulator.data
         joints = ("robot0_finger_joint1", "robot0_finger_joint2")
         return float(sum(data.joint(name).qpos[0] for name in joints))
-

@@ -58,7 +58,9 @@ class FrankyArm:
             self._robot = package.Robot(address, relative_dynamics_factor=cfg.start_speed, realtime_config=kernel)
             self._gripper = package.Gripper(address)
         except package.NetworkException as error:
-            raise InputError("--robot", "", f"{address} ({_line(error)})", "the address of an arm with its FCI active") from None
+            raise InputError(
+                "--robot", "", f"{address} ({_line(error)})", "the address of an arm with its FCI active"
+            ) from None
         except Exception as error:
             raise RunError(f"the arm at {address} cannot be used: {_line(error)}") from None
         self._tracker: Any = None

@@ -91,7 +91,9 @@ class ObjectPoses:
 
     def oldest(self, now_s: float) -> tuple[str, float]:
         """Return the object whose pose is oldest, and its age (s)."""
-        return max(((name, self.age_s(name, now_s)) for name in self.names), key=lambda found: found[1], default=("", 0.0))
+        return max(
+            ((name, self.age_s(name, now_s)) for name in self.names), key=lambda found: found[1], default=("", 0.0)
+        )
 
     def close(self) -> None:
         """Close the port."""

@@ -15,7 +15,6 @@ from coral.contact.worlds.franka.limits import Limits
 from coral.contact.worlds.franka.object_poses import ObjectPoses
 from coral.contact.worlds.franka.wrench_bias import WrenchBias
 
-
 HOLDING_N_M = 600.0
 """Stiffness with which the arm holds until the first target."""
 

@@ -64,12 +64,12 @@ class StreamProcess:
         address: str,
         cfg: FrankaCfg,
         names: Sequence[str],
-        make_process: Callable[..., Any] = get_context("spawn").Process,
+        make_process: Callable[..., Any] | None = None,
     ) -> None:
         self._names = tuple(names)
         self._orders_block, self._report_block = SharedBlock(ORDERS_SIZE), SharedBlock(report_size(len(names)))
         self._connection, theirs = Pipe()
-        self._process = make_process(
+        self._process: Any = (make_process or get_context("spawn").Process)(
             target=_run,
             args=(make_arm, address, cfg, self._names, self._orders_block, self._report_block, theirs),
             name="franka-stream",
@@ -138,7 +138,7 @@ class StreamProcess:
         self,
         start: bool = False,
         stop: StopCause | None = None,
-        quit: bool = False,  # noqa: A002
+        quit: bool = False,
         target: HandTarget | None = None,
     ) -> None:
         with self._lock:
