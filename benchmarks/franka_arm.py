@@ -199,8 +199,8 @@ def table(rows: Sequence[dict[str, Any]], stops: dict[StopCause, list[tuple[floa
     lines = [
         "# The driver against the simulated arm",
         "",
-        "`python benchmarks/franka_arm.py`: franky-sim's arm with contact forces. Its wrench has bias, noise and lag,",
-        "its poses 1 mm and 0.6 degrees of noise at 30 Hz; these are assumptions. Nothing here was measured on a real arm.",
+        "`python benchmarks/franka_arm.py`: franky-sim's arm with contacts. Its wrench has bias, noise and lag,",
+        "its poses 1 mm and 0.6 degrees of noise at 30 Hz; these are assumptions. Nothing was measured on a real arm.",
     ]
     if rows:
         lines += [

@@ -110,20 +110,20 @@ class Episode:
             self.world = self.tracked = TrackedWorld(
                 self.world, trial, cfg.tracked, np.random.default_rng([trial.seed, 4])
             )
-        # All checks that can refuse the input come before the folder is created.
-        objects = [item.name for item in trial.task.objects]
-        self.writer = RunWriter(folder, columns(objects))
-        self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
-        self.listeners: list[Callable[[Mapping[str, Any]], None]] = []
         self.latency = PlanLatency(cfg.planning.latency, cfg.planning.step_s, cfg.replan_steps, cfg.controller.horizon)
-        self._under_way: PlanUnderWay | None = None
-        self._ahead = 0
         self._meanwhile: Meanwhile | None = None
         if in_real_time(self.world):
             if not self.latency.charged:
                 expected = f"measured or fixed:SECONDS: the world {self.world.name!r} does not wait for a plan"
                 raise InputError("--cfg", "planning.latency", repr(cfg.planning.latency), expected)
             self._meanwhile = Meanwhile(self._go_on_once)
+        # All checks that can refuse the input come before the folder is created.
+        objects = [item.name for item in trial.task.objects]
+        self.writer = RunWriter(folder, columns(objects))
+        self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
+        self.listeners: list[Callable[[Mapping[str, Any]], None]] = []
+        self._under_way: PlanUnderWay | None = None
+        self._ahead = 0
         self._predicted: Observation
         self._without_plan = 0
         self._taken: list[Transition] = []

@@ -6,10 +6,10 @@ from arms import DOWN, START, TOOL, arm_state
 
 from coral.contact.scene.geometry import angle_between, from_rotvec, multiply
 from coral.contact.scene.observation import HandTarget
-from coral.contact.worlds.franka.limits import JOINT_SPEED, Limits, LimitsCfg
+from coral.contact.worlds.franka.limits import JOINT_SPEED, Limits, ArmLimitsCfg
 
 BASE = np.array([-0.5, 0.0, 0.0])
-LIMITS = Limits(LimitsCfg(), BASE, 0.05)
+LIMITS = Limits(ArmLimitsCfg(), BASE, 0.05)
 NOTHING = np.zeros(6)
 
 
@@ -69,7 +69,7 @@ def test_against_a_large_measured_force_the_pull_yields_but_not_along_it():
 def test_a_target_outside_of_the_workspace_is_clipped_to_it():
     low = arm_state(position=np.array([0.5, 0.0, 0.01]))
     found = LIMITS.bounded(HandTarget(np.array([0.5, 0.0, -0.02]), DOWN, 0.08, 600.0), low, NOTHING)
-    assert found.position[2] == pytest.approx(LimitsCfg().workspace_low_m[2])
+    assert found.position[2] == pytest.approx(ArmLimitsCfg().workspace_low_m[2])
 
 
 def test_the_turning_torque_is_bounded():

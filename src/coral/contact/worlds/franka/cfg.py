@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from coral.config import Count, NonNegative, Positive, Signed
-from coral.contact.worlds.franka.limits import LimitsCfg
+from coral.contact.worlds.franka.limits import ArmLimitsCfg
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,5 +60,5 @@ class FrankaCfg:
     watchdog_s: Positive = 0.3
     """The stream stops the arm if the program shows no sign of life for so long. Planning and thinking are no
     silence: meanwhile the arm holds its last target."""
-    limits: LimitsCfg = field(default_factory=LimitsCfg)
+    limits: ArmLimitsCfg = field(default_factory=ArmLimitsCfg)
     """Limits of the arm."""

@@ -20,7 +20,7 @@ JOINT_SPEED = np.array([2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61])
 
 
 @dataclass(frozen=True, kw_only=True)
-class LimitsCfg:
+class ArmLimitsCfg:
     """Limits of the arm. A state beyond one of them stops it."""
 
     joint_margin_rad: NonNegative = 0.05
@@ -56,7 +56,7 @@ class Limits:
         lever_m2: Rotational stiffness (N m/rad) per translational stiffness (N/m).
     """
 
-    def __init__(self, cfg: LimitsCfg, base_m: Array, lever_m2: float) -> None:
+    def __init__(self, cfg: ArmLimitsCfg, base_m: Array, lever_m2: float) -> None:
         self.cfg, self._lever_m2 = cfg, lever_m2
         self._low = np.asarray(cfg.workspace_low_m, float) - base_m
         self._high = np.asarray(cfg.workspace_high_m, float) - base_m
