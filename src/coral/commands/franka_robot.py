@@ -71,8 +71,8 @@ def robot_cfg(cfg: EpisodeCfg, flags: RobotFlags) -> EpisodeCfg:
         cfg = replace(cfg, planning=replace(cfg.planning, latency="measured"))
     if flags.robot == SIMULATED:
         arm, least_s = cfg.franka, SIMULATED_SILENCE_S
-        silence = {"link_timeout_s": max(arm.link_timeout_s, least_s), "watchdog_s": max(arm.watchdog_s, least_s)}
-        cfg = replace(cfg, franka=replace(arm, **silence))
+        link_s, watchdog_s = max(arm.link_timeout_s, least_s), max(arm.watchdog_s, least_s)
+        cfg = replace(cfg, franka=replace(arm, link_timeout_s=link_s, watchdog_s=watchdog_s))
     return cfg
 
 

@@ -6,7 +6,7 @@ from arms import DOWN, START, TOOL, arm_state
 
 from coral.contact.scene.geometry import angle_between, from_rotvec, multiply
 from coral.contact.scene.observation import HandTarget
-from coral.contact.worlds.franka.limits import JOINT_SPEED, Limits, ArmLimitsCfg
+from coral.contact.worlds.franka.limits import JOINT_SPEED, ArmLimitsCfg, Limits
 
 BASE = np.array([-0.5, 0.0, 0.0])
 LIMITS = Limits(ArmLimitsCfg(), BASE, 0.05)

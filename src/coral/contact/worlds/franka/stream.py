@@ -95,6 +95,11 @@ class Stream:
         return 0.0 if self.state is None else self.state.time_s
 
     @property
+    def stopped(self) -> bool:
+        """Whether the arm was stopped."""
+        return self.phase is Phase.STOPPED
+
+    @property
     def bias(self) -> WrenchBias:
         """Return the bias of the wrench."""
         return self._bias
@@ -106,13 +111,13 @@ class Stream:
             self._beat, self._beat_at = orders.beat, now
         self._read(now)
         self._poses.update(self.arm_time_s)
-        if self.phase is Phase.STOPPED:
+        if self.stopped:
             return
         if orders.stop is not StopCause.NONE:
             self.stop(orders.stop, "")
         elif self.phase is not Phase.WATCHING:
             self._check(now)
-        if self.phase is Phase.STOPPED:
+        if self.stopped:
             return
         try:
             self._command(orders)

@@ -102,10 +102,27 @@ def decode_report(values: Array, names: Sequence[str]) -> StreamReport:
         if np.isfinite(one[0]):
             objects[name] = _from_body(one[1:])
     return StreamReport(
-        int(first[0]), Phase(int(first[1])), StopCause(int(first[2])), float(first[3]), _from_body(tool),
-        float(opening[0]), wrench, joints, speeds, bias, noise, *(float(value) for value in rest[:6]), int(rest[6]),
-        objects, ages,
-    )  # fmt: skip
+        tick=int(first[0]),
+        phase=Phase(int(first[1])),
+        cause=StopCause(int(first[2])),
+        time_s=float(first[3]),
+        tool=_from_body(tool),
+        opening_m=float(opening[0]),
+        wrench=wrench,
+        joints=joints,
+        speeds=speeds,
+        bias=bias,
+        noise=noise,
+        late_p99_ms=float(rest[0]),
+        late_max_ms=float(rest[1]),
+        stop_latency_s=float(rest[2]),
+        stopped_at_s=float(rest[3]),
+        still_after_s=float(rest[4]),
+        peak_force_n=float(rest[5]),
+        malformed=int(rest[6]),
+        objects=objects,
+        ages_s=ages,
+    )
 
 
 def _body(body: BodyState) -> Array:
