@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from bag_copies import copy_bag
+from survey_runs import write_run
 
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
@@ -37,6 +38,17 @@ def test_a_round_trip_gives_the_same_map(bags, survey_run, name):
     # Odometry drifts by 1 cm a picture; the transform map -> odom takes it back.
     np.testing.assert_allclose([one.pose for one in theirs], [one.pose for one in ours], atol=1e-9)
     np.testing.assert_allclose(theirs[-1].odometry, ours[-1].odometry, atol=1e-9)
+
+
+def test_doubt_goes_through_a_bag(tmp_path):
+    write_run(tmp_path / "doubtful", doubtful=True)
+    there = read_run(tmp_path / "doubtful").located()
+    write_bag(there, tmp_path / "doubtful.mcap", single_file=True)
+    back = read_bag(tmp_path / "doubtful.mcap", BagTopics()).located()
+    ours, theirs = (next(iter(one.keyframes())).frame for one in (there, back))
+    np.testing.assert_array_equal(theirs.doubt, ours.doubt)
+    np.testing.assert_array_equal(theirs.depth_doubt, ours.depth_doubt)
+    np.testing.assert_array_equal(map_of(back).cells(), map_of(there).cells())
 
 
 def test_a_given_camera_wins(bags):

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from coral.config import Fraction, NonNegative
 from coral.reef.geometry import Frame, Label
 
+LABEL_STEPS, DEPTH_STEPS = 255, 100
+"""Steps that make 1 in a picture file of doubt: a label's reaches to 1, a depth's to 2.55."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class DoubtCfg:
@@ -43,6 +46,21 @@ def drop_doubtful(frame: Frame, cfg: DoubtCfg) -> Frame:
         depth=np.where(lost, np.float32(np.inf), frame.depth).astype(np.float32),
         labels=np.where(lost, np.uint8(Label.WATER), frame.labels).astype(np.uint8),
     )
+
+
+def pack_doubt(share: NDArray[np.float32], whole: int) -> NDArray[np.uint8]:
+    """Return shares in steps of 1 / whole as bytes, for a picture file; what is more than 255 steps is 255.
+
+    Args:
+        share: Doubt of labels or of depths. Shape=(H, W).
+        whole: `LABEL_STEPS` or `DEPTH_STEPS`.
+    """
+    return np.clip(np.round(whole * share), 0, 255).astype(np.uint8)
+
+
+def unpack_doubt(steps: NDArray[np.uint8], whole: int) -> NDArray[np.float32]:
+    """The inverse of `pack_doubt`, to half a step. Shape=(H, W)."""
+    return steps.astype(np.float32) / np.float32(whole)
 
 
 def choose_labels(logits: NDArray[np.float32], obstacle_from: float) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:

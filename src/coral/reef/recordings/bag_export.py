@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
 from coral.reef.geometry import Frame
 from coral.reef.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
 from coral.reef.recordings.picture_export import colour_of
@@ -27,6 +28,8 @@ TOPICS = {
     "/camera/image/compressed": "sensor_msgs/msg/CompressedImage",
     "/camera/depth/compressed": "sensor_msgs/msg/CompressedImage",
     "/camera/classes/compressed": "sensor_msgs/msg/CompressedImage",
+    "/camera/doubt/compressed": "sensor_msgs/msg/CompressedImage",
+    "/camera/depth_doubt/compressed": "sensor_msgs/msg/CompressedImage",
     "/camera/camera_info": "sensor_msgs/msg/CameraInfo",
     "/camera/points": "sensor_msgs/msg/PointCloud2",
     "/odometry": "nav_msgs/msg/Odometry",
@@ -153,6 +156,13 @@ class _BagWriter:
         ]
         if frame.rgb is not None:
             pictures.append(("/camera/image/compressed", "rgb8; jpeg compressed bgr8", encode_jpeg(frame.rgb)))
+        for name, share, whole in (
+            ("doubt", frame.doubt, LABEL_STEPS), ("depth_doubt", frame.depth_doubt, DEPTH_STEPS),
+        ):  # fmt: skip
+            if share is not None:
+                pictures.append(
+                    (f"/camera/{name}/compressed", "mono8; png compressed", encode_png(pack_doubt(share, whole)))
+                )
         for topic, kind, content in pictures:
             self._picture(topic, kind, content, t)
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError, first_line
 from coral.reef.camera import CameraCfg
+from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping import MapCfg
@@ -20,7 +21,7 @@ from coral.reef.recordings.bag_reader import count_messages, read_messages, stam
 from coral.reef.recordings.bag_sonar import open_sonar
 from coral.reef.recordings.lens import Lens
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
-from coral.reef.recordings.picture_files import colours_of, depth_of, frame_of, labels_of
+from coral.reef.recordings.picture_files import colours_of, depth_of, doubt_of, frame_of, labels_of
 from coral.reef.recordings.pose_track import NEAR_S, PoseTrack, StampedTransforms
 from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import RECORDED, PosedFrame, PosedPing, Recording
@@ -40,6 +41,10 @@ class BagTopics:
     """Depth in millimetres of 16 bits or metres of 32 bits, CompressedImage (PNG) or Image."""
     classes: str = "/camera/classes/compressed"
     """Classes of pixels (0 water, 1 oyster, 2 obstacle, 3 seabed) in 8 bits, CompressedImage (PNG) or Image."""
+    doubt: str = "/camera/doubt/compressed"
+    """Probability that a pixel's class is wrong, in steps of 1/255, 8 bits; read if it is there."""
+    depth_doubt: str = "/camera/depth_doubt/compressed"
+    """Expected error of a pixel's depth in percent of it, 8 bits; read if it is there."""
     camera_info: str = "/camera/camera_info"
     sonar: str = "/sonar/points"
     """Echoes of an imaging sonar, PointCloud2, x forward, y left, z up; read if they are there."""
@@ -93,6 +98,8 @@ def read_bag(
     pictured = [name for name in wanted if contents.counts.get(name)]
     if topics.image not in pictured and len(pictured) < 2:
         raise InputError(where, topics.image, "no pictures", f"CompressedImage or Image; {_known(contents)}")
+    if perception is None:
+        pictured += [name for name in (topics.doubt, topics.depth_doubt) if contents.counts.get(name)]
     found = camera or _with_mount(contents, where, topics)
     mount = contents.static.get((contents.track.child, contents.camera_frame), camera_in_body(found.view))
     # A body pose is that of a body whose camera sits at its origin: what else the mount turns goes into roll and pitch.
@@ -161,7 +168,15 @@ def _frame(
         colours = colours_of(colours_in(images[topics.image], where), camera, where)
     if perception is None and topics.classes in images and topics.depth in images:
         labels = labels_of(values_in(images[topics.classes], where, "labels"), camera, where)
-        return frame_of(labels, depth_of(values_in(images[topics.depth], where, "depth"), camera, where), colours)
+        depth = depth_of(values_in(images[topics.depth], where, "depth"), camera, where)
+        doubts = {
+            name: doubt_of(values_in(images[topic], where, name), camera, where, name, whole)
+            for name, topic, whole in (
+                ("doubt", topics.doubt, LABEL_STEPS), ("depth_doubt", topics.depth_doubt, DEPTH_STEPS),
+            )
+            if topic in images
+        }  # fmt: skip
+        return replace(frame_of(labels, depth, colours), **doubts)
     if colours is None:
         raise InputError(where, "", "one picture without its fellow", "colour, or both classes and depth")
     if perception is None:
