@@ -40,6 +40,8 @@ class SurveyProducts:
     cells: OccupancyMap
     area: Area
     """Of all oysters (m²), those outside clusters included."""
+    calibrated_reefs: int
+    """Reefs on which the network that saw the pictures was calibrated; 0 where no calibration was used."""
     clusters: tuple[ClusterProduct, ...]
     cover: NDArray[np.float32]
     """Share of oysters in each map cell, nan where not seen near enough. Shape=(NY, NX)."""
@@ -78,6 +80,7 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         keyframes=len(track),
         cells=cells,
         area=area_within(cover, without, counted),
+        calibrated_reefs=0 if cover.calibration is None else cover.calibration.reefs,
         clusters=tuple(measure_clusters(cells, group, quality, cover, without, cfg.clusters)),
         cover=mean_in_cells(share, cover.known, cfg.cover.fine_m, cell_m, cells.target.shape, 0.2),
         density=mean_in_cells(
