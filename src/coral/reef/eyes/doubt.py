@@ -75,7 +75,11 @@ def choose_labels(logits: NDArray[np.float32], obstacle_from: float) -> tuple[ND
     """
     powers = np.exp(logits - logits.max(axis=0))
     shares = powers / powers.sum(axis=0)
-    labels = shares.argmax(axis=0).astype(np.uint8)
-    labels[shares[Label.OBSTACLE] >= obstacle_from] = Label.OBSTACLE
-    chosen = np.take_along_axis(shares, labels[None].astype(np.intp), axis=0)[0]
-    return labels, (1.0 - chosen).astype(np.float32)
+    # Class by class: argmax over the first axis takes three times as long.
+    labels, chosen = np.zeros(shares.shape[1:], np.uint8), shares[0]
+    for label in range(1, len(shares)):
+        labels[shares[label] > chosen] = label
+        chosen = np.maximum(chosen, shares[label])
+    obstacle = shares[Label.OBSTACLE] >= obstacle_from
+    labels[obstacle] = Label.OBSTACLE
+    return labels, (1.0 - np.where(obstacle, shares[Label.OBSTACLE], chosen)).astype(np.float32)

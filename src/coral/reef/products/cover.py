@@ -37,6 +37,8 @@ class CoverCfg:
     edge: Fraction = 0.03
     """Relative standard deviation of what edges of shells add or take, even where all is seen: three clusters of s1
     without gaps came out 3 to 6 % too large."""
+    calibrated: bool = True
+    """Whether votes of a network that has a calibration (`coral reef eyes calibrate`) count as what they have meant."""
     subsets: Count = 8
     """Interleaved subsets of the pictures, for the error of sampling: each is left out once (jackknife)."""
 
@@ -85,7 +87,7 @@ def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cove
     meant. Where no pixel hit, behind shells and in their shade, nobody knows: `seen` has no oysters there, and `filled`
     what lies nearest.
     """
-    calibration = find_calibration(recording.seen_by)
+    calibration = find_calibration(recording.seen_by) if cfg.calibrated else None
     if calibration is not None and next((one.frame.doubt for one in recording.keyframes()), None) is None:
         calibration = None  # frames of an old run: the network's probabilities were not kept
     parts = collect_votes(recording, cfg, soft=calibration is not None)
