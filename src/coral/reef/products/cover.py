@@ -90,7 +90,13 @@ def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cove
     calibration = find_calibration(recording.seen_by) if cfg.calibrated else None
     if calibration is not None and next((one.frame.doubt for one in recording.keyframes()), None) is None:
         calibration = None  # frames of an old run: the network's probabilities were not kept
-    parts = collect_votes(recording, cfg, soft=calibration is not None)
+    return make_covers(collect_votes(recording, cfg, soft=calibration is not None), cfg, calibration)
+
+
+def make_covers(
+    parts: list[Votes], cfg: CoverCfg, calibration: CoverCalibration | None = None
+) -> tuple[Cover, list[Cover]]:
+    """Return the cover that the votes of all subsets mean, and those of all but each."""
     whole = sum_votes(parts)
     without = [Votes(whole.oyster - one.oyster, whole.floor - one.floor, whole.nearest_m) for one in parts]
     covers = [make_cover(votes, cfg, calibration) for votes in (whole, *(without if len(parts) > 1 else ()))]
