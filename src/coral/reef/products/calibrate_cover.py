@@ -83,7 +83,7 @@ def gather_evidence(recording: Recording, world: ReefWorld, cfg: CoverCfg) -> Re
         whole=evidence(np.ones(share.shape, np.bool_), truth),
         clusters=tuple(one for one in clusters if one.true_m2 > 0.0),
         hit=_count(bins[counted & hit]),
-        shells=np.bincount(bins[counted & hit], weights=truth[counted & hit], minlength=BINS),
+        shells=np.bincount(bins[counted & hit], weights=truth[counted & hit], minlength=BINS).astype(np.float64),
     )
 
 

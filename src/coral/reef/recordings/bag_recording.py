@@ -176,7 +176,9 @@ def _frame(
             )
             if topic in images
         }  # fmt: skip
-        return replace(frame_of(labels, depth, colours), **doubts)
+        return replace(
+            frame_of(labels, depth, colours), doubt=doubts.get("doubt"), depth_doubt=doubts.get("depth_doubt")
+        )
     if colours is None:
         raise InputError(where, "", "one picture without its fellow", "colour, or both classes and depth")
     if perception is None:

@@ -98,7 +98,7 @@ def _frame(
             for name, whole in DOUBTS.items()
             if names.get(name)
         }
-        return replace(frame_of(labels, depth, rgb), **doubts)
+        return replace(frame_of(labels, depth, rgb), doubt=doubts.get("doubt"), depth_doubt=doubts.get("depth_doubt"))
     if rgb is None:
         expected = "rgb, or both labels and depth" if perception is None else "rgb: --perception needs a colour picture"
         raise InputError(where, "", "no names of pictures", expected)
