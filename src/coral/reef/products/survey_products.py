@@ -73,6 +73,9 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
     # Beside the map's oysters only: a wrong mask that other pictures outvoted is no oyster.
     counted = fine_of(distance_to(cells.target, cell_m) <= cfg.cover.beside_m + 1e-6, cell_m, cover)
     share = 0.5 * (cover.seen + cover.filled) * counted
+    in_cells = mean_in_cells(share, cover.known, cfg.cover.fine_m, cell_m, cells.target.shape, 0.2)
+    if cover.calibration is not None:
+        cells.target &= np.nan_to_num(in_cells) >= cfg.cover.confirmed
     group = label_clusters(cells, cfg.clusters, cfg.cover.beside_m)
     quality = measure_views(recording)
     return SurveyProducts(
@@ -82,7 +85,7 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         area=area_within(cover, without, counted),
         calibrated_reefs=0 if cover.calibration is None else cover.calibration.reefs,
         clusters=tuple(measure_clusters(cells, group, quality, cover, without, cfg.clusters)),
-        cover=mean_in_cells(share, cover.known, cfg.cover.fine_m, cell_m, cells.target.shape, 0.2),
+        cover=in_cells,
         density=mean_in_cells(
             share, cover.known, cfg.cover.fine_m, cfg.density_cell_m, _shape(recording, cfg.density_cell_m), 0.2
         ),
