@@ -57,7 +57,7 @@ def add_sonar_file(recording: Recording, path: Path, sonar: SonarCfg, start_s: f
             heard = []
             while ahead is not None and ahead.device_s + shift_s <= keyframe.t + 1e-9:
                 t = ahead.device_s + shift_s
-                if before is not None and before.t <= t and keyframe.t - before.t <= APART_S:
+                if before is not None and keyframe.t - before.t <= APART_S:
                     heard.append(_place(ahead, t, before, keyframe))
                 ahead = next(pings, None)
             yield replace(keyframe, pings=tuple(heard))
