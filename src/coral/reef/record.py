@@ -79,7 +79,7 @@ class RecordCfg:
     frame_period_s: Positive = 2.0
     keyframes: bool = True
     """Keep camera pictures with their poses besides, for products, export and a map made anew: some 10 kB a second,
-    twice that with colour. Needs `frames`."""
+    twice that with colour, 70 kB with what a network saw and its doubt. Needs `frames`."""
     keyframe_period_s: Positive = 0.5
     """Time between keyframes. At full speed the vehicle moves 0.3 m in it."""
     report: bool = True
