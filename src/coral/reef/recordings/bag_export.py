@@ -21,7 +21,7 @@ from coral.reef.geometry import Frame
 from coral.reef.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
 from coral.reef.recordings.picture_export import colour_of
 from coral.reef.recordings.picture_files import encode_depth, encode_jpeg, encode_png
-from coral.reef.recordings.recording import PosedFrame, Recording
+from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.recordings.transforms import body_transform, camera_in_body, quaternion_of
 
 TOPICS = {
@@ -30,6 +30,7 @@ TOPICS = {
     "/camera/classes/compressed": "sensor_msgs/msg/CompressedImage",
     "/camera/doubt/compressed": "sensor_msgs/msg/CompressedImage",
     "/camera/depth_doubt/compressed": "sensor_msgs/msg/CompressedImage",
+    "/camera/seen_by": "std_msgs/msg/String",
     "/camera/camera_info": "sensor_msgs/msg/CameraInfo",
     "/camera/points": "sensor_msgs/msg/PointCloud2",
     "/odometry": "nav_msgs/msg/Odometry",
@@ -97,6 +98,8 @@ class _BagWriter:
             t = keyframe.t
             if number == 0:
                 self._send("/tf_static", t, self._new("tf2_msgs/msg/TFMessage", transforms=[static]))
+                if recording.seen_by != RECORDED and not self._only_colour:
+                    self._send("/camera/seen_by", t, self._new("std_msgs/msg/String", data=recording.seen_by))
             self._send("/camera/camera_info", t, self._camera_info(recording, t))
             self._pose(keyframe)
             if self._only_colour:

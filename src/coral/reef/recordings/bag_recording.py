@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError, first_line
 from coral.reef.camera import CameraCfg
+from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.geometry import Frame, Pose
@@ -24,7 +25,7 @@ from coral.reef.recordings.perception import PicturePerception, refuse_colour_on
 from coral.reef.recordings.picture_files import colours_of, depth_of, doubt_of, frame_of, labels_of
 from coral.reef.recordings.pose_track import NEAR_S, PoseTrack, StampedTransforms
 from coral.reef.recordings.recorded_camera import RecordedCamera
-from coral.reef.recordings.recording import RECORDED, PosedFrame, PosedPing, Recording
+from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
 from coral.reef.recordings.ros_images import colours_in, values_in
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
 from coral.reef.sonar.echo_points import project_points
@@ -45,6 +46,8 @@ class BagTopics:
     """Probability that a pixel's class is wrong, in steps of 1/255, 8 bits; read if it is there."""
     depth_doubt: str = "/camera/depth_doubt/compressed"
     """Expected error of a pixel's depth in percent of it, 8 bits; read if it is there."""
+    seen_by: str = "/camera/seen_by"
+    """String: who found classes and depth, exact, rgb or a file's name; read if it is there."""
     camera_info: str = "/camera/camera_info"
     sonar: str = "/sonar/points"
     """Echoes of an imaging sonar, PointCloud2, x forward, y left, z up; read if they are there."""
@@ -64,6 +67,7 @@ class _Contents:
     area: tuple[float, float, float, float] | None = None
     cell_m: float | None = None
     counts: dict[str, int] = field(default_factory=dict)
+    seen_by: str = RECORDED
 
 
 def read_bag(
@@ -150,7 +154,7 @@ def read_bag(
     name = path.stem if path.suffix else path.name
     return Recording(
         name=name, source=where, camera=found.view, keyframes=keyframes, area=contents.area, map=cfg,
-        seen_by=perception.name if perception else RECORDED, omitted=omitted,
+        seen_by=perception.name if perception else contents.seen_by, omitted=omitted,
         sonar=None if hearing is None else hearing.sonar,
     )  # fmt: skip
 
@@ -231,7 +235,7 @@ def _with_mount(contents: _Contents, where: str, topics: BagTopics) -> RecordedC
 def _collect(path: Path, topics: BagTopics) -> _Contents:
     contents, where = _Contents(), str(path)
     contents.counts = count_messages(path)
-    wanted = {topics.odometry, topics.camera_info, topics.map, "/tf", "/tf_static"}
+    wanted = {topics.odometry, topics.camera_info, topics.map, topics.seen_by, "/tf", "/tf_static"}
     for topic, message in read_messages(path, wanted):
         try:
             if topic == topics.odometry:
@@ -239,6 +243,8 @@ def _collect(path: Path, topics: BagTopics) -> _Contents:
             elif topic == topics.camera_info:
                 contents.camera_frame = message.header.frame_id
                 contents.camera = contents.camera or _camera(message, f"{where}: {topic}", topics.image)
+            elif topic == topics.seen_by:
+                contents.seen_by = _name_eyes(str(message.data))
             elif topic == topics.map:
                 info = message.info
                 cell_m = round(float(info.resolution), 6)
@@ -299,6 +305,11 @@ def _camera(message: Any, where: str, image_topic: str) -> RecordedCamera:
         distortion=() if rectified else tuple(float(one) for one in message.d),
     )
     return RecordedCamera.of(lens, CameraCfg(), where)
+
+
+def _name_eyes(text: str) -> str:
+    """Return who saw the pictures. A file of whoever wrote the bag is a name, not a path on this machine."""
+    return text if text in (EXACT, RGB) else f"{PurePath(text).name[:60]}, recorded"
 
 
 def _known(contents: _Contents) -> str:
