@@ -3,9 +3,9 @@
 Usage: python benchmarks/ardusub_dvl.py --line mavlink:tcp:127.0.0.1:5762 [--rate-hz 8] [--seed 0]
 
 ArduSub's simulated GPS wanders by a metre; under water there is none. With the parameters that `--parameters` prints
-the estimator takes its horizontal position from VISION_POSITION_DELTA instead, as on a BlueROV2 with a DVL A50. The
-true velocity comes from SIM_STATE; the double adds a constant error of its scale, white noise of each velocity, and a turn
-of its mounting. The error of the position then grows with the way, as a DVL's does.
+the estimator takes its horizontal position from VISION_POSITION_DELTA instead, as on a BlueROV2 with a DVL A50.
+The true velocity comes from SIM_STATE; the double adds a constant error of its scale, white noise of each velocity,
+and a turn of its mounting. The error of the position then grows with the way, as a DVL's does.
 """
 
 from __future__ import annotations
