@@ -1,10 +1,11 @@
-"""`coral contact track`: accuracy and speed of the tracker on the tasks' motions."""
+"""`coral contact track`: accuracy and speed of the tracker on the tasks' motions, or on recorded scenes."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
@@ -22,11 +23,11 @@ class ContactTrack:
     """Track the objects of tasks through synthetic motions seen by a depth camera, and print the errors.
 
     The objects move as in the task, with a two-finger hand in the way; then they are taken out of view, and covered by
-    the hand, for a second each.
+    the hand, for a second each. Folders are recorded scenes in the format of BOP, with true poses.
     """
 
-    tasks: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[TASK ...]")] = ()
-    """Names or task files; all shipped tasks by default."""
+    tasks: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[TASK|FOLDER ...]")] = ()
+    """Names or task files, all shipped tasks by default; or folders with scene_gt.json."""
     tracker: Annotated[str, tyro.conf.arg(help=f"The tracker: {tracker_help()}.")] = "model"
     seed: int = 0
     """Seed of the trials and of the noise."""
@@ -38,11 +39,23 @@ class ContactTrack:
     """Whether depth and outlines have a real camera's noise."""
     losses: bool = True
     """Also measure loss and recovery."""
+    models: Path | None = None
+    """Folder of the models of recorded scenes (obj_000001.ply ...); by default `models_eval` or `models` in the scene's
+    folder or above it."""
+    drawn_depth: bool = False
+    """Draw depth and masks of recorded scenes from their true poses, for recordings that have none."""
+    every: int = 1
+    """Use every n-th picture of recorded scenes only; from 2 on none is followed from the one before."""
+    results: Path | None = None
+    """Write the poses that were found afresh into this file, in BOP's format of results (one scene)."""
+    export: Path | None = None
+    """Write the pictures of one task's motion into this folder, as a recorded scene, and measure nothing."""
     json: bool = False
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the measurements."""
+        from coral.commands.track_recording import export_motion, track_recording
         from coral.contact.perception.camera import RgbdCameraCfg
         from coral.contact.perception.depth_noise import DepthNoise
         from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure_accuracy
@@ -64,12 +77,36 @@ class ContactTrack:
             noise=DepthNoise() if self.noise else None,
             colours="best" if choice.wants_colours else "none",
         )
+        if self.every < 1:
+            raise InputError("--every", "", self.every, "1 or more")
+        folders = [Path(name) for name in self.tasks if Path(name).is_dir()]
+        if self.results is not None and len(folders) != 1:
+            raise InputError("--results", "", f"{len(folders)} recorded scenes", "one")
+        if self.export is not None:
+            if len(self.tasks) != 1 or folders:
+                raise InputError("--export", "", f"{len(self.tasks)} tasks or folders", "one task")
+            count = export_motion(sample_trial(load_task(self.tasks[0]), self.seed), cfg, self.export)
+            return {"exported": str(self.export), "pictures": count}
         choice.check()
 
         def make(model: ObjectModel) -> PoseTracker:
             return choice.make(model, None)
 
-        trials = [sample_trial(load_task(name), self.seed) for name in self.tasks or shipped_tasks()]
+        recorded = [
+            row
+            for folder in folders
+            for row in track_recording(
+                folder,
+                self.models,
+                make,
+                drawn=self.drawn_depth,
+                noise=cfg.noise,
+                every=self.every,
+                results=self.results,
+            )
+        ]
+        names = [name for name in self.tasks if not Path(name).is_dir()] if self.tasks else shipped_tasks()
+        trials = [sample_trial(load_task(name), self.seed) for name in names]
         tracked = [dataclasses.asdict(row) for trial in trials for row in measure_accuracy(trial, make, cfg)]
         lost = [
             dataclasses.asdict(measure_loss(trial, make, cfg, how))
@@ -84,11 +121,20 @@ class ContactTrack:
             "noise": self.noise,
             "tracked": tracked,
             "lost": lost,
+            "recorded": recorded,
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
-        """Return two tables."""
+        """Return the tables."""
+        from coral.commands.track_recording import describe_recordings
+
+        if "exported" in result:
+            return f"{result['pictures']} pictures: {result['exported']}"
+        recorded = describe_recordings(result["recorded"]) if result["recorded"] else []
+        if not result["tracked"]:
+            return "\n".join(recorded)
         lines = [
+            *([*recorded, ""] if recorded else []),
             "Errors modulo symmetry, but for ADD, over all pictures: median and what 95 % stay below.",
             "",
             f"{'task':<16} {'object':<10} {'seen':>5} {'mm':>5} {'95 %':>6} {'deg':>5} {'95 %':>6} {'ADD':>6} "

@@ -68,5 +68,5 @@ def test_without_finite_triangles_there_is_no_mesh(tmp_path, text):
 
 
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(InputError, match=r"none\.stl.*a readable STL or OBJ file"):
+    with pytest.raises(InputError, match=r"none\.stl.*a readable STL, OBJ or PLY file"):
         read_mesh(tmp_path / "none.stl")

@@ -1,4 +1,4 @@
-"""Reads the triangles of STL and OBJ files."""
+"""Reads the triangles of STL, OBJ and PLY files."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.contact.perception.ply_file import read_ply
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
 
 
 def read_mesh(path: Path, scale: float = 1.0) -> Array:
-    """Read the triangles of an STL (binary or text) or OBJ file, Shape=(M, 3, 3) m.
+    """Read the triangles of an STL, PLY (both binary or text) or OBJ file, Shape=(M, 3, 3) m.
 
     Args:
         path: The file.
@@ -25,20 +26,22 @@ def read_mesh(path: Path, scale: float = 1.0) -> Array:
     try:
         raw = path.read_bytes()
     except OSError as error:
-        raise InputError(str(path), "", error.strerror or str(error), "a readable STL or OBJ file") from None
+        raise InputError(str(path), "", error.strerror or str(error), "a readable STL, OBJ or PLY file") from None
     try:
         if path.suffix.lower() == ".obj":
             triangles = _obj(raw.decode("utf-8"))
+        elif path.suffix.lower() == ".ply":
+            triangles = read_ply(raw)
         elif len(raw) >= 84 and len(raw) == 84 + 50 * int.from_bytes(raw[80:84], "little"):
             layout = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
             triangles = np.frombuffer(raw, layout, offset=84)["corners"].astype(float)
         else:
             words = [line.split()[1:4] for line in raw.decode("ascii").splitlines() if line.split()[:1] == ["vertex"]]
             triangles = np.array(words, float).reshape(-1, 3, 3)
-    except (UnicodeDecodeError, ValueError, IndexError) as error:
-        raise InputError(str(path), "", f"broken mesh ({error})", "an STL or OBJ file") from None
+    except (UnicodeDecodeError, ValueError, IndexError, KeyError) as error:
+        raise InputError(str(path), "", f"broken mesh ({error})", "an STL, OBJ or PLY file") from None
     if not len(triangles) or not np.isfinite(triangles).all():
-        raise InputError(str(path), "", "no finite triangles", "an STL or OBJ file with triangles")
+        raise InputError(str(path), "", "no finite triangles", "an STL, OBJ or PLY file with triangles")
     return triangles * scale
 
 

@@ -57,7 +57,7 @@ def from_primitives(name: str, parts: Sequence[SolidPart], symmetry: Symmetry | 
 
 
 def from_mesh(name: str, path: Path, *, scale: float = 1.0, symmetry: Symmetry | None = None) -> ObjectModel:
-    """Model an object from an STL or OBJ file; its symmetry is computed if none is given.
+    """Model an object from an STL, OBJ or PLY file; its symmetry is computed if none is given.
 
     Args:
         name: Name in pictures.
@@ -72,6 +72,11 @@ def from_mesh(name: str, path: Path, *, scale: float = 1.0, symmetry: Symmetry |
     extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     if not 0.005 <= extent <= 5.0:
         raise InputError(str(path), "", f"an object {extent:g} m wide", "0.005 to 5 m (set its scale: 0.001 for mm)")
+    return from_surface(name, triangles, symmetry)
+
+
+def from_surface(name: str, triangles: Array, symmetry: Symmetry | None = None) -> ObjectModel:
+    """Model an object from its triangles, Shape=(M, 3, 3) m; its symmetry is computed if none is given."""
     return _model(name, from_triangles(triangles), symmetry)
 
 

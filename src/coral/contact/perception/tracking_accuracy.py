@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -84,21 +85,27 @@ class Accuracy:
     """Median time of a registration."""
 
 
-def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]:
-    """Track every object of a trial through the motion of its task."""
+def take_motion(trial: Trial, cfg: AccuracyCfg) -> tuple[mujoco.MjModel, list[RgbdFrame], list[Mapping[str, Array]]]:
+    """Take the pictures of the motion of a task; return the scene, the pictures, and T_world_object by name in each."""
     motion = motion_of(trial)
     stage = PosedScene(trial, cfg.camera, cfg.noise, colours=cfg.colours)
     rng = np.random.default_rng([trial.seed, 1])
     times = np.arange(round(motion.duration_s / cfg.period_s) + 1) * cfg.period_s
     truths = [motion.at(float(t)) for t in times]
     frames = [stage.take(truth, rng, float(t)) for truth, t in zip(truths, times, strict=True)]
+    return stage.model, frames, [truth.objects for truth in truths]
+
+
+def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[Accuracy]:
+    """Track every object of a trial through the motion of its task."""
+    scene, frames, truths = take_motion(trial, cfg)
     found = []
     for name in trial.objects:
-        model = from_trial(stage.model, trial, name)
+        model = from_trial(scene, trial, name)
         with closing(make(model)) as tracker:
             _warm(tracker, frames[0].mask(name), frames[0])
         visible = [
-            _visible_share(model, frame, frame.mask(name), truth.objects[name])
+            visible_share(model, frame, frame.mask(name), truth[name])
             for frame, truth in zip(frames, truths, strict=True)
         ]
         errors, spent, poses, lost = [], [], [], 0
@@ -108,8 +115,8 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
                 begin = time.perf_counter()
                 estimate = tracker.track(frame, mask) if k else tracker.register(frame, mask)
                 spent.append(time.perf_counter() - begin)
-                errors.append(_error(model, estimate.T_world_object, truths[k].objects[name]))
-                poses.append((estimate.T_world_object, truths[k].objects[name]))
+                errors.append(pose_error(model, estimate.T_world_object, truths[k][name]))
+                poses.append((estimate.T_world_object, truths[k][name]))
                 lost += estimate.lost
         starts, start_times = [], []
         shown = np.flatnonzero(np.array(visible) >= cfg.enough)
@@ -119,7 +126,7 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
                 begin = time.perf_counter()
                 estimate = tracker.register(frames[k], mask)
                 start_times.append(time.perf_counter() - begin)
-            mm, deg = _error(model, estimate.T_world_object, truths[k].objects[name])
+            mm, deg = pose_error(model, estimate.T_world_object, truths[k][name])
             starts.append(not estimate.lost and mm < cfg.within_mm and deg < cfg.within_deg)
         e, updates = np.array(errors), 1e3 * np.array(spent[1:])
         (mm, deg), (mm_95, deg_95) = np.median(e, 0).tolist(), np.percentile(e, 95, 0).tolist()
@@ -154,7 +161,7 @@ def _warm(tracker: PoseTracker, mask: NDArray[np.bool_], frame: RgbdFrame) -> No
     tracker.track(frame, mask)
 
 
-def _visible_share(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_], truth: Array) -> float:
+def visible_share(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_], truth: Array) -> float:
     """Compute the visible share of the object, at its true pose."""
     if not mask.any():
         return 0.0
@@ -164,7 +171,7 @@ def _visible_share(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_]
     return float((tally[AGREE] + tally[WRONG]) / max(1.0, tally[DRAWN]))
 
 
-def _error(model: ObjectModel, estimate: Array, truth: Array) -> tuple[float, float]:
+def pose_error(model: ObjectModel, estimate: Array, truth: Array) -> tuple[float, float]:
     """Compute the error in millimetres and degrees, modulo symmetry."""
     shift, turn = model.symmetry.difference(estimate, truth)
     return 1e3 * shift, math.degrees(turn)

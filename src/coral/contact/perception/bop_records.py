@@ -1,0 +1,167 @@
+"""Reads the JSON files of a recorded scene in the format of BOP (Hodan et al., 2018): true poses, cameras, symmetries.
+
+Lengths are millimetres there, and metres here.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.perception.symmetry import Symmetry
+from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
+from coral.errors import InputError
+from coral.yaml_file import read_regular
+
+Array = NDArray[np.float64]
+MM = 0.001
+MOST_BYTES = 200_000_000
+
+
+@dataclass(frozen=True)
+class PlacedObject:
+    """An object in a picture, where it truly is."""
+
+    number: int
+    """The number of its model."""
+    T_camera_object: Array
+    """Shape=(4, 4)."""
+
+
+@dataclass(frozen=True)
+class PictureCamera:
+    """The camera of one picture."""
+
+    lens: Array
+    """Shape=(4,): fx, fy, cx, cy in pixels."""
+    depth_scale_mm: float
+    """Millimetres per unit of its depth picture."""
+    T_world_camera: Array
+    """Shape=(4, 4); where the recording tells no pose of the camera, its frame is the world's."""
+
+
+def read_truth(path: Path) -> dict[int, tuple[PlacedObject, ...]]:
+    """Read `scene_gt.json`: the objects of each picture.
+
+    Raises:
+        InputError: The file is missing or broken.
+    """
+    found = {}
+    for key, entries in _read_object(path).items():
+        if not isinstance(entries, list):
+            raise InputError(str(path), key, type(entries).__name__, "a list of poses")
+        found[_index(key, path)] = tuple(_pose(entry, path, key) for entry in entries)
+    if not any(found.values()):
+        raise InputError(str(path), "", "no pose", "poses of at least one picture")
+    return found
+
+
+def read_cameras(path: Path) -> dict[int, PictureCamera]:
+    """Read `scene_camera.json`: the camera of each picture.
+
+    Raises:
+        InputError: The file is missing or broken.
+    """
+    return {_index(key, path): _camera(entry, path, key) for key, entry in _read_object(path).items()}
+
+
+def read_shared_camera(path: Path) -> PictureCamera:
+    """Read `camera.json`: one camera for all pictures of a data set.
+
+    Raises:
+        InputError: The file is missing or broken.
+    """
+    found = _read_object(path)
+    lens = np.array([_numbers(found, name, 1, path)[0] for name in ("fx", "fy", "cx", "cy")])
+    return PictureCamera(_checked_lens(lens, path, ""), _depth_scale(found, path, ""), np.eye(4))
+
+
+def read_symmetry(path: Path, number: int, middle: Array) -> Symmetry | None:
+    """Read the symmetry that `models_info.json` declares for an object; None if there is no entry.
+
+    Args:
+        path: The file.
+        number: The object's number.
+        middle: Shape=(3,) m, the fixed point of finite rotations.
+
+    Raises:
+        InputError: The file is missing or broken.
+    """
+    entry = _read_object(path).get(str(number))
+    if entry is None:
+        return None
+    try:
+        discrete = [np.reshape(one, (4, 4)).astype(float)[:3, :3] for one in entry.get("symmetries_discrete", ())]
+        for one in entry.get("symmetries_continuous", ())[:1]:
+            axis, offset = np.asarray(one["axis"], float), np.asarray(one["offset"], float)
+            return Symmetry(np.array([np.eye(3), *discrete]), axis / np.linalg.norm(axis), MM * offset)
+        return Symmetry(np.array([np.eye(3), *discrete]), None, middle)
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise InputError(str(path), str(number), f"a broken symmetry ({error})", "symmetries as in BOP") from None
+
+
+def _read_object(path: Path) -> dict[str, Any]:
+    text = read_regular(path, "a JSON file of BOP", MOST_BYTES)
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(str(path), "", f"broken JSON ({error})", "a JSON file of BOP") from None
+    if not isinstance(found, dict):
+        raise InputError(str(path), "", type(found).__name__, "an object with named values")
+    return found
+
+
+def _index(key: str, path: Path) -> int:
+    if not (key.isascii() and key.isdecimal() and len(key) < 10):
+        raise InputError(str(path), key[:40], "no index", "the index of a picture")
+    return int(key)
+
+
+def _numbers(entry: Any, name: str, count: int, path: Path, key: str = "") -> Array:
+    """Return some numbers of an entry, Shape=(count,)."""
+    try:
+        found = np.asarray(entry[name], float).ravel()
+    except (TypeError, KeyError, ValueError, OverflowError):
+        found = np.empty(0)
+    if found.size != count or not np.isfinite(found).all():
+        raise InputError(str(path), f"{key}.{name}".lstrip("."), "missing or broken", f"{count} finite numbers")
+    return found
+
+
+def _rigid(entry: Any, kind: str, path: Path, key: str) -> Array:
+    turn = _numbers(entry, f"cam_R_{kind}", 9, path, key).reshape(3, 3)
+    left, _, right = np.linalg.svd(turn)
+    nearest = left @ right
+    # Data sets such as LM-O hold rotations that are off by some thousandths.
+    if np.abs(turn - nearest).max() > 0.02 or np.linalg.det(nearest) < 0:
+        raise InputError(str(path), f"{key}.cam_R_{kind}", "no rotation", "a rotation matrix, row by row")
+    return pose_matrix(nearest, MM * _numbers(entry, f"cam_t_{kind}", 3, path, key))
+
+
+def _pose(entry: Any, path: Path, key: str) -> PlacedObject:
+    pose = _rigid(entry, "m2c", path, key)
+    number = entry.get("obj_id")
+    if type(number) is not int or not 0 <= number < 10**6:
+        raise InputError(str(path), f"{key}.obj_id", repr(number)[:40], "the number of a model")
+    return PlacedObject(number, pose)
+
+
+def _camera(entry: Any, path: Path, key: str) -> PictureCamera:
+    lens = _numbers(entry, "cam_K", 9, path, key)[[0, 4, 2, 5]]
+    placed = inverse_transform(_rigid(entry, "w2c", path, key)) if "cam_R_w2c" in entry else np.eye(4)
+    return PictureCamera(_checked_lens(lens, path, key), _depth_scale(entry, path, key), placed)
+
+
+def _checked_lens(lens: Array, path: Path, key: str) -> Array:
+    if not (lens[:2] > 0).all():
+        raise InputError(str(path), f"{key} focal length".strip(), lens[:2].tolist(), "numbers above 0")
+    return lens
+
+
+def _depth_scale(entry: Any, path: Path, key: str) -> float:
+    return float(_numbers(entry, "depth_scale", 1, path, key)[0]) if "depth_scale" in entry else 1.0

@@ -1,0 +1,67 @@
+"""Reads the triangles of PLY files, as BOP data sets have them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+_TYPES = {
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
+    "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
+    "double": "f8", "float64": "f8",
+}  # fmt: skip
+_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">"}
+
+
+def read_ply(raw: bytes) -> Array:
+    """Return the triangles, Shape=(M, 3, 3), of a PLY file (text or binary) of which all faces are triangles.
+
+    Raises:
+        ValueError, KeyError, IndexError: The file is broken, or has other faces or elements.
+    """
+    end = raw.index(b"end_header")
+    body = raw[raw.index(b"\n", end) + 1 :]
+    lines = [line.split() for line in raw[:end].decode("ascii").splitlines()]
+    if lines[0] != ["ply"]:
+        raise ValueError("no 'ply' in the first line")
+    (form,) = (line[1] for line in lines if line[:1] == ["format"])
+    counts: dict[str, int] = {}
+    properties: dict[str, list[list[str]]] = {}
+    for line in lines:
+        if line[:1] == ["element"]:
+            name, counts[line[1]] = line[1], int(line[2])
+            properties[name] = []
+        elif line[:1] == ["property"]:
+            properties[name].append(line[1:])
+    if list(counts)[:2] != ["vertex", "face"]:
+        raise ValueError(f"elements {list(counts)} instead of vertex and face")
+    vertices, faces = counts["vertex"], counts["face"]
+    columns = [words[-1] for words in properties["vertex"]]
+    place = [columns.index(axis) for axis in "xyz"]
+    if form == "ascii":
+        rows = body.decode("ascii").splitlines()
+        points = np.array([row.split()[: len(columns)] for row in rows[:vertices]], float)[:, place]
+        corners = np.array([row.split()[:4] for row in rows[vertices : vertices + faces]], int)
+    else:
+        order = _ORDERS[form]
+        row = np.dtype([(words[-1], order + _TYPES[words[0]]) for words in properties["vertex"]])
+        found = np.frombuffer(body, row, vertices)
+        points = np.column_stack([found[axis] for axis in "xyz"]).astype(float)
+        face = np.dtype([column for words in properties["face"] for column in _face_columns(words, order)])
+        indices = np.frombuffer(body, face, faces, vertices * row.itemsize)
+        corners = np.column_stack([indices["count"], indices["corners"]]).astype(int)
+    if not (corners[:, 0] == 3).all():
+        raise ValueError("a face that is no triangle")
+    if corners[:, 1:].min() < 0:
+        raise IndexError("a face names a vertex that is not there")
+    return np.asarray(points[corners[:, 1:]])
+
+
+def _face_columns(words: list[str], order: str) -> list[tuple[str, str] | tuple[str, str, int]]:
+    """Return the columns of a property of faces; a list of corners has room for three."""
+    if words[0] != "list":
+        return [(words[-1], order + _TYPES[words[0]])]
+    if words[-1] not in ("vertex_indices", "vertex_index"):
+        raise ValueError(f"a list of {words[-1]} in a face")
+    return [("count", order + _TYPES[words[1]]), ("corners", order + _TYPES[words[2]], 3)]
