@@ -44,14 +44,15 @@ class KnotMppiCfg:
     """Costs above this quantile are excluded from the spread: one extreme rollout must not flatten the others."""
     law: Law = "softmax"
     """Update of the plan: softmax, the mean weighted by cost (Eqs. 5-6); best, the cheapest sample (predictive
-    sampling, Howell et al. 2022); elites, the mean of the cheapest, and noise as wide as they are (cross-entropy method)."""
+    sampling, Howell et al. 2022); elites, the mean of the cheapest, with noise as wide as they are (cross-entropy
+    method)."""
     elite_share: Fraction = 0.1
     """Share of the samples that are elites."""
     least_noise: Fraction = 0.2
     """The noise that is fitted to elites never falls below this share of sigma."""
     kept: Annotated[int, Field(ge=0, le=1000)] = 0
-    """Number of the cheapest samples that are rolled out again with the next plan, shifted in time (iCEM, Pinneri et al.
-    2020)."""
+    """Number of the cheapest samples that are rolled out again with the next plan, shifted in time (iCEM, Pinneri et
+    al. 2020)."""
 
 
 @dataclass(frozen=True)
