@@ -7,11 +7,11 @@ import pytest
 
 from coral.mppi.knots import KnotMppi, KnotMppiCfg, spread
 
-CFG = KnotMppiCfg(samples=64, knots=4)
+CFG = KnotMppiCfg(samples=64, knots=4, finest=1.0, perturbed=1.0)
 
 
-def planner(cfg=CFG, sigma=(0.1, 0.5), seed=0):
-    return KnotMppi(cfg, np.array(sigma), np.random.default_rng(seed))
+def planner(cfg=CFG, sigma=(0.1, 0.5), seed=0, groups=None):
+    return KnotMppi(cfg, np.array(sigma), np.random.default_rng(seed), groups)
 
 
 def test_the_plan_itself_is_the_first_sample():
@@ -26,8 +26,47 @@ def test_noise_grows_along_the_ramp():
     assert deviation == pytest.approx(np.linspace(0.5, 2.0, 4)[:, None] * [0.1, 0.5], rel=0.03)
 
 
+def test_each_sample_has_a_width_of_its_own():
+    cfg = dataclasses.replace(CFG, samples=4000, knots=50, finest=0.1, ramp=(1.0, 1.0))
+    widths = planner(cfg, (0.5, 0.5)).sample()[1:].std(axis=(1, 2)) / 0.5
+    assert widths.min() == pytest.approx(0.1, rel=0.3)
+    assert widths.max() == pytest.approx(1.0, rel=0.3)
+    assert np.median(widths) == pytest.approx(np.sqrt(0.1), rel=0.1)  # evenly in the logarithm
+
+
+def test_groups_of_axes_are_perturbed_apart():
+    cfg = dataclasses.replace(CFG, samples=4000, perturbed=0.5)
+    moved = (planner(cfg, (0.1, 0.1, 0.1), groups=(2, 1)).sample()[1:] != 0.0).all(axis=1)
+    assert (moved[:, 0] == moved[:, 1]).all()
+    assert moved.any(axis=1).all()  # none of them perturbs nothing
+    assert moved[:, 0].mean() == pytest.approx(0.5 + 0.125, abs=0.03)
+    assert moved[:, 2].mean() == pytest.approx(0.5 + 0.125, abs=0.03)
+
+
+def test_what_has_nearly_been_reached_is_ended():
+    """1.6 cm are left with noise of 4 cm on seven axes: with equal noise, 40 samples are all worse than the plan."""
+
+    def left(**changes):
+        mppi = KnotMppi(
+            KnotMppiCfg(samples=40, **changes), np.full(7, 0.04), np.random.default_rng(0), groups=(3, 3, 1)
+        )
+        goal = np.array([0, 0, -0.016, 0, 0, 0, 0])
+
+        def cost(knots):
+            off = knots - goal
+            parts = np.linalg.norm(off[..., :3], axis=-1), np.linalg.norm(off[..., 3:6], axis=-1), np.abs(off[..., 6])
+            return np.sum(parts, axis=0).mean(axis=-1)
+
+        for _ in range(30):
+            mppi.improve(cost)
+        return float(cost(mppi.knots))
+
+    assert left(finest=1.0, perturbed=1.0) == pytest.approx(0.016)
+    assert left() < 0.011
+
+
 def test_weights_by_hand():
-    cfg = KnotMppiCfg(samples=2, knots=1, temperature=0.5, spread_quantile=1.0)
+    cfg = KnotMppiCfg(samples=2, knots=1, temperature=0.5, spread_quantile=1.0, finest=1.0, perturbed=1.0)
     update = planner(cfg, (1.0,)).improve(lambda knots: np.array([0.0, 2.0]))
     # The spread of (0, 2) is 1, so lambda = 0.5 and the weights are as 1 to exp(-4).
     assert update.weights == pytest.approx(np.array([1.0, np.exp(-4)]) / (1 + np.exp(-4)))

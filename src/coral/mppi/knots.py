@@ -5,7 +5,7 @@ Two other update laws share its samples, for comparison: predictive sampling and
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -36,6 +36,12 @@ class KnotMppiCfg:
     """Interpolation between knots."""
     ramp: tuple[NonNegative, NonNegative] = (0.4, 1.4)
     """Factor on the noise at the first and at the last knot: near actions are refined, far ones explored."""
+    finest: Annotated[float, Field(gt=0, le=1)] = 0.1
+    """The noise of each sample has a factor of its own, from this to 1, evenly in its logarithm: wide samples explore,
+    fine ones end what has nearly been reached. 1: the same noise for all, as in the paper."""
+    perturbed: Annotated[float, Field(gt=0, le=1)] = 0.5
+    """Probability with which a sample perturbs a group of axes (at least one): an improvement in one group is not lost
+    in the noise of the others. 1: all axes at once, as in the paper."""
     iterations: Count = 1
     """Sample-and-average iterations per plan."""
     shrink: Positive = 0.6
@@ -84,10 +90,14 @@ class KnotMppi:
         cfg: The sampler.
         sigma: Shape=(nu,) standard deviation of each axis at ramp 1.
         rng: Random generator of the noise.
+        groups: Widths of the groups of axes that are perturbed together; by default one group.
     """
 
-    def __init__(self, cfg: KnotMppiCfg, sigma: Array, rng: np.random.Generator) -> None:
+    def __init__(
+        self, cfg: KnotMppiCfg, sigma: Array, rng: np.random.Generator, groups: Sequence[int] | None = None
+    ) -> None:
         self.cfg, self.sigma, self._rng = cfg, np.asarray(sigma, dtype=float), rng
+        self._groups = (self.sigma.size,) if groups is None else tuple(groups)
         self.knots = np.zeros((cfg.knots, self.sigma.size))
         self.elites: Array = np.empty((0, *self.knots.shape))
         self._width = np.ones_like(self.knots)
@@ -97,11 +107,22 @@ class KnotMppi:
         cfg = self.cfg
         ramp = np.linspace(*cfg.ramp, cfg.knots)[:, None]
         noise = self._rng.standard_normal((cfg.samples, *self.knots.shape)) * (scale * ramp * self.sigma * self._width)
+        if cfg.finest < 1.0:
+            noise *= np.exp(self._rng.uniform(np.log(cfg.finest), 0.0, (cfg.samples, 1, 1)))
+        if cfg.perturbed < 1.0 and len(self._groups) > 1:
+            noise *= self._choose_axes()[:, None, :]
         noise[0] = 0.0
         sampled = np.asarray(self.knots + noise)
         again = self.elites[: cfg.samples - 1]
         sampled[1 : 1 + len(again)] = again
         return sampled
+
+    def _choose_axes(self) -> NDArray[np.bool_]:
+        """Choose the axes that each sample perturbs, Shape=(K, nu): groups at random, at least one."""
+        count, groups = self.cfg.samples, len(self._groups)
+        chosen = self._rng.random((count, groups)) < self.cfg.perturbed
+        chosen[np.arange(count), self._rng.integers(groups, size=count)] |= ~chosen.any(axis=1)
+        return np.repeat(chosen, self._groups, axis=1)
 
     def improve(
         self,
