@@ -7,7 +7,7 @@ import pytest
 
 from coral.mppi.knots import KnotMppi, KnotMppiCfg, spread
 
-CFG = KnotMppiCfg(samples=64, knots=4, finest=1.0, perturbed=1.0)
+CFG = KnotMppiCfg(samples=64, knots=4, fine=0.0)
 
 
 def planner(cfg=CFG, sigma=(0.1, 0.5), seed=0, groups=None):
@@ -26,8 +26,15 @@ def test_noise_grows_along_the_ramp():
     assert deviation == pytest.approx(np.linspace(0.5, 2.0, 4)[:, None] * [0.1, 0.5], rel=0.03)
 
 
-def test_each_sample_has_a_width_of_its_own():
-    cfg = dataclasses.replace(CFG, samples=4000, knots=50, finest=0.1, ramp=(1.0, 1.0))
+def test_half_of_the_samples_are_fine_by_default():
+    moved = planner(KnotMppiCfg(samples=40, knots=4), (0.1,) * 7, groups=(3, 3, 1)).sample() != 0.0
+    everything = moved.all(axis=(1, 2))
+    assert everything[20:].all()
+    assert not everything[:20].all()
+
+
+def test_each_fine_sample_has_a_width_of_its_own():
+    cfg = dataclasses.replace(CFG, samples=4000, knots=50, fine=1.0, finest=0.1, ramp=(1.0, 1.0))
     widths = planner(cfg, (0.5, 0.5)).sample()[1:].std(axis=(1, 2)) / 0.5
     assert widths.min() == pytest.approx(0.1, rel=0.3)
     assert widths.max() == pytest.approx(1.0, rel=0.3)
@@ -35,7 +42,7 @@ def test_each_sample_has_a_width_of_its_own():
 
 
 def test_groups_of_axes_are_perturbed_apart():
-    cfg = dataclasses.replace(CFG, samples=4000, perturbed=0.5)
+    cfg = dataclasses.replace(CFG, samples=4000, fine=1.0, perturbed=0.5)
     moved = (planner(cfg, (0.1, 0.1, 0.1), groups=(2, 1)).sample()[1:] != 0.0).all(axis=1)
     assert (moved[:, 0] == moved[:, 1]).all()
     assert moved.any(axis=1).all()  # none of them perturbs nothing
@@ -61,12 +68,12 @@ def test_what_has_nearly_been_reached_is_ended():
             mppi.improve(cost)
         return float(cost(mppi.knots))
 
-    assert left(finest=1.0, perturbed=1.0) == pytest.approx(0.016)
+    assert left(fine=0.0) == pytest.approx(0.016)
     assert left() < 0.011
 
 
 def test_weights_by_hand():
-    cfg = KnotMppiCfg(samples=2, knots=1, temperature=0.5, spread_quantile=1.0, finest=1.0, perturbed=1.0)
+    cfg = KnotMppiCfg(samples=2, knots=1, temperature=0.5, spread_quantile=1.0, fine=0.0)
     update = planner(cfg, (1.0,)).improve(lambda knots: np.array([0.0, 2.0]))
     # The spread of (0, 2) is 1, so lambda = 0.5 and the weights are as 1 to exp(-4).
     assert update.weights == pytest.approx(np.array([1.0, np.exp(-4)]) / (1 + np.exp(-4)))

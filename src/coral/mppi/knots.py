@@ -36,17 +36,19 @@ class KnotMppiCfg:
     """Interpolation between knots."""
     ramp: tuple[NonNegative, NonNegative] = (0.4, 1.4)
     """Factor on the noise at the first and at the last knot: near actions are refined, far ones explored."""
+    fine: Fraction = 1.0
+    """Share of the samples that end what has nearly been reached: finer ones that perturb some groups of axes only. The
+    others explore, with equal noise on all axes, as in the paper. 0: none."""
     finest: Annotated[float, Field(gt=0, le=1)] = 0.1
-    """The noise of each sample has a factor of its own, from this to 1, evenly in its logarithm: wide samples explore,
-    fine ones end what has nearly been reached. 1: the same noise for all, as in the paper."""
+    """The noise of each fine sample has a factor of its own, from this to 1, evenly in its logarithm."""
     perturbed: Annotated[float, Field(gt=0, le=1)] = 0.5
-    """Probability with which a sample perturbs a group of axes (at least one): an improvement in one group is not lost
-    in the noise of the others. 1: all axes at once, as in the paper."""
+    """Probability with which a fine sample perturbs a group of axes (at least one): an improvement in one group is not
+    lost in the noise of the others."""
     iterations: Count = 1
     """Sample-and-average iterations per plan."""
     shrink: Positive = 0.6
     """Factor on the noise from one iteration to the next."""
-    spread_quantile: Positive = 0.9
+    spread_quantile: Positive = 0.5
     """Costs above this quantile are excluded from the spread: one extreme rollout must not flatten the others."""
     law: Law = "softmax"
     """Update of the plan: softmax, the mean weighted by cost (Eqs. 5-6); best, the cheapest sample (predictive
@@ -107,19 +109,18 @@ class KnotMppi:
         cfg = self.cfg
         ramp = np.linspace(*cfg.ramp, cfg.knots)[:, None]
         noise = self._rng.standard_normal((cfg.samples, *self.knots.shape)) * (scale * ramp * self.sigma * self._width)
-        if cfg.finest < 1.0:
-            noise *= np.exp(self._rng.uniform(np.log(cfg.finest), 0.0, (cfg.samples, 1, 1)))
-        if cfg.perturbed < 1.0 and len(self._groups) > 1:
-            noise *= self._choose_axes()[:, None, :]
+        fine = round(cfg.fine * cfg.samples)
+        noise[:fine] *= np.exp(self._rng.uniform(np.log(cfg.finest), 0.0, (fine, 1, 1)))
+        noise[:fine] *= self._choose_axes(fine)[:, None, :]
         noise[0] = 0.0
         sampled = np.asarray(self.knots + noise)
         again = self.elites[: cfg.samples - 1]
         sampled[1 : 1 + len(again)] = again
         return sampled
 
-    def _choose_axes(self) -> NDArray[np.bool_]:
-        """Choose the axes that each sample perturbs, Shape=(K, nu): groups at random, at least one."""
-        count, groups = self.cfg.samples, len(self._groups)
+    def _choose_axes(self, count: int) -> NDArray[np.bool_]:
+        """Choose the axes that each fine sample perturbs, Shape=(count, nu): groups at random, at least one."""
+        groups = len(self._groups)
         chosen = self._rng.random((count, groups)) < self.cfg.perturbed
         chosen[np.arange(count), self._rng.integers(groups, size=count)] |= ~chosen.any(axis=1)
         return np.repeat(chosen, self._groups, axis=1)
