@@ -1,12 +1,14 @@
 """Time of rehearsals in the planning world beside a plain Python loop and judo; time of a plan against K and H.
 
 Usage: python benchmarks/planner.py [--peer-python /path/to/venv/bin/python] [--out docs/results] [--json]
+       python benchmarks/planner.py --fewer 48 [--repeats 15]
 
 All do the same work: K sequences of H control steps (two physics steps each) of the hand near the box of pick-box,
 and all must end in the same place. Ours also looks for rehearsals that diverged, and makes of the quantities that a
 cost may use those that the cost of picking reads. judo pins an older MuJoCo, so it runs in an environment of its own,
 where MuJoCo's rollout is timed alone too. Then a whole plan of each task on one thread and on two. Medians; CPU time is
-summed over threads. With --out, the curves are written as contact-planner.csv and contact-planner.png.
+summed over threads. With --out, the curves are written as contact-planner.csv and contact-planner.png. With --fewer
+only whole plans of each task are timed, with --samples rehearsals and with fewer in turn.
 """
 
 from __future__ import annotations
@@ -226,6 +228,27 @@ def task_row(task: str, samples: int, horizon: int, repeats: int) -> dict[str, A
     return {"task": task} | {name: row["wall_ms"] for name, row in found.items()}
 
 
+def fewer_row(task: str, samples: int, fewer: int, horizon: int, repeats: int) -> dict[str, Any]:
+    """Time of a whole plan of a task on one thread, with more rehearsals and with fewer in turn."""
+    trial = sample_trial(load_task(task), 0)
+    now = HandWorld(trial, HandWorldCfg()).reset()
+    above = now.objects[trial.task.objects[0].name].position + np.array([0, 0, 0.05])
+    now = replace(now, tool=replace(now.tool, position=above))
+    stage = expert(trial.task, "expert").stages[0]
+    world = PlanningWorld(trial, stated_beliefs(trial), now, PlanningCfg(threads=1))
+    cfgs = {k: ControllerCfg(horizon=horizon, mppi=KnotMppiCfg(samples=k)) for k in (samples, fewer)}
+    found = timed(
+        {
+            str(k): partial(plan, Controller(world, cfg, np.random.default_rng(0)), now, stage)
+            for k, cfg in cfgs.items()
+        },
+        repeats,
+    )
+    world.close()
+    more_ms, fewer_ms = found[str(samples)]["cpu_ms"], found[str(fewer)]["cpu_ms"]
+    return {"task": task, "more_ms": more_ms, "fewer_ms": fewer_ms, "ratio": fewer_ms / more_ms}
+
+
 def draw_curves(curves: dict[str, list[dict[str, float]]], path: Path) -> None:
     """Two curves side by side."""
     import matplotlib as mpl
@@ -258,7 +281,14 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=15)
     parser.add_argument("--out", type=Path, help="folder for the curves, such as docs/results")
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--fewer", type=int, help="time whole plans with so many rehearsals beside --samples, only")
     args = parser.parse_args()
+    if args.fewer:
+        print(f"| a whole plan, CPU ms | K = {args.samples} | K = {args.fewer} | ratio |\n|---|---:|---:|---:|")
+        for task in shipped_tasks():
+            row = fewer_row(task, args.samples, args.fewer, args.horizon, args.repeats)
+            print(f"| {task} | {row['more_ms']:.0f} | {row['fewer_ms']:.0f} | {row['ratio']:.2f} |", flush=True)
+        return
     result = compare(args.samples, args.horizon, args.peer_python, args.repeats)
     result["tasks"] = [task_row(task, args.samples, args.horizon, args.repeats) for task in shipped_tasks()]
     if args.out:

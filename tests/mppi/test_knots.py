@@ -7,11 +7,11 @@ import pytest
 
 from coral.mppi.knots import KnotMppi, KnotMppiCfg, spread
 
-CFG = KnotMppiCfg(samples=64, knots=4)
+CFG = KnotMppiCfg(samples=64, knots=4, fine=0.0)
 
 
-def planner(cfg=CFG, sigma=(0.1, 0.5), seed=0):
-    return KnotMppi(cfg, np.array(sigma), np.random.default_rng(seed))
+def planner(cfg=CFG, sigma=(0.1, 0.5), seed=0, groups=None):
+    return KnotMppi(cfg, np.array(sigma), np.random.default_rng(seed), groups)
 
 
 def test_the_plan_itself_is_the_first_sample():
@@ -26,8 +26,54 @@ def test_noise_grows_along_the_ramp():
     assert deviation == pytest.approx(np.linspace(0.5, 2.0, 4)[:, None] * [0.1, 0.5], rel=0.03)
 
 
+def test_half_of_the_samples_are_fine_by_default():
+    moved = planner(KnotMppiCfg(samples=40, knots=4), (0.1,) * 7, groups=(3, 3, 1)).sample() != 0.0
+    everything = moved.all(axis=(1, 2))
+    assert everything[20:].all()
+    assert not everything[:20].all()
+
+
+def test_each_fine_sample_has_a_width_of_its_own():
+    cfg = dataclasses.replace(CFG, samples=4000, knots=50, fine=1.0, finest=0.1, ramp=(1.0, 1.0))
+    widths = planner(cfg, (0.5, 0.5)).sample()[1:].std(axis=(1, 2)) / 0.5
+    assert widths.min() == pytest.approx(0.1, rel=0.3)
+    assert widths.max() == pytest.approx(1.0, rel=0.3)
+    assert np.median(widths) == pytest.approx(np.sqrt(0.1), rel=0.1)  # evenly in the logarithm
+
+
+def test_groups_of_axes_are_perturbed_apart():
+    cfg = dataclasses.replace(CFG, samples=4000, fine=1.0, perturbed=0.5)
+    moved = (planner(cfg, (0.1, 0.1, 0.1), groups=(2, 1)).sample()[1:] != 0.0).all(axis=1)
+    assert (moved[:, 0] == moved[:, 1]).all()
+    assert moved.any(axis=1).all()  # none of them perturbs nothing
+    assert moved[:, 0].mean() == pytest.approx(0.5 + 0.125, abs=0.03)
+    assert moved[:, 2].mean() == pytest.approx(0.5 + 0.125, abs=0.03)
+
+
+def test_what_has_nearly_been_reached_is_ended():
+    """1.6 cm are left with noise of 4 cm on seven axes: with equal noise, 40 samples are all worse than the plan."""
+
+    def left(**changes):
+        mppi = KnotMppi(
+            KnotMppiCfg(samples=40, **changes), np.full(7, 0.04), np.random.default_rng(0), groups=(3, 3, 1)
+        )
+        goal = np.array([0, 0, -0.016, 0, 0, 0, 0])
+
+        def cost(knots):
+            off = knots - goal
+            parts = np.linalg.norm(off[..., :3], axis=-1), np.linalg.norm(off[..., 3:6], axis=-1), np.abs(off[..., 6])
+            return np.sum(parts, axis=0).mean(axis=-1)
+
+        for _ in range(30):
+            mppi.improve(cost)
+        return float(cost(mppi.knots))
+
+    assert left(fine=0.0) == pytest.approx(0.016)
+    assert left() < 0.011
+
+
 def test_weights_by_hand():
-    cfg = KnotMppiCfg(samples=2, knots=1, temperature=0.5, spread_quantile=1.0)
+    cfg = KnotMppiCfg(samples=2, knots=1, temperature=0.5, spread_quantile=1.0, fine=0.0)
     update = planner(cfg, (1.0,)).improve(lambda knots: np.array([0.0, 2.0]))
     # The spread of (0, 2) is 1, so lambda = 0.5 and the weights are as 1 to exp(-4).
     assert update.weights == pytest.approx(np.array([1.0, np.exp(-4)]) / (1 + np.exp(-4)))
@@ -91,6 +137,48 @@ def test_advance_begins_the_plan_later():
     mppi.knots[:, 0] = [0.0, 1.0, 2.0, 3.0]
     mppi.advance(0.5, 3.0)
     assert mppi.knots[:, 0] == pytest.approx([0.5, 1.5, 2.5, 3.0])
+
+
+def test_predictive_sampling_takes_the_cheapest_sample():
+    update = planner(dataclasses.replace(CFG, law="best")).improve(lambda knots: knots.sum(axis=(1, 2)))
+    best = update.sampled[np.argmin(update.costs)]
+    assert np.array_equal(update.knots, best)
+    assert update.effective_samples == 1.0
+
+
+def test_the_cross_entropy_method_averages_the_elites():
+    cfg = dataclasses.replace(CFG, law="elites", elite_share=4 / 64)
+    update = planner(cfg).improve(lambda knots: knots.sum(axis=(1, 2)))
+    elites = update.sampled[np.argsort(update.costs)[:4]]
+    assert update.knots == pytest.approx(elites.mean(axis=0))
+
+
+def test_the_cross_entropy_method_searches_as_widely_as_its_elites_lie():
+    cfg = dataclasses.replace(CFG, samples=4000, law="elites", elite_share=0.05, least_noise=0.1, ramp=(1.0, 1.0))
+    mppi = planner(cfg, sigma=(0.1, 0.1))
+    mppi.improve(lambda knots: np.abs(knots[:, 0, 0]) + np.abs(knots[:, 1, 0]))
+    found = mppi.sample()[1:].std(axis=0) / 0.1
+    assert found[0, 0] < 0.25
+    assert found[0, 1] == pytest.approx(1.0, abs=0.15)  # no cost reads it
+    assert found.min() >= 0.1 * 0.9
+
+
+@pytest.mark.parametrize("law", ["best", "elites"])
+def test_no_law_takes_an_invalid_sample(law):
+    mppi = planner(dataclasses.replace(CFG, law=law))
+    assert not mppi.improve(lambda knots: np.full(64, np.nan)).ok
+    update = mppi.improve(lambda knots: np.where(np.arange(64) == 7, 1.0, np.nan))
+    assert update.weights[7] == 1.0
+
+
+def test_the_cheapest_samples_are_rolled_out_again_later_in_time():
+    mppi = planner(dataclasses.replace(CFG, kept=2))
+    update = mppi.improve(lambda knots: knots[:, -1, 0])
+    best = update.sampled[np.argsort(update.costs)[:2]]
+    mppi.advance(1.0, 3.0)  # by one knot
+    again = mppi.sample()[1:3]
+    assert again[:, :3] == pytest.approx(best[:, 1:])
+    assert again[:, 3] == pytest.approx(best[:, 3])
 
 
 @pytest.mark.parametrize(

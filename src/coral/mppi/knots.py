@@ -1,21 +1,25 @@
-"""MPPI over spline knots: sample around the last plan, weight by cost, average (Eqs. 4-6 of the CoRAL paper)."""
+"""MPPI over spline knots: sample around the last plan, weight by cost, average (Eqs. 4-6 of the CoRAL paper).
+
+Two other update laws share its samples, for comparison: predictive sampling and the cross-entropy method.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from coral.config import Count, NonNegative, Positive
+from coral.config import Count, Fraction, NonNegative, Positive
 from coral.mppi.spline import Kind, shift
 from coral.mppi.weights import effective_sample_size, softmax_weights
 
 Array = NDArray[np.float64]
 Evaluate = Callable[[Array], Array]
+Law = Literal["softmax", "best", "elites"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,12 +36,31 @@ class KnotMppiCfg:
     """Interpolation between knots."""
     ramp: tuple[NonNegative, NonNegative] = (0.4, 1.4)
     """Factor on the noise at the first and at the last knot: near actions are refined, far ones explored."""
+    fine: Fraction = 1.0
+    """Share of the samples that end what has nearly been reached: finer ones that perturb some groups of axes only. The
+    others explore, with equal noise on all axes, as in the paper. 0: none."""
+    finest: Annotated[float, Field(gt=0, le=1)] = 0.1
+    """The noise of each fine sample has a factor of its own, from this to 1, evenly in its logarithm."""
+    perturbed: Annotated[float, Field(gt=0, le=1)] = 0.5
+    """Probability with which a fine sample perturbs a group of axes (at least one): an improvement in one group is not
+    lost in the noise of the others."""
     iterations: Count = 1
     """Sample-and-average iterations per plan."""
     shrink: Positive = 0.6
     """Factor on the noise from one iteration to the next."""
-    spread_quantile: Positive = 0.9
+    spread_quantile: Positive = 0.5
     """Costs above this quantile are excluded from the spread: one extreme rollout must not flatten the others."""
+    law: Law = "softmax"
+    """Update of the plan: softmax, the mean weighted by cost (Eqs. 5-6); best, the cheapest sample (predictive
+    sampling, Howell et al. 2022); elites, the mean of the cheapest, with noise as wide as they are (cross-entropy
+    method)."""
+    elite_share: Fraction = 0.1
+    """Share of the samples that are elites."""
+    least_noise: Fraction = 0.2
+    """The noise that is fitted to elites never falls below this share of sigma."""
+    kept: Annotated[int, Field(ge=0, le=1000)] = 0
+    """Number of the cheapest samples that are rolled out again with the next plan, shifted in time (iCEM, Pinneri et
+    al. 2020)."""
 
 
 @dataclass(frozen=True)
@@ -69,19 +92,38 @@ class KnotMppi:
         cfg: The sampler.
         sigma: Shape=(nu,) standard deviation of each axis at ramp 1.
         rng: Random generator of the noise.
+        groups: Widths of the groups of axes that are perturbed together; by default one group.
     """
 
-    def __init__(self, cfg: KnotMppiCfg, sigma: Array, rng: np.random.Generator) -> None:
+    def __init__(
+        self, cfg: KnotMppiCfg, sigma: Array, rng: np.random.Generator, groups: Sequence[int] | None = None
+    ) -> None:
         self.cfg, self.sigma, self._rng = cfg, np.asarray(sigma, dtype=float), rng
+        self._groups = (self.sigma.size,) if groups is None else tuple(groups)
         self.knots = np.zeros((cfg.knots, self.sigma.size))
+        self.elites: Array = np.empty((0, *self.knots.shape))
+        self._width = np.ones_like(self.knots)
 
     def sample(self, scale: float = 1.0) -> Array:
         """Sample perturbed plans, Shape=(K, n, nu); the first is the plan itself."""
         cfg = self.cfg
         ramp = np.linspace(*cfg.ramp, cfg.knots)[:, None]
-        noise = self._rng.standard_normal((cfg.samples, *self.knots.shape)) * (scale * ramp * self.sigma)
+        noise = self._rng.standard_normal((cfg.samples, *self.knots.shape)) * (scale * ramp * self.sigma * self._width)
+        fine = round(cfg.fine * cfg.samples)
+        noise[:fine] *= np.exp(self._rng.uniform(np.log(cfg.finest), 0.0, (fine, 1, 1)))
+        noise[:fine] *= self._choose_axes(fine)[:, None, :]
         noise[0] = 0.0
-        return np.asarray(self.knots + noise)
+        sampled = np.asarray(self.knots + noise)
+        again = self.elites[: cfg.samples - 1]
+        sampled[1 : 1 + len(again)] = again
+        return sampled
+
+    def _choose_axes(self, count: int) -> NDArray[np.bool_]:
+        """Choose the axes that each fine sample perturbs, Shape=(count, nu): groups at random, at least one."""
+        groups = len(self._groups)
+        chosen = self._rng.random((count, groups)) < self.cfg.perturbed
+        chosen[np.arange(count), self._rng.integers(groups, size=count)] |= ~chosen.any(axis=1)
+        return np.repeat(chosen, self._groups, axis=1)
 
     def improve(
         self,
@@ -104,10 +146,11 @@ class KnotMppi:
             sampled = bound(sampled)
             costs = np.asarray(evaluate(sampled), dtype=float)
             costs = np.where(np.isfinite(costs), costs, np.inf)
-            weights = softmax_weights(costs, self.cfg.temperature * spread(costs, self.cfg.spread_quantile))
+            weights = self._weigh(costs)
             ok = bool(weights.any())
             if ok:
                 self.knots = np.tensordot(weights, sampled, axes=1)
+                self._keep(sampled, costs)
             update = Update(self.knots.copy(), sampled, costs, weights, effective_sample_size(weights), ok)
         assert update is not None
         return update
@@ -115,6 +158,37 @@ class KnotMppi:
     def advance(self, by: float, span: float) -> None:
         """Shift the plan by `by` in time: the warm start of the next one."""
         self.knots = shift(self.knots, by, span, self.cfg.spline)
+        self.elites = shift(self.elites, by, span, self.cfg.spline)
+
+    def _weigh(self, costs: Array) -> Array:
+        """Return the weights, Shape=(K,), by the update law; all zero if no cost is finite."""
+        cfg = self.cfg
+        if cfg.law == "softmax":
+            return softmax_weights(costs, cfg.temperature * spread(costs, cfg.spread_quantile))
+        weights = np.zeros_like(costs)
+        chosen = _cheapest(costs, 1 if cfg.law == "best" else self._elite_count)
+        weights[chosen] = 1.0 / max(len(chosen), 1)
+        return weights
+
+    @property
+    def _elite_count(self) -> int:
+        return max(2, round(self.cfg.elite_share * self.cfg.samples))
+
+    def _keep(self, sampled: Array, costs: Array) -> None:
+        """Keep the cheapest samples for the next plan, and fit the noise to the elites."""
+        cfg = self.cfg
+        self.elites = sampled[_cheapest(costs, cfg.kept)].copy()
+        if cfg.law == "elites":
+            ramp = np.linspace(*cfg.ramp, cfg.knots)[:, None]
+            width = sampled[_cheapest(costs, self._elite_count)].std(axis=0)
+            full = np.maximum(ramp * self.sigma, 1e-12)
+            self._width = np.clip(width / full, cfg.least_noise, 1.0)
+
+
+def _cheapest(costs: Array, count: int) -> NDArray[np.intp]:
+    """Return the indices of the cheapest valid samples, cheapest first."""
+    order = np.argsort(costs, kind="stable")[:count]
+    return order[np.isfinite(costs[order])]
 
 
 def spread(costs: Array, quantile: float = 1.0) -> float:

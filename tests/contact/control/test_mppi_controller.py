@@ -30,7 +30,7 @@ def replanned(planner, now, times=6, stage=REACH):
 
 
 def test_replanning_betters_the_plan():
-    plans = replanned(*controller())
+    plans = replanned(*controller(), times=10)
     costs = [plan.update.costs[0] for plan in plans]  # of the plan before
     assert costs[-1] < costs[0] - 0.05
     assert min(costs) == costs[-1]

@@ -274,4 +274,4 @@ def test_with_latency_conditions_read_the_commanded_opening(run):
     close = Stage("close", lambda state: {"close": 20.0 * (state.gripper_target + 0.04)}, until=until)
     _, _, world = run(FixedStrategist(Strategy("close", (close, Stage("stay", stay)))), cfg=late(), seconds=0.4)
     assert read[-1] == pytest.approx(world.commands[15].opening_m)  # the last one before the plan at 0.32 s
-    assert read[-1] < 0.078  # the measured one stays 0.08
+    assert read[-1] < 0.0795  # the measured one stays 0.08

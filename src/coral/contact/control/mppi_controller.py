@@ -22,6 +22,8 @@ from coral.mppi.risk import RiskCfg, risk
 from coral.mppi.spline import interpolate
 
 Array = NDArray[np.float64]
+GROUPS = (3, 3, 1)
+"""Axes of a knot: position, rotation vector, opening."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +115,7 @@ class Controller:
         self.world, self.cfg, self._rng = world, cfg, rng
         sigma = np.array([*cfg.sigma_m, *cfg.sigma_rad, cfg.sigma_opening_m])
         self._sigma = sigma
-        self.mppi = KnotMppi(cfg.mppi, sigma, rng)
+        self.mppi = KnotMppi(cfg.mppi, sigma, rng, GROUPS)
         self.span_s = cfg.horizon * world.cfg.step_s
         self._times: Array = world.cfg.step_s * np.arange(1.0, cfg.horizon + 1)
         self._target: HandTarget | None = None
@@ -207,10 +209,10 @@ class Controller:
         return HandTarget(position, quaternion, target.opening_m, target.stiffness)
 
     def _recentre(self, start: HandTarget) -> None:
-        knots = self.mppi.knots
-        if self._centre is not None:
-            absolute = multiply(self._centre, from_rotvec(knots[:, 3:6]))
-            knots[:, 3:6] = to_rotvec(multiply(conjugate(start.quaternion), absolute))
+        for knots in (self.mppi.knots, self.mppi.elites):
+            if self._centre is not None:
+                absolute = multiply(self._centre, from_rotvec(knots[..., 3:6]))
+                knots[..., 3:6] = to_rotvec(multiply(conjugate(start.quaternion), absolute))
         self._centre = start.quaternion
 
     def _bound_knots(self, knots: Array, start: HandTarget) -> Array:

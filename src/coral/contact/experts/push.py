@@ -28,6 +28,8 @@ goal, measured, whatever the height, tilt, opening and speed). A target that sta
 which increases its friction; with 200 N/m the force leaves its band for half the way. So the hand is softer, and its
 target follows the climb. (Straight ahead, without rehearsing, 130 N/m kept 10 of 10 blocks in the band.)
 """
+SINK_M = 0.004
+"""The target stays this far below the hand, which adds 0.6 N of drag: else the Panda's fingers climb over the top."""
 STEADY = (0.2, 0.2, 0.02, 0.02, 0.02, 0.02, 0.0)
 """Sampling noise while pushing: almost none on height, orientation and opening, which are already right.
 
@@ -84,11 +86,12 @@ def square(state: Context, name: str) -> Array:
 def ahead_of(now: Context, name: str) -> Array:
     """Compute points ahead on the line of the push, Shape=(3, 3) m, at least 1 cm below the block's top.
 
-    They are at the height to which the fingers have climbed: a lower target drags the block down.
+    They are slightly below the height to which the fingers have climbed: a much lower target drags the block down.
     """
     way = to_goal(now, name)[0, 0]
     top = now[f"{name}_pos"][0, 0, 2] + now[f"{name}_size"][0, 0, 2] / 2
-    from_here = np.array([*now.ee_pos[0, 0, :2], min(now.ee_pos[0, 0, 2], top - 0.01)])
+    height = max(min(now.ee_pos[0, 0, 2] - SINK_M, top - 0.01), LOWEST_M)
+    from_here = np.array([*now.ee_pos[0, 0, :2], height])
     return np.asarray(from_here + np.array([[0.04], [0.065], [0.09]]) * way / max(float(np.linalg.norm(way)), 1e-6))
 
 
@@ -212,7 +215,7 @@ def fsm(task: Task) -> Strategy:
 
     def in_place(now: Context) -> bool:
         off = np.abs(now.ee_pos - behind(now, name, 0.012))[0, 0]
-        return bool(norm(off[:2]) < 0.012 and off[2] < 0.011 and square(now, name)[0, 0] < 0.15)
+        return bool(norm(off[:2]) < 0.012 and off[2] < 0.007 and square(now, name)[0, 0] < 0.15)
 
     def lost(now: Context) -> bool:
         return bool(off_face(now, name)[0, 0] > 0.06)
