@@ -36,7 +36,7 @@ class _Scalars(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
         if _DECIMAL.fullmatch(text):
             return float(text)
         if text not in self._known:
-            tag = self.resolve(yaml.ScalarNode, text, (True, False))
+            tag = self.resolve(yaml.ScalarNode, text, (True, False))  # type: ignore[no-untyped-call]
             self._known[text] = self.construct_object(yaml.ScalarNode(tag, text)) if tag in _PLAIN_TAGS else _ODD
         return self._known[text]
 
