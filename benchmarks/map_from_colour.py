@@ -4,7 +4,8 @@
 
 Each run is a folder of `coral reef run REEF --cfg.simulator.pictures`. The network sees its colour pictures and nothing
 else. Cells: of the map made from exact classes and depth, the share that the map from colour has too (recall), and of
-the latter's the share that lies within one cell of the former's (precision).
+the latter's the share that lies within one cell of the former's (precision). The network's votes count as they are,
+without its calibration.
 """
 
 from __future__ import annotations
@@ -59,8 +60,8 @@ def main(folders: list[Path], say: Callable[[str], None] = print) -> None:
 
 
 def mapped(recording: Recording) -> tuple[OccupancyMap, Area]:
-    """Return the map of a located recording and its area of oysters, as `coral reef map` measures it."""
-    cfg = CoverCfg()
+    """Return the map of a located recording and its area of oysters, not calibrated."""
+    cfg = CoverCfg(calibrated=False)
     cells = map_of(recording)
     cover, without = measure_cover(recording, cfg)
     near = distance_to(cells.target, cells.cfg.cell_m) <= cfg.beside_m + 1e-6

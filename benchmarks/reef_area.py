@@ -1,8 +1,9 @@
 """Area of oysters by surveys of simulated reefs, against the truth: a table of runs.
 
-    python benchmarks/reef_area.py runs/l1-own runs/s1-own ...
+    python benchmarks/reef_area.py [--uncalibrated] runs/l1-own runs/s1-own ...
 
-Each run is a folder of `coral reef run REEF --cfg.no-stop-when-covered`, the robot's own end.
+Each run is a folder of `coral reef run REEF --cfg.no-stop-when-covered`, the robot's own end. What a network saw
+(--perception rgb) is calibrated, unless --uncalibrated is given.
 """
 
 from __future__ import annotations
@@ -18,13 +19,13 @@ from coral.reef.recordings.run_recording import read_run
 from coral.reef.world import load_world
 
 
-def main(folders: list[Path]) -> None:
+def main(folders: list[Path], cfg: CoverCfg) -> None:
     """Print the table."""
     print("| reef | truth (m²) | survey (m²) | interval (m²) | error | truth inside | cells of the map, counted (m²) |")
     print("|---|---|---|---|---|---|---|")
     errors, inside = [], 0
     for folder in folders:
-        recording, cfg = read_run(folder).located(), CoverCfg()
+        recording = read_run(folder).located()
         cells = map_of(recording)
         cover, without = measure_cover(recording, cfg)
         near = distance_to(cells.target, cells.cfg.cell_m) <= cfg.beside_m + 1e-6
@@ -45,4 +46,6 @@ def main(folders: list[Path]) -> None:
 
 
 if __name__ == "__main__":
-    main([Path(word) for word in sys.argv[1:]])
+    words = sys.argv[1:]
+    calibrated = "--uncalibrated" not in words
+    main([Path(word) for word in words if word != "--uncalibrated"], CoverCfg(calibrated=calibrated))

@@ -1,9 +1,11 @@
 """Time of the pilot's tick on a map of 100 m, by part: its median, 99th and 99.9th percentile and maximum.
 
-Usage: nice -n -5 python benchmarks/tick.py [--edge 100] [--ticks 1500] [--repeats 3] [--against OTHER/src] [--json]
+Usage: nice -n -5 python benchmarks/tick.py [--edge 100] [--ticks 1500] [--repeats 3] [--perception rgb]
+           [--against OTHER/src] [--json]
 
 A mission of the full system, with pictures and recording, in a generated reef of which one half has been mapped
-before. Only what the control thread does is counted: perceive (map update), track (clusters), question (snapshot,
+before. Only what the control thread does is counted: see (the network that looks at a colour picture, with --perception
+rgb), hear (the sonar, likewise), perceive (map update), track (clusters), question (snapshot,
 preparation and check of questions), field (cost-to-go), plan (DDP-MPPI), record (frames and attempts), other. Two
 times are printed: the thread's CPU time, which leaves out what else the machine does, and wall time without the waits
 for answers, which includes it. With --against, the same mission is measured with the package in another source tree,
@@ -23,12 +25,13 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-PARTS = ("perceive", "track", "question", "field", "plan", "record", "other", "tick")
+PARTS = ("see", "hear", "perceive", "track", "question", "field", "plan", "record", "other", "tick")
 WARM_TICKS = 30
 """Ticks that are left out: the first ones load compiled code."""
 
@@ -68,13 +71,14 @@ class Stopwatch:
         return found
 
 
-def measure(edge_m: float, ticks: int, seed: int) -> dict[str, Any]:
+def measure(edge_m: float, ticks: int, seed: int, perception: str) -> dict[str, Any]:
     """Run one mission. Return the times of its ticks by part (ms): of the CPU and of the wall."""
     from coral.advisor.log import AttemptRecorder
     from coral.advisor.registry import make_advisor
     from coral.reef.belief import Belief
     from coral.reef.camera import Camera
     from coral.reef.controller import DdpMppi
+    from coral.reef.eyes.reef_net import ReefNetEyes
     from coral.reef.generate import GeneratorCfg, generate
     from coral.reef.geometry import Pose
     from coral.reef.heuristic import REEF_RULES
@@ -88,6 +92,8 @@ def measure(edge_m: float, ticks: int, seed: int) -> dict[str, Any]:
 
     watch = Stopwatch()
     for owner, name, part in (
+        (ReefNetEyes, "perceive", "see"),
+        (OccupancyMap, "hear", "hear"),
         (OccupancyMap, "integrate", "perceive"),
         (Belief, "update", "track"),
         (Belief, "snapshot", "question"),
@@ -98,7 +104,8 @@ def measure(edge_m: float, ticks: int, seed: int) -> dict[str, Any]:
         (DdpMppi, "plan", "plan"),
         (FrameRecorder, "offer", "record"),
         (AttemptRecorder, "__call__", "record"),
-        (Pilot, "tick", "other"),
+        (Pilot, "sense", "other"),
+        (Pilot, "drive", "other"),
     ):
         watch.watch(owner, name, part)
     size = (edge_m, edge_m)
@@ -108,6 +115,9 @@ def measure(edge_m: float, ticks: int, seed: int) -> dict[str, Any]:
         )
     )
     cfg = MissionCfg(time_limit_s=0.1 * ticks, stop_when_covered=False, record=RecordCfg(report=False, video=False))
+    if perception != "exact":
+        simulator = replace(cfg.simulator, sonar=replace(cfg.simulator.sonar, enabled=True))
+        cfg = replace(cfg, perception=perception, simulator=simulator, map=replace(cfg.map, obstacles="sonar"))
     with tempfile.TemporaryDirectory() as folder:
         advisor = make_advisor("heuristic", rules=REEF_RULES, rng=np.random.default_rng(0))
         mission = Mission(world, cfg, advisor, Path(folder) / "run", seed=0, draw=question_pictures)
@@ -165,7 +175,15 @@ def median_of(runs: list[dict[str, Any]]) -> dict[str, Any]:
 
 def one_run(args: argparse.Namespace, source: str) -> dict[str, Any]:
     """Measure in a process of its own with the package in `source`."""
-    command = [sys.executable, __file__, "--one", f"--edge={args.edge}", f"--ticks={args.ticks}", f"--seed={args.seed}"]
+    command = [
+        sys.executable,
+        __file__,
+        "--one",
+        f"--edge={args.edge}",
+        f"--ticks={args.ticks}",
+        f"--seed={args.seed}",
+        f"--perception={args.perception}",
+    ]
     environment = {**os.environ, "PYTHONPATH": source} if source else None
     done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
     found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
@@ -178,13 +196,14 @@ def main() -> None:
     parser.add_argument("--edge", type=float, default=100.0, help="of the square map (m)")
     parser.add_argument("--ticks", type=int, default=1500)
     parser.add_argument("--seed", type=int, default=5, help="of the generated reef")
+    parser.add_argument("--perception", default="exact", help="rgb: a network sees, and a sonar hears obstacles")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--against", default="", help="another source folder, such as ../main/src")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--one", action="store_true", help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.one:
-        print(json.dumps(measure(args.edge, args.ticks, args.seed)))
+        print(json.dumps(measure(args.edge, args.ticks, args.seed, args.perception)))
         return
     sources = {"this tree": "", **({args.against: args.against} if args.against else {})}
     runs: dict[str, list[dict[str, Any]]] = {name: [] for name in sources}

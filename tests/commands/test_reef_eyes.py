@@ -35,3 +35,16 @@ def test_training_refuses_a_file_that_exists(tmp_path, capsys):
 def test_exact_perception_is_not_scored(capsys):
     assert main(["reef", "eyes", "score", "--perception", "exact"]) == 2
     assert "exact perception has no errors" in capsys.readouterr().err
+
+
+def test_a_calibration_needs_runs_with_their_truth_and_a_new_file(tmp_path, capsys):
+    pytest.importorskip("onnxruntime")
+    words = ["reef", "eyes", "calibrate", "--out"]
+    assert main([*words, str(tmp_path / "net.json")]) == 2
+    assert "--out: found" in capsys.readouterr().err
+    out = tmp_path / "net.cover.json"
+    assert main([*words, str(out)]) == 2
+    assert "--runs: found 0 reefs, expected at least 3" in capsys.readouterr().err
+    assert main([*words, str(out), "--perception", "exact"]) == 2
+    assert "exact perception has no errors" in capsys.readouterr().err
+    assert not out.exists()

@@ -51,6 +51,11 @@ def test_what_is_no_recording_is_one_line(tmp_path, told):
         assert (code, error.count("\n")) == (2, 1)
 
 
+def test_a_sonars_start_without_its_file_is_refused(survey_run, tmp_path, told):
+    code, _, error = told("reef", "map", survey_run, "--sonar-start-s", "1", "--out", tmp_path / "o")
+    assert (code, "--sonar-start-s: found 1.0, expected --sonar-file" in error) == (2, True)
+
+
 @pytest.fixture(scope="module")
 def colour_run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("survey") / "patch-001"

@@ -1,6 +1,7 @@
 """A run folder with keyframes of a small reef, made without driving a mission."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import yaml
@@ -42,8 +43,8 @@ def poses() -> list[Pose]:
     ]
 
 
-def write_run(folder, *, colour=False, drift=0.0):
-    """Write a run folder and return the map of its exact pictures."""
+def write_run(folder, *, colour=False, drift=0.0, doubtful=False):
+    """Write a run folder and return the map of its pictures, exact or with doubt at random as of a network."""
     world = patch()
     camera = Camera(Scene.from_world(world), CAMERA)
     writer = RunWriter(folder, COLUMNS)
@@ -55,6 +56,9 @@ def write_run(folder, *, colour=False, drift=0.0):
             rgb = np.full((60, 80, 3), 120, np.uint8)
             rgb[frame.labels == 1] = (200, 40, 40)
             frame = type(frame)(frame.depth, frame.labels, frame.instances, rgb)
+        if doubtful:
+            shares = np.random.default_rng(k).random((2, *frame.depth.shape)).astype(np.float32)
+            frame = replace(frame, doubt=shares[0], depth_doubt=shares[1])
         cells.integrate(frame, pose)
         odometry = Pose(pose.x + drift * k, pose.y, pose.theta)
         at = PicturePose(pose=pose, odometry=odometry, height_m=CAMERA.altitude_m)

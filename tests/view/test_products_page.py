@@ -54,7 +54,12 @@ def test_the_page_says_that_a_network_found_the_oysters_and_which_water_was_take
     seen = replace(products, recording=recording, mosaic=replace(products.mosaic, colour=True, water="jerlov-1C"))
     page = write_products_page(seen, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
     assert "Oysters were recognized by a network (rgb)" in page
+    assert "is <b>not</b> in the interval" in page
     assert "what jerlov-1C takes with distance is taken back" in page
+    calibrated = replace(seen, calibrated_reefs=15)
+    page = write_products_page(calibrated, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
+    assert "shells covered where it cast such votes on 15 generated reefs" in page
+    assert "is <b>not</b> in the interval" not in page
 
 
 def test_colours_lie_between_the_stops():

@@ -28,10 +28,13 @@ if TYPE_CHECKING:
 class ReefEyes:
     """Train our network on pictures of generated reefs, or score eyes on pictures whose truth is known."""
 
-    action: Annotated[Literal["train", "score"], tyro.conf.Positional]
-    """train: write --out FILE.onnx; needs the extra `train`. score: overlap of classes and error of depth by range."""
+    action: Annotated[Literal["train", "score", "calibrate"], tyro.conf.Positional]
+    """train: write --out FILE.onnx; needs the extra `train`. score: overlap of classes and error of depth by range.
+    calibrate: measure on runs what true cover its oysters mean; write --out FILE.cover.json."""
     perception: str = "rgb"
-    """score: rgb or FILE.onnx."""
+    """score, calibrate: rgb or FILE.onnx."""
+    runs: tuple[Path, ...] = ()
+    """calibrate: runs in simulated reefs, with colour pictures (--cfg.simulator.pictures)."""
     worlds: tuple[str, ...] = ("all",)
     """score: reefs to take pictures of; `all` are the ten shipped ones, on which nothing is trained."""
     waters: tuple[str, ...] = ("clear", "1C", "bay")
@@ -63,7 +66,8 @@ class ReefEyes:
         """Train or score."""
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
-        return self._train() if self.action == "train" else self._score()
+        actions = {"train": self._train, "score": self._score, "calibrate": self._calibrate}
+        return actions[self.action]()
 
     def _train(self) -> Mapping[str, Any]:
         if self.out is None or self.out.suffix != ".onnx" or self.out.exists():
@@ -86,6 +90,34 @@ class ReefEyes:
         self.out.parent.mkdir(parents=True, exist_ok=True)
         export(net, self.out)
         return {"file": str(self.out), "pictures": len(samples)}
+
+    def _calibrate(self) -> Mapping[str, Any]:
+        from coral.reef.eyes.backends import open_eyes
+        from coral.reef.products.calibrate_cover import calibrate, gather_evidence, leave_one_out
+        from coral.reef.products.cover import CoverCfg
+        from coral.reef.products.cover_calibration import SUFFIX, write_calibration
+        from coral.reef.recordings.perception import PicturePerception
+        from coral.reef.recordings.run_recording import read_run
+        from coral.reef.world import load_world
+
+        if self.out is None or not self.out.name.endswith(SUFFIX) or self.out.exists():
+            raise InputError("--out", "", str(self.out), f"a new file that ends in {SUFFIX}")
+        eyes = open_eyes(self.perception)
+        if eyes is None:
+            raise InputError("--perception", "", "exact", "rgb or FILE.onnx: exact perception has no errors")
+        reefs = []
+        for run in self.runs:
+            recording = read_run(run, PicturePerception(eyes, self.perception))
+            reefs.append(gather_evidence(recording, load_world(run / "world.yaml"), CoverCfg()))
+            _tell(f"{len(reefs)} of {len(self.runs)} runs")
+        names = " ".join(one.name for one in reefs)
+        made = calibrate(reefs, f"coral reef eyes calibrate --perception {self.perception}, runs of {names}")
+        write_calibration(made, self.out)
+        rows = [
+            {"reef": one.name, "true_m2": round(one.whole.true_m2, 3), "error": round(error, 4)}
+            for one, (error, _) in zip(reefs, leave_one_out(reefs), strict=True)
+        ]
+        return {"file": str(self.out), "common": made.common, "patch_m": made.patch_m, "rows": rows}
 
     def _score(self) -> Mapping[str, Any]:
         from coral.reef.eyes.backends import open_eyes
@@ -163,6 +195,11 @@ class ReefEyes:
         """Return the file, or a table in Markdown."""
         if self.action == "train":
             return f"{result['file']}, from {result['pictures']} pictures"
+        if self.action == "calibrate":
+            rows = [f"| {row['reef']} | {row['true_m2']:.2f} | {100 * row['error']:+.1f} % |" for row in result["rows"]]
+            return "\n".join(["| reef | truth (m²) | error, calibrated on the others |", "|---|---|---|", *rows,
+                              f"a reef's own error {100 * result['common']:.1f} %, of 1 m² besides "
+                              f"{100 * result['patch_m']:.1f} %: {result['file']}"])  # fmt: skip
         bands = [f"{a:g}-{b:g} m" for a, b in zip(result["bands_m"][:-1], result["bands_m"][1:], strict=True)]
         lines = [
             f"| water | light | pictures | what | {' | '.join(bands)} |",

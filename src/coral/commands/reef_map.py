@@ -23,6 +23,7 @@ from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE, datum_of_folder
 from coral.reef.recordings.recording import RECORDED
 from coral.reef.recordings.run_recording import is_run
+from coral.reef.recordings.sonar_file import add_sonar_file
 from coral.reef.sonar.sonar_3d15 import SonarCfg
 from coral.reef.world import load_world
 from coral.words import many
@@ -52,6 +53,11 @@ class ReefMap:
     axis does not point east. A table with lat and lon has its own."""
     topics: BagTopics = field(default_factory=BagTopics)
     """Topics of a bag or an MCAP file."""
+    sonar_file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.sonar")] = None
+    """A recording of a Sonar 3D-15 that hung beside the camera: packets as its own page or wlsonar writes them. Its
+    tilt is --sonar.pitch-down-deg."""
+    sonar_start_s: float | None = None
+    """Time of the recording at which --sonar-file begins (s). By default both tell the same time."""
     sonar: SonarCfg = field(default_factory=SonarCfg)
     """Beams of the sonar whose echoes a bag may have: width, height, hfov_deg, vfov_deg, range_m. Its tilt is the
     bag's."""
@@ -64,6 +70,8 @@ class ReefMap:
 
     def __call__(self) -> Mapping[str, Any]:
         """Make them."""
+        if self.sonar_start_s is not None and not math.isfinite(self.sonar_start_s):
+            raise InputError("--sonar-start-s", "", self.sonar_start_s, "a number of seconds")
         if not 0.0 <= self.period_s < math.inf:
             raise InputError("--period-s", "", self.period_s, "a number of seconds from 0 on")
         recording = find_recording(
@@ -74,6 +82,10 @@ class ReefMap:
             period_s=self.period_s,
             sonar=checked(self.sonar, "--sonar"),
         )
+        if self.sonar_file is not None:
+            recording = add_sonar_file(recording, self.sonar_file, self.sonar, self.sonar_start_s)
+        elif self.sonar_start_s is not None:
+            raise InputError("--sonar-start-s", "", self.sonar_start_s, "--sonar-file beside it")
         recording = replace(recording, map=replace(recording.map, doubt=checked(self.doubt, "--doubt")))
         datum = self.datum
         own = datum_of_folder(self.recording) if (self.recording / TABLE).is_file() else None

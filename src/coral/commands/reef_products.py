@@ -94,8 +94,11 @@ def describe_products(result: Mapping[str, Any]) -> str:
             f"{100 * result['area_error']:+.1f} %, {inside} the interval"
         )
     if result["perception"] not in (RECORDED, EXACT):
+        reefs = result["calibrated_reefs"]
+        known = f"calibrated on {reefs} generated reefs, its errors there are in the interval"
         lines.append(
-            f"oysters were recognized by a network ({result['perception']}): its errors are not in the interval"
+            f"oysters were recognized by a network ({result['perception']}): "
+            f"{known if reefs else 'its errors are not in the interval'}"
         )
     if result["epsg"] is None:
         lines.append("not placed on Earth: --datum LAT,LON gives the latitude and longitude of the start")

@@ -45,6 +45,7 @@ DEFINITIONS = {
     "skipped_ticks": "Those of the late ticks that were left out.",
     "ticks": "Control ticks of `reef sail` that were run.",
     "worst_tick_ms": "Longest time from a tick's due time to the end of its work (ms).",
+    "tick_ms_p999": "99.9th percentile of that time (ms).",
     "recording_failure": "Why the recording stopped during the survey; empty if it did not.",
     "recording_dropped": "Records that were dropped because too many waited.",
     "tether_turns": "Turns of the tether at the end, positive to the left.",

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from coral.config import Positive
 from coral.errors import naming
+from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
 from coral.reef.geometry import Frame, Pose
 from coral.runs import RunWriter
 
@@ -45,9 +46,13 @@ est: where the robot believed it was; odo: where its odometry alone put it."""
 
 
 POSES = "frames/poses.csv"
-POSE_COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw", "odo_x", "odo_y", "odo_yaw", "labels", "depth", "rgb")
+POSE_COLUMNS = (
+    "t", "x", "y", "z", "roll", "pitch", "yaw", "odo_x", "odo_y", "odo_yaw", "labels", "depth", "rgb",
+    "doubt", "depth_doubt",
+)  # fmt: skip
 """Columns of frames/poses.csv: where the robot believed the camera was, z being its height above the seabed; where
-odometry alone put it; names of the pictures (rgb empty where none was taken). SI units, world frame, REP-103."""
+odometry alone put it; names of the pictures (empty where there is none: exact perception has no doubt). SI units, world
+frame, REP-103."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +79,7 @@ class RecordCfg:
     frame_period_s: Positive = 2.0
     keyframes: bool = True
     """Keep camera pictures with their poses besides, for products, export and a map made anew: some 10 kB a second,
-    twice that with colour. Needs `frames`."""
+    twice that with colour, 70 kB with what a network saw and its doubt. Needs `frames`."""
     keyframe_period_s: Positive = 0.5
     """Time between keyframes. At full speed the vehicle moves 0.3 m in it."""
     report: bool = True
@@ -161,11 +166,16 @@ class FrameRecorder:
             images["map"] = cells
         for name, image in images.items():
             self._writer.bytes(f"frames/{step:06d}_{name}.png", _png(image))
-        names = [f"{step:06d}_labels.png", f"{step:06d}_depth.png", ""]
+        names = [f"{step:06d}_labels.png", f"{step:06d}_depth.png", "", "", ""]
         if frame.rgb is not None:
             names[2] = f"{step:06d}_rgb.jpg"
             self._writer.bytes(f"frames/{names[2]}", _jpeg(frame.rgb))
         if taken_at is not None:
+            doubts = (("doubt", frame.doubt, LABEL_STEPS), ("depth_doubt", frame.depth_doubt, DEPTH_STEPS))
+            for k, (name, share, whole) in enumerate(doubts, 3):
+                if share is not None:
+                    names[k] = f"{step:06d}_{name}.png"
+                    self._writer.bytes(f"frames/{names[k]}", _png(pack_doubt(share, whole)))
             self._note_pose(t, taken_at, names)
 
     def _note_pose(self, t: float, at: PicturePose, names: list[str]) -> None:

@@ -102,6 +102,7 @@ def render_products(
         headline=_headline(products),
         place=where,
         network=None if products.recording.seen_by in (RECORDED, EXACT) else products.recording.seen_by,
+        calibrated=products.calibrated_reefs,
         area=products.area,
         seen=products.seen_m2,
         clusters=[feature.values for feature in make_layers(products, placement)[0].features],

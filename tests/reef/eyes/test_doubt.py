@@ -2,7 +2,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from coral.reef.eyes.doubt import DoubtCfg, choose_labels, drop_doubtful
+from coral.reef.eyes.doubt import (
+    DEPTH_STEPS,
+    LABEL_STEPS,
+    DoubtCfg,
+    choose_labels,
+    drop_doubtful,
+    pack_doubt,
+    unpack_doubt,
+)
 from coral.reef.geometry import Frame, Label
 
 
@@ -40,3 +48,10 @@ def test_the_likeliest_class_is_chosen_and_obstacles_early():
     labels, doubt = choose_labels(logits, obstacle_from=0.35)
     assert labels.tolist() == [[Label.OBSTACLE, Label.OYSTER]]
     np.testing.assert_allclose(doubt, [[0.6, 0.4]], atol=1e-3)
+
+
+def test_doubt_is_packed_to_half_a_step():
+    shares = np.array([[0.0, 0.25, 1.0, 4.0]], np.float32)
+    np.testing.assert_array_equal(pack_doubt(shares, LABEL_STEPS), [[0, 64, 255, 255]])
+    np.testing.assert_array_equal(pack_doubt(shares, DEPTH_STEPS), [[0, 25, 100, 255]])
+    np.testing.assert_allclose(unpack_doubt(pack_doubt(shares, DEPTH_STEPS), DEPTH_STEPS), [[0, 0.25, 1.0, 2.55]])

@@ -6,10 +6,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from coral.reef.geometry import Frame, Label
 from coral.reef.products import cover_kernels
-from coral.reef.products.cover import Cover, CoverCfg, area_within, fine_of, measure_cover
+from coral.reef.products.cover import (
+    Cover,
+    CoverCfg,
+    Votes,
+    area_within,
+    fine_of,
+    make_cover,
+    measure_cover,
+    oyster_probability,
+)
+from coral.reef.products.cover_calibration import BINS, CoverCalibration, bins_of
 from coral.reef.products.seen_points import find_points, lens_of, transform_of
 from coral.reef.products.truth import true_area_m2
+from coral.reef.recordings.picture_files import NO_OBJECTS
 from coral.reef.world import load_world
 
 
@@ -63,17 +75,54 @@ def test_votes_are_those_of_a_plain_loop(recording):
     one = next(iter(recording.keyframes()))
     transform, (focal, cx, cy) = transform_of(one, recording), lens_of(recording)
     votes = [np.zeros((400, 450), np.float32) for _ in range(2)]
-    depth, labels = one.frame.depth, one.frame.labels
-    cover_kernels.vote(find_points(one, recording, 0.02, (400, 450), 3.0).cell, depth, labels, *votes)
+    nearest = np.full((400, 450), np.inf, np.float32)
+    depth = one.frame.depth
+    doubt = np.random.default_rng(0).uniform(0.0, 0.5, depth.shape).astype(np.float32)
+    likely = oyster_probability(replace(one.frame, doubt=doubt), soft=True)
+    cell = find_points(one, recording, 0.02, (400, 450), 3.0).cell
+    cover_kernels.vote(cell, depth, likely, *votes, nearest)
     v, u = np.indices(depth.shape)
     z = np.where(np.isfinite(depth), depth, 0.0).astype(float)
     points = np.stack([(u - cx) / focal * z, (v - cy) / focal * z, z], axis=-1)
     near = (np.linalg.norm(points, axis=-1) <= 3.0) & (z > 0.0)
     world = points @ transform[:3, :3].T + transform[:3, 3]
-    for label, made in ((1, votes[0]), (3, votes[1])):
-        chosen = near & (labels == label)
+    chosen = near & ~np.isnan(likely)
+    for share, made in ((likely, votes[0]), (1 - likely, votes[1])):
         expected = np.zeros((400, 450))
         at = np.floor(world[chosen][:, :2] / 0.02).astype(int)
         inside = (at >= 0).all(axis=1) & (at[:, 0] < 450) & (at[:, 1] < 400)
-        np.add.at(expected, (at[inside, 1], at[inside, 0]), 1.0 / z[chosen][inside] ** 2)
+        np.add.at(expected, (at[inside, 1], at[inside, 0]), share[chosen][inside] / z[chosen][inside] ** 2)
         np.testing.assert_allclose(made, expected, rtol=1e-4, atol=1e-5)
+    least = np.full((400, 450), np.inf)
+    np.minimum.at(least, (at[inside, 1], at[inside, 0]), z[chosen][inside])
+    np.testing.assert_allclose(nearest, least, rtol=1e-6)
+
+
+def test_a_pixel_votes_as_its_network_believes():
+    labels = np.array([[Label.OYSTER, Label.SEABED, Label.OBSTACLE, Label.WATER]], np.uint8)
+    frame = Frame(np.ones((1, 4), np.float32), labels, NO_OBJECTS, doubt=np.full((1, 4), 0.25, np.float32))
+    np.testing.assert_allclose(oyster_probability(frame, soft=True), [[0.75, 0.25, np.nan, np.nan]])
+    np.testing.assert_allclose(oyster_probability(frame, soft=False), [[1.0, 0.0, np.nan, np.nan]])
+
+
+def test_a_calibrated_share_is_what_it_has_meant():
+    cfg = CoverCfg(edge=0.0)
+    votes = Votes(*(np.full((10, 10), value, np.float32) for value in (9.0, 1.0, 0.7)))
+    table = np.zeros(BINS)
+    table[bins_of(np.float32(0.9), np.float32(0.7))] = 0.4
+    calibration = CoverCalibration(tuple(table.tolist()), 0.3, 0.0, 1, "")
+    plain, calibrated = make_cover(votes, cfg), make_cover(votes, cfg, calibration)
+    assert plain.seen[5, 5] == pytest.approx(0.9)
+    np.testing.assert_allclose(calibrated.seen, 0.4)
+    np.testing.assert_allclose(calibrated.filled, 0.4)
+    area = area_within(calibrated, [], np.ones((10, 10), bool))
+    assert area.m2 == pytest.approx(100 * 0.02**2 * 0.4)
+    # One reef: its error counts twice over, as that of the calibration and as that of this reef.
+    assert area.high_m2 - area.m2 == pytest.approx(1.96 * math.sqrt(2.0) * 0.3 * area.m2)
+
+
+def test_what_a_calibrated_network_saw_without_doubt_counts_as_it_is(recording):
+    plain, _ = measure_cover(recording, CoverCfg(subsets=1))
+    called_rgb, _ = measure_cover(replace(recording, seen_by="rgb"), CoverCfg(subsets=1))
+    assert called_rgb.calibration is None
+    np.testing.assert_array_equal(called_rgb.seen, plain.seen)

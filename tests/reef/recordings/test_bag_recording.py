@@ -1,8 +1,11 @@
 """Bags and MCAP files become maps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bag_copies import copy_bag
+from survey_runs import write_run
 
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
@@ -37,6 +40,24 @@ def test_a_round_trip_gives_the_same_map(bags, survey_run, name):
     # Odometry drifts by 1 cm a picture; the transform map -> odom takes it back.
     np.testing.assert_allclose([one.pose for one in theirs], [one.pose for one in ours], atol=1e-9)
     np.testing.assert_allclose(theirs[-1].odometry, ours[-1].odometry, atol=1e-9)
+
+
+def test_doubt_goes_through_a_bag(tmp_path):
+    write_run(tmp_path / "doubtful", doubtful=True)
+    there = replace(read_run(tmp_path / "doubtful").located(), seen_by="rgb")
+    write_bag(there, tmp_path / "doubtful.mcap", single_file=True)
+    back = read_bag(tmp_path / "doubtful.mcap", BagTopics()).located()
+    assert back.seen_by == "rgb"
+    ours, theirs = (next(iter(one.keyframes())).frame for one in (there, back))
+    np.testing.assert_array_equal(theirs.doubt, ours.doubt)
+    np.testing.assert_array_equal(theirs.depth_doubt, ours.depth_doubt)
+    np.testing.assert_array_equal(map_of(back).cells(), map_of(there).cells())
+
+
+def test_a_network_of_another_machine_is_a_name_and_no_path(survey_run, tmp_path):
+    there = replace(read_run(survey_run).located(), seen_by="/theirs/net.onnx")
+    write_bag(there, tmp_path / "x.mcap", single_file=True)
+    assert read_bag(tmp_path / "x.mcap", BagTopics()).seen_by == "net.onnx, recorded"
 
 
 def test_a_given_camera_wins(bags):

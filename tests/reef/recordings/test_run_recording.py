@@ -1,10 +1,15 @@
 """A run folder as a recording."""
 
 import shutil
+from dataclasses import replace
 
+import numpy as np
 import pytest
+from survey_runs import write_run
 
 from coral.errors import InputError
+from coral.reef.eyes.doubt import DoubtCfg
+from coral.reef.recordings.recording import map_of
 from coral.reef.recordings.run_recording import read_run
 
 
@@ -31,3 +36,17 @@ def test_a_world_that_lacks_its_start_is_told(survey_run, tmp_path):
     (copy / "world.yaml").write_text("name: x\n")
     with pytest.raises(InputError, match="size_m, start"):
         read_run(copy)
+
+
+def test_a_run_of_a_network_keeps_its_doubt_and_gives_the_same_map(tmp_path):
+    own = write_run(tmp_path / "doubtful", doubtful=True)
+    recording = read_run(tmp_path / "doubtful").located()
+    frame = next(iter(recording.keyframes())).frame
+    shares = np.random.default_rng(0).random((2, *frame.depth.shape))
+    np.testing.assert_allclose(frame.doubt, shares[0], atol=0.5 / 255 + 1e-6)
+    np.testing.assert_allclose(frame.depth_doubt, shares[1], atol=0.5 / 100 + 1e-6)
+    again = map_of(recording)
+    trusting = map_of(replace(recording, map=replace(recording.map, doubt=DoubtCfg(oyster=1.0, seabed=1.0))))
+    # Depth is kept in millimetres: a few pixels fall into the cell beside.
+    assert np.count_nonzero(again.target != own.target) <= 0.02 * own.target.sum()
+    assert np.count_nonzero(trusting.target != own.target) > 0.1 * own.target.sum()

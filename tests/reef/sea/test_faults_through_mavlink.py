@@ -41,7 +41,7 @@ def test_a_fault_of_the_vehicle_ends_in_its_state(tmp_path, begin, state, cause)
     voyage = MavlinkVoyage(tmp_path / "run", battery_min_v=11.5, battery_min=0.0, on_battery="surface")
     voyage.at[STEP] = lambda: begin(voyage)
     voyage.run()
-    assert voyage.first(state, AT_S) <= 1.3, [e for e in voyage.events if e["event"] in ("state", "limit")]
+    assert voyage.first(state, AT_S) <= 1.0, [e for e in voyage.events if e["event"] in ("state", "limit")]
     told = [event["cause"] for event in voyage.events if event["event"] == "limit"]
     assert cause is None or told[0] == cause
 

@@ -26,6 +26,7 @@ def test_the_drive_returns_near_to_where_it_began():
     plan = legs(0.5, 0.5)
     assert sum(leg.seconds for leg in plan) < 150.0
     assert {np.sign(leg.yaw_rate_rad_s) for leg in plan} == {-1.0, 0.0, 1.0}
+    assert {np.sign(leg.forward_m_s) for leg in plan} == {-1.0, 0.0, 1.0}
 
 
 def test_the_simulated_autopilot_is_identified(vehicle):

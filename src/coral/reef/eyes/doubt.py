@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from coral.config import Fraction, NonNegative
 from coral.reef.geometry import Frame, Label
 
+LABEL_STEPS, DEPTH_STEPS = 255, 100
+"""Steps that make 1 in a picture file of doubt: a label's reaches to 1, a depth's to 2.55."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class DoubtCfg:
@@ -45,6 +48,21 @@ def drop_doubtful(frame: Frame, cfg: DoubtCfg) -> Frame:
     )
 
 
+def pack_doubt(share: NDArray[np.float32], whole: int) -> NDArray[np.uint8]:
+    """Return shares in steps of 1 / whole as bytes, for a picture file; what is more than 255 steps is 255.
+
+    Args:
+        share: Doubt of labels or of depths. Shape=(H, W).
+        whole: `LABEL_STEPS` or `DEPTH_STEPS`.
+    """
+    return np.clip(np.round(whole * share), 0, 255).astype(np.uint8)
+
+
+def unpack_doubt(steps: NDArray[np.uint8], whole: int) -> NDArray[np.float32]:
+    """The inverse of `pack_doubt`, to half a step. Shape=(H, W)."""
+    return steps.astype(np.float32) / np.float32(whole)
+
+
 def choose_labels(logits: NDArray[np.float32], obstacle_from: float) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     """Choose the likeliest class of every pixel, or obstacle where that is likely enough.
 
@@ -57,7 +75,11 @@ def choose_labels(logits: NDArray[np.float32], obstacle_from: float) -> tuple[ND
     """
     powers = np.exp(logits - logits.max(axis=0))
     shares = powers / powers.sum(axis=0)
-    labels = shares.argmax(axis=0).astype(np.uint8)
-    labels[shares[Label.OBSTACLE] >= obstacle_from] = Label.OBSTACLE
-    chosen = np.take_along_axis(shares, labels[None].astype(np.intp), axis=0)[0]
-    return labels, (1.0 - chosen).astype(np.float32)
+    # Class by class: argmax over the first axis takes three times as long.
+    labels, chosen = np.zeros(shares.shape[1:], np.uint8), shares[0]
+    for label in range(1, len(shares)):
+        labels[shares[label] > chosen] = label
+        chosen = np.maximum(chosen, shares[label])
+    obstacle = shares[Label.OBSTACLE] >= obstacle_from
+    labels[obstacle] = Label.OBSTACLE
+    return labels, (1.0 - np.where(obstacle, shares[Label.OBSTACLE], chosen)).astype(np.float32)

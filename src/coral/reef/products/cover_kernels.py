@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-OYSTER, OBSTACLE, SEABED = 1, 2, 3
+OYSTER = 1
 NOWHERE = -1
 
 
@@ -60,32 +60,33 @@ def locate_pixels(
 def vote(
     cell: NDArray[np.int64],
     depth: NDArray[np.float32],
-    labels: NDArray[np.uint8],
+    likely: NDArray[np.float32],
     oyster: NDArray[np.float32],
     floor: NDArray[np.float32],
+    nearest: NDArray[np.float32],
 ) -> None:
     """Add a picture's votes for oyster and sea floor to the cells where its pixels lie.
 
-    A pixel counts 1 / Z², so that one look from near outvotes many from afar.
+    A pixel counts 1 / Z², so that one look from near outvotes many from afar, in parts for oyster and for sea floor.
 
     Args:
         cell: Shape=(H, W), of `locate_pixels`.
         depth: Shape=(H, W), metres along the optical axis.
-        labels: Shape=(H, W), pixel classes.
+        likely: Shape=(H, W), probability that a pixel shows an oyster, if it is one or sea floor; nan for no vote.
         oyster: Shape=(FY, FX), votes for oyster, updated in place.
         floor: Shape=(FY, FX), votes for sea floor, updated in place.
+        nearest: Shape=(FY, FX), depth of the nearest pixel that voted (m), updated in place.
     """
     nx = oyster.shape[1]
     for v in range(cell.shape[0]):
         for u in range(cell.shape[1]):
-            if cell[v, u] == NOWHERE:
+            if cell[v, u] == NOWHERE or math.isnan(likely[v, u]):
                 continue
             iy, ix = divmod(cell[v, u], nx)
             z = depth[v, u]
-            if labels[v, u] == OYSTER:
-                oyster[iy, ix] += 1.0 / (z * z)
-            elif labels[v, u] == SEABED:
-                floor[iy, ix] += 1.0 / (z * z)
+            oyster[iy, ix] += likely[v, u] / (z * z)
+            floor[iy, ix] += (1.0 - likely[v, u]) / (z * z)
+            nearest[iy, ix] = min(nearest[iy, ix], z)
 
 
 @njit(cache=True)

@@ -69,6 +69,7 @@ def summary(products: SurveyProducts, placement: EarthPlacement) -> dict[str, An
         "clusters": len(products.clusters),
         "colour": products.mosaic.colour,
         "perception": products.recording.seen_by,
+        "calibrated_reefs": products.calibrated_reefs,
         "latitude": None if datum is None else datum.latitude,
         "longitude": None if datum is None else datum.longitude,
         "epsg": placement.epsg,

@@ -40,6 +40,8 @@ class SurveyProducts:
     cells: OccupancyMap
     area: Area
     """Of all oysters (m²), those outside clusters included."""
+    calibrated_reefs: int
+    """Reefs on which the network that saw the pictures was calibrated; 0 where no calibration was used."""
     clusters: tuple[ClusterProduct, ...]
     cover: NDArray[np.float32]
     """Share of oysters in each map cell, nan where not seen near enough. Shape=(NY, NX)."""
@@ -71,6 +73,9 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
     # Beside the map's oysters only: a wrong mask that other pictures outvoted is no oyster.
     counted = fine_of(distance_to(cells.target, cell_m) <= cfg.cover.beside_m + 1e-6, cell_m, cover)
     share = 0.5 * (cover.seen + cover.filled) * counted
+    in_cells = mean_in_cells(share, cover.known, cfg.cover.fine_m, cell_m, cells.target.shape, 0.2)
+    if cover.calibration is not None:
+        cells.target &= np.nan_to_num(in_cells) >= cfg.cover.confirmed
     group = label_clusters(cells, cfg.clusters, cfg.cover.beside_m)
     quality = measure_views(recording)
     return SurveyProducts(
@@ -78,8 +83,9 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         keyframes=len(track),
         cells=cells,
         area=area_within(cover, without, counted),
+        calibrated_reefs=0 if cover.calibration is None else cover.calibration.reefs,
         clusters=tuple(measure_clusters(cells, group, quality, cover, without, cfg.clusters)),
-        cover=mean_in_cells(share, cover.known, cfg.cover.fine_m, cell_m, cells.target.shape, 0.2),
+        cover=in_cells,
         density=mean_in_cells(
             share, cover.known, cfg.cover.fine_m, cfg.density_cell_m, _shape(recording, cfg.density_cell_m), 0.2
         ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coral.reef.collision import clearance
 from coral.reef.coverage import rasterise
@@ -19,11 +20,31 @@ def true_area_m2(world: ReefWorld) -> float:
     It is the union of the shells' vertical projections: shells that overlap count once, gaps between shells do not
     count. What lies under an obstacle is left out, as in all true areas here.
     """
+    return len(_covered(world)) * RASTER_M**2
+
+
+def true_cover(world: ReefWorld, fine_m: float, shape: tuple[int, int]) -> NDArray[np.float32]:
+    """Return the share of each fine cell that oysters cover. Shape=(FY, FX).
+
+    Args:
+        world: The reef.
+        fine_m: Edge of a cell (m).
+        shape: (FY, FX).
+    """
+    iy, ix = (np.minimum((axis + 0.5) * RASTER_M / fine_m, end - 1).astype(np.intp)
+              for axis, end in zip(_covered(world).T[::-1], shape, strict=True))  # fmt: skip
+    cover = np.zeros(shape, np.float32)
+    np.add.at(cover, (iy, ix), np.float32((RASTER_M / fine_m) ** 2))
+    return cover
+
+
+def _covered(world: ReefWorld) -> NDArray[np.intp]:
+    """Return the cells of `RASTER_M` that oysters cover, column and row. Shape=(N, 2)."""
     scene = Scene.from_world(world)
     hiders = scene.footprints()
     points: set[tuple[int, int]] = set()
     for member in np.flatnonzero(scene.label == Label.OYSTER):
         cells = rasterise(scene.outlines(np.array([member])), RASTER_M, 0.0)
         points.update(map(tuple, np.floor(cells / RASTER_M).astype(int).tolist()))
-    free = sum(clearance(hiders, (i + 0.5) * RASTER_M, (j + 0.5) * RASTER_M) > 0.0 for i, j in points)
-    return free * RASTER_M**2
+    free = [(i, j) for i, j in sorted(points) if clearance(hiders, (i + 0.5) * RASTER_M, (j + 0.5) * RASTER_M) > 0.0]
+    return np.array(free, np.intp).reshape(-1, 2)

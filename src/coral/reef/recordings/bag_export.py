@@ -16,17 +16,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
 from coral.reef.geometry import Frame
 from coral.reef.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
 from coral.reef.recordings.picture_export import colour_of
 from coral.reef.recordings.picture_files import encode_depth, encode_jpeg, encode_png
-from coral.reef.recordings.recording import PosedFrame, Recording
+from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.recordings.transforms import body_transform, camera_in_body, quaternion_of
 
 TOPICS = {
     "/camera/image/compressed": "sensor_msgs/msg/CompressedImage",
     "/camera/depth/compressed": "sensor_msgs/msg/CompressedImage",
     "/camera/classes/compressed": "sensor_msgs/msg/CompressedImage",
+    "/camera/doubt/compressed": "sensor_msgs/msg/CompressedImage",
+    "/camera/depth_doubt/compressed": "sensor_msgs/msg/CompressedImage",
+    "/camera/seen_by": "std_msgs/msg/String",
     "/camera/camera_info": "sensor_msgs/msg/CameraInfo",
     "/camera/points": "sensor_msgs/msg/PointCloud2",
     "/odometry": "nav_msgs/msg/Odometry",
@@ -94,6 +98,8 @@ class _BagWriter:
             t = keyframe.t
             if number == 0:
                 self._send("/tf_static", t, self._new("tf2_msgs/msg/TFMessage", transforms=[static]))
+                if recording.seen_by != RECORDED and not self._only_colour:
+                    self._send("/camera/seen_by", t, self._new("std_msgs/msg/String", data=recording.seen_by))
             self._send("/camera/camera_info", t, self._camera_info(recording, t))
             self._pose(keyframe)
             if self._only_colour:
@@ -153,6 +159,13 @@ class _BagWriter:
         ]
         if frame.rgb is not None:
             pictures.append(("/camera/image/compressed", "rgb8; jpeg compressed bgr8", encode_jpeg(frame.rgb)))
+        for name, share, whole in (
+            ("doubt", frame.doubt, LABEL_STEPS), ("depth_doubt", frame.depth_doubt, DEPTH_STEPS),
+        ):  # fmt: skip
+            if share is not None:
+                pictures.append(
+                    (f"/camera/{name}/compressed", "mono8; png compressed", encode_png(pack_doubt(share, whole)))
+                )
         for topic, kind, content in pictures:
             self._picture(topic, kind, content, t)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError, first_line
 from coral.reef.camera import CameraCfg
+from coral.reef.eyes.backends import RGB
+from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping import MapCfg
@@ -20,10 +22,10 @@ from coral.reef.recordings.bag_reader import count_messages, read_messages, stam
 from coral.reef.recordings.bag_sonar import open_sonar
 from coral.reef.recordings.lens import Lens
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
-from coral.reef.recordings.picture_files import colours_of, depth_of, frame_of, labels_of
+from coral.reef.recordings.picture_files import colours_of, depth_of, doubt_of, frame_of, labels_of
 from coral.reef.recordings.pose_track import NEAR_S, PoseTrack, StampedTransforms
 from coral.reef.recordings.recorded_camera import RecordedCamera
-from coral.reef.recordings.recording import RECORDED, PosedFrame, PosedPing, Recording
+from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
 from coral.reef.recordings.ros_images import colours_in, values_in
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
 from coral.reef.sonar.echo_points import project_points
@@ -40,6 +42,12 @@ class BagTopics:
     """Depth in millimetres of 16 bits or metres of 32 bits, CompressedImage (PNG) or Image."""
     classes: str = "/camera/classes/compressed"
     """Classes of pixels (0 water, 1 oyster, 2 obstacle, 3 seabed) in 8 bits, CompressedImage (PNG) or Image."""
+    doubt: str = "/camera/doubt/compressed"
+    """Probability that a pixel's class is wrong, in steps of 1/255, 8 bits; read if it is there."""
+    depth_doubt: str = "/camera/depth_doubt/compressed"
+    """Expected error of a pixel's depth in percent of it, 8 bits; read if it is there."""
+    seen_by: str = "/camera/seen_by"
+    """String: who found classes and depth, exact, rgb or a file's name; read if it is there."""
     camera_info: str = "/camera/camera_info"
     sonar: str = "/sonar/points"
     """Echoes of an imaging sonar, PointCloud2, x forward, y left, z up; read if they are there."""
@@ -59,6 +67,7 @@ class _Contents:
     area: tuple[float, float, float, float] | None = None
     cell_m: float | None = None
     counts: dict[str, int] = field(default_factory=dict)
+    seen_by: str = RECORDED
 
 
 def read_bag(
@@ -93,6 +102,8 @@ def read_bag(
     pictured = [name for name in wanted if contents.counts.get(name)]
     if topics.image not in pictured and len(pictured) < 2:
         raise InputError(where, topics.image, "no pictures", f"CompressedImage or Image; {_known(contents)}")
+    if perception is None:
+        pictured += [name for name in (topics.doubt, topics.depth_doubt) if contents.counts.get(name)]
     found = camera or _with_mount(contents, where, topics)
     mount = contents.static.get((contents.track.child, contents.camera_frame), camera_in_body(found.view))
     # A body pose is that of a body whose camera sits at its origin: what else the mount turns goes into roll and pitch.
@@ -143,7 +154,7 @@ def read_bag(
     name = path.stem if path.suffix else path.name
     return Recording(
         name=name, source=where, camera=found.view, keyframes=keyframes, area=contents.area, map=cfg,
-        seen_by=perception.name if perception else RECORDED, omitted=omitted,
+        seen_by=perception.name if perception else contents.seen_by, omitted=omitted,
         sonar=None if hearing is None else hearing.sonar,
     )  # fmt: skip
 
@@ -161,7 +172,17 @@ def _frame(
         colours = colours_of(colours_in(images[topics.image], where), camera, where)
     if perception is None and topics.classes in images and topics.depth in images:
         labels = labels_of(values_in(images[topics.classes], where, "labels"), camera, where)
-        return frame_of(labels, depth_of(values_in(images[topics.depth], where, "depth"), camera, where), colours)
+        depth = depth_of(values_in(images[topics.depth], where, "depth"), camera, where)
+        doubts = {
+            name: doubt_of(values_in(images[topic], where, name), camera, where, name, whole)
+            for name, topic, whole in (
+                ("doubt", topics.doubt, LABEL_STEPS), ("depth_doubt", topics.depth_doubt, DEPTH_STEPS),
+            )
+            if topic in images
+        }  # fmt: skip
+        return replace(
+            frame_of(labels, depth, colours), doubt=doubts.get("doubt"), depth_doubt=doubts.get("depth_doubt")
+        )
     if colours is None:
         raise InputError(where, "", "one picture without its fellow", "colour, or both classes and depth")
     if perception is None:
@@ -214,7 +235,7 @@ def _with_mount(contents: _Contents, where: str, topics: BagTopics) -> RecordedC
 def _collect(path: Path, topics: BagTopics) -> _Contents:
     contents, where = _Contents(), str(path)
     contents.counts = count_messages(path)
-    wanted = {topics.odometry, topics.camera_info, topics.map, "/tf", "/tf_static"}
+    wanted = {topics.odometry, topics.camera_info, topics.map, topics.seen_by, "/tf", "/tf_static"}
     for topic, message in read_messages(path, wanted):
         try:
             if topic == topics.odometry:
@@ -222,6 +243,8 @@ def _collect(path: Path, topics: BagTopics) -> _Contents:
             elif topic == topics.camera_info:
                 contents.camera_frame = message.header.frame_id
                 contents.camera = contents.camera or _camera(message, f"{where}: {topic}", topics.image)
+            elif topic == topics.seen_by:
+                contents.seen_by = _name_eyes(str(message.data))
             elif topic == topics.map:
                 info = message.info
                 cell_m = round(float(info.resolution), 6)
@@ -282,6 +305,11 @@ def _camera(message: Any, where: str, image_topic: str) -> RecordedCamera:
         distortion=() if rectified else tuple(float(one) for one in message.d),
     )
     return RecordedCamera.of(lens, CameraCfg(), where)
+
+
+def _name_eyes(text: str) -> str:
+    """Return who saw the pictures. A file of whoever wrote the bag is a name, not a path on this machine."""
+    return text if text in (EXACT, RGB) else f"{PurePath(text).name[:60]}, recorded"
 
 
 def _known(contents: _Contents) -> str:

@@ -12,18 +12,19 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
+from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt, unpack_doubt
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
 from coral.reef.geometry import Frame, Label
 from coral.reef.recordings.picture_files import encode_depth, encode_png, frame_of
 from coral.reef.recordings.recorded_camera import RecordedCamera
 
-_PARTS = ("labels", "depth", "doubt")
+_PARTS = ("labels", "depth", "doubt", "depth_doubt")
 
 
 class PicturePerception:
     """Sees what pictures of a recording show. Products go through a recording several times: it looks once.
 
-    Depth is kept in millimetres and doubt in steps of 1/255, in a folder that goes with this object.
+    Depth is kept in millimetres and doubt in bytes (`pack_doubt`), in a folder that goes with this object.
     """
 
     def __init__(self, eyes: RgbPerception, name: str) -> None:
@@ -46,29 +47,32 @@ class PicturePerception:
             seen = perceive_frame(frame_of(*_nothing(camera.view), rgb), self._eyes, camera.view, attitude)
             number = self._seen[where] = len(self._seen)
             self._keep(number, seen, camera)
-        labels, depth, doubt = (self._read(number, part) for part in _PARTS)
+        labels, depth, doubt, depth_doubt = (self._read(number, part) for part in _PARTS)
         metres = np.where(depth > 0, depth.astype(np.float32) / np.float32(1000.0), np.float32(np.inf))
         return Frame(
             depth=metres.astype(np.float32),
             labels=np.asarray(labels, np.uint8),
             instances=np.empty((0, 0), np.int32),
             rgb=rgb,
-            doubt=doubt.astype(np.float32) / np.float32(255.0),
+            doubt=unpack_doubt(doubt, LABEL_STEPS),
+            depth_doubt=unpack_doubt(depth_doubt, DEPTH_STEPS) if depth_doubt.size else None,
         )
 
     def _keep(self, number: int, seen: Frame, camera: RecordedCamera) -> None:
         assert seen.doubt is not None
-        doubt = np.round(255.0 * np.clip(seen.doubt, 0.0, 1.0)).astype(np.uint8)
         labels, depth = seen.labels, encode_depth(seen.depth)
         if camera.rectifier is not None:
             labels = np.where(camera.rectifier.outside, np.uint8(Label.WATER), labels).astype(np.uint8)
             depth = np.where(camera.rectifier.outside, np.uint16(0), depth).astype(np.uint16)
         self._path(number, "labels").write_bytes(encode_png(labels))
         self._path(number, "depth").write_bytes(encode_png(depth))
-        self._path(number, "doubt").write_bytes(encode_png(doubt))
+        self._path(number, "doubt").write_bytes(encode_png(pack_doubt(seen.doubt, LABEL_STEPS)))
+        if seen.depth_doubt is not None:
+            self._path(number, "depth_doubt").write_bytes(encode_png(pack_doubt(seen.depth_doubt, DEPTH_STEPS)))
 
     def _read(self, number: int, part: str) -> NDArray[Any]:
-        return np.asarray(cv2.imread(str(self._path(number, part)), cv2.IMREAD_UNCHANGED))
+        path = self._path(number, part)
+        return np.asarray(cv2.imread(str(path), cv2.IMREAD_UNCHANGED)) if path.exists() else np.empty(0, np.uint8)
 
     def _path(self, number: int, part: str) -> Path:
         return Path(self._folder.name) / f"{number:06d}_{part}.png"

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.reef.eyes.doubt import unpack_doubt
 from coral.reef.geometry import Frame, Label
 from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.yaml_file import NotRegularError, regular_bytes
@@ -59,6 +60,15 @@ def decode_depth(content: bytes, camera: RecordedCamera, where: str) -> NDArray[
         InputError: It is none, or has another size than the camera's.
     """
     return depth_of(decode(content, where, "depth"), camera, where)
+
+
+def decode_doubt(content: bytes, camera: RecordedCamera, where: str, field: str, whole: int) -> NDArray[np.float32]:
+    """Decode a picture of doubt, 8 bits in one channel, in steps of 1 / whole. Shape=(H, W) of the camera's view.
+
+    Raises:
+        InputError: It is none, or has another size than the camera's.
+    """
+    return doubt_of(decode(content, where, field), camera, where, field, whole)
 
 
 def decode_rgb(content: bytes, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:
@@ -117,6 +127,18 @@ def depth_of(image: Image, camera: RecordedCamera, where: str) -> NDArray[np.flo
     metres = image.astype(np.float32) / np.float32(1000.0 if image.dtype == np.uint16 else 1.0)
     metres[~(metres > 0.0)] = np.inf
     return metres
+
+
+def doubt_of(image: Image, camera: RecordedCamera, where: str, field: str, whole: int) -> NDArray[np.float32]:
+    """Return decoded doubt, in steps of 1 / whole, as the camera's view shows it. Shape=(H, W).
+
+    Raises:
+        InputError: It is of another kind or size.
+    """
+    _check_size(image, camera, where, field)
+    if image.dtype != np.uint8 or image.ndim != 2:
+        raise InputError(where, field, _kind(image), "8 bits in one channel")
+    return unpack_doubt(image if camera.rectifier is None else camera.rectifier.values(image), whole)
 
 
 def colours_of(rgb: Image, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:

@@ -5,14 +5,23 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from coral.errors import InputError
+from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.geometry import Frame, Pose, wrap
 from coral.reef.local_plane import MOST_DEGREES, LocalPlane
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
-from coral.reef.recordings.picture_files import decode_depth, decode_labels, decode_rgb, frame_of, read_picture
+from coral.reef.recordings.picture_files import (
+    decode_depth,
+    decode_doubt,
+    decode_labels,
+    decode_rgb,
+    frame_of,
+    read_picture,
+)
 from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.yaml_file import read_regular
@@ -22,6 +31,8 @@ LOCAL = ("x", "y", "yaw")
 GLOBAL = ("lat", "lon", "heading")
 """Names of the columns of a position: metres and radians, or degrees with the compass heading."""
 EXPECTED = "columns t, x, y, yaw or t, lat, lon, heading; z, roll, pitch, rgb, depth, labels if known"
+DOUBTS = {"doubt": LABEL_STEPS, "depth_doubt": DEPTH_STEPS}
+"""Columns of pictures of doubt, as a run of a network keeps them, with the steps that make 1."""
 
 
 MAX_TABLE_BYTES = 500_000_000
@@ -81,7 +92,13 @@ def _frame(
         rgb = decode_rgb(read_picture(path / names["rgb"], where, "rgb"), camera, where)
     if perception is None and names.get("labels") and names.get("depth"):
         labels = decode_labels(read_picture(path / names["labels"], where, "labels"), camera, where)
-        return frame_of(labels, decode_depth(read_picture(path / names["depth"], where, "depth"), camera, where), rgb)
+        depth = decode_depth(read_picture(path / names["depth"], where, "depth"), camera, where)
+        doubts = {
+            name: decode_doubt(read_picture(path / names[name], where, name), camera, where, name, whole)
+            for name, whole in DOUBTS.items()
+            if names.get(name)
+        }
+        return replace(frame_of(labels, depth, rgb), doubt=doubts.get("doubt"), depth_doubt=doubts.get("depth_doubt"))
     if rgb is None:
         expected = "rgb, or both labels and depth" if perception is None else "rgb: --perception needs a colour picture"
         raise InputError(where, "", "no names of pictures", expected)
@@ -118,7 +135,7 @@ def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
         raise InputError(where, "", f"columns {', '.join(header) or 'none'}", EXPECTED)
     if not body:
         raise InputError(where, "", "no rows", "a row for each picture")
-    texts = [name for name in ("rgb", "depth", "labels") if name in header]
+    texts = [name for name in ("rgb", "depth", "labels", *DOUBTS) if name in header]
     numbers = [
         name
         for name in ("t", *place, "z", "roll", "pitch", "odo_x", "odo_y", "odo_yaw")

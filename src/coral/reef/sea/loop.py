@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 LATE_S = 0.1
 """A tick is late when its command goes out more than this after its deadline: a whole control period at 10 Hz."""
@@ -33,6 +33,8 @@ class TickCount:
     """Those of the late ticks that were left out, because their deadline had passed before the last one was done."""
     worst_s: float = 0.0
     """Longest time from a deadline to the end of its tick's work (s)."""
+    ends_s: list[float] = field(default_factory=list)
+    """From each tick's deadline to the end of its work (s)."""
 
 
 class FixedRate:
@@ -82,6 +84,7 @@ class FixedRate:
         self.count.done += 1
         self.count.late += behind > self.late_s
         self.count.worst_s = max(self.count.worst_s, behind)
+        self.count.ends_s.append(behind)
         return self.period_s - behind
 
 

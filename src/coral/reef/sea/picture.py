@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -11,8 +10,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import first_line
 from coral.reef.geometry import Frame
+from coral.reef.sea.latest_reading import LatestReading
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +60,7 @@ class CameraSource(Protocol):
         ...
 
 
-class LatestShot:
+class LatestShot(LatestReading[Shot]):
     """Reads a camera on a thread of its own and keeps the newest picture, perceived."""
 
     def __init__(
@@ -74,51 +73,13 @@ class LatestShot:
     ) -> None:
         """Start reading; without `threaded`, `step` reads one picture, for tests."""
         self.source, self.perception = source, perception
-        self.failure = ""
-        """What the camera last complained of, or ""."""
-        self._clock = clock
-        self._latest: Shot | None = None
-        self._times: list[float] = []
-        self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._work, name="coral-camera", daemon=True) if threaded else None
-        if self._thread is not None:
-            self._thread.start()
+        super().__init__(source, "coral-camera", clock=clock, threaded=threaded)
 
-    @property
-    def latest(self) -> Shot | None:
-        """The newest picture."""
-        return self._latest
-
-    @property
-    def rate_hz(self) -> float:
-        """Pictures a second, over the last ones."""
-        times = self._times[-20:]
-        return (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else 0.0
-
-    def step(self) -> None:
-        """Read one picture."""
-        try:
-            shot = self.source.read()
-            if shot is not None and shot.frame is None and shot.rgb is not None and self.perception is not None:
-                frame = self.perception.perceive(shot.rgb)
-                if frame.rgb is None and shot.rgb.shape[:2] == frame.depth.shape:
-                    frame = replace(frame, rgb=shot.rgb)  # for the record
-                shot = Shot(stamp_s=shot.stamp_s, rgb=shot.rgb, frame=frame)
-        except Exception as error:  # a camera may fail in any way; the guard stops the vehicle when none comes
-            self.failure = first_line(error)
-            self._closing.wait(0.2)
-            return
-        if shot is not None:
-            self.failure, self._latest = "", shot
-            self._times = [*self._times[-40:], self._clock()]
-
-    def close(self) -> None:
-        """Stop reading and free the camera."""
-        self._closing.set()
-        if self._thread is not None:
-            self._thread.join(2.0)
-        self.source.close()
-
-    def _work(self) -> None:
-        while not self._closing.is_set():
-            self.step()
+    def _read(self) -> Shot | None:
+        shot = self.source.read()
+        if shot is None or shot.frame is not None or shot.rgb is None or self.perception is None:
+            return shot
+        frame = self.perception.perceive(shot.rgb)
+        if frame.rgb is None and shot.rgb.shape[:2] == frame.depth.shape:
+            frame = replace(frame, rgb=shot.rgb)  # for the record
+        return Shot(stamp_s=shot.stamp_s, rgb=shot.rgb, frame=frame)

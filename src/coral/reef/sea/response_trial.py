@@ -35,14 +35,17 @@ class Leg:
 
 
 def legs(speed_m_s: float, yaw_rate_rad_s: float) -> tuple[Leg, ...]:
-    """Return the drive: straight steps there and back, turns on the spot, curves to both sides. It needs 5 m around."""
+    """Return the drive: straight steps there and back, backing off, turns on the spot, curves to both sides.
+
+    It needs 5 m around.
+    """
     half = Leg(0.0, yaw_rate_rad_s, math.pi / yaw_rate_rad_s)
     back = Leg(0.0, -yaw_rate_rad_s, math.pi / yaw_rate_rad_s)
     stand, run = Leg(0.0, 0.0, 4.0), Leg(speed_m_s, 0.0, 5.0)
-    slow = Leg(0.6 * speed_m_s, 0.0, 5.0)
+    slow, back_off = Leg(0.6 * speed_m_s, 0.0, 5.0), Leg(-0.4 * speed_m_s, 0.0, 4.0)
     left, right = (Leg(speed_m_s, side * 0.7 * yaw_rate_rad_s, 4.0) for side in (1.0, -1.0))
     return (stand, run, stand, half, stand, run, stand, back, stand, slow, stand, half, stand, slow, stand,
-            run, left, run, stand, back, stand, run, right, run, stand)  # fmt: skip
+            run, left, run, stand, back_off, stand, back, stand, run, right, run, stand, back_off, stand)  # fmt: skip
 
 
 @dataclass

@@ -424,6 +424,7 @@ class SeaMission:
             "skipped_ticks": count.skipped,
             "ticks": count.done,
             "worst_tick_ms": round(1e3 * count.worst_s, 1),
+            "tick_ms_p999": round(1e3 * float(np.percentile(count.ends_s or [0.0], 99.9)), 1),
             "recording_failure": record.work.failure,
             "recording_dropped": record.work.dropped,
             "tether_turns": round(self.report.tether_turns, 2),

@@ -1,0 +1,87 @@
+"""Reads a sensor on a thread of its own and keeps the newest measurement."""
+
+from __future__ import annotations
+
+import threading
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Generic, Protocol, TypeVar
+
+from coral.errors import first_line
+
+PAUSE_S = 0.2
+"""A sensor that fails is asked again after this time."""
+KEPT = 20
+"""The rate is that of so many measurements."""
+T = TypeVar("T")
+
+
+class Closable(Protocol):
+    """A sensor that can be freed."""
+
+    def close(self) -> None:
+        """Free the sensor."""
+        ...
+
+
+class LatestReading(ABC, Generic[T]):
+    """The newest measurement of a sensor, its rate, and what the sensor last complained of.
+
+    Args:
+        source: The sensor, closed at the end.
+        name: Name of the thread.
+        clock: Monotonic time (s).
+        threaded: Read on a thread. Otherwise `step` reads one measurement, for tests.
+    """
+
+    def __init__(
+        self, source: Closable, name: str, *, clock: Callable[[], float] = time.monotonic, threaded: bool = True
+    ) -> None:
+        self.failure = ""
+        """What the sensor last complained of, or ""."""
+        self._opened, self._clock = source, clock
+        self._latest: T | None = None
+        self._times: list[float] = []
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._work, name=name, daemon=True) if threaded else None
+        if self._thread is not None:
+            self._thread.start()
+
+    @abstractmethod
+    def _read(self) -> T | None:
+        """Wait for the next measurement; None when there is none this time, or it was refused."""
+
+    @property
+    def latest(self) -> T | None:
+        """The newest measurement."""
+        return self._latest
+
+    @property
+    def rate_hz(self) -> float:
+        """Measurements a second, over the last ones."""
+        times = self._times[-KEPT:]
+        return (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else 0.0
+
+    def step(self) -> None:
+        """Read one measurement."""
+        try:
+            found = self._read()
+        except Exception as error:  # a sensor may fail in any way; the guard stops the vehicle when nothing comes
+            self.failure = first_line(error)
+            self._closing.wait(PAUSE_S)
+            return
+        if found is not None:
+            self.failure, self._latest = "", found
+            self._times = [*self._times[-2 * KEPT :], self._clock()]
+
+    def close(self) -> None:
+        """Stop reading and free the sensor."""
+        self._closing.set()
+        if self._thread is not None:
+            self._thread.join(2.0)
+        self._opened.close()
+
+    def _work(self) -> None:
+        while not self._closing.is_set():
+            self.step()

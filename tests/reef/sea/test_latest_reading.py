@@ -1,0 +1,66 @@
+import threading
+
+import pytest
+
+from coral.reef.sea.latest_reading import KEPT, LatestReading
+
+
+class Source:
+    def __init__(self, found):
+        self.found, self.closed = list(found), False
+
+    def close(self):
+        self.closed = True
+
+
+class Numbers(LatestReading[float]):
+    """Measures the numbers of a list; an error in it is raised."""
+
+    def __init__(self, source, **options):
+        self.source = source
+        super().__init__(source, "numbers", **options)
+
+    def _read(self):
+        value = self.source.found.pop(0) if self.source.found else None
+        if isinstance(value, Exception):
+            raise value
+        return value
+
+
+def test_the_newest_is_kept_while_none_comes():
+    reading = Numbers(Source([1.0, None, 2.0, None]), threaded=False)
+    assert reading.latest is None
+    seen = []
+    for _ in range(4):
+        reading.step()
+        seen.append(reading.latest)
+    assert seen == [1.0, 1.0, 2.0, 2.0]
+
+
+def test_a_failure_is_told_until_the_sensor_is_back():
+    reading = Numbers(Source([OSError("no signal\nmore"), None, 3.0]), threaded=False)
+    reading._closing.set()  # no pause
+    reading.step()
+    assert reading.failure == "no signal"
+    reading.step()
+    assert reading.failure == "no signal"
+    reading.step()
+    assert (reading.failure, reading.latest) == ("", 3.0)
+
+
+def test_the_rate_is_that_of_the_last_measurements():
+    now = iter([*range(100)])
+    reading = Numbers(Source(range(60)), clock=lambda: 0.5 * next(now), threaded=False)
+    assert reading.rate_hz == 0.0
+    for _ in range(60):
+        reading.step()
+    assert reading.rate_hz == pytest.approx(2.0)
+    assert len(reading._times) <= 2 * KEPT + 1
+
+
+def test_a_thread_reads_until_it_is_closed():
+    source = Source(range(1000))
+    reading = Numbers(source)
+    reading.close()
+    assert source.closed
+    assert not any(thread.name == "numbers" for thread in threading.enumerate())
