@@ -10,10 +10,9 @@ from typing import Any
 import yaml
 
 from coral.errors import InputError
+from coral.plain_yaml import build_plain
 
 MAX_BYTES = 20_000_000
-MAX_DEPTH = 50
-"""Maximum nesting. PyYAML's C parser is recursive: 15 000 levels end the process by a signal."""
 
 
 class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
@@ -104,8 +103,9 @@ def load_mapping(
         InputError: It is not YAML, not a mapping, or nested or expanded without end.
     """
     try:
-        _refuse_depth(text, where, most_values)
-        content = yaml.load(text, Loader=Loader)
+        plain, content = build_plain(yaml.parse(text, Loader=Loader), where, most_values)
+        if not plain:
+            content = yaml.load(text, Loader=Loader)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = f"line {mark.line + 1}" if mark else ""
@@ -120,22 +120,6 @@ def load_mapping(
         raise InputError(where, "", f"a {type(content).__name__}", expected)
     _refuse_alias_expansion(content, where, most_values)
     return content
-
-
-def _refuse_depth(text: str, where: str, most_values: int) -> None:
-    """Check nesting and number of values on the parser's events, which come one by one without recursion."""
-    depth = seen = 0
-    for event in yaml.parse(text, Loader=Loader):
-        seen += isinstance(event, yaml.NodeEvent)
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-            if depth > MAX_DEPTH:
-                line = f"line {event.start_mark.line + 1}" if event.start_mark else ""
-                raise InputError(where, line, f"values nested more than {MAX_DEPTH} deep", "a file written by hand")
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
-        if seen > 3 * most_values:  # keys count here, but not below
-            raise InputError(where, "", f"more than {most_values} values", "a smaller file")
 
 
 def _refuse_alias_expansion(content: Any, where: str, most_values: int) -> None:

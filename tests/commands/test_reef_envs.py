@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import pytest
 from PIL import Image
 
@@ -46,3 +49,25 @@ def test_no_name_of_a_world_leads_its_preview_elsewhere(told, puddle, tmp_path, 
 def test_a_world_that_is_missing_and_a_folder_that_is_a_file_are_one_line(refused, puddle):
     assert "expected" in refused("reef", "envs", "s9")
     assert "--preview" in refused("reef", "envs", "s1", "--preview", puddle("s1") / "x")
+
+
+HEAVY = ("numba", "mujoco", "scipy", "matplotlib", "pyarrow", "pydantic_ai")
+
+
+@pytest.mark.parametrize(
+    ("words", "heavy"),
+    [
+        (["reef", "envs", "l1"], HEAVY),
+        (["--help"], (*HEAVY, "numpy", "cv2", "pydantic")),
+        (["--version"], (*HEAVY, "numpy", "cv2", "pydantic")),
+    ],
+    ids=["reef envs", "--help", "--version"],
+)
+def test_what_a_short_command_does_not_import(words, heavy):
+    code = (
+        "import sys\nfrom coral.cli import main\n"
+        f"try:\n    main({words})\nexcept SystemExit:\n    pass\n"
+        f"print([module for module in {heavy} if module in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
