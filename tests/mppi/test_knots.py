@@ -26,8 +26,8 @@ def test_noise_grows_along_the_ramp():
     assert deviation == pytest.approx(np.linspace(0.5, 2.0, 4)[:, None] * [0.1, 0.5], rel=0.03)
 
 
-def test_half_of_the_samples_are_fine_by_default():
-    moved = planner(KnotMppiCfg(samples=40, knots=4), (0.1,) * 7, groups=(3, 3, 1)).sample() != 0.0
+def test_only_a_share_of_the_samples_is_fine():
+    moved = planner(dataclasses.replace(CFG, samples=40, fine=0.5), (0.1,) * 7, groups=(3, 3, 1)).sample() != 0.0
     everything = moved.all(axis=(1, 2))
     assert everything[20:].all()
     assert not everything[:20].all()

@@ -11,7 +11,10 @@ from coral.mppi.knots import KnotMppiCfg
 
 UP = "def state_cost(self):\n    return abs(self.ee_pos[2] - 0.35)"
 BAD = "def state_cost(self):\n    return abs(self.ee_pos[2] - 0.35) / (0.3 - min(self.ee_pos[2], 0.3))"
-CFG = ImaginedRunCfg(most_s=1.2, controller=replace(ControllerCfg(horizon=20), mppi=replace(KnotMppiCfg(), samples=8)))
+CFG = ImaginedRunCfg(
+    most_s=1.2,
+    controller=replace(ControllerCfg(horizon=20), mppi=KnotMppiCfg(samples=8, fine=0.0, spread_quantile=0.9)),
+)
 
 
 def strategy(one, code=UP, done="self.ee_pos[2] > 0.28"):
