@@ -31,8 +31,8 @@ class ImaginedRunCfg:
     controller: ControllerCfg = field(
         default_factory=lambda: replace(ControllerCfg(), mppi=KnotMppiCfg(samples=16, fine=0.0, spread_quantile=0.9))
     )
-    """The planner, with few samples: where a stage begins is to be known to a centimetre or two. So few get further with
-    equal noise than with fine samples."""
+    """The planner, with few samples: where a stage begins is to be known to a centimetre or two. So few get further
+    with equal noise than with fine samples."""
 
 
 @dataclass(frozen=True, eq=False)
