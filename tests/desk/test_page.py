@@ -128,6 +128,18 @@ def test_questions_come_and_go_without_a_reload(visit, ask, case):
     expect(watcher.locator("#status")).to_contain_text("Withdrawn")
 
 
+def test_who_answered_is_told_although_it_is_recorded_after_the_answer(visit, ask, case, tmp_path):
+    asking, watcher = ask(case.reef_question()), visit("Bo")
+    expect(watcher.get_by_role("heading", name="Which oyster cluster next?")).to_be_visible()
+    folder = tmp_path / "inbox" / asking.id
+    (folder / ".mine").write_text('{"selected_centroid_index": 12, "multi_step_plan": [], "reason": "next"}')
+    (folder / ".mine").rename(folder / "answer.json")
+    expect(watcher.get_by_role("heading", name="Answered", exact=False)).to_be_visible()
+    (folder / ".by").write_text('{"operator": "Cleo", "answered_at": 1.0}')
+    (folder / ".by").rename(folder / "operator.json")
+    expect(watcher.locator("#toast")).to_have_text("Question 1 was answered by Cleo.")
+
+
 def test_a_point_on_the_map_becomes_whole_metres_as_seen_on_arrival(visit, ask, case):
     asking = ask(case.reef_question("reef-waypoint"))
     page = visit()
