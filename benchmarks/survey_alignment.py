@@ -129,7 +129,7 @@ def main() -> None:
                 ("5 to 8 m off", here.ground, rng.uniform(5.0, 8.0)),
             ):
                 what, metres, degrees = outcome(*attempt(rng, here, ground, off_m, back))
-                if kind in ("map of another reef", "5 to 8 m off") and what == "right" and off_m < 4.0:
+                if kind in ("map of another reef", "5 to 8 m off") and what == "right":
                     what = "wrong"
                 counts.setdefault(kind, Counter())[what] += 1
                 if what == "right":
