@@ -171,16 +171,6 @@ def test_no_law_takes_an_invalid_sample(law):
     assert update.weights[7] == 1.0
 
 
-def test_the_cheapest_samples_are_rolled_out_again_later_in_time():
-    mppi = planner(dataclasses.replace(CFG, kept=2))
-    update = mppi.improve(lambda knots: knots[:, -1, 0])
-    best = update.sampled[np.argsort(update.costs)[:2]]
-    mppi.advance(1.0, 3.0)  # by one knot
-    again = mppi.sample()[1:3]
-    assert again[:, :3] == pytest.approx(best[:, 1:])
-    assert again[:, 3] == pytest.approx(best[:, 3])
-
-
 @pytest.mark.parametrize(
     ("costs", "quantile", "expected"),
     [

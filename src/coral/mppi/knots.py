@@ -5,6 +5,7 @@ Two other update laws share its samples, for comparison: predictive sampling and
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
@@ -58,9 +59,6 @@ class KnotMppiCfg:
     """Share of the samples that are elites."""
     least_noise: Fraction = 0.2
     """The noise that is fitted to elites never falls below this share of sigma."""
-    kept: Annotated[int, Field(ge=0, le=1000)] = 0
-    """Number of the cheapest samples that are rolled out again with the next plan, shifted in time (iCEM, Pinneri et
-    al. 2020)."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +99,6 @@ class KnotMppi:
         self.cfg, self.sigma, self._rng = cfg, np.asarray(sigma, dtype=float), rng
         self._groups = (self.sigma.size,) if groups is None else tuple(groups)
         self.knots = np.zeros((cfg.knots, self.sigma.size))
-        self.elites: Array = np.empty((0, *self.knots.shape))
         self._width = np.ones_like(self.knots)
 
     def sample(self, scale: float = 1.0) -> Array:
@@ -113,10 +110,7 @@ class KnotMppi:
         noise[:fine] *= np.exp(self._rng.uniform(np.log(cfg.finest), 0.0, (fine, 1, 1)))
         noise[:fine] *= self._choose_axes(fine)[:, None, :]
         noise[0] = 0.0
-        sampled = np.asarray(self.knots + noise)
-        again = self.elites[: cfg.samples - 1]
-        sampled[1 : 1 + len(again)] = again
-        return sampled
+        return np.asarray(self.knots + noise)
 
     def _choose_axes(self, count: int) -> NDArray[np.bool_]:
         """Choose the axes that each fine sample perturbs, Shape=(count, nu): groups at random, at least one."""
@@ -150,7 +144,8 @@ class KnotMppi:
             ok = bool(weights.any())
             if ok:
                 self.knots = np.tensordot(weights, sampled, axes=1)
-                self._keep(sampled, costs)
+                if self.cfg.law == "elites":
+                    self._fit_width(sampled[weights > 0])
             update = Update(self.knots.copy(), sampled, costs, weights, effective_sample_size(weights), ok)
         assert update is not None
         return update
@@ -158,37 +153,23 @@ class KnotMppi:
     def advance(self, by: float, span: float) -> None:
         """Shift the plan by `by` in time: the warm start of the next one."""
         self.knots = shift(self.knots, by, span, self.cfg.spline)
-        self.elites = shift(self.elites, by, span, self.cfg.spline)
 
     def _weigh(self, costs: Array) -> Array:
         """Return the weights, Shape=(K,), by the update law; all zero if no cost is finite."""
         cfg = self.cfg
         if cfg.law == "softmax":
             return softmax_weights(costs, cfg.temperature * spread(costs, cfg.spread_quantile))
-        weights = np.zeros_like(costs)
-        chosen = _cheapest(costs, 1 if cfg.law == "best" else self._elite_count)
-        weights[chosen] = 1.0 / max(len(chosen), 1)
-        return weights
+        return softmax_weights(costs, math.inf, elites=1 if cfg.law == "best" else self._elite_count)
 
     @property
     def _elite_count(self) -> int:
         return max(2, round(self.cfg.elite_share * self.cfg.samples))
 
-    def _keep(self, sampled: Array, costs: Array) -> None:
-        """Keep the cheapest samples for the next plan, and fit the noise to the elites."""
+    def _fit_width(self, elites: Array) -> None:
+        """Fit the noise to the elites, Shape=(E, n, nu)."""
         cfg = self.cfg
-        self.elites = sampled[_cheapest(costs, cfg.kept)].copy()
-        if cfg.law == "elites":
-            ramp = np.linspace(*cfg.ramp, cfg.knots)[:, None]
-            width = sampled[_cheapest(costs, self._elite_count)].std(axis=0)
-            full = np.maximum(ramp * self.sigma, 1e-12)
-            self._width = np.clip(width / full, cfg.least_noise, 1.0)
-
-
-def _cheapest(costs: Array, count: int) -> NDArray[np.intp]:
-    """Return the indices of the cheapest valid samples, cheapest first."""
-    order = np.argsort(costs, kind="stable")[:count]
-    return order[np.isfinite(costs[order])]
+        full = np.maximum(np.linspace(*cfg.ramp, cfg.knots)[:, None] * self.sigma, 1e-12)
+        self._width = np.clip(elites.std(axis=0) / full, cfg.least_noise, 1.0)
 
 
 def spread(costs: Array, quantile: float = 1.0) -> float:

@@ -209,10 +209,10 @@ class Controller:
         return HandTarget(position, quaternion, target.opening_m, target.stiffness)
 
     def _recentre(self, start: HandTarget) -> None:
-        for knots in (self.mppi.knots, self.mppi.elites):
-            if self._centre is not None:
-                absolute = multiply(self._centre, from_rotvec(knots[..., 3:6]))
-                knots[..., 3:6] = to_rotvec(multiply(conjugate(start.quaternion), absolute))
+        knots = self.mppi.knots
+        if self._centre is not None:
+            absolute = multiply(self._centre, from_rotvec(knots[:, 3:6]))
+            knots[:, 3:6] = to_rotvec(multiply(conjugate(start.quaternion), absolute))
         self._centre = start.quaternion
 
     def _bound_knots(self, knots: Array, start: HandTarget) -> Array:
