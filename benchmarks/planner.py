@@ -229,13 +229,13 @@ def task_row(task: str, samples: int, horizon: int, repeats: int) -> dict[str, A
 
 
 def fewer_row(task: str, samples: int, fewer: int, horizon: int, repeats: int) -> dict[str, Any]:
-    """Time of a whole plan of a task on one thread, with more rehearsals and with fewer in turn."""
+    """Time of a whole plan of a task with more rehearsals and with fewer in turn: CPU, and wall on two threads."""
     trial = sample_trial(load_task(task), 0)
     now = HandWorld(trial, HandWorldCfg()).reset()
     above = now.objects[trial.task.objects[0].name].position + np.array([0, 0, 0.05])
     now = replace(now, tool=replace(now.tool, position=above))
     stage = expert(trial.task, "expert").stages[0]
-    world = PlanningWorld(trial, stated_beliefs(trial), now, PlanningCfg(threads=1))
+    world = PlanningWorld(trial, stated_beliefs(trial), now, PlanningCfg(threads=2))
     cfgs = {k: ControllerCfg(horizon=horizon, mppi=KnotMppiCfg(samples=k)) for k in (samples, fewer)}
     found = timed(
         {
@@ -245,8 +245,7 @@ def fewer_row(task: str, samples: int, fewer: int, horizon: int, repeats: int) -
         repeats,
     )
     world.close()
-    more_ms, fewer_ms = found[str(samples)]["cpu_ms"], found[str(fewer)]["cpu_ms"]
-    return {"task": task, "more_ms": more_ms, "fewer_ms": fewer_ms, "ratio": fewer_ms / more_ms}
+    return {"task": task, "more": found[str(samples)], "fewer": found[str(fewer)]}
 
 
 def draw_curves(curves: dict[str, list[dict[str, float]]], path: Path) -> None:
@@ -281,13 +280,22 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=15)
     parser.add_argument("--out", type=Path, help="folder for the curves, such as docs/results")
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--fewer", type=int, help="time whole plans with so many rehearsals beside --samples, only")
+    parser.add_argument(
+        "--fewer", type=int, help="time whole plans, on two threads, with so many rehearsals beside --samples, only"
+    )
     args = parser.parse_args()
     if args.fewer:
-        print(f"| a whole plan, CPU ms | K = {args.samples} | K = {args.fewer} | ratio |\n|---|---:|---:|---:|")
+        print(
+            f"| a whole plan | K = {args.samples}, CPU ms | K = {args.fewer}, CPU ms | ratio | wall ms | wall ms | ratio |"
+        )
+        print("|---|---:|---:|---:|---:|---:|---:|")
         for task in shipped_tasks():
             row = fewer_row(task, args.samples, args.fewer, args.horizon, args.repeats)
-            print(f"| {task} | {row['more_ms']:.0f} | {row['fewer_ms']:.0f} | {row['ratio']:.2f} |", flush=True)
+            cells = [task]
+            for clock in ("cpu_ms", "wall_ms"):
+                more, fewer = row["more"][clock], row["fewer"][clock]
+                cells += [f"{more:.0f}", f"{fewer:.0f}", f"{fewer / more:.2f}"]
+            print(f"| {' | '.join(cells)} |", flush=True)
         return
     result = compare(args.samples, args.horizon, args.peer_python, args.repeats)
     result["tasks"] = [task_row(task, args.samples, args.horizon, args.repeats) for task in shipped_tasks()]
