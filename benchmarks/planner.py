@@ -280,14 +280,10 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=15)
     parser.add_argument("--out", type=Path, help="folder for the curves, such as docs/results")
     parser.add_argument("--json", action="store_true")
-    parser.add_argument(
-        "--fewer", type=int, help="time whole plans, on two threads, with so many rehearsals beside --samples, only"
-    )
+    parser.add_argument("--fewer", type=int, help="only time whole plans with so many rehearsals beside --samples")
     args = parser.parse_args()
     if args.fewer:
-        print(
-            f"| a whole plan | K = {args.samples}, CPU ms | K = {args.fewer}, CPU ms | ratio | wall ms | wall ms | ratio |"
-        )
+        print(f"| a whole plan | CPU ms, K = {args.samples} | K = {args.fewer} | ratio | wall ms | wall ms | ratio |")
         print("|---|---:|---:|---:|---:|---:|---:|")
         for task in shipped_tasks():
             row = fewer_row(task, args.samples, args.fewer, args.horizon, args.repeats)
