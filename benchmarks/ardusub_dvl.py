@@ -18,6 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from coral.contact.scene.geometry import rotation_vector
+from coral.reef.dynamics_kernels import rotation
 from coral.reef.sea import ardusub
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.transport import open_transport
@@ -90,32 +92,17 @@ class DvlDouble:
 
     def _report(self, seconds: float, before: Any, after: Any) -> None:
         """Send the way since the last report, in the body frame of its beginning."""
-        turn = _rotation(before.roll, before.pitch, before.yaw)
+        turn = rotation(before.roll, before.pitch, before.yaw)
         way = self._scale * (turn.T @ self._way) + self._noise * seconds * self._rng.standard_normal(3)
         c, s = math.cos(self._mounting), math.sin(self._mounting)
         way = np.array([c * way[0] - s * way[1], s * way[0] + c * way[1], way[2]])
-        turned = _vector(turn.T @ _rotation(after.roll, after.pitch, after.yaw))
+        turned = rotation_vector(turn.T @ rotation(after.roll, after.pitch, after.yaw))
         self._send(self._dialect.MAVLink_vision_position_delta_message(
             int(1e6 * time.monotonic()), int(1e6 * seconds), turned.tolist(), way.tolist(), 95.0))  # fmt: skip
 
     def _send(self, message: Any) -> None:
         self._line.send(message.pack(self._codec))
         self._codec.seq = (self._codec.seq + 1) % 256
-
-
-def _rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
-    """Return the rotation from body (forward, right, down) to north, east, down."""
-    cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (math.cos, math.sin))
-    return np.array([
-        [cp * cy, sr * sp * cy - cr * sy, cr * sp * cy + sr * sy],
-        [cp * sy, sr * sp * sy + cr * cy, cr * sp * sy - sr * cy],
-        [-sp, sr * cp, cr * cp],
-    ])  # fmt: skip
-
-
-def _vector(turn: np.ndarray) -> np.ndarray:
-    """Return the rotation vector (rad) of a small rotation."""
-    return 0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
 
 
 def main() -> None:
