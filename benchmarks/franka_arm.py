@@ -4,8 +4,10 @@
     python benchmarks/franka_arm.py --seeds '' --stops 1 --out docs/results/franka-stops.md
 
 Each episode starts a simulated arm of its own, with contact forces, noisy wrenches and noisy poses. Plans are charged
-with a fixed latency by the arm's clock, so a machine on which the simulated arm is slow gains nothing. Each stop is
-caused while the arm moves on a circle, and counted to the stop command; the table says from which moment.
+with a fixed latency by the arm's clock, so a machine on which the simulated arm is slow gains nothing. With --speed
+the arm's clock runs slower than the machine's, so that a plan is ready within that latency although the planner shares
+two busy cores with the simulated arm. Each stop is caused while the arm moves on a circle, and counted to the stop
+command; the table says from which moment.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.franka.cfg import FrankaCfg
-from coral.contact.worlds.franka.double import Double
+from coral.contact.worlds.franka.double import Double, DoubleCfg, cfg_for_double
 from coral.contact.worlds.franka.franky_arm import FrankyArm
 from coral.contact.worlds.franka.stream import Phase, StopCause
 from coral.contact.worlds.franka.stream_process import StreamProcess
@@ -47,7 +49,6 @@ CAUSES = {
     StopCause.LINK: "no states, from the last state; time-out 30 ms included",
     StopCause.WATCHDOG: "a silent program, from the end of its time-out (300 ms)",
 }
-LATENCY = "fixed:0.12"
 
 
 def main() -> None:
@@ -56,31 +57,33 @@ def main() -> None:
     parser.add_argument("--tasks", default="pick-box,push-gently")
     parser.add_argument("--seeds", default="0-4")
     parser.add_argument("--samples", type=int, default=60, help="rehearsals per plan")
+    parser.add_argument("--latency-s", type=float, default=0.05, help="time of a plan by the arm's clock")
+    parser.add_argument("--speed", type=float, default=1.0, help="speed of the arm's clock: see above")
     parser.add_argument("--stops", type=int, default=5, help="stops for each cause")
     parser.add_argument("--until", default="", help="begin no episode after this time of the day, HH:MM")
     parser.add_argument("--out", type=Path, required=True)
     args = parser.parse_args()
     rows: list[dict[str, Any]] = []
     stops = {cause: list(measure_stops(cause, args.stops)) for cause in (CAUSES if args.stops else ())}
-    args.out.write_text(table(rows, stops, args.samples), encoding="utf-8")
+    args.out.write_text(table(rows, stops, args), encoding="utf-8")
     for seed in parse_seeds(args.seeds) if args.seeds else ():
         for task in args.tasks.split(","):
             if args.until and time.strftime("%H:%M") >= args.until:
                 continue
-            rows.append(attempt(task, seed, args.samples))
+            rows.append(attempt(task, seed, args))
             print(rows[-1], flush=True)
-            args.out.write_text(table(rows, stops, args.samples), encoding="utf-8")
+            args.out.write_text(table(rows, stops, args), encoding="utf-8")
 
 
-def attempt(name: str, seed: int, samples: int) -> dict[str, Any]:
+def attempt(name: str, seed: int, args: argparse.Namespace) -> dict[str, Any]:
     """Run one episode and return its row."""
     task = load_task(name)
     trial = sample_trial(task, seed, name)
-    cfg = resolve_episode(EpisodeCfg(), samples=samples, poses=None, tracker=None, fallback=None)
-    arm = replace(cfg.franka, poses_port=0, link_timeout_s=2.0, watchdog_s=2.0)  # a busy machine is no lost link
-    cfg = replace(cfg, franka=arm, planning=replace(cfg.planning, latency=LATENCY))
+    cfg = resolve_episode(EpisodeCfg(), samples=args.samples, poses=None, tracker=None, fallback=None)
+    arm = cfg_for_double(replace(cfg.franka, poses_port=0))
+    cfg = replace(cfg, franka=arm, planning=replace(cfg.planning, latency=f"fixed:{args.latency_s:g}"))
     cfg = replace(cfg, record=replace(cfg.record, report=False))
-    double = Double(trial, arm)
+    double = Double(trial, arm, DoubleCfg(speed=args.speed))
     stream = StreamProcess(FrankyArm, double.address, arm, list(trial.objects))
     double.send_poses_to(arm.poses_host, stream.poses_port)
     world = FrankaDoubleWorld(stream, arm, cfg.planning.step_s, list(trial.objects), double)
@@ -135,7 +138,7 @@ def measure_stops(cause: StopCause, count: int) -> Iterator[tuple[float, float]]
     done = attempts = 0
     while done < count and attempts < 3 * count:
         attempts += 1
-        patient = FrankaCfg(poses_port=0, link_timeout_s=2.0, watchdog_s=2.0)
+        patient = cfg_for_double(FrankaCfg(poses_port=0))
         if cause is StopCause.LINK:
             patient = replace(patient, link_timeout_s=0.03)
         if cause is StopCause.WATCHDOG:
@@ -194,7 +197,9 @@ def stop_once(cause: StopCause, double: Double, stream: StreamProcess, cfg: Fran
     return 1e3 * command_s, 1e3 * report.still_after_s if report.still_after_s else float("nan")
 
 
-def table(rows: Sequence[dict[str, Any]], stops: dict[StopCause, list[tuple[float, float]]], samples: int) -> str:
+def table(
+    rows: Sequence[dict[str, Any]], stops: dict[StopCause, list[tuple[float, float]]], args: argparse.Namespace
+) -> str:
     """Return the tables as Markdown."""
     lines = [
         "# The driver against the simulated arm",
@@ -205,7 +210,8 @@ def table(rows: Sequence[dict[str, Any]], stops: dict[StopCause, list[tuple[floa
     if rows:
         lines += [
             "",
-            f"Variant `expert-fsm`, {samples} rehearsals a plan, planning latency {LATENCY[6:]} s by the arm's clock.",
+            f"Variant `expert-fsm`, {args.samples} rehearsals a plan, ready after {args.latency_s:g} s by the arm's",
+            f"clock, which runs at {args.speed:g} of the machine's. Of the joints' friction 80 % are made up for.",
             "",
             "| task | seed | end | arm's clock | wall clock | peak force: true, measured | stream late: p99, worst |",
             "|---|---|---|---|---|---|---|",

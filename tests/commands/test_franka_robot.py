@@ -9,7 +9,6 @@ from episodes import make_trial
 
 from coral.cli import main
 from coral.commands.franka_robot import (
-    SIMULATED_SILENCE_S,
     RobotFlags,
     ask_for_word,
     go_through,
@@ -69,7 +68,10 @@ def test_an_arm_does_not_wait_for_plans_and_a_simulated_one_may_be_slow():
     assert robot_cfg(cfg, ARM).planning.latency == "measured"
     assert robot_cfg(cfg, ARM).franka == cfg.franka
     slow = robot_cfg(cfg, dataclasses.replace(ARM, robot="sim")).franka
-    assert (slow.link_timeout_s, slow.watchdog_s) == (SIMULATED_SILENCE_S, SIMULATED_SILENCE_S)
+    assert (slow.link_timeout_s, slow.watchdog_s) == (2.0, 2.0)
+    assert slow.joint_friction_n_m[0] == pytest.approx(0.8 * 1.137)
+    own = dataclasses.replace(cfg, franka=dataclasses.replace(cfg.franka, joint_friction_n_m=(0.1,) * 7))
+    assert robot_cfg(own, dataclasses.replace(ARM, robot="sim")).franka.joint_friction_n_m == (0.1,) * 7
     fixed = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, latency="fixed:0.1"))
     assert robot_cfg(fixed, ARM).planning.latency == "fixed:0.1"
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka.cfg import FrankaCfg
+from coral.contact.worlds.franka.double import Double, cfg_for_double
 from coral.contact.worlds.franka.preflight import preflight_arm, preflight_text
 from coral.contact.worlds.franka.stream_record import StreamReport
 from coral.contact.worlds.franka.world import FrankaDoubleWorld, FrankaWorld, StreamHandle
@@ -19,7 +20,6 @@ WORLD, SIMULATED = "franka", "sim"
 WORD = "move"
 DRY_RUN_S = 3.0
 """Duration of a dry run: the arm does not move, and the plan's beginning repeats."""
-SIMULATED_SILENCE_S = 2.0
 _SEEN_WITHIN_S = 10.0
 
 
@@ -64,15 +64,12 @@ def robot_trial(trial: Trial, flags: RobotFlags) -> Trial:
 def robot_cfg(cfg: EpisodeCfg, flags: RobotFlags) -> EpisodeCfg:
     """Return the configuration for an arm.
 
-    It does not wait for plans: their latency is measured, unless it is given. A simulated arm and the program slow down
-    on a busy machine, so their silence is awaited for longer.
+    It does not wait for plans: their latency is measured, unless it is given.
     """
     if cfg.planning.latency == "0":
         cfg = replace(cfg, planning=replace(cfg.planning, latency="measured"))
     if flags.robot == SIMULATED:
-        arm, least_s = cfg.franka, SIMULATED_SILENCE_S
-        link_s, watchdog_s = max(arm.link_timeout_s, least_s), max(arm.watchdog_s, least_s)
-        cfg = replace(cfg, franka=replace(arm, link_timeout_s=link_s, watchdog_s=watchdog_s))
+        cfg = replace(cfg, franka=cfg_for_double(cfg.franka))
     return cfg
 
 
@@ -83,7 +80,6 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
         InputError: The extra is missing, or nothing answers at the address.
         RunError: A line of the list is not in order, or the operator did not say the word.
     """
-    from coral.contact.worlds.franka.double import Double
     from coral.contact.worlds.franka.franky_arm import FrankyArm, franky
     from coral.contact.worlds.franka.stream_process import StreamProcess
 

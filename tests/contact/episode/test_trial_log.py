@@ -7,7 +7,7 @@ import pytest
 import yaml
 from contact_bench import body, make_trial, touch, truth
 
-from coral.contact.episode.trial_log import end_reason, parameter_fields, start_fields, write_head
+from coral.contact.episode.trial_log import conditions_not_held, end_reason, parameter_fields, start_fields, write_head
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters
@@ -57,3 +57,13 @@ def test_success_at_the_last_moment_counts_and_a_lost_object_counts_more():
     end_reason(judge, truth(0.0), True)
     assert end_reason(judge, truth(0.2), False) == "success"
     assert end_reason(judge, truth(0.2, body(np.array([0.5, 0.0, -0.2]))), True) == "dropped: box"
+
+
+def test_a_timeout_tells_which_conditions_do_not_hold():
+    trial = make_trial()
+    kinds = [one.kind for one in trial.task.success.conditions]
+    holding = [True] * len(kinds)
+    assert conditions_not_held(trial, holding) == ""
+    holding[0] = False
+    assert conditions_not_held(trial, holding) == f"not held: {kinds[0]} of box"
+    assert conditions_not_held(trial, ()) == ""  # nothing was checked

@@ -18,7 +18,7 @@ from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.mppi.knots import KnotMppiCfg
 
 TASK = load_task("push-force")
-PUSH = next(stage for stage in fsm(TASK).stages if stage.name == "push")
+_, PUSH, LET_GO = fsm(TASK).stages
 
 
 def at_the_block(seed):
@@ -76,3 +76,15 @@ def test_a_push_goes_ahead_and_leaves_height_orientation_and_opening_alone():
     assert -0.005 < last.position[2] - now.tool.position[2] < 0.002  # SINK_M lower
     assert angle_between(last.quaternion, now.tool.quaternion) < 0.02
     assert last.opening_m == pytest.approx(now.opening_m)
+
+
+def test_the_hand_lets_go_although_the_plan_before_leads_over_the_block():
+    world, now = at_the_block(0)
+    planner = Controller(world, ControllerCfg(mppi=KnotMppiCfg(samples=40)), np.random.default_rng(0))
+    planner.restart(now)
+    ahead = np.linspace(0.0, 1.0, len(planner.mppi.knots))
+    planner.mppi.knots[:, :3] += ahead[:, None] * np.array([0.15, 0.0, 0.05])
+    for _ in range(4):
+        plan = planner.plan(now, LET_GO, 0)
+        planner.executed(plan.targets[1], 2)
+    assert plan.targets[-1].position[0] < now.tool.position[0] - 0.01

@@ -29,7 +29,7 @@ from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.plan_under_way import PlanUnderWay
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
 from coral.contact.episode.referee import OperatorVerdict, make_referee
-from coral.contact.episode.trial_log import parameter_fields, start_fields, write_head
+from coral.contact.episode.trial_log import conditions_not_held, parameter_fields, start_fields, write_head
 from coral.contact.perception.advisor_camera import make_advisor_camera
 from coral.contact.perception.guessed_world import GuessedWorld
 from coral.contact.perception.pose_difference import PoseDifference
@@ -403,6 +403,8 @@ class Episode:
         self.recorder.contacts(self.step, truth)
         time_left = self._thinking or self.t - self._thought_s < self.time_limit_s - 1e-9
         self.end_reason = self.referee.end_reason(truth, time_left)
+        if self.end_reason == "timeout":
+            self.detail = conditions_not_held(self.trial, self.referee.holding)
         return True
 
     def _begin(self) -> None:

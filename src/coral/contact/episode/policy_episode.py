@@ -17,7 +17,7 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
 from coral.contact.episode.referee import Referee, TruthReferee
-from coral.contact.episode.trial_log import start_fields, write_head
+from coral.contact.episode.trial_log import conditions_not_held, start_fields, write_head
 from coral.contact.policy import libero_convention as libero
 from coral.contact.policy.address import Address
 from coral.contact.policy.cameras import PolicyCameras
@@ -169,6 +169,8 @@ class PolicyEpisode:
         self.recorder.state(self.step, self.t, self.world)
         self.recorder.contacts(self.step, truth)
         self.end_reason = self.referee.end_reason(truth, self.t < self.time_limit_s - 1e-9)
+        if self.end_reason == "timeout":
+            self.detail = conditions_not_held(self.trial, self.referee.holding)
 
     def _begin(self) -> None:
         self.now = self.world.reset()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from coral.contact.episode.recorder import numbers
@@ -59,3 +60,15 @@ def end_reason(judge: Judge, truth: Truth, time_left: bool) -> str:
     if done:
         return "success"
     return "" if time_left else "timeout"
+
+
+def conditions_not_held(trial: Trial, holding: Sequence[bool]) -> str:
+    """Return which of the task's conditions do not hold, in words; "" if they hold or were not checked.
+
+    Args:
+        trial: The trial.
+        holding: Which conditions hold; see `Referee.holding`.
+    """
+    conditions = trial.task.success.conditions[: len(holding)]
+    names = [f"{one.kind} of {one.object}" for one, holds in zip(conditions, holding, strict=True) if not holds]
+    return f"not held: {', '.join(names)}" if names else ""

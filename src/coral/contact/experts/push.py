@@ -230,6 +230,7 @@ def fsm(task: Task) -> Strategy:
     above = Guide(
         lambda now: behind(now, name, 0.012)[0] + np.array([0, 0, 0.1]), lambda now: facing(now, name), ABREAST_M
     )
+    gone = Guide(lambda now: behind(now, name, 0.03)[0])
     return Strategy(
         "push, stages",
         (
@@ -244,6 +245,7 @@ def fsm(task: Task) -> Strategy:
                 sigma=STEADY,
             ),
             # Equally soft: the target still leads by 5 cm, and a stiffer spring would hit the block (53 N, measured).
-            Stage("let go", let_go, stiffness_n_m=SOFT_N_M, back=("reach", short), sigma=0.6),
+            # Guided, because the plan that ends the push leads on over the block.
+            Stage("let go", let_go, (gone,), stiffness_n_m=SOFT_N_M, back=("reach", short), sigma=0.6),
         ),
     )

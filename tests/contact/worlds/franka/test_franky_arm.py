@@ -1,5 +1,6 @@
 """Calls of franky-control, against a stand-in for the package: what is sent, and how its errors come back."""
 
+import dataclasses
 import threading
 from types import SimpleNamespace
 
@@ -78,8 +79,8 @@ class Gripper:
 
 
 class Tracker:
-    def __init__(self, robot, gains, posture_task):
-        self.gains, self.targets = [gains], []
+    def __init__(self, robot, gains, posture_task, friction):
+        self.gains, self.targets, self.friction = [gains], [], friction
 
     def set_gains(self, gains):
         self.gains.append(gains)
@@ -100,6 +101,7 @@ PACKAGE = SimpleNamespace(
     JointMotion=lambda joints: ("joints", tuple(joints)),
     TorqueStopMotion=lambda **values: "torque stop",
     CartesianImpedanceTracker=Tracker,
+    FrictionCompensationParams=SimpleNamespace,
     CartesianImpedanceGains=SimpleNamespace(diagonal=lambda gain, damping: (gain, damping)),
 )
 
@@ -141,6 +143,14 @@ def test_targets_go_to_one_tracker_with_critical_damping(arm):
     assert len(tracker.gains) == 1
     arm.follow(HandTarget(TOOL, DOWN, 0.08, 500.0))
     assert len(tracker.gains) == 2
+
+
+def test_no_joint_gets_more_than_its_friction(arm):
+    friction = (0.9, 0.9, 0.9, 0.9, 0.6, 0.35, 0.2)
+    arm._cfg = dataclasses.replace(arm._cfg, joint_friction_n_m=friction)
+    arm.follow(HandTarget(TOOL, DOWN, 0.08, 400.0))
+    made_up = arm._tracker.friction
+    assert (tuple(made_up.coulomb), tuple(made_up.max_torque)) == (friction, friction)
 
 
 def test_an_arm_that_left_control_is_an_error(arm):

@@ -40,6 +40,12 @@ class FrankaCfg:
     """Apparent inertia of the hand, for which the impedance is critically damped, as for the planner's hand."""
     posture_stiffness: NonNegative = 10.0
     """Stiffness towards the start posture in the nullspace, N m/rad."""
+    joint_friction_n_m: tuple[
+        NonNegative, NonNegative, NonNegative, NonNegative, NonNegative, NonNegative, NonNegative
+    ] = (0.0,) * 7
+    """Dry friction of each joint that the impedance makes up for while the joint moves; more than there is shakes."""
+    friction_speed_rad_s: Positive = 0.02
+    """Speed of a joint at which three quarters of its friction are made up for."""
     grip_force_n: Positive = 20.0
     """Force of the fingers."""
     grip_speed_m_s: Positive = 0.05

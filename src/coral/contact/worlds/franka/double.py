@@ -11,12 +11,13 @@ import os
 import socket
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
 from coral.config import NonNegative, Positive
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
@@ -37,6 +38,10 @@ from coral.errors import InputError, RunError
 MISSING = "pip install franky-sim (with the extra franka)"
 NICENESS = -10
 """Priority of the simulated arm, where it is allowed."""
+JOINT_FRICTION_N_M = (1.137, 1.137, 1.137, 1.137, 0.763, 0.44, 0.248)
+"""Dry friction of the joints in franky-sim's model of the arm."""
+COMPENSATED = 0.8
+"""Share of it that the driver makes up for: who identifies an arm's friction errs by some of it."""
 _GROUND_M = -0.912
 _START_TIMEOUT_S = 90.0
 
@@ -56,6 +61,29 @@ class DoubleCfg:
     poses_noise_m: NonNegative = 0.001
     poses_noise_rad: NonNegative = 0.01
     """Standard deviations of the poses."""
+    speed: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] = 1.0
+    """Seconds of the arm's clock in a second of the machine's: below 1, plans of a busy machine are not later by the
+    arm's clock than those of a quiet one."""
+
+
+def cfg_for_double(cfg: FrankaCfg, silence_s: float = 2.0) -> FrankaCfg:
+    """Return the configuration for the simulated arm: its friction, and patience.
+
+    A simulated arm and the program slow down on a busy machine, so their silence is awaited for longer.
+
+    Args:
+        cfg: The configuration, as for an arm.
+        silence_s: Least time-out of link and watchdog.
+    """
+    friction = cfg.joint_friction_n_m
+    if not any(friction):
+        friction = tuple(COMPENSATED * each for each in JOINT_FRICTION_N_M)  # type: ignore[assignment]
+    return replace(
+        cfg,
+        joint_friction_n_m=friction,
+        link_timeout_s=max(cfg.link_timeout_s, silence_s),
+        watchdog_s=max(cfg.watchdog_s, silence_s),
+    )
 
 
 class Double:
@@ -150,7 +178,7 @@ def _serve(trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, connection: Connection)
 
 
 class _Server:
-    """Steps the simulation in real time, as far as the machine allows."""
+    """Steps the simulation in real time or slower, as far as the machine allows."""
 
     def __init__(self, trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, connection: Connection) -> None:
         import franky_sim
@@ -197,7 +225,7 @@ class _Server:
     def run(self) -> None:
         """Run until the program says stop or is gone."""
         self._connection.send(("ok", self._robot.hostname))
-        step, due = 0, time.perf_counter()
+        step, due, period_s = 0, time.perf_counter(), 0.001 / self._cfg.speed
         every = max(1, round(1000.0 / self._cfg.poses_hz))
         while not (self._connection.poll() and not self._answer()):
             for server in self._server.robot_servers:
@@ -209,7 +237,7 @@ class _Server:
             step += 1
             if step % every == 0:
                 self._send_poses()
-            due = max(due + 0.001, time.perf_counter() - 0.02)  # a late simulation catches up with 20 ms at most
+            due = max(due + period_s, time.perf_counter() - 0.02)  # a late simulation catches up with 20 ms at most
             if (early_s := due - time.perf_counter()) > 0.0:
                 time.sleep(early_s)
 

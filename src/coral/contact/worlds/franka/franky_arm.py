@@ -113,7 +113,10 @@ class FrankyArm:
             if self._tracker is None:
                 posture = self._franky.PostureTask(np.asarray(self._cfg.start_rad), self._cfg.posture_stiffness)
                 self._tracker = self._franky.CartesianImpedanceTracker(
-                    self._robot, gains=self._gains(target.stiffness), posture_task=posture
+                    self._robot,
+                    gains=self._gains(target.stiffness),
+                    posture_task=posture,
+                    friction=self._friction(),
                 )
                 self._stiffness = target.stiffness
             elif target.stiffness != self._stiffness:
@@ -161,6 +164,12 @@ class FrankyArm:
         gain = np.array([stiffness] * 3 + [stiffness * cfg.lever_m2] * 3)
         inertia = np.array([cfg.effective_mass_kg] * 3 + [cfg.effective_inertia_kg_m2] * 3)
         return self._franky.CartesianImpedanceGains.diagonal(gain, 2.0 * np.sqrt(gain * inertia))
+
+    def _friction(self) -> Any:
+        friction = list(self._cfg.joint_friction_n_m)
+        return self._franky.FrictionCompensationParams(
+            coulomb=friction, max_torque=friction, velocity_epsilon=self._cfg.friction_speed_rad_s
+        )
 
     def _twist(self, state: Any) -> Array:
         jacobian = np.asarray(self._robot.model.zero_jacobian(self._franky.Frame.EndEffector, state))
