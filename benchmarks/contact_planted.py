@@ -39,7 +39,7 @@ from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.strategist import PlanReport
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
-SAMPLES, HORIZON, REPLAN_STEPS, LIMIT_S = 12, 25, 4, 12.0
+SAMPLES, HORIZON, REPLAN_STEPS, LIMIT_S = 12, 25, 4, 20.0
 PlanEdit = Callable[[PlanAnswer, str], PlanAnswer]
 
 
@@ -84,10 +84,11 @@ def tightened(index: int) -> PlanEdit:
     return edit
 
 
-def without_close(plan: PlanAnswer, name: str) -> PlanAnswer:
-    """Leave out the stage that closes the fingers, and let the lift keep them open."""
+def open_fingers(plan: PlanAnswer, name: str) -> PlanAnswer:
+    """Leave out the stage that closes the fingers, and hold them open in the next."""
     stages = [stage for stage in plan.stages if stage.name != "close"]
-    stages[-1] = stages[-1].model_copy(update={"code": stages[-1].code.replace("20 * self.gripper_target", "0.0")})
+    code = stages[-1].code.replace("20 * self.gripper_target", "200 * abs(self.gripper_target - 0.08)")
+    stages[-1] = stages[-1].model_copy(update={"code": code})
     return plan.model_copy(update={"stages": stages})
 
 
@@ -119,8 +120,8 @@ FAULTS: dict[str, Fault] = {
         first_cost("10.0 * norm(self.ee_pos - self.{name}_init_pos - np.array([-0.15, 0.0, -0.15]))"),
     ),
     "too heavy": Fault("push-force", ("not-moved", "moved-otherwise"), mass=20.0),
-    "no grasp": Fault("pick-box", ("slipped",), without_close),
-    "slippery": Fault("pick-box", ("slipped", "moved-otherwise"), friction=0.05),
+    "fingers held open": Fault("pick-box", ("settled", "slipped"), open_fingers),
+    "too heavy to lift": Fault("pick-box", ("slipped", "not-moved", "moved-otherwise"), mass=30.0),
     "pose shifted": Fault("pick-box", ("pose-wrong",), shift_m=(0.0, 0.045, 0.0)),
     "pose turned": Fault("pick-box", ("pose-wrong",), shift_m=(0.011, 0.0, 0.0), turn_rad=0.68),
 }
@@ -172,7 +173,7 @@ def _follow(
 ) -> PlantedResult:
     made = compose(scene_facts(trial, now, planner.beliefs[0]))
     name, sizes = next(iter(trial.objects)), {key: trial.size(key) for key in trial.objects}
-    regions = RegionsAnswer({}) if fault.plan is without_close else made.regions
+    regions = RegionsAnswer({}) if fault.plan is open_fingers else made.regions
     strategy = make_strategy("planted", fault.plan(made.plan, name), regions, planner.schema, sizes)
     cfg = ControllerCfg(horizon=HORIZON)
     controller = Controller(
@@ -185,7 +186,7 @@ def _follow(
         plan = controller.plan(now, stage, step)
         touched = touched_by(planner, now, opening)
         progress.update(with_measured_contacts(plan.now, now, touched))
-        if monitor.update(PlanReport(step, now, plan, stage.name, tuple(taken), touched)):
+        if monitor.update(PlanReport(step, now, plan, stage.name, tuple(taken), touched, plan.now)):
             surprise_m = monitor.surprise_m.get(name, 0.0)
             evidence = collect_evidence(monitor.steps, monitor.notes, name, sizes[name], surprise_m)
             kind = diagnose(monitor.steps, name, monitor.returns, surprise_m, evidence)

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from histories import TOOL, history, sliding
@@ -115,6 +117,17 @@ def test_forces_where_nothing_is_believed_to_be_tell_of_a_wrong_pose():
     steps = history(110, box=BOX, force=(5.0, 0.0, 0.0), told=AHEAD)
     assert judged(steps, plans(steps)) == "pose-wrong"
     assert judged(steps, plans(steps, "table")) == "not-moved"
+
+
+def test_a_force_that_no_rehearsal_expects_tells_of_a_wrong_pose_and_a_harder_push_does_not():
+    steps = history(110, box=BOX, force=(0.0, 0.0, 15.0), told=AHEAD)
+
+    def rehearsed(newtons):
+        return [replace(note, expected_force=(0.0, 0.0, newtons)) for note in plans(steps, "box")]
+
+    assert judged(steps, rehearsed(0.0)) == "pose-wrong"
+    assert judged(steps, rehearsed(15.0)) == "not-moved"
+    assert judged(steps, rehearsed(4.5)) == "not-moved"  # what is pushed is heavier than believed
 
 
 def test_a_hand_at_rest_that_presses_on_what_does_not_move_is_not_settled():

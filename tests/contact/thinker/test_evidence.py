@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from histories import history, sliding
@@ -43,6 +45,17 @@ def test_a_force_with_nothing_near_is_unexplained():
     found = evidence(pushed, [note(0.4), note(1.4, "box"), note(1.8)])
     assert (found.felt, found.unexplained) == (pytest.approx(2 / 3), 0.5)
     assert (found.force_peak_n, evidence(pushed).felt) == (3.0, 0.0)
+
+
+def test_felt_and_rehearsed_forces_are_compared_as_vectors():
+    pushed = history(100, box=BOX, force=(0.0, 0.0, 9.0))
+    notes = [
+        replace(note(0.4, "box"), expected_force=(3.0, 0.0, 9.0)),
+        replace(note(1.4), expected_force=(3.0, 0, 1.0)),
+    ]
+    found = evidence(pushed, notes)
+    assert (found.rehearsed_n, found.unrehearsed_n) == pytest.approx((np.hypot(3.0, 5.0), np.hypot(3.0, 4.0)))
+    assert "differed from the rehearsed one by 5.0 N" in " ".join(found.sentences())
 
 
 def test_the_largest_term_of_the_last_plan_is_named():

@@ -25,7 +25,8 @@ def surprise_after(seconds, period_s, cfg):
     still = HandTarget(np.zeros(3), UPRIGHT, 0.08, 600.0)
     for k in range(round(seconds / period_s) + 2):
         now = observed(k * period_s, 0.05 if k else 0.0)
-        plan = SimpleNamespace(cost=1.0, terms={}, now={"box_pos": now.objects["box"].position[None, None]})
+        now_at = {"box_pos": now.objects["box"].position[None, None]}
+        plan = SimpleNamespace(cost=1.0, terms={}, now=now_at, expected_force=np.zeros((10, 3)))
         taken = (Transition(before, still, now),) if k else ()
         monitor.update(PlanReport(k, now, plan, "push", taken, next_state=plan.now))
         before = now
@@ -41,3 +42,20 @@ def test_a_surprise_fades_in_seconds_whatever_the_period_between_plans(period_s)
 
 def test_at_the_default_period_a_surprise_loses_four_percent_with_each_plan():
     assert surprise_after(0.04, 0.04, OuterCfg()) == pytest.approx(0.05 * 0.96, rel=1e-14)
+
+
+def noticed_after(costs):
+    """The time (s) at which the outer loop steps in; costs are (stage, cost) of the plans, one in 0.04 s, repeated."""
+    monitor = ProgressMonitor(OuterCfg(), ("reach", "close", "lift"))
+    for k in range(1000):
+        stage, cost = costs[k % len(costs)]
+        plan = SimpleNamespace(cost=cost, terms={}, expected_force=np.full((10, 3), 2.0))
+        if monitor.update(PlanReport(k, observed(0.04 * k, 0.0), plan, stage, ())):
+            assert monitor.notes[-1].expected_force == (2.0, 2.0, 2.0)
+            return 0.04 * k
+    return None
+
+
+def test_a_grasp_that_slips_again_and_again_is_no_progress_although_its_costs_fall_each_time():
+    falling = [(stage, 3.0 - 0.1 * k) for stage in ("reach", "close", "lift") for k in range(20)]
+    assert 2.0 < noticed_after(falling) < 9.0

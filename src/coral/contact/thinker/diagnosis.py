@@ -31,8 +31,8 @@ TEXTS: Mapping[Diagnosis, str] = {
     "led-away": "the hand never touched the object and went away from it: a term of the cost has the wrong sign, or "
     "rewards the distance",
     "out-of-reach": "the hand stays behind its commands although it feels nothing: the arm does not reach so far",
-    "pose-wrong": "the hand feels forces where nothing is near it by the believed poses: an object is not where it is "
-    "believed to be",
+    "pose-wrong": "the hand feels forces where nothing is near it by the believed poses, or that no rehearsal expects: an "
+    "object is not where it is believed to be",
     "slipped": "contact was made and lost again and again",
     "settled": "the hand stays where it was told to be, and the stage does not end there: its cost leads to a "
     "wrong place, or the condition that ends it is wrong",
@@ -81,6 +81,11 @@ BEHIND_M = 0.02
 """A hand at rest that is so far behind its commands is held back."""
 UNEXPLAINED = 0.5
 """Share of the felt forces without anything near from which a pose is doubted; tracked poses are off by millimetres."""
+UNREHEARSED_N = 8.0
+"""A force that differs so much from the rehearsed one comes from something that the rehearsals do not know: more than
+what the worst beliefs of mass and friction explain of a push (5 N, measured)."""
+OF_REHEARSED = 3.0
+"""It also is so many times what was rehearsed: else the hand pushes what it means to push, and that is heavier."""
 FELT_PLANS = 0.2
 """Share of the plans at which a force must have been felt to doubt a pose."""
 
@@ -101,7 +106,7 @@ def diagnose(
         return "slipped"
     if not steps:
         return "no-progress"
-    if evidence is not None and evidence.felt >= FELT_PLANS and evidence.unexplained >= UNEXPLAINED:
+    if evidence is not None and evidence.felt >= FELT_PLANS and _meets_the_unknown(evidence):
         return "pose-wrong"
     if _is_settled(steps) and not _presses_in_vain(evidence):
         return "settled"
@@ -142,6 +147,12 @@ def _is_settled(steps: Sequence[Transition]) -> bool:
     # Commands of a sampling planner wander about the hand: only what is left in the mean leads it anywhere.
     ahead = np.mean([step.command.position - step.after.tool.position for step in last], axis=0)
     return bool(np.linalg.norm(drift, axis=1).max() < REST_M and np.linalg.norm(ahead) < AHEAD_M)
+
+
+def _meets_the_unknown(evidence: Evidence) -> bool:
+    """Check whether the hand feels what is not there by the believed poses, or what no rehearsal expects."""
+    unrehearsed = evidence.unrehearsed_n > max(UNREHEARSED_N, OF_REHEARSED * evidence.rehearsed_n)
+    return evidence.unexplained >= UNEXPLAINED or unrehearsed
 
 
 def _presses_in_vain(evidence: Evidence | None) -> bool:

@@ -41,6 +41,10 @@ class Evidence:
     """Mean force on the hand."""
     force_peak_n: float
     """Its peak."""
+    rehearsed_n: float
+    """Magnitude of the mean force that the plans expected."""
+    unrehearsed_n: float
+    """Magnitude of the mean difference between felt and expected force."""
     moved_m: float
     """Distance of the object from where it was at the beginning."""
     turned_deg: float
@@ -73,6 +77,11 @@ class Evidence:
                 f"At {100 * self.unexplained:.0f} % of the times at which it felt a force, nothing was near it by the "
                 "believed poses."
             )
+        if self.unrehearsed_n > FELT_N:
+            told.append(
+                f"The force differed from the rehearsed one by {self.unrehearsed_n:.1f} N in the mean; "
+                f"{self.rehearsed_n:.1f} N were rehearsed."
+            )
         if self.largest_term:
             told.append(f"The term {self.largest_term!r} makes up {100 * self.largest_share:.0f} % of the cost.")
         return told
@@ -95,12 +104,16 @@ def collect_evidence(
     first, last = steps[0].before.objects[name], steps[-1].after.objects[name]
     ends = np.array([step.after.time_s for step in steps])
     touched, others, felt, unexplained = 0, dict[str, int](), 0, 0
+    felt_n, rehearsed_n = np.zeros(3), np.zeros(3)
     for note in notes:
         things = {thing for each in note.touched.values() for thing in each}
         touched += name in things
         for thing in things - {name}:
             others[thing] = others.get(thing, 0) + 1
-        if force[min(int(np.searchsorted(ends, note.time_s - 1e-9)), len(force) - 1)] > FELT_N:
+        index = min(int(np.searchsorted(ends, note.time_s - 1e-9)), len(force) - 1)
+        felt_n = felt_n + steps[index].after.wrench[:3] / len(notes)
+        rehearsed_n = rehearsed_n + np.asarray(note.expected_force) / len(notes)
+        if force[index] > FELT_N:
             felt += 1
             unexplained += not things
     terms = dict(notes[-1].terms) if notes else {}
@@ -118,6 +131,8 @@ def collect_evidence(
         unexplained=unexplained / max(felt, 1),
         force_mean_n=float(np.mean(force)),
         force_peak_n=max(force),
+        rehearsed_n=float(np.linalg.norm(rehearsed_n)),
+        unrehearsed_n=float(np.linalg.norm(felt_n - rehearsed_n)),
         moved_m=float(np.linalg.norm(last.position - first.position)),
         turned_deg=float(np.degrees(np.linalg.norm(to_rotvec(multiply(conjugate(first.quaternion), last.quaternion))))),
         lag_m=float(np.mean([np.linalg.norm(step.command.position - step.after.tool.position) for step in steps])),

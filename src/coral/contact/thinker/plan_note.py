@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+FORCE_STEPS = 5
+"""Control steps over which the rehearsed force is averaged: a contact chatters from step to step."""
+
 
 @dataclass(frozen=True)
 class PlanNote:
@@ -18,3 +21,5 @@ class PlanNote:
     """Expected value of each term of its cost over the horizon."""
     touched: Mapping[str, tuple[str, ...]]
     """What the parts of the hand touched, as measured."""
+    expected_force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Force on the hand (N) that the rehearsals expect, the mean of the first `FORCE_STEPS` control steps."""

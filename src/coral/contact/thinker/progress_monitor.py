@@ -10,7 +10,7 @@ import numpy as np
 
 from coral.config import Count, Fraction, NonNegative, Positive
 from coral.contact.scene.observation import Array, Transition
-from coral.contact.thinker.plan_note import PlanNote
+from coral.contact.thinker.plan_note import FORCE_STEPS, PlanNote
 from coral.contact.thinker.strategist import PlanReport
 
 
@@ -64,8 +64,8 @@ class ProgressMonitor:
     of `surprise_tau_s`."""
     _stage: int = -1
     _farthest_stage: int = -1
-    _first_cost: float = 0.0
-    _best_cost: float = np.inf
+    _first_cost: dict[int, float] = field(default_factory=dict)
+    _best_cost: dict[int, float] = field(default_factory=dict)
     _attempt_began_s: float = 0.0
     _reported_s: float = 0.0
     _expected: Mapping[str, Array] = field(default_factory=dict)
@@ -84,18 +84,20 @@ class ProgressMonitor:
         stage, cost = self.order.index(report.stage), report.plan.cost
         self.returns += stage < self._stage
         if stage != self._stage:
-            # Costs of different stages are not comparable; falling back and returning is no progress.
+            # Costs of different stages are not comparable; falling back and returning is no progress, nor is a cost
+            # that falls as it did the last time: a grasp that slips would go on for ever.
             progressed = stage > self._farthest_stage
             self._farthest_stage, self._stage = max(stage, self._farthest_stage), stage
-            self._first_cost, self._best_cost = cost, cost
+            self._first_cost.setdefault(stage, cost)
+            self._best_cost[stage] = min(cost, self._best_cost.get(stage, cost))
             if progressed:
                 self._start = {name: body.position.copy() for name, body in report.now.objects.items()}
                 self._farthest_m = {}
                 self._restart_attempts(now)
         elif self._moved_farther(report) and stage >= self._farthest_stage:
             self._restart_attempts(now)
-        elif cost < self._best_cost - self.cfg.progress * max(abs(self._first_cost), 0.1):
-            self._best_cost = cost
+        elif cost < self._best_cost[stage] - self.cfg.progress * max(abs(self._first_cost[stage]), 0.1):
+            self._best_cost[stage] = cost
             if stage >= self._farthest_stage:
                 self._restart_attempts(now)
         if now - self._attempt_began_s >= self.cfg.attempt_s - 1e-9:
@@ -117,7 +119,10 @@ class ProgressMonitor:
     def _remember(self, report: PlanReport) -> None:
         self.steps += report.taken
         self.costs.append((report.now.time_s, report.plan.cost))
-        self.notes.append(PlanNote(report.now.time_s, report.stage, dict(report.plan.terms), dict(report.touched)))
+        force = np.mean(np.asarray(report.plan.expected_force)[:FORCE_STEPS], axis=0)
+        expected = (float(force[0]), float(force[1]), float(force[2]))
+        terms, touched = dict(report.plan.terms), dict(report.touched)
+        self.notes.append(PlanNote(report.now.time_s, report.stage, terms, touched, expected))
         self._add_surprises(report)
         horizon = report.now.time_s - self.cfg.history_s
         while self.steps and self.steps[0].before.time_s < horizon:
