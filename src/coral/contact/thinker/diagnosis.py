@@ -31,8 +31,8 @@ TEXTS: Mapping[Diagnosis, str] = {
     "led-away": "the hand never touched the object and went away from it: a term of the cost has the wrong sign, or "
     "rewards the distance",
     "out-of-reach": "the hand stays behind its commands although it feels nothing: the arm does not reach so far",
-    "pose-wrong": "the hand feels forces where nothing is near it by the believed poses, or that no rehearsal expects: an"
-    " object is not where it is believed to be",
+    "pose-wrong": "the hand feels forces where nothing is near it by the believed poses, or that no rehearsal "
+    "expects: an object is not where it is believed to be",
     "slipped": "contact was made and lost again and again",
     "settled": "the hand stays where it was told to be, and the stage does not end there: its cost leads to a "
     "wrong place, or the condition that ends it is wrong",
