@@ -18,6 +18,7 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, make_advisor
 from coral.commands.config_flag import configured
+from coral.commands.contact_live import LiveFlags, watching
 from coral.commands.franka_robot import WORLD, RobotFlags, make_robot_world, robot_cfg, robot_trial
 from coral.commands.operator_verdict import HINT, KeyboardVerdict
 from coral.commands.progress import EpisodeProgress
@@ -106,6 +107,12 @@ class ContactRun:
     """No progress bar."""
     video: bool = False
     """Also write episode.mp4."""
+    live: bool = False
+    """Show the task in a browser while it runs; its address is printed."""
+    live_port: int = 8080
+    """Port of the live page on this machine; 0 chooses a free one."""
+    live_speed: float = 1.0
+    """Speed limit of a live task, in multiples of real time; 0 for none. The page can change it."""
     model: ModelCfg = field(default_factory=contact_model)
     """Calls of a real model, and the spending limit of the run."""
     cfg: EpisodeCfg = field(default_factory=EpisodeCfg)
@@ -133,9 +140,10 @@ class ContactRun:
             memory=self.memory,
             tracker=self.tracker,
         )
-        flags = RobotFlags(self.world, self.robot, self.dry_run, self.yes, self.quiet)
+        flags = self._robot_flags
         if not flags.check():
             check_world(self.world, also=(WORLD,))
+        self._live_flags.check()
         task = load_task(self.task)
         trial = sample_trial(task, self.seed, self.task)
         cfg = resolve_episode(
@@ -149,6 +157,10 @@ class ContactRun:
             if self.policy is not None:
                 raise InputError("--policy", "", self.policy, "another world: a policy is served in simulation only")
         if self.policy is not None:
+            if self.live:
+                raise InputError(
+                    "--live", "", f"with --policy {self.policy}", "a planner: a policy has no costs to show"
+                )
             return self._run_policy(self.policy, trial, cfg)
         if self.cost is not None:
             return self._run_cost(str(self.cost), trial, cfg)
@@ -184,6 +196,14 @@ class ContactRun:
         episode.listeners.append(StandInNotice())
         return self._attempt(episode, folder, cfg)
 
+    @property
+    def _live_flags(self) -> LiveFlags:
+        return LiveFlags(live=self.live, port=self.live_port, speed=self.live_speed)
+
+    @property
+    def _robot_flags(self) -> RobotFlags:
+        return RobotFlags(self.world, self.robot, self.dry_run, self.yes, self.quiet)
+
     def _run_cost(self, cost: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode with a cost of the user's own."""
         own = own_cost(cost, trial, cfg)
@@ -204,15 +224,16 @@ class ContactRun:
         """Return the name of a simulated world, or the arm, ready to move."""
         if self.world != WORLD:
             return self.world
-        return make_robot_world(trial, cfg, RobotFlags(self.world, self.robot, self.dry_run, self.yes, self.quiet))
+        return make_robot_world(trial, cfg, self._robot_flags)
 
     def _attempt(self, episode: Episode, folder: Path, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode to its end, and make its pictures and report."""
-        progress = EpisodeProgress(quiet=self.quiet)
-        try:
-            result = episode.run([progress])
-        finally:
-            progress.close()
+        with watching(episode, self._live_flags) as viewers:
+            progress = EpisodeProgress(quiet=self.quiet)
+            try:
+                result = episode.run([progress, *viewers])
+            finally:
+                progress.close()
         decided = who_decided(result, things="decisions", fallback=cfg.think.fallback)
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 

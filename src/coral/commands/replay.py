@@ -1,4 +1,4 @@
-"""`coral replay`: a recorded mission on the live page."""
+"""`coral replay`: a recorded run on the live page."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from typing import Annotated, Any
 import tyro
 
 from coral.config import Positive, checked
-from coral.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,20 +36,20 @@ class Replay:
         from coral.view.live.page import LivePage
         from coral.view.live.panel import ReplayControls
         from coral.view.live.recorded import Player, RecordedRun
+        from coral.view.live.recorded_task import RecordedTask
         from coral.view.run import RunFolder
 
         checked(self, "coral replay")
-        if (self.run / "task.yaml").is_file():
-            raise InputError(str(self.run), "", "a contact run", "a reef mission (coral report --video films it)")
-        recording = RecordedRun(RunFolder.read(self.run))
+        found = RunFolder.read(self.run)
+        recording = RecordedTask(found) if (self.run / "task.yaml").is_file() else RecordedRun(found)
         pace = Pace(self.speed)
         player = Player(recording, pace)
         controls = ReplayControls(pace, recording.duration_s, player.seek, player.play)
         with LivePage(self.port, controls, label="CORAL replay") as page:
             before = signal.signal(signal.SIGTERM, _interrupt)
             try:
-                print(f"watch the mission at {page.url}; Ctrl-C closes it", file=sys.stderr, flush=True)
-                for note in recording.run.notes:
+                print(f"watch the run at {page.url}; Ctrl-C closes it", file=sys.stderr, flush=True)
+                for note in found.notes:
                     print(f"note: {note}", file=sys.stderr, flush=True)
                 player.run(page, time.monotonic, threading.Event().wait)
             except KeyboardInterrupt:
@@ -61,7 +60,7 @@ class Replay:
                 "run": str(self.run),
                 "url": page.url,
                 "duration_s": recording.duration_s,
-                "complete": recording.run.complete,
+                "complete": found.complete,
             }
 
     def describe(self, result: Mapping[str, Any]) -> str:

@@ -12,6 +12,8 @@ from pydantic import Field
 from coral.config import Fraction, NonNegative, Positive, Signed
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M, SQUEEZE_M
 from coral.contact.control.planning_world import ControlSequences, PlanningWorld
+from coral.contact.control.rehearsed_paths import RehearsedPaths, keep_paths
+from coral.contact.control.term_weights import TermWeights
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage
 from coral.contact.scene.geometry import column_of, conjugate, from_rotvec, multiply, to_rotvec
@@ -94,6 +96,8 @@ class HandPlan:
     """State after one step, a batch of one, for a stage's conditions."""
     diverged: int
     """Number of excluded rehearsals."""
+    paths: RehearsedPaths | None = None
+    """Paths of rehearsals, if the controller keeps them."""
 
     @property
     def cost(self) -> float:
@@ -118,6 +122,10 @@ class Controller:
         self.mppi = KnotMppi(cfg.mppi, sigma, rng, GROUPS)
         self.span_s = cfg.horizon * world.cfg.step_s
         self._times: Array = world.cfg.step_s * np.arange(1.0, cfg.horizon + 1)
+        self.weights = TermWeights()
+        """Factors on the terms of the costs; a live page sets them."""
+        self.keeps_paths = False
+        """Whether plans keep the paths of some rehearsals, for a viewer."""
         self._target: HandTarget | None = None
         self._centre: Array | None = None
 
@@ -150,7 +158,7 @@ class Controller:
         def evaluate(knots: Array) -> Array:
             controls = self._controls(knots, start.quaternion, stage.stiffness_n_m)
             context, sane = self.world.rollout(now, controls, step)
-            terms = stage.cost(context)
+            terms = self.weights.weigh(stage.name, stage.cost(context))
             rehearsed[:] = [(context, sane, terms, controls)]
             each = self._total(terms, context.shape)
             each[~sane] = np.inf
@@ -185,6 +193,7 @@ class Controller:
             },
             now=context.first(),
             diverged=int((~sane).sum()),
+            paths=keep_paths(context, sane, weights, self.world.object_names) if self.keeps_paths else None,
         )
 
     def executed(self, target: HandTarget, steps: int) -> None:

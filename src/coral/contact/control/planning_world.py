@@ -135,6 +135,11 @@ class PlanningWorld:
                 model.opt.sleep_tolerance = self.cfg.rest_m_s
         return models
 
+    @property
+    def object_names(self) -> tuple[str, ...]:
+        """Return the names of the objects."""
+        return tuple(self._names)
+
     def close(self) -> None:
         """Stop the rollout's threads."""
         self._rollouts.close()

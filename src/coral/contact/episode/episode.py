@@ -20,6 +20,7 @@ from coral.contact.control.plan_latency import PlanLatency
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.prediction import state_after
 from coral.contact.control.reactive import Reactive
+from coral.contact.control.term_weights import TermWeights
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress, Strategy
 from coral.contact.cost_program.errors import CostError
@@ -89,6 +90,8 @@ class Episode:
         self.time_limit_s = trial.task.time_limit_s
         self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
         self.plan_ms: list[float] = []
+        self.interventions = 0
+        self.latest_plan: HandPlan | None = None
         whole_steps(cfg.planning.step_s, cfg.planning.physics_dt_s, "--cfg", "planning.physics_dt_s")
         whole_steps(cfg.planning.step_s, cfg.think.outer.replay_dt_s, "--cfg", "think.outer.replay_dt_s")
         self.world: RobotWorld = make_world(world, trial, cfg.planning.step_s) if isinstance(world, str) else world
@@ -176,9 +179,17 @@ class Episode:
 
     def advance(self) -> None:
         """Plan once, and execute the next steps."""
+        self._tell_interventions()
         plan = self._plan()
         if plan is not None:
             self._take(plan, self.cfg.replan_steps)
+
+    def _tell_interventions(self) -> None:
+        """Record what a person has changed in the cost: the result is not the strategy's alone."""
+        weights = getattr(self.controller, "weights", None)
+        for stage, term, factor in weights.news() if isinstance(weights, TermWeights) else ():
+            self.interventions += 1
+            self.emit("weight", stage=stage, term=term, factor=round(factor, 4), by="operator")
 
     def _take(self, plan: HandPlan, most: int) -> None:
         """Execute a plan's first steps; if planning takes time, those of the plan before until this one is ready.
@@ -333,6 +344,7 @@ class Episode:
         present = self.planner.present(self.now, self.step, opening_m) if self.latency.charged else plan.now
         changed = self.progress.update(with_measured_contacts(present, self.now, self._touched))
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
+        self.latest_plan = plan
         self.emit(
             "plan",
             stage=stage.name,
@@ -479,7 +491,7 @@ class Episode:
     def _end(self) -> None:
         self.world.stop()  # before anything that takes time: a robot must not wait for its record
         try:
-            self.strategist.on_end(self.end_reason or "failed")
+            self.strategist.on_end("intervened" if self.interventions else self.end_reason or "failed")
         except (InputError, RunError) as error:
             # Like a memory that cannot be written, this is raised after the record is complete.
             self._late = error

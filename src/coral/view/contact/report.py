@@ -168,7 +168,9 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     if metrics.get("success"):
         return f"Done after {seconds:.1f} s of simulated time, {strategy}: {how}."
     if reason == "timeout":
-        return f"Not done within {seconds:.0f} s of simulated time, {strategy}; the last stage was “{stage}”: {how}."
+        unmet = f" ({detail})" if detail else ""
+        last = f"the last stage was “{stage}”: {how}."
+        return f"Not done within {seconds:.0f} s of simulated time{unmet}, {strategy}; {last}"
     if not run.complete:
         return f"Cut off after {seconds:.1f} s of simulated time in stage “{stage}”, {strategy}: {how}."
     what = ENDED.get(reason.partition(":")[0], reason).removeprefix("failed: ").removeprefix("void: ")

@@ -41,7 +41,7 @@ class LivePage:
         Raises:
             InputError: The port is in use or invalid.
         """
-        _check_free(port, flag)
+        check_free(port, flag)
         self._server = GuardedServer(port, label)
         self.port = int(self._server.get_port())
         if port and self.port != port:
@@ -154,7 +154,12 @@ class LivePage:
             self._server.stop()
 
 
-def _check_free(port: int, flag: str) -> None:
+def check_free(port: int, flag: str) -> None:
+    """Refuse a port on which no page can be opened.
+
+    Raises:
+        InputError: The port is in use or invalid.
+    """
     if not 0 <= port <= 65535:
         raise InputError(flag, "", port, "a port from 0 to 65535")
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:

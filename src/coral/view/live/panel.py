@@ -34,25 +34,33 @@ class PageControls(Protocol):
 
 
 class MissionControls:
-    """Pause, stop and speed limit of a running mission."""
+    """Pause, stop and speed limit of what is running.
 
-    def __init__(self, pace: Pace) -> None:
-        self.pace = pace
+    Args:
+        pace: The viewer's requests.
+        stop: Label of the stop button.
+        stop_now: Called by the stop button besides, at once and from its own thread.
+    """
+
+    def __init__(self, pace: Pace, stop: str = "Stop the mission", stop_now: Callable[[], None] | None = None) -> None:
+        self.pace, self._label, self._stop_now = pace, stop, stop_now
 
     def build(self, gui: Any) -> None:
         """Add the buttons to the panel under construction."""
         self._pause = gui.add_button("Pause", icon="player-pause", color="teal")
         self._stop = gui.add_button(
-            "Stop the mission",
-            icon="player-stop-filled",
-            color="red",
-            hint="Ends the mission now; what was recorded is kept.",
+            self._label, icon="player-stop-filled", color="red", hint="Ends it now; what was recorded is kept."
         )
         choices = {**speeds(self.pace.speed), UNLIMITED: 0.0}
         self._speed = gui.add_dropdown("Speed limit", tuple(choices), initial_value=named(self.pace.speed))
         self._pause.on_click(lambda _: self._toggle())
-        self._stop.on_click(lambda _: self.pace.end())
+        self._stop.on_click(lambda _: self._end())
         self._speed.on_update(lambda _: setattr(self.pace, "speed", choices[self._speed.value]))
+
+    def _end(self) -> None:
+        if self._stop_now is not None:
+            self._stop_now()
+        self.pace.end()
 
     def _toggle(self) -> None:
         self.pace.paused = not self.pace.paused
@@ -141,7 +149,7 @@ class LivePanel:
                 else:
                     self._pictures[name] = self._gui.add_image(rgb, label=name, format="png")
             for chart in state.charts:
-                self._show_chart(chart, state.until_s)
+                self._show_chart(chart, state.curves_s or state.until_s)
         self._controls.show(state)
 
     def _show_chart(self, chart: Chart, until_s: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable
 from itertools import accumulate
+from typing import Protocol
 
 import numpy as np
 
@@ -106,10 +107,20 @@ class RecordedRun:
         )
 
 
+class Recording(Protocol):
+    """What can be played: the moments of a run."""
+
+    duration_s: float
+
+    def at(self, t: float, *, playing: bool = False) -> LiveState:
+        """Return the state at simulated time `t` (s)."""
+        ...
+
+
 class Player:
     """The playback position of the page; the page's slider and buttons change it from other threads."""
 
-    def __init__(self, recording: RecordedRun, pace: Pace, t: float = 0.0) -> None:
+    def __init__(self, recording: Recording, pace: Pace, t: float = 0.0) -> None:
         self.recording, self.pace = recording, pace
         self.t = t
         self._stale = True

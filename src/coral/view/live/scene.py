@@ -64,6 +64,9 @@ class LiveScene:
         """Draw a state."""
         if state.ground is not None:
             self._show_ground(state.ground)
+        if state.view is not None and not self._framed:
+            self._framed = True
+            self._server.initial_camera.position, self._server.initial_camera.look_at = state.view
         for line in state.lines:
             self._show_line(line)
         self._show_markers(state.markers)
@@ -98,7 +101,7 @@ class LiveScene:
                 cast_shadow=False,
                 receive_shadow=False,
             )
-            self._frame(center, size)
+            self._frame(center, size, ground.grid_m)
         else:
             self._ground.image = rgb
         for kind, (height, color) in ground.heights.items():
@@ -120,8 +123,8 @@ class LiveScene:
                 visible="shapes" not in self._hidden,
             )
 
-    def _frame(self, center: tuple[float, float], size: tuple[float, float]) -> None:
-        """Look at the whole ground from the south, and draw an edge and a metre grid around it."""
+    def _frame(self, center: tuple[float, float], size: tuple[float, float], grid_m: float) -> None:
+        """Look at the whole ground from the south, and draw a grid on it."""
         span, (cx, cy) = max(size), center
         camera = self._server.initial_camera
         camera.position = (cx, cy - 0.56 * span, 0.78 * span)
@@ -131,11 +134,11 @@ class LiveScene:
             width=size[0],
             height=size[1],
             plane="xy",
-            cell_size=1.0,
-            section_size=5.0,
+            cell_size=grid_m,
+            section_size=5.0 * grid_m,
             cell_color=(222, 226, 232),
             section_color=(196, 202, 210),
-            position=(cx, cy, 0.015),
+            position=(cx, cy, 0.015 * grid_m),
         )
 
     def _show_line(self, line: Line) -> None:

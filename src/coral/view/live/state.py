@@ -27,6 +27,8 @@ class Ground:
     cell_m: float
     origin: tuple[float, float] = (0.0, 0.0)
     """World position (m) of the corner of cell [0, 0]."""
+    grid_m: float = 1.0
+    """Width of the grid's cells (m)."""
     heights: Mapping[int, tuple[float, RGB]] = field(default_factory=dict)
     """Height (m) and colour of the raised classes; a map contains no heights, so these are only illustrative."""
 
@@ -134,7 +136,9 @@ class LiveState:
     t: float = 0.0
     """Simulated time (s)."""
     until_s: float = 0.0
-    """End of the charts' time axis (s); 0 if unknown."""
+    """End of the run (s); 0 if unknown."""
+    curves_s: float = 0.0
+    """End of the charts' time axis (s); 0: `until_s`."""
     numbers: tuple[Number, ...] = ()
     asked: Asked | None = None
     answered: Answered | None = None
@@ -144,6 +148,8 @@ class LiveState:
     lines: tuple[Line, ...] = ()
     markers: tuple[Marker, ...] = ()
     bodies: tuple[LiveBody, ...] = ()
+    view: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
+    """Where a new browser's camera is and where it looks (m); None looks at the whole ground from the south."""
     follow: str = ""
     """Name of the body that the camera may follow."""
     pictures: tuple[tuple[str, Image], ...] = ()

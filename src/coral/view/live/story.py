@@ -49,7 +49,7 @@ def told(story: Story, event: Record) -> Story:
 
 
 def _start(story: Story, event: Record) -> Story:
-    return _note(replace(story, clusters=int(event.get("clusters_total") or 0)), event, "the mission begins")
+    return note(replace(story, clusters=int(event.get("clusters_total") or 0)), event, "the mission begins")
 
 
 def _trigger(story: Story, event: Record) -> Story:
@@ -66,7 +66,7 @@ def _question(story: Story, event: Record) -> Story:
         cause=CAUSES.get(story.cause, story.cause),
     )
     again = f", attempt {attempt + 1}" if attempt else ""
-    return _note(
+    return note(
         replace(story, asked=asked, calls=story.calls + 1, requeries=story.requeries + (attempt > 0)),
         event,
         f"asked: {asked.title}{again}",
@@ -84,37 +84,37 @@ def _verdict(story: Story, event: Record) -> Story:
     )
     reason = str(event.get("reason") or "") or heard.why
     answered = Answered(verdict=heard.verdict, said=heard.said, at_s=float(event["t"]), reason=reason)
-    return _note(replace(story, asked=None, answered=answered), event, f"{heard.verdict}: {heard.said}")
+    return note(replace(story, asked=None, answered=answered), event, f"{heard.verdict}: {heard.said}")
 
 
 def _goal(story: Story, event: Record) -> Story:
     if event.get("source") in ("advisor", "recording"):
         return story
     source = "the rules" if event.get("source") == "fallback" else "the start"
-    return _note(story, event, f"new goal, chosen by {source}")
+    return note(story, event, f"new goal, chosen by {source}")
 
 
 def _covered(story: Story, event: Record) -> Story:
-    return _note(replace(story, covered=story.covered + 1), event, f"covered {event.get('name', 'a cluster')}")
+    return note(replace(story, covered=story.covered + 1), event, f"covered {event.get('name', 'a cluster')}")
 
 
 def _collision(story: Story, event: Record) -> Story:
-    return _note(replace(story, collisions=story.collisions + 1), event, "collision")
+    return note(replace(story, collisions=story.collisions + 1), event, "collision")
 
 
 def _end(story: Story, event: Record) -> Story:
     reason = str(event.get("reason", ""))
-    return _note(replace(story, asked=None, ended=reason), event, f"ended: {reason}")
+    return note(replace(story, asked=None, ended=reason), event, f"ended: {reason}")
 
 
 def _state(story: Story, event: Record) -> Story:
     state, reason = str(event.get("state", "")), str(event.get("reason", ""))
-    return _note(replace(story, state=state), event, f"{state}: {reason}")
+    return note(replace(story, state=state), event, f"{state}: {reason}")
 
 
 def _sensor(story: Story, event: Record) -> Story:
     refused = event.get("refused")
-    return _note(story, event, f"{event.get('input', 'sensor')} {refused or 'is good again'}")
+    return note(story, event, f"{event.get('input', 'sensor')} {refused or 'is good again'}")
 
 
 def _alignment(story: Story, event: Record) -> Story:
@@ -126,11 +126,12 @@ def _alignment(story: Story, event: Record) -> Story:
         "none yet": f"no place on the saved map yet: {event.get('reason', '')}",
         "unaligned": f"goes on without the saved map: {event.get('reason', '')}",
     }
-    return _note(story, event, said.get(str(event.get("status")), "alignment"))
+    return note(story, event, said.get(str(event.get("status")), "alignment"))
 
 
-def _note(story: Story, event: Record, text: str) -> Story:
-    if story.log and story.log[0].partition(" ")[2] == text:  # a lasting failure is reported at every tick
+def note(story: Story, event: Record, text: str) -> Story:
+    """Add a line to the log, unless it is the last one again: a lasting failure is reported at every tick."""
+    if story.log and story.log[0].partition(" ")[2] == text:
         return story
     return replace(story, log=(f"{clock(float(event['t']))} {text}", *story.log)[:KEPT])
 
@@ -148,8 +149,8 @@ _FOLDS: dict[str, Callable[[Story, Record], Story]] = {
     "state": _state,
     "sensor": _sensor,
     "alignment": _alignment,
-    "planner_failure": lambda s, e: _note(s, e, f"no way found: {e.get('reason', '')}"),
-    "held": lambda s, e: _note(s, e, "the goal is kept"),
-    "fallback": lambda s, e: _note(s, e, f"the advisor failed ({e.get('failure', '')})"),
-    "monitor": lambda s, e: _note(s, e, "left the planned path, planned again"),
+    "planner_failure": lambda s, e: note(s, e, f"no way found: {e.get('reason', '')}"),
+    "held": lambda s, e: note(s, e, "the goal is kept"),
+    "fallback": lambda s, e: note(s, e, f"the advisor failed ({e.get('failure', '')})"),
+    "monitor": lambda s, e: note(s, e, "left the planned path, planned again"),
 }

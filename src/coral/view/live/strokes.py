@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,3 +67,9 @@ def _rotate(center: NDArray[np.float64], points: NDArray[np.float64], yaw: float
     c, s = np.cos(yaw), np.sin(yaw)
     turned: NDArray[np.float64] = center + points @ np.array([[c, s], [-s, c]])
     return turned
+
+
+def joined(polylines: Sequence[NDArray[np.float64]]) -> Segments:
+    """Make segments of polylines in space, Shape=(N, 3) each. Shape=(S, 2, 3)."""
+    parts = [np.stack([line[:-1], line[1:]], axis=1) for line in polylines if len(line) > 1]
+    return np.concatenate(parts).astype(np.float32) if parts else NONE
