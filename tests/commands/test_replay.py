@@ -19,7 +19,7 @@ def test_a_run_is_shown_until_ctrl_c_and_then_told(told, survey):
     code, result, err = told("replay", survey, "--port", "0", "--json")
     assert code == 0
     assert (result["run"], result["duration_s"], result["complete"]) == (str(survey), 2.0, True)
-    assert re.match(r"watch the mission at http://127\.0\.0\.1:\d+/\?token=\S{24,}; Ctrl-C closes it\n", err)
+    assert re.match(r"watch the run at http://127\.0\.0\.1:\d+/\?token=\S{24,}; Ctrl-C closes it\n", err)
     assert told("replay", survey, "--port", "0")[1] == f"the page is closed; 2 s of {survey} could be watched\n"
 
 
@@ -29,7 +29,7 @@ def test_a_run_is_shown_until_ctrl_c_and_then_told(told, survey):
         (("{run}", "--speed", "0"), "speed: found 0"),
         (("{run}", "--port", "70000"), "--port: found 70000"),
         (("{here}/none",), "found nothing, expected the folder of a run"),
-        (("{here}",), "found a contact run, expected a reef mission"),
+        (("{here}",), "found no run in it"),
     ],
 )
 def test_what_cannot_be_replayed_is_one_line(refused, survey, tmp_path, words, said):

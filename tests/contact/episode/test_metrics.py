@@ -13,7 +13,16 @@ EVENTS = [
     {"step": 2, "t": 0.04, "event": "policy", "call": 1},
     {"step": 2, "t": 0.04, "event": "contact", "first": "box", "second": "left"},
     {"step": 2, "t": 0.04, "event": "stage", "before": "reach", "stage": "close"},
-    {"step": 4, "t": 0.08, "event": "end", "reason": "success", "advisor_calls": 3, "repairs": 1, "memory_hit": True},
+    {
+        "step": 4,
+        "t": 0.08,
+        "event": "end",
+        "reason": "success",
+        "advisor_calls": 3,
+        "repairs": 1,
+        "interventions": 0,
+        "memory_hit": True,
+    },
 ]
 ROWS = [
     {"step": str(k), "t": str(0.02 * k), "x": "0", "y": str(0.01 * k), "z": "0.1", "box_hand_force": str(force)}

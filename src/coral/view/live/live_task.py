@@ -47,6 +47,7 @@ class LiveTask:
 
     def __init__(self, episode: Episode, page: LivePage, pace: Pace, controls: TaskControls) -> None:
         self.page, self.pace, self.controls = page, pace, controls
+        self._episode = episode
         self.story = Story()
         self._scene = TaskScene(episode.trial)
         self._terms: dict[str, History] = {}
@@ -71,16 +72,18 @@ class LiveTask:
                 self._add_terms(float(event["t"]), str(event["stage"]), terms)
             return
         self.story = told_of_task(self.story, {"step": 1, **event})
+        if event["event"] == "end" and self._trail:
+            self.page.show(self.state(self._episode))
 
     def tick(self, episode: Episode) -> None:
         """Show a plan's moment if the page is ready, then wait as the page requires."""
         self._keep_paths(episode)
         self._force.add(episode.t, float(np.linalg.norm(episode.now.wrench[:3])))
         self._trail.append(episode.now.tool.position.copy())
-        if episode.end_reason or self.page.due():
-            self.page.show(self.state(episode))
         if episode.end_reason:
-            return
+            return  # its event comes last, and tells what did not hold
+        if self.page.due():
+            self.page.show(self.state(episode))
         if self.pace.paused:
             self.page.show(self.state(episode))
         self.pace.stand_still(lambda: self._meanwhile(episode))

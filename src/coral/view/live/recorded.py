@@ -107,7 +107,7 @@ class RecordedRun:
         )
 
 
-class Recording(Protocol):
+class Replayable(Protocol):
     """What can be played: the moments of a run."""
 
     duration_s: float
@@ -120,7 +120,7 @@ class Recording(Protocol):
 class Player:
     """The playback position of the page; the page's slider and buttons change it from other threads."""
 
-    def __init__(self, recording: Recording, pace: Pace, t: float = 0.0) -> None:
+    def __init__(self, recording: Replayable, pace: Pace, t: float = 0.0) -> None:
         self.recording, self.pace = recording, pace
         self.t = t
         self._stale = True

@@ -154,8 +154,9 @@ def _solid(model: mujoco.MjModel, geom: int) -> _Solid | None:
     else:
         return None
     body = model.body(int(model.geom_bodyid[geom])).name
-    if model.geom(geom).name == "wrist":  # it is no more than room that the real hand needs
-        parts = tuple(replace(part, opacity=0.25) for part in parts)
+    # The wrist is no more than room that the real hand needs, and a wall may stand before what happens.
+    opacity = 0.25 if model.geom(geom).name == "wrist" else 0.5 if model.geom_bodyid[geom] == 0 else 1.0
+    parts = tuple(replace(part, opacity=opacity) for part in parts)
     return _Solid(f"{body}-{geom}", body, model.geom_pos[geom].copy(), model.geom_quat[geom].copy(), parts)
 
 
