@@ -20,7 +20,6 @@ EVENTS = [
         "reason": "success",
         "advisor_calls": 3,
         "repairs": 1,
-        "interventions": 0,
         "memory_hit": True,
     },
 ]
@@ -50,6 +49,7 @@ def test_metrics_of_a_finished_episode():
         "strategy": "pick",
         "advisor_calls": 3,
         "repairs": 1,
+        "interventions": 0,
         "memory_hit": True,
         "path_length_m": 0.04,
         "peak_hand_force_n": 5.0,
