@@ -21,6 +21,8 @@ from coral.errors import InputError
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Pixel = tuple[float, float]
+LEFT = 0.3
+"""A lost object has left its place if a smaller share of its last drawing is still there."""
 NEAR_CLICK = 2
 """A click on a hole of the depth counts for the nearest measured pixel within this distance (pixels)."""
 
@@ -37,8 +39,9 @@ class ClickMasksCfg:
     """Distance between two colours, as shares of red and green in all light, below which they are the same."""
     dilation_m: Positive = 0.025
     """The next mask is searched so far around the object's last drawing: 0.25 m/s at 10 Hz."""
-    fit_m: Positive = 0.02
-    """Depth fits if it is as near as this to that of the last drawing."""
+    fit_m: Positive = 0.035
+    """Depth fits if it is as near as this to that of the last drawing: a face that moves by `dilation_m` and is seen at
+    45 degrees."""
 
 
 @dataclass
@@ -55,7 +58,8 @@ class ClickMasks:
 
     In the first picture a mask is what is connected with the click in depth and colour, above the table, and no larger
     than the object. Afterwards it is what lies near the last drawing of the object and fits it in depth and colour. The
-    tracker says where that drawing is: an object that moves far while it is lost is not found again.
+    tracker says where that drawing is. A lost object that has left its place is searched by its colour in the
+    whole picture; without colours, it is not found again if it has moved far.
 
     Args:
         clicks: Column and row of each object in the first picture.
@@ -90,7 +94,7 @@ class ClickMasks:
                     one.before, one.pose = one.pose, poses[name]
                 else:
                     one.before = None
-                mask = self._follow(frame, heights, tint, name, one)
+                mask = self._follow(frame, heights, tint, name, one, name not in poses)
             found[name] = mask
         return found
 
@@ -109,7 +113,9 @@ class ClickMasks:
             raise InputError("--masks", where, "nothing that stands out", "a pixel of an object above the table")
         return mask
 
-    def _follow(self, frame: RgbdFrame, heights: Array, tint: Array | None, name: str, one: _Followed) -> Mask:
+    def _follow(
+        self, frame: RgbdFrame, heights: Array, tint: Array | None, name: str, one: _Followed, lost: bool
+    ) -> Mask:
         if one.pose is None:  # not found yet: its colours and depth are where they were
             return self._grow(frame, heights, tint, name, self.clicks[name])
         pose = one.pose
@@ -131,7 +137,10 @@ class ClickMasks:
         fits = (frame.depth > 0) & (distance <= reach_px) & (heights > self.cfg.table_m)
         fits &= np.abs(frame.depth - depth_of[nearest]) < self.cfg.fit_m
         if tint is not None and one.colour is not None:
-            fits &= np.linalg.norm(tint - one.colour, axis=2) < self.cfg.colour
+            same = np.linalg.norm(tint - one.colour, axis=2) < self.cfg.colour
+            fits &= same
+            if lost and fits.sum() < LEFT * inside.sum():  # it is no longer there: its colour, wherever it is
+                fits = same & (frame.depth > 0) & (heights > self.cfg.table_m)
         return clean_mask(fits)
 
 
