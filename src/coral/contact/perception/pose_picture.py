@@ -41,7 +41,8 @@ def draw_poses(
         if drawn.any():
             rows, columns = np.nonzero(large)
             place = (int(columns.min()), max(14, int(rows.min()) - 8))
-            cv2.putText(canvas, name, place, cv2.FONT_HERSHEY_SIMPLEX, 0.6, (0, 0, 0), 3, cv2.LINE_AA)
+            shadow = (place[0] + 1, place[1] + 1)
+            cv2.putText(canvas, name, shadow, cv2.FONT_HERSHEY_SIMPLEX, 0.6, (0, 0, 0), 1, cv2.LINE_AA)
             cv2.putText(canvas, name, place, cv2.FONT_HERSHEY_SIMPLEX, 0.6, _WHITE, 1, cv2.LINE_AA)
     return np.asarray(canvas, np.uint8)
 
