@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +59,7 @@ class Undistortion:
             )
         self._map = np.asarray(found, np.float32)
 
-    def apply(self, picture: NDArray) -> NDArray:
+    def apply(self, picture: NDArray[Any]) -> NDArray[Any]:
         """Remove the distortion from a picture, Shape=(H, W) or (H, W, 3); what the lens did not see is 0."""
         if self._map is None:
             return picture
