@@ -56,9 +56,9 @@ def track_recording(
     if masks is not None:
         if drawn:
             raise InputError("--masks", "", masks, "recorded depth: --drawn-depth draws the masks too")
-        models = {str(number): scene.model(number) for number in scene.objects}
+        tracked = {str(number): scene.model(number) for number in scene.objects}
         colours = folder / FILE
-        source = make_masks(masks, MaskSetting(models, lambda: read_colours(colours)))
+        source = make_masks(masks, MaskSetting(tracked, lambda: read_colours(colours)))
         read = scene.read_bare_frame
     tracking = SceneTracking(scene, make, source)
     poses = [one for picture in scene.pictures[::every] for one in tracking.poses(picture, read(picture))]
