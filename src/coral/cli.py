@@ -39,6 +39,8 @@ COMMANDS = {
     "contact tasks": ("coral.commands.contact_tasks:ContactTasks", "list the contact tasks, or describe some"),
     "contact export": ("coral.commands.contact_export:ContactExport", "write runs as a data set for learners"),
     "contact track": ("coral.commands.contact_track:ContactTrack", "measure the accuracy of the tracker"),
+    "contact poses": ("coral.commands.contact_poses:ContactPoses", "track a task's objects in a camera's pictures"),
+    "contact calibrate": ("coral.commands.contact_calibrate:ContactCalibrate", "find where a camera stands"),
     "contact identify": ("coral.commands.contact_identify:ContactIdentify", "find mass and friction by pushing"),
     "memory list": ("coral.commands.memory:MemoryList", "list remembered successes of contact tasks"),
     "memory show": ("coral.commands.memory:MemoryShow", "show one of them, with its programs"),

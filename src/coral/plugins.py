@@ -16,6 +16,7 @@ GROUPS = {
     "coral.costs": "function of a Task that makes a cost, a Stage, several stages or a Strategy",
     "coral.hand_controllers": "function (planning world, configuration, generator) that makes a controller of the hand",
     "coral.embedders": "class, or function without arguments, that makes an embedder of instructions for the memory",
+    "coral.cameras": "function (rest, T_world_camera or None) that makes an RgbdCamera; NAME[:REST] after --camera",
     "coral.conditions": "class of a condition of success, a subclass of BaseCondition",
 }
 """What the entry points of each group are."""

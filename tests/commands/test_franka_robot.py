@@ -37,6 +37,11 @@ REPORT = StreamReport(
         ({"yes": True}, "--yes: found --robot 10.0.0.1, expected --robot sim"),
         ({"world": "hand"}, "--robot: found 10.0.0.1, expected it goes with --world franka only"),
         ({"world": "hand", "robot": None, "dry_run": True}, "--dry-run"),
+        ({"world": "hand", "robot": None, "camera": "realsense"}, "--camera"),
+        ({"masks": "colour"}, "--masks: found colour, expected it goes with --camera only"),
+        ({"camera": "sim"}, "--camera: found sim with --robot 10.0.0.1"),
+        ({"camera": "realsense", "robot": "sim"}, "--camera: found realsense with --robot sim"),
+        ({"camera": "realsense"}, "--camera-pose: found nothing, expected a file of coral contact calibrate"),
     ],
 )
 def test_flags_that_contradict_each_other_are_refused(changes, message):
@@ -47,6 +52,7 @@ def test_flags_that_contradict_each_other_are_refused(changes, message):
 def test_which_worlds_are_an_arm():
     assert ARM.check()
     assert dataclasses.replace(ARM, robot="sim", yes=True).check()
+    assert dataclasses.replace(ARM, robot="sim", camera="sim").check()
     assert not dataclasses.replace(ARM, world="hand", robot=None).check()
 
 

@@ -1,5 +1,7 @@
 """A small recorded scene: two pictures of a box and a can, 64 x 48 pixels."""
 
+import dataclasses
+
 from coral.contact.perception.bop_writing import BopWriter
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.object_model import from_trial
@@ -8,9 +10,9 @@ from coral.contact.perception.tracking_accuracy import AccuracyCfg, take_motion
 CFG = AccuracyCfg(camera=RgbdCameraCfg(width=64, height=48), noise=None, period_s=0.1)
 
 
-def write_scene(folder, trial, pictures=2):
+def write_scene(folder, trial, pictures=2, colours="none"):
     """Write the first pictures of the trial's motion; return models, pictures and true poses by name."""
-    scene, frames, truths = take_motion(trial, CFG)
+    scene, frames, truths = take_motion(trial, dataclasses.replace(CFG, colours=colours))
     models = {name: from_trial(scene, trial, name) for name in trial.objects}
     writer = BopWriter(folder, models)
     for frame, truth in zip(frames[:pictures], truths[:pictures], strict=True):

@@ -37,6 +37,8 @@ from coral.contact.episode.variants import (
     contact_model,
     make_strategist,
 )
+from coral.contact.perception.cameras.camera_registry import camera_help
+from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import tracker_help
 from coral.contact.policy.address import parse_address
 from coral.contact.rules.mistakes import CONTACT_MISTAKES
@@ -52,6 +54,8 @@ from coral.errors import InputError
 from coral.runs import new_run_folder
 from coral.words import many
 
+CAMERA_HELP = f"Track the objects of --world franka by a camera: sim, for the simulated arm; {camera_help()}."
+MASKS_HELP = f"What segments its pictures, colour by default: {mask_help()}."
 TRACKER_HELP = f"Tracker of the objects in those pictures: {tracker_help()}."
 
 
@@ -69,6 +73,10 @@ class ContactRun:
     """Read the arm and show its commands without sending them."""
     yes: bool = False
     """Move the simulated arm without asking; at an arm a person says the word."""
+    camera: Annotated[str | None, tyro.conf.arg(metavar="CAMERA", help=CAMERA_HELP)] = None
+    camera_pose: Path | None = None
+    """Where that camera stands: a file of coral contact calibrate."""
+    masks: Annotated[str | None, tyro.conf.arg(metavar="MASKS", help=MASKS_HELP)] = None
     advisor: Annotated[str, tyro.conf.arg(help=advisor_help("The advisor, in variants with one"))] = "heuristic"
     variant: str = "expert-fsm"
     """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, unguided, no-regions and
@@ -202,7 +210,16 @@ class ContactRun:
 
     @property
     def _robot_flags(self) -> RobotFlags:
-        return RobotFlags(self.world, self.robot, self.dry_run, self.yes, self.quiet)
+        return RobotFlags(
+            self.world,
+            self.robot,
+            self.dry_run,
+            self.yes,
+            self.quiet,
+            self.camera,
+            self.camera_pose,
+            self.masks,
+        )
 
     def _run_cost(self, cost: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode with a cost of the user's own."""

@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
+from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.errors import InputError
 
 if TYPE_CHECKING:
     from coral.contact.perception.object_model import ObjectModel
     from coral.contact.perception.tracker import PoseTracker
+
+MASKS_HELP = f"What segments recorded scenes instead of their true masks: {mask_help()}."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +42,7 @@ class ContactTrack:
     """Whether depth and outlines have a real camera's noise."""
     losses: bool = True
     """Also measure loss and recovery."""
+    masks: Annotated[str | None, tyro.conf.arg(metavar="MASKS", help=MASKS_HELP)] = None
     models: Path | None = None
     """Folder of the models of recorded scenes (obj_000001.ply ...); by default `models_eval` or `models` in the scene's
     folder or above it."""
@@ -87,6 +91,8 @@ class ContactTrack:
                 raise InputError("--export", "", f"{len(self.tasks)} tasks or folders", "one task")
             count = export_motion(sample_trial(load_task(self.tasks[0]), self.seed), cfg, self.export)
             return {"exported": str(self.export), "pictures": count}
+        if self.masks is not None and not folders:
+            raise InputError("--masks", "", self.masks, "a recorded scene: motions of tasks have true masks")
         choice.check()
 
         def make(model: ObjectModel) -> PoseTracker:
@@ -103,6 +109,7 @@ class ContactTrack:
                 noise=cfg.noise,
                 every=self.every,
                 results=self.results,
+                masks=self.masks,
             )
         ]
         names = [name for name in self.tasks if not Path(name).is_dir()] if self.tasks else shipped_tasks()

@@ -6,6 +6,8 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.scene.trial import Trial
@@ -16,7 +18,10 @@ from coral.contact.worlds.franka.stream_record import StreamReport
 from coral.contact.worlds.franka.world import FrankaDoubleWorld, FrankaWorld, StreamHandle
 from coral.errors import InputError, RunError
 
-WORLD, SIMULATED = "franka", "sim"
+if TYPE_CHECKING:
+    from coral.contact.perception.camera_process import CameraProcess
+
+WORLD, SIMULATED, SIMULATED_CAMERA = "franka", "sim", "sim"
 WORD = "move"
 DRY_RUN_S = 3.0
 """Duration of a dry run: the arm does not move, and the plan's beginning repeats."""
@@ -32,6 +37,9 @@ class RobotFlags:
     dry_run: bool
     yes: bool
     quiet: bool
+    camera: str | None = None
+    camera_pose: Path | None = None
+    masks: str | None = None
 
     def check(self) -> bool:
         """Return whether an arm is asked for.
@@ -40,7 +48,14 @@ class RobotFlags:
             InputError: The flags contradict each other.
         """
         if self.world != WORLD:
-            for name, value in (("--robot", self.robot), ("--dry-run", self.dry_run), ("--yes", self.yes)):
+            for name, value in (
+                ("--robot", self.robot),
+                ("--dry-run", self.dry_run),
+                ("--yes", self.yes),
+                ("--camera", self.camera),
+                ("--camera-pose", self.camera_pose),
+                ("--masks", self.masks),
+            ):
                 if value:
                     raise InputError(name, "", value, f"it goes with --world {WORLD} only")
             return False
@@ -50,7 +65,19 @@ class RobotFlags:
             raise InputError(
                 "--yes", "", f"--robot {self.robot}", f"--robot {SIMULATED}: at an arm a person says the word"
             )
+        self._check_camera()
         return True
+
+    def _check_camera(self) -> None:
+        if self.camera is None:
+            for name, value in (("--camera-pose", self.camera_pose), ("--masks", self.masks)):
+                if value:
+                    raise InputError(name, "", value, "it goes with --camera only")
+        elif (self.camera == SIMULATED_CAMERA) != (self.robot == SIMULATED):
+            expected = f"--camera {SIMULATED_CAMERA} with --robot {SIMULATED}, a real camera with a real arm"
+            raise InputError("--camera", "", f"{self.camera} with --robot {self.robot}", expected)
+        elif self.camera != SIMULATED_CAMERA and self.camera_pose is None:
+            raise InputError("--camera-pose", "", "nothing", "a file of coral contact calibrate")
 
 
 def robot_trial(trial: Trial, flags: RobotFlags) -> Trial:
@@ -88,26 +115,45 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
     arm, names = cfg.franka, tuple(item.name for item in trial.task.objects)
     double: Double | None = None
     stream: StreamProcess | None = None
+    camera: CameraProcess | None = None
     show = _tell if flags.dry_run and not flags.quiet else None
     try:
         if flags.robot == SIMULATED:
             _tell("starting the simulated arm ...")
             double = Double(trial, arm)
         stream = StreamProcess(FrankyArm, double.address if double else flags.robot, arm, names)
-        if double is not None:
+        if flags.camera is not None:
+            camera = _start_camera(trial, cfg, flags, (arm.poses_host, stream.poses_port))
+            if double is not None:
+                double.send_state_to(camera.state_address)
+        elif double is not None:
             double.send_poses_to(arm.poses_host, stream.poses_port)
         go_through(stream, arm, names)
         if not flags.dry_run and not flags.yes:
             ask_for_word()
     except BaseException:
-        for part in (stream, double):
+        for part in (camera, stream, double):
             if part is not None:
                 part.close()
         raise
     period_s = cfg.planning.step_s
+    handle: StreamHandle = stream
+    if camera is not None:
+        from coral.contact.perception.camera_stream import CameraStream
+
+        handle = CameraStream(stream, camera)
     if double is not None:
-        return FrankaDoubleWorld(stream, arm, period_s, names, double, dry_run=flags.dry_run, show=show)
-    return FrankaWorld(stream, arm, period_s, names, dry_run=flags.dry_run, show=show)
+        return FrankaDoubleWorld(handle, arm, period_s, names, double, dry_run=flags.dry_run, show=show)
+    return FrankaWorld(handle, arm, period_s, names, dry_run=flags.dry_run, show=show)
+
+
+def _start_camera(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, poses_to: tuple[str, int]) -> CameraProcess:
+    from coral.contact.perception.camera_process import CameraJob, CameraProcess
+
+    assert flags.camera is not None
+    host = "127.0.0.1" if poses_to[0] in ("", "0.0.0.0") else poses_to[0]
+    job = CameraJob(trial, flags.camera, flags.masks or "colour", flags.camera_pose, cfg.tracked, (host, poses_to[1]))
+    return CameraProcess(job)
 
 
 def go_through(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -24,6 +25,7 @@ def track_recording(
     noise: DepthNoise | None,
     every: int,
     results: Path | None,
+    masks: str | None = None,
 ) -> list[dict[str, Any]]:
     """Track the objects of a recorded scene; return a row for each.
 
@@ -35,10 +37,13 @@ def track_recording(
         noise: Noise of drawn depth.
         every: Use every n-th picture only.
         results: File for the estimated poses.
+        masks: What segments the pictures, as `--masks` takes it; None for the recorded true masks.
     """
     from coral.contact.perception.bop_drawing import DrawnDepth
     from coral.contact.perception.bop_scene import BopScene
     from coral.contact.perception.bop_writing import write_bop_results
+    from coral.contact.perception.masks.colour_masks import FILE, read_colours
+    from coral.contact.perception.masks.mask_registry import MaskSetting, make_masks
     from coral.contact.perception.recorded_accuracy import SceneTracking, summarize_poses
 
     if results is not None and results.exists():
@@ -47,21 +52,29 @@ def track_recording(
     if not drawn and not scene.has_depth:
         expected = "pictures of depth, or --drawn-depth: as a camera would measure it, drawn from the true poses"
         raise InputError(str(folder / "depth"), "", "no such folder", expected)
-    read = DrawnDepth(scene, noise).read_frame if drawn else scene.read_frame
-    tracking = SceneTracking(scene, make)
+    read, source = DrawnDepth(scene, noise).read_frame if drawn else scene.read_frame, None
+    if masks is not None:
+        if drawn:
+            raise InputError("--masks", "", masks, "recorded depth: --drawn-depth draws the masks too")
+        tracked = {str(number): scene.model(number) for number in scene.objects}
+        colours = folder / FILE
+        source = make_masks(masks, MaskSetting(tracked, lambda: read_colours(colours)))
+        read = scene.read_bare_frame
+    tracking = SceneTracking(scene, make, source)
     poses = [one for picture in scene.pictures[::every] for one in tracking.poses(picture, read(picture))]
     tracking.close()
     if results is not None:
         write_bop_results(results, scene, poses)
-    about = {"scene": str(folder), "depth": "drawn" if drawn else "recorded"}
+    kind = "true" if masks is None else masks.partition(":")[0]
+    about = {"scene": str(folder), "depth": "drawn" if drawn else "recorded", "masks": kind}
     return [about | dataclasses.asdict(row) for row in summarize_poses(poses)]
 
 
 def describe_recordings(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the lines of a table."""
     lines = [
-        f"{'scene':<16} {'object':>6} {'depth':<8} {'how':<8} {'poses':>5} {'seen':>5} {'mm':>6} {'95 %':>7} "
-        f"{'deg':>6} {'95 %':>6} {'ADD':>5} {'MSSD':>5} {'lost':>5} {'false':>5} {'s':>6}"
+        f"{'scene':<16} {'object':>6} {'depth':<8} {'masks':<6} {'how':<8} {'poses':>5} {'seen':>5} {'mm':>6} "
+        f"{'95 %':>7} {'deg':>6} {'95 %':>6} {'ADD':>5} {'MSSD':>5} {'lost':>5} {'false':>5} {'s':>6}"
     ]
     for r in rows:
         how = "followed" if r["followed"] else "fresh"
@@ -69,7 +82,7 @@ def describe_recordings(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             _number(r[name], width) for name, width in (("mm", 6), ("mm_95", 7), ("deg", 6), ("deg_95", 6))
         )
         lines.append(
-            f"{Path(r['scene']).name:<16} {r['object']:>6} {r['depth']:<8} {how:<8} {r['poses']:>5} "
+            f"{Path(r['scene']).name:<16} {r['object']:>6} {r['depth']:<8} {r['masks']:<6} {how:<8} {r['poses']:>5} "
             f"{r['visible']:>5.0%} {errors} {r['add_recall']:>5.0%} {r['mssd_recall']:>5.0%} {r['lost']:>5} "
             f"{r['false']:>5} {r['seconds']:>6.3f}"
         )
@@ -88,14 +101,18 @@ def export_motion(trial: Trial, cfg: AccuracyCfg, folder: Path) -> int:
         InputError: The folder is not empty.
     """
     from coral.contact.perception.bop_writing import BopWriter
+    from coral.contact.perception.masks.colour_masks import FILE, paint_regions, write_colours
     from coral.contact.perception.object_model import from_trial
     from coral.contact.perception.tracking_accuracy import take_motion
 
-    model, frames, truths = take_motion(trial, cfg)
+    model, frames, truths = take_motion(trial, dataclasses.replace(cfg, colours="shaded"))
     writer = BopWriter(folder, {name: from_trial(model, trial, name) for name in trial.objects})
     for frame, truth in zip(frames, truths, strict=True):
         writer.add(frame, truth)
     writer.close()
+    with contextlib.suppress(InputError):  # objects of one colour have no regions
+        regions = paint_regions({name: trial.task.object(name).color for name in trial.objects})
+        write_colours(folder / FILE, {str(1 + k): region for k, region in enumerate(regions.values())})
     return len(frames)
 
 

@@ -1,4 +1,5 @@
 import dataclasses
+import shutil
 
 import numpy as np
 import pytest
@@ -78,3 +79,24 @@ def test_the_measures_of_a_shifted_pose(scene):
     assert row.mm == pytest.approx(0.0, abs=1e-6)  # errors of poses that were not lost
     [row] = summarize_poses([lost])
     assert row.mm is None
+
+
+def test_without_true_masks_none_is_read(trial, tmp_path):
+    write_scene(tmp_path / "scene", trial, pictures=3)
+    shutil.rmtree(tmp_path / "scene" / "mask_visib")
+    scene = BopScene(tmp_path / "scene")
+    asked, log = [], []
+
+    class Everything:
+        name, wants_colours = "everything", False
+
+        def segment(self, frame, poses):
+            asked.append(sorted(poses))
+            return {"1": frame.depth > 0}
+
+    truths = {f"obj {one.number}": scene.truth(0, k) for k, one in enumerate(scene.placed[0])}
+    tracking = SceneTracking(scene, lambda model: Told(model, truths, log), Everything())
+    poses = [one for picture in scene.pictures for one in tracking.poses(picture, scene.read_bare_frame(picture))]
+    assert asked == [[], ["1", "2"], ["1", "2"]]  # where they were last is known
+    assert {one.number for one in poses} == {1, 2}
+    assert all(one.visible > 0.5 for one in poses if one.picture == 0)

@@ -43,6 +43,8 @@ class PictureCamera:
     """Millimetres per unit of its depth picture."""
     T_world_camera: Array
     """Shape=(4, 4); where the recording tells no pose of the camera, its frame is the world's."""
+    time_s: float | None = None
+    """Time of the picture, which BOP does not have; None where the recording does not tell it."""
 
 
 def read_truth(path: Path) -> dict[int, tuple[PlacedObject, ...]]:
@@ -154,7 +156,8 @@ def _pose(entry: Any, path: Path, key: str) -> PlacedObject:
 def _camera(entry: Any, path: Path, key: str) -> PictureCamera:
     lens = _numbers(entry, "cam_K", 9, path, key)[[0, 4, 2, 5]]
     placed = inverse_transform(_rigid(entry, "w2c", path, key)) if "cam_R_w2c" in entry else np.eye(4)
-    return PictureCamera(_checked_lens(lens, path, key), _depth_scale(entry, path, key), placed)
+    time_s = float(_numbers(entry, "time_s", 1, path, key)[0]) if "time_s" in entry else None
+    return PictureCamera(_checked_lens(lens, path, key), _depth_scale(entry, path, key), placed, time_s)
 
 
 def _checked_lens(lens: Array, path: Path, key: str) -> Array:

@@ -4,20 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception.bop_records import (
-    MM,
-    PictureCamera,
-    read_cameras,
-    read_shared_camera,
-    read_symmetry,
-    read_truth,
-)
+from coral.contact.perception.bop_pictures import BopPictures
+from coral.contact.perception.bop_records import MM, PictureCamera, read_symmetry, read_truth
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.mesh_file import read_mesh
 from coral.contact.perception.mesh_reduction import reduce_mesh
@@ -45,7 +37,8 @@ class BopScene:
     def __init__(self, folder: Path, models: Path | None = None) -> None:
         self.folder = folder
         self.placed = read_truth(folder / "scene_gt.json")
-        self.cameras = self._read_cameras()
+        self._pictures = BopPictures(folder)
+        self.cameras: Mapping[int, PictureCamera] = {k: self._pictures.camera(k) for k in sorted(self.placed)}
         self.models = models or self._find_models()
 
     @property
@@ -61,7 +54,7 @@ class BopScene:
     @property
     def has_depth(self) -> bool:
         """Return whether depth was recorded."""
-        return (self.folder / "depth").is_dir()
+        return self._pictures.has_depth
 
     def truth(self, picture: int, k: int) -> Array:
         """Return T_world_object, Shape=(4, 4), of the k-th object in a picture."""
@@ -73,27 +66,23 @@ class BopScene:
         Raises:
             InputError: A file is missing or broken.
         """
-        camera, count = self.cameras[picture], len(self.placed[picture])
-        raw = self._read("depth", f"{picture:06d}")
-        if raw.ndim != 2:
-            raise InputError(str(self.folder / "depth"), f"{picture:06d}", f"{raw.shape[2]} channels", "one channel")
-        depth = (raw * (MM * camera.depth_scale_mm)).astype(np.float32)
-        instance = np.zeros(depth.shape, np.uint8)
+        bare, count = self._pictures.read_frame(picture), len(self.placed[picture])
+        instance = np.zeros(bare.depth.shape, np.uint8)
         for k in range(count):
-            instance[self._read_mask(picture, k, depth.shape)] = 1 + k
-        return RgbdFrame(depth, instance, names_of(count), camera.lens, camera.T_world_camera)
+            instance[self._read_mask(picture, k, bare.depth.shape)] = 1 + k
+        return RgbdFrame(bare.depth, instance, names_of(count), bare.lens, bare.T_world_camera, bare.time_s)
 
-    def size(self, picture: int) -> tuple[int, int]:
-        """Return height and width of a picture, from its colours or its depth.
+    def read_bare_frame(self, picture: int) -> RgbdFrame:
+        """Read a picture as a camera delivers it: depth and colours, no masks.
 
         Raises:
-            InputError: There is neither.
+            InputError: A file is missing or broken.
         """
-        for kind in ("rgb", "gray", "depth"):
-            if self._path(kind, f"{picture:06d}") is not None:
-                height, width = self._read(kind, f"{picture:06d}").shape[:2]
-                return int(height), int(width)
-        raise InputError(str(self.folder), "", f"no picture {picture:06d}", "pictures in rgb, gray or depth")
+        return self._pictures.read_frame(picture, colours=True)
+
+    def size(self, picture: int) -> tuple[int, int]:
+        """Return height and width of a picture; see `BopPictures.size`."""
+        return self._pictures.size(picture)
 
     def triangles(self, number: int) -> Array:
         """Read the surface of an object, Shape=(M, 3, 3) m.
@@ -122,17 +111,6 @@ class BopScene:
             symmetry = read_symmetry(info, number, (corners.min(axis=0) + corners.max(axis=0)) / 2)
         return from_surface(f"obj {number}", triangles, symmetry)
 
-    def _read_cameras(self) -> Mapping[int, PictureCamera]:
-        path = self.folder / "scene_camera.json"
-        if not path.is_file():
-            for folder in (self.folder, *self.folder.resolve().parents[:2]):
-                if (folder / "camera.json").is_file():
-                    return dict.fromkeys(self.placed, read_shared_camera(folder / "camera.json"))
-        cameras = read_cameras(path)
-        if missing := set(self.placed) - set(cameras):
-            raise InputError(str(path), str(min(missing)), "missing", "a camera of each picture of scene_gt.json")
-        return cameras
-
     def _find_models(self) -> Path:
         for folder in (self.folder, *self.folder.resolve().parents[:2]):
             for name in ("models_eval", "models"):
@@ -143,24 +121,13 @@ class BopScene:
         )
 
     def _read_mask(self, picture: int, k: int, shape: tuple[int, ...]) -> Mask:
-        raw = self._read("mask_visib", f"{picture:06d}_{k:06d}")
+        raw = self._pictures.read("mask_visib", f"{picture:06d}_{k:06d}")
         if raw.shape[:2] != tuple(shape):
             found, expected = (f"{size[1]} x {size[0]}" for size in (raw.shape, shape))
             raise InputError(
                 str(self.folder / "mask_visib"), f"{picture:06d}_{k:06d}", found, f"{expected}, as its depth"
             )
         return np.asarray((raw if raw.ndim == 2 else raw.max(axis=2)) > 0)
-
-    def _read(self, kind: str, stem: str) -> NDArray[Any]:
-        path = self._path(kind, stem)
-        found = None if path is None else cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-        if found is None:
-            raise InputError(str(self.folder / kind), stem, "missing" if path is None else "broken", "a PNG picture")
-        return np.asarray(found)
-
-    def _path(self, kind: str, stem: str) -> Path | None:
-        found = (self.folder / kind / f"{stem}{suffix}" for suffix in (".png", ".jpg", ".tif"))
-        return next((path for path in found if path.is_file()), None)
 
 
 def names_of(count: int) -> tuple[str, ...]:

@@ -61,6 +61,7 @@ class BopWriter:
         self._cameras[str(index)] = {
             "cam_K": frame.K.ravel().tolist(),
             "depth_scale": DEPTH_SCALE_MM,
+            "time_s": frame.time_s,  # BOP has no times; its readers ignore this
             **_written(camera, "w2c"),
         }
         self._truth[str(index)] = [

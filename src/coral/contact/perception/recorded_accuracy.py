@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from coral.contact.perception.bop_scene import BopScene
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.masks.mask_source import MaskSource
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.pose_error import add, add_s, mssd
 from coral.contact.perception.tracker import PoseEstimate, PoseTracker
-from coral.contact.perception.tracking_accuracy import MakeTracker, pose_error, visible_share
+from coral.contact.perception.tracking_accuracy import MakeTracker, measured_share, pose_error, visible_share
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -81,11 +82,14 @@ class SceneTracking:
     Args:
         scene: The scene.
         make: Makes a tracker of an object.
+        masks: Segments the pictures, in which the objects are named by their numbers; None for true masks. Each object
+            is then in the scene once, at most.
     """
 
-    def __init__(self, scene: BopScene, make: MakeTracker) -> None:
-        self._scene, self._make = scene, make
+    def __init__(self, scene: BopScene, make: MakeTracker, masks: MaskSource | None = None) -> None:
+        self._scene, self._make, self._masks = scene, make, masks
         self._models = {number: scene.model(number) for number in scene.objects}
+        self._known: dict[str, Array] = {}
         self._following: dict[int, PoseTracker] = {}
         self._last = -2
 
@@ -95,10 +99,16 @@ class SceneTracking:
             self.close()
         self._last = picture
         placed = [one.number for one in self._scene.placed[picture]]
+        masks = None if self._masks is None else self._masks.segment(frame, self._known)
         found = []
         for k, number in enumerate(placed):
-            model, truth, mask = self._models[number], self._scene.truth(picture, k), frame.mask(str(k))
-            visible = visible_share(model, frame, mask, truth)
+            model, truth = self._models[number], self._scene.truth(picture, k)
+            if masks is None:
+                mask = frame.mask(str(k))
+                visible = visible_share(model, frame, mask, truth)
+            else:
+                mask = masks.get(str(number), np.zeros(frame.depth.shape, bool))
+                visible = measured_share(model, frame, truth)
             if visible < ENOUGH:
                 continue
             fresh = self._make(model)
@@ -108,6 +118,10 @@ class SceneTracking:
             if follower is not None:
                 estimate, seconds = _timed(follower.track, frame, mask)
                 found.append(judge_pose(picture, model, number, estimate, truth, True, visible, seconds))
+            if estimate.lost:
+                self._known.pop(str(number), None)
+            else:
+                self._known[str(number)] = estimate.T_world_object
             if follower is None and placed.count(number) == 1:  # else it is not known which of them is followed
                 self._following[number] = fresh
             else:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.bag_reader import count_messages, read_messages, stamp_of
 from coral.errors import InputError, first_line
 from coral.reef.camera import CameraCfg
 from coral.reef.eyes.backends import RGB
@@ -18,7 +19,6 @@ from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.geometry import Frame, Pose
 from coral.reef.mapping import MapCfg
-from coral.reef.recordings.bag_reader import count_messages, read_messages, stamp_of
 from coral.reef.recordings.bag_sonar import open_sonar
 from coral.reef.recordings.lens import Lens
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only

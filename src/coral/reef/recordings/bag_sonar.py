@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.bag_reader import read_messages
 from coral.errors import InputError
 from coral.reef.geometry import Pose
-from coral.reef.recordings.bag_reader import read_messages
 from coral.reef.recordings.point_clouds import points_in, range_image_of
 from coral.reef.recordings.pose_track import PoseTrack
 from coral.reef.recordings.recording import PosedPing

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from coral.bag_reader import is_bag
 from coral.errors import InputError
 from coral.reef.mapping import MapCfg
-from coral.reef.recordings.bag_reader import is_bag
 from coral.reef.recordings.bag_recording import BagTopics, read_bag
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE, read_folder

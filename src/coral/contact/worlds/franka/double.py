@@ -32,7 +32,7 @@ from coral.contact.worlds.franka.double_scene import (
     make_rubber,
     scene_elements,
 )
-from coral.contact.worlds.franka.object_poses import poses_datagram
+from coral.contact.worlds.franka.object_poses import poses_datagram, state_datagram
 from coral.errors import InputError, RunError
 
 MISSING = "pip install franky-sim (with the extra franka)"
@@ -123,6 +123,10 @@ class Double:
         """Begin to send the objects' poses."""
         self._ask(("poses", (host, port)))
 
+    def send_state_to(self, address: tuple[str, int] | None) -> None:
+        """Begin to send the true state to a simulated camera; None to cover it."""
+        self._ask(("state", address))
+
     def hide_objects(self) -> None:
         """Send no more poses, as if the camera were covered."""
         self._ask(("poses", None))
@@ -189,6 +193,7 @@ class _Server:
         self._rng = np.random.default_rng([trial.seed, 7])
         self._wrench, self._base = np.zeros(6), np.asarray(arm.base_m)
         self._sending: tuple[str, int] | None = None
+        self._state_to: tuple[str, int] | None = None
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._linked = True
         simulator = MujocoSimulator()
@@ -262,6 +267,8 @@ class _Server:
         answer: Any = None
         if question == "poses":
             self._sending = value
+        elif question == "state":
+            self._state_to = value
         elif question == "link":
             self._linked = value
         elif question == "truth":
@@ -270,6 +277,9 @@ class _Server:
         return True
 
     def _send_poses(self) -> None:
+        if self._state_to is not None:
+            state = self._scene.truth(float(self._simulator.data.time), self._tool(), self._opening())
+            self._socket.sendto(state_datagram(state), self._state_to)
         if self._sending is None:
             return
         cfg, noisy = self._cfg, {}

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from coral.contact.scene.geometry import conjugate, multiply, to_rotvec
-from coral.contact.scene.observation import BodyState
+from coral.contact.scene.observation import BodyState, Truth
 from coral.errors import InputError
 
 SMOOTHING_S = 0.1
@@ -119,8 +119,26 @@ def _pose(value: Any) -> BodyState:
 
 def poses_datagram(poses: Mapping[str, BodyState]) -> bytes:
     """Return the datagram that tells these poses."""
-    objects = {
-        name: {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}
-        for name, pose in poses.items()
-    }
-    return json.dumps({"objects": objects}).encode()
+    return json.dumps({"objects": {name: _written(pose) for name, pose in poses.items()}}).encode()
+
+
+def state_datagram(state: Truth) -> bytes:
+    """Return the datagram by which a simulated arm tells its true state to a simulated camera, and to nobody else."""
+    objects = {name: _written(pose) for name, pose in state.objects.items()}
+    tool = _written(state.tool)
+    return json.dumps({"time_s": state.time_s, "tool": tool, "opening_m": state.opening_m, "objects": objects}).encode()
+
+
+def parse_state(data: bytes) -> Truth | None:
+    """Parse such a datagram; None if it is malformed."""
+    try:
+        message = json.loads(data)
+        objects = {str(name): _pose(value) for name, value in message["objects"].items()}
+        time_s, opening_m = float(message["time_s"]), float(message["opening_m"])
+        return Truth(time_s, _pose(message["tool"]), opening_m, objects, (), contacts_known=False)
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+
+
+def _written(pose: BodyState) -> dict[str, list[float]]:
+    return {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}

@@ -25,6 +25,16 @@ def count_messages(path: Path) -> dict[str, int]:
         return {one.topic: one.msgcount for one in reader.connections}
 
 
+def message_types(path: Path) -> dict[str, str]:
+    """Return the type of the messages on each topic.
+
+    Raises:
+        InputError: It is no bag, or rosbags is not installed.
+    """
+    with _opened(path) as reader:
+        return {one.topic: one.msgtype for one in reader.connections}
+
+
 def read_messages(path: Path, wanted: set[str]) -> Iterator[tuple[str, Any]]:
     """Return topic and message of all messages on some topics, in order of time, one after the other.
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from coral.bag_reader import count_messages, is_bag, read_messages
 from coral.errors import InputError
-from coral.reef.recordings.bag_reader import count_messages, is_bag, read_messages
 
 pytest.importorskip("rosbags")
 

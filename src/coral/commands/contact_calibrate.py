@@ -1,0 +1,165 @@
+"""`coral contact calibrate`: find where a camera stands, from a board or from points that the hand touches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+
+from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
+from coral.errors import InputError
+
+if TYPE_CHECKING:
+    from coral.contact.perception.camera import RgbdFrame
+
+MOST_PICTURES = 500
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactCalibrate:
+    """Find where a camera stands, and write it into a file for --camera-pose.
+
+    By --touches: the hand touches points whose pixels are clicked. By --board with --board-at: a ChArUco board lies at
+    a known place. By --board with --hand-poses: the hand holds the board, one picture for each of its poses.
+    """
+
+    camera: Annotated[str | None, tyro.conf.arg(metavar="CAMERA", help=f"The camera: {camera_help()}.")] = None
+    touches: Path | None = None
+    """File with a list `touches` of `pixel: [column, row]` and `touched_m: [x, y, z]`, four or more."""
+    board: Annotated[str | None, tyro.conf.arg(metavar="BOARD")] = None
+    """The board, COLUMNSxROWS:SQUARE_M:MARKER_M[:DICTIONARY], for example 7x5:0.04:0.03."""
+    board_at: Annotated[tuple[float, float, float, float] | None, tyro.conf.arg(metavar="X Y Z YAW_DEG")] = None
+    """Place of the board, face up: its first corner in the world (m), and the direction of its columns."""
+    hand_poses: Path | None = None
+    """File with a list `poses` of `position` and `quaternion` of the tool, one for each picture."""
+    pictures: int = 10
+    """Pictures of a live camera."""
+    draw: Annotated[Path | None, tyro.conf.arg(metavar="PNG")] = None
+    """Draw the board into this file to print it, and calibrate nothing."""
+    out: Path = Path("camera.yaml")
+    """The file to write, new."""
+    json: bool = False
+    """Print one JSON object on standard output."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Calibrate."""
+        from coral.contact.perception.calibration.camera_pose_file import write_camera_pose
+
+        if self.draw is not None:
+            return self._draw(self.draw)
+        if (self.touches is None) == (self.board is None):
+            raise InputError("--touches", "", "both" if self.board else "nothing", "either --touches or --board")
+        if self.board is not None and (self.board_at is None) == (self.hand_poses is None):
+            found = "both" if self.board_at else "nothing"
+            raise InputError("--board-at", "", found, "either --board-at or --hand-poses")
+        if self.camera is None:
+            raise InputError("--camera", "", "nothing", "a camera, or --draw")
+        if self.out.exists():
+            raise InputError("--out", "", str(self.out), "a new file")
+        if not 1 <= self.pictures <= MOST_PICTURES:
+            raise InputError("--pictures", "", self.pictures, f"1 to {MOST_PICTURES}")
+        frames = self._take(self.camera)
+        placed, method, residuals = self._by_touch(frames[0]) if self.touches is not None else self._by_board(frames)
+        self.out.parent.mkdir(parents=True, exist_ok=True)
+        write_camera_pose(self.out, placed, method, residuals)
+        return {
+            "out": str(self.out),
+            "method": method,
+            "position_m": [round(float(value), 5) for value in placed[:3, 3]],
+            "looks_along": [round(float(value), 4) for value in placed[:3, 2]],
+            "residuals": residuals,
+        }
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """Say where the camera stands, and what the fit left."""
+        if "drawn" in result:
+            return f"{result['drawn']}: print it so that it is {result['width_m']:g} x {result['height_m']:g} m"
+        x, y, z = result["position_m"]
+        left = ", ".join(f"{name} {value:.2f}" for name, value in result["residuals"].items())
+        return f"{result['method']}: the camera stands at {x:+.3f} {y:+.3f} {z:+.3f} m; {left}\n{result['out']}"
+
+    def _draw(self, path: Path) -> dict[str, Any]:
+        import cv2
+
+        from coral.contact.perception.calibration.charuco_board import FORM, CharucoBoard
+
+        if self.board is None:
+            raise InputError("--board", "", "nothing", FORM)
+        if path.exists():
+            raise InputError("--draw", "", str(path), "a new file")
+        board = CharucoBoard(self.board)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        cv2.imwrite(str(path), board.draw(200))
+        columns, rows = board.size
+        return {"drawn": str(path), "width_m": columns * board.square_m, "height_m": rows * board.square_m}
+
+    def _take(self, word: str) -> list[RgbdFrame]:
+        from coral.contact.perception.cameras.frame_stream import stream_frames
+
+        with closing(make_camera_by_name(word)) as camera:
+            if camera.live and self.hand_poses is not None:
+                raise InputError("--camera", "", word, "a recording with one picture for each pose of the hand")
+            camera.start()
+            frames = list(islice(stream_frames(camera), self.pictures if camera.live else MOST_PICTURES))
+        if not frames:
+            raise InputError("--camera", "", word, "pictures")
+        return frames
+
+    def _by_touch(self, frame: RgbdFrame) -> tuple[Any, str, dict[str, float]]:
+        import numpy as np
+
+        from coral.contact.perception.calibration.touch_calibration import calibrate_by_touch, read_touches
+
+        assert self.touches is not None
+        touches = read_touches(self.touches)
+        found = calibrate_by_touch(frame, touches, str(self.touches))
+        left = 1e3 * found.residuals_m
+        residuals = {"rms_mm": float(np.sqrt(np.mean(left**2))), "largest_mm": float(left.max())}
+        return found.T_world_camera, f"{len(touches)} touched points", residuals
+
+    def _by_board(self, frames: list[RgbdFrame]) -> tuple[Any, str, dict[str, float]]:
+        import numpy as np
+
+        from coral.contact.perception.calibration.board_calibration import (
+            calibrate_by_held_board,
+            calibrate_by_placed_board,
+            check_depth,
+        )
+        from coral.contact.perception.calibration.charuco_board import LEAST_CORNERS, CharucoBoard
+        from coral.contact.perception.calibration.hand_poses import read_hand_poses
+        from coral.contact.scene.geometry import rotation_about
+        from coral.contact.scene.rigid_transform import pose_matrix
+
+        assert self.board is not None
+        board = CharucoBoard(self.board)
+        seen = [board.find(frame) for frame in frames]
+        shown = [(one, frame) for one, frame in zip(seen, frames, strict=True) if one is not None]
+        if not shown:
+            expected = f"{LEAST_CORNERS} corners of the board {self.board} in a picture"
+            raise InputError("--board", "", f"no board in {len(frames)} pictures", expected)
+        boards, pictures = [one for one, _ in shown], [frame for _, frame in shown]
+        if self.hand_poses is not None:
+            tools = read_hand_poses(self.hand_poses)
+            if len(tools) != len(frames):
+                found_count = f"{len(tools)} poses for {len(frames)} pictures"
+                raise InputError(str(self.hand_poses), "poses", found_count, "one pose for each picture")
+            chosen = [tool for tool, one in zip(tools, seen, strict=True) if one is not None]
+            fit = calibrate_by_held_board(boards, pictures, chosen, str(self.hand_poses))
+            method = f"board in the hand, {len(boards)} pictures"
+        else:
+            assert self.board_at is not None
+            x, y, z, yaw_deg = self.board_at
+            turn = rotation_about(np.array([0.0, 0.0, 1.0]), float(np.radians(yaw_deg)))
+            placed = pose_matrix(turn @ np.diag([1.0, -1.0, -1.0]), [x, y, z])
+            fit = calibrate_by_placed_board(boards, pictures, placed)
+            method = f"board at a known place, {len(boards)} pictures"
+        check_depth(fit.depth_share)
+        residuals = {"rms_px": fit.residual_px}
+        if fit.depth_share is not None:
+            residuals["depth_off_percent"] = 100 * fit.depth_share
+        return fit.T_world_camera, method, residuals

@@ -1,0 +1,185 @@
+"""`coral contact poses`: track the objects of a task in a camera's pictures, and send their poses."""
+
+from __future__ import annotations
+
+import socket
+import sys
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Annotated, Any
+
+import cv2
+import numpy as np
+import tyro
+
+from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
+from coral.contact.perception.masks.mask_registry import mask_help
+from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
+from coral.errors import InputError, RunError
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactPoses:
+    """Track the objects of a task in a camera's pictures. Their poses go to a Franka world, or to your own program.
+
+    No true pose or mask is read: shapes, symmetries and colours are those of the task file.
+    """
+
+    task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
+    """A shipped task or a task file, with the exact sizes of your objects."""
+    camera: Annotated[str, tyro.conf.arg(metavar="CAMERA", help=f"The camera: {camera_help()}.")]
+    camera_pose: Path | None = None
+    """Where it stands, a file of coral contact calibrate; by default what a recording says."""
+    masks: Annotated[str, tyro.conf.arg(metavar="MASKS", help=f"What segments the pictures: {mask_help()}.")] = "colour"
+    tracker: Annotated[str, tyro.conf.arg(help=f"The tracker: {tracker_help()}.")] = "model"
+    seed: int = 0
+    """Seed of the trial, if the task file leaves sizes open."""
+    send: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
+    """Send the poses of objects that are not lost as UDP datagrams, as coral contact run --world franka takes them."""
+    pictures: int = 0
+    """End after so many pictures; 0 for the end of the recording, or Ctrl-C."""
+    picture: Annotated[Path | None, tyro.conf.arg(metavar="PNG")] = None
+    """Write the last picture with the objects' outlines into this file, new."""
+    json: bool = False
+    """Print one JSON object on standard output."""
+    quiet: bool = False
+    """No line for each picture."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Track until the end."""
+        from coral.contact.perception.calibration.camera_pose_file import read_camera_pose
+        from coral.contact.perception.cameras.frame_stream import stream_frames
+        from coral.contact.perception.masks.colour_masks import paint_regions
+        from coral.contact.perception.masks.mask_registry import MaskSetting, make_masks
+        from coral.contact.perception.object_tracking import ObjectTracking, object_models
+        from coral.contact.perception.pose_picture import draw_poses
+        from coral.contact.perception.tracked_world import nominal_pose
+        from coral.contact.scene.trial import sample_trial
+        from coral.contact.tasks import load_task
+
+        if self.pictures < 0:
+            raise InputError("--pictures", "", self.pictures, "0 or more")
+        if self.picture is not None and self.picture.exists():
+            raise InputError("--picture", "", str(self.picture), "a new file")
+        to = None if self.send is None else parse_receiver(self.send)
+        trial = sample_trial(load_task(self.task), self.seed)
+        models = object_models(trial)
+        paint = {name: trial.task.object(name).color for name in models}
+        masks = make_masks(self.masks, MaskSetting(models, lambda: paint_regions(paint, self.task)))
+        choice = choose_tracker(self.tracker)
+        choice.check()
+        placed = None if self.camera_pose is None else read_camera_pose(self.camera_pose)
+        summary = {name: _Summary() for name in models}
+        last = None
+        tracking = ObjectTracking(models, lambda name: choice.make(models[name], nominal_pose(trial, name)), masks)
+        with (
+            closing(make_camera_by_name(self.camera, placed)) as camera,
+            closing(tracking),
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender,
+        ):
+            camera.start()
+            try:
+                for frame in islice(stream_frames(camera), self.pictures or None):
+                    found = tracking.update(frame)
+                    last = frame, found
+                    if to is not None:
+                        sender.sendto(datagram(found), to)
+                    for name, estimate in found.items():
+                        summary[name].add(estimate)
+                    if not self.quiet and not self.json:
+                        print(_line(frame.time_s, found), file=sys.stderr, flush=True)
+            except KeyboardInterrupt:
+                if last is None:
+                    raise
+        if last is None:
+            raise RunError(f"the camera {self.camera} sent no picture")
+        if self.picture is not None:
+            drawn = draw_poses(last[0], models, last[1])
+            self.picture.parent.mkdir(parents=True, exist_ok=True)
+            cv2.imwrite(str(self.picture), drawn[..., ::-1])
+        return {
+            "camera": self.camera,
+            "masks": self.masks,
+            "pictures": max(one.pictures for one in summary.values()),
+            "objects": {name: one.as_dict() for name, one in summary.items()},
+            "picture": None if self.picture is None else str(self.picture),
+        }
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """Return a line for each object."""
+        lines = []
+        for name, one in result["objects"].items():
+            if one["position_m"] is None:
+                lines.append(f"{name}: never found in {one['pictures']} pictures ({one['reason']})")
+                continue
+            x, y, z = one["position_m"]
+            lost = f", lost in {one['lost']} of {one['pictures']} pictures" if one["lost"] else ""
+            now = f"; lost now ({one['reason']})" if one["reason"] else ""
+            lines.append(f"{name}: last at {x:+.3f} {y:+.3f} {z:+.3f} m, confidence {one['confidence']:.2f}{lost}{now}")
+        return "\n".join([*lines, *([f"picture: {result['picture']}"] if result["picture"] else [])])
+
+
+class _Summary:
+    """What becomes of one object."""
+
+    def __init__(self) -> None:
+        self.pictures = self.lost = 0
+        self.last: Any = None
+        self.reason = ""
+
+    def add(self, estimate: Any) -> None:
+        """Count an estimate."""
+        self.pictures += 1
+        self.reason = estimate.reason
+        if estimate.lost:
+            self.lost += 1
+        else:
+            self.last = estimate
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it for the result."""
+        from coral.contact.scene.geometry import quaternion_of
+
+        pose = None if self.last is None else self.last.T_world_object
+        return {
+            "pictures": self.pictures,
+            "lost": self.lost,
+            "reason": self.reason,
+            "position_m": None if pose is None else np.round(pose[:3, 3], 5).tolist(),
+            "quaternion": None if pose is None else np.round(quaternion_of(pose[:3, :3]), 6).tolist(),
+            "confidence": None if pose is None else round(float(self.last.confidence), 3),
+        }
+
+
+def datagram(found: Mapping[str, Any]) -> bytes:
+    """Return the datagram with the poses of the objects that are not lost."""
+    from coral.contact.scene.rigid_transform import matrix_to_body
+    from coral.contact.worlds.franka.object_poses import poses_datagram
+
+    return poses_datagram({name: matrix_to_body(one.T_world_object) for name, one in found.items() if not one.lost})
+
+
+def parse_receiver(word: str, where: str = "--send") -> tuple[str, int]:
+    """Return host and port.
+
+    Raises:
+        InputError: The word is not HOST:PORT.
+    """
+    host, _, port = word.rpartition(":")
+    if not host or not port.isascii() or not port.isdecimal() or not 0 < int(port) < 65_536:
+        raise InputError(where, "", repr(word), "HOST:PORT")
+    try:
+        return socket.gethostbyname(host), int(port)
+    except OSError as error:
+        raise InputError(where, "", f"{host!r} ({error.strerror})", "a host that is known") from None
+
+
+def _line(time_s: float, found: Mapping[str, Any]) -> str:
+    parts = []
+    for name, one in found.items():
+        x, y, z = one.T_world_object[:3, 3]
+        parts.append(f"{name} lost ({one.reason})" if one.lost else f"{name} at {x:+.3f} {y:+.3f} {z:+.3f} m")
+    return f"{time_s:8.2f} s: {'; '.join(parts)}"

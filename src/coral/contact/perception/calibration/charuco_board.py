@@ -1,0 +1,84 @@
+"""A ChArUco board: its description in a word, its picture to print, and its corners in pictures."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.perception.camera import RgbdFrame
+from coral.errors import InputError
+
+Array = NDArray[np.float64]
+FORM = "COLUMNSxROWS:SQUARE_M:MARKER_M[:DICTIONARY], for example 7x5:0.04:0.03"
+DICTIONARY = "4X4_50"
+LEAST_CORNERS = 6
+"""Corners in a picture that make it count."""
+
+
+@dataclass(frozen=True)
+class SeenBoard:
+    """The corners of a board in one picture."""
+
+    points: Array
+    """On the board, Shape=(N, 3) m."""
+    pixels: Array
+    """In the picture, Shape=(N, 2)."""
+
+
+class CharucoBoard:
+    """A board of squares with markers. Its origin is a corner, x along its columns, y along its rows, z away from it.
+
+    Args:
+        word: `FORM`.
+
+    Raises:
+        InputError: The word describes no board.
+    """
+
+    def __init__(self, word: str, where: str = "--board") -> None:
+        found = re.fullmatch(r"(\d+)x(\d+):([\d.]+):([\d.]+)(?::(\w+))?", word)
+        if found is None:
+            raise InputError(where, "", repr(word), FORM)
+        columns, rows = int(found[1]), int(found[2])
+        try:
+            self.square_m, marker_m = float(found[3]), float(found[4])
+        except ValueError:
+            raise InputError(where, "", repr(word), FORM) from None
+        name = (found[5] or DICTIONARY).upper().removeprefix("DICT_")
+        dictionary = getattr(cv2.aruco, f"DICT_{name}", None)
+        if dictionary is None:
+            raise InputError(where, "dictionary", name, "a dictionary of OpenCV: 4X4_50, 5X5_100, APRILTAG_36H11 ...")
+        if not (3 <= columns <= 40 and 3 <= rows <= 40 and 0.001 < marker_m < self.square_m < 1.0):
+            raise InputError(where, "", repr(word), f"3 to 40 squares a side, markers smaller than squares: {FORM}")
+        markers = cv2.aruco.getPredefinedDictionary(dictionary)
+        if columns * rows // 2 > len(markers.bytesList):
+            expected = f"a dictionary with {columns * rows // 2} markers; this one has {len(markers.bytesList)}"
+            raise InputError(where, "dictionary", name, expected)
+        self._board: Any = cv2.aruco.CharucoBoard((columns, rows), self.square_m, marker_m, markers)
+        self._detector: Any = cv2.aruco.CharucoDetector(self._board)
+        self.size = (columns, rows)
+
+    def draw(self, pixels_per_square: int) -> NDArray[np.uint8]:
+        """Draw the board to print it, without a margin. Shape=(H, W), grey."""
+        columns, rows = self.size
+        return np.asarray(self._board.generateImage((columns * pixels_per_square, rows * pixels_per_square)), np.uint8)
+
+    def find(self, frame: RgbdFrame) -> SeenBoard | None:
+        """Find the board's corners in a picture; None if too few are seen.
+
+        Raises:
+            InputError: The picture has no colours.
+        """
+        if frame.rgb is None:
+            raise InputError("--camera", "", "a picture without colours", "pictures with colours, which show the board")
+        grey = cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY)
+        corners, numbers, _, _ = self._detector.detectBoard(grey)
+        if numbers is None or len(numbers) < LEAST_CORNERS:
+            return None
+        points, pixels = self._board.matchImagePoints(corners, numbers)
+        return SeenBoard(np.asarray(points, float).reshape(-1, 3), np.asarray(pixels, float).reshape(-1, 2))

@@ -1,0 +1,149 @@
+"""Camera and trackers in a process of their own, whose datagrams give a Franka world the objects' poses.
+
+An object that is lost is not in a datagram, so that its pose ages and the arm stops: nothing is guessed.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import threading
+import time
+from collections.abc import Callable
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from multiprocessing import Pipe, get_context
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+from coral.contact.perception.calibration.camera_pose_file import read_camera_pose
+from coral.contact.perception.cameras.camera_registry import make_camera_by_name
+from coral.contact.perception.cameras.rgbd_camera import RgbdCamera
+from coral.contact.perception.cameras.simulated_camera import SimulatedRgbdCamera
+from coral.contact.perception.masks.colour_masks import paint_regions
+from coral.contact.perception.masks.mask_registry import MaskSetting, make_masks
+from coral.contact.perception.object_tracking import ObjectTracking, object_models
+from coral.contact.perception.tracked_cfg import TrackedCfg
+from coral.contact.perception.tracked_world import nominal_pose
+from coral.contact.scene.rigid_transform import matrix_to_body
+from coral.contact.scene.trial import Trial
+from coral.contact.worlds.franka.object_poses import poses_datagram
+from coral.errors import InputError, RunError
+
+SIMULATED = "sim"
+_POLL_S = 0.002
+_START_TIMEOUT_S = 120.0
+
+
+@dataclass(frozen=True)
+class CameraJob:
+    """What the process does."""
+
+    trial: Trial
+    camera: str
+    """The camera, as `--camera` takes it; `SIMULATED` for the simulated arm's."""
+    masks: str
+    """What segments its pictures, as `--masks` takes it."""
+    camera_pose: Path | None
+    """Where the camera stands, a file of `coral contact calibrate`."""
+    tracked: TrackedCfg
+    """The tracker; of a simulated camera, its size, place and noise too."""
+    poses_to: tuple[str, int]
+    """Receiver of the poses."""
+
+
+class CameraProcess:
+    """Starts the camera, and tracks until it is closed.
+
+    Args:
+        job: What to do.
+        make_process: Makes the process; a thread in tests.
+
+    Raises:
+        InputError, RunError: The camera or the masks cannot be used.
+    """
+
+    def __init__(self, job: CameraJob, make_process: Callable[..., Any] | None = None) -> None:
+        self._connection, self._theirs = Pipe()
+        self._process: Any = (make_process or get_context("spawn").Process)(
+            target=_run, args=(job, self._theirs), name="contact-camera", daemon=True
+        )
+        self._process.start()
+        self.state_address: tuple[str, int] | None = self._await_start()
+        """Where a simulated camera expects the simulation's state."""
+
+    def failure(self) -> str:
+        """Return why tracking has ended; "" while it goes on."""
+        try:
+            return str(self._connection.recv()) if self._connection.poll(0.0) else ""
+        except (EOFError, OSError):
+            return "the camera's process has ended"
+
+    def close(self) -> None:
+        """Stop the camera and end the process."""
+        with suppress(OSError):
+            self._connection.send("stop")
+        self._process.join(3.0)
+        if self._process.is_alive() and hasattr(self._process, "kill"):
+            self._process.kill()
+            self._process.join(3.0)
+
+    def _await_start(self) -> tuple[str, int] | None:
+        try:
+            if self._connection.poll(_START_TIMEOUT_S):
+                kind, answer = self._connection.recv()
+                if kind == "ok":
+                    address: tuple[str, int] | None = answer
+                    return address
+                self._process.join(3.0)
+                raise InputError(*answer) if kind == "input" else RunError(str(answer))
+        except (EOFError, OSError):
+            raise RunError("the camera's process could not be started") from None
+        self._process.kill()
+        raise RunError(f"the camera did not start within {_START_TIMEOUT_S:.0f} s")
+
+
+def _run(job: CameraJob, connection: Connection) -> None:
+    """Body of the process."""
+    if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the program says when it ends
+    try:
+        camera, tracking = _prepare(job)
+        camera.start()
+    except InputError as error:
+        connection.send(("input", (error.where, error.field, str(error.found), error.expected)))
+        return
+    except Exception as error:
+        connection.send(("error", str(error) or type(error).__name__))
+        return
+    connection.send(("ok", camera.address if isinstance(camera, SimulatedRgbdCamera) else None))
+    parent = os.getppid()
+    with closing(camera), closing(tracking), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        try:
+            while not connection.poll() and os.getppid() == parent:
+                frame = camera.newest()
+                if frame is None:
+                    time.sleep(_POLL_S)
+                    continue
+                found = tracking.update(frame)
+                seen = {name: matrix_to_body(one.T_world_object) for name, one in found.items() if not one.lost}
+                sender.sendto(poses_datagram(seen), job.poses_to)
+        except (InputError, RunError) as error:
+            connection.send(str(error))
+
+
+def _prepare(job: CameraJob) -> tuple[RgbdCamera, ObjectTracking]:
+    trial, models = job.trial, object_models(job.trial)
+    paint = {name: trial.task.object(name).color for name in models}
+    masks = make_masks(job.masks, MaskSetting(models, lambda: paint_regions(paint)))
+    choice = job.tracked.choice()
+    choice.check()
+    placed = None if job.camera_pose is None else read_camera_pose(job.camera_pose)
+    if job.camera == SIMULATED:
+        camera: RgbdCamera = SimulatedRgbdCamera(trial, job.tracked, placed)
+    else:
+        camera = make_camera_by_name(job.camera, placed)
+    tracking = ObjectTracking(models, lambda name: choice.make(models[name], nominal_pose(trial, name)), masks)
+    return camera, tracking

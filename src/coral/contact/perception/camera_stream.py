@@ -1,0 +1,47 @@
+"""The stream to an arm together with the camera that tells it the objects' poses."""
+
+from __future__ import annotations
+
+from coral.contact.perception.camera_process import CameraProcess
+from coral.contact.scene.observation import HandTarget
+from coral.contact.worlds.franka.stream import StopCause
+from coral.contact.worlds.franka.stream_record import StreamReport
+from coral.contact.worlds.franka.world import StreamHandle
+
+
+class CameraStream:
+    """A stream whose poses come from a camera; see `StreamHandle`. It ends the camera with itself.
+
+    Args:
+        stream: The stream.
+        camera: The camera.
+    """
+
+    def __init__(self, stream: StreamHandle, camera: CameraProcess) -> None:
+        self._stream, self._camera = stream, camera
+
+    def start(self) -> None:
+        """See `StreamHandle.start`."""
+        self._stream.start()
+
+    def follow(self, target: HandTarget) -> None:
+        """See `StreamHandle.follow`."""
+        self._stream.follow(target)
+
+    def stop(self, cause: StopCause) -> None:
+        """See `StreamHandle.stop`."""
+        self._stream.stop(cause)
+
+    def report(self) -> StreamReport:
+        """See `StreamHandle.report`."""
+        return self._stream.report()
+
+    def reason(self) -> str:
+        """Return why the arm was stopped; if the camera had failed, that too."""
+        reason, failure = self._stream.reason(), self._camera.failure()
+        return f"{reason}: {failure}" if failure else reason
+
+    def close(self) -> None:
+        """See `StreamHandle.close`."""
+        self._stream.close()
+        self._camera.close()

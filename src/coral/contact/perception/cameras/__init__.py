@@ -1,0 +1,1 @@
+"""Cameras that deliver colour and depth: recordings, ROS 2 bags, RealSense, and those of other packages."""

@@ -1,0 +1,66 @@
+"""A picture as a camera delivers it: no masks, lens distortion removed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.perception.camera import RgbdFrame
+
+Array = NDArray[np.float64]
+
+
+def bare_frame(
+    depth: NDArray[np.float32], rgb: NDArray[np.uint8] | None, lens: Array, placed: Array, time_s: float
+) -> RgbdFrame:
+    """Make a picture in which nothing has a name.
+
+    Args:
+        depth: Shape=(H, W) m, 0 or not finite where nothing was measured.
+        rgb: Shape=(H, W, 3), or None.
+        lens: Shape=(4,): fx, fy, cx, cy in pixels.
+        placed: T_world_camera, Shape=(4, 4).
+        time_s: Time of the picture.
+    """
+    measured = np.where(np.isfinite(depth) & (depth > 0), depth, 0.0).astype(np.float32)
+    return RgbdFrame(measured, np.zeros(measured.shape, np.uint8), (), lens, placed, time_s, rgb)
+
+
+class Undistortion:
+    """Removes the distortion of a lens, after Brown and Conrady: each pixel is looked up where the lens put it.
+
+    The nearest pixel is taken, since an average of two depths is the depth of nothing.
+
+    Args:
+        lens: Shape=(4,): fx, fy, cx, cy in pixels.
+        coefficients: k1, k2, p1, p2, k3 ..., as OpenCV orders them.
+        size: Height and width.
+        inverse: Whether the coefficients map distorted to undistorted places (librealsense's
+            `inverse_brown_conrady`) instead of the reverse.
+    """
+
+    def __init__(self, lens: Array, coefficients: Array, size: tuple[int, int], *, inverse: bool = False) -> None:
+        self._map: NDArray[np.float32] | None = None
+        if not np.any(coefficients):
+            return
+        height, width = size
+        fx, fy, cx, cy = lens
+        matrix = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+        if inverse:
+            u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
+            grid = np.stack([u, v], axis=-1).reshape(-1, 1, 2)
+            found = cv2.undistortPoints(grid, matrix, coefficients, P=matrix).reshape(height, width, 2)
+        else:
+            found = np.dstack(
+                cv2.initUndistortRectifyMap(matrix, coefficients, None, matrix, (width, height), cv2.CV_32FC1)
+            )
+        self._map = np.asarray(found, np.float32)
+
+    def apply(self, picture: NDArray[Any]) -> NDArray[Any]:
+        """Remove the distortion from a picture, Shape=(H, W) or (H, W, 3); what the lens did not see is 0."""
+        if self._map is None:
+            return picture
+        return np.asarray(cv2.remap(picture, self._map[..., 0], self._map[..., 1], cv2.INTER_NEAREST))

@@ -1,0 +1,41 @@
+"""Pictures of one painted box on a table, seen from above at an angle."""
+
+import numpy as np
+
+from coral.contact.perception.camera import RgbdFrame, look_at
+from coral.contact.perception.object_drawing import draw_depth
+from coral.contact.perception.object_model import from_primitives
+from coral.contact.perception.ray_solids import SolidPart
+from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
+
+LENS = np.array([120.0, 120.0, 47.5, 35.5])
+SHAPE = (72, 96)
+PLACED = look_at((-0.4, 0.0, 0.4), (0.0, 0.0, 0.03))
+BOX = from_primitives("box", [SolidPart("box", (0.04, 0.03, 0.03))])
+TABLE = from_primitives("table", [SolidPart("box", (0.4, 0.4, 0.05))])
+PAINT, WOOD = (200, 60, 40), (210, 200, 185)
+
+
+def at(x, y):
+    return pose_matrix(np.eye(3), [x, y, 0.03])
+
+
+def picture(*boxes, paints=(PAINT, PAINT), colours=True):
+    """Return a picture of boxes at T_world_object, and the true mask of each."""
+    camera = inverse_transform(PLACED)
+    depth = draw_depth(TABLE, camera @ pose_matrix(np.eye(3), [0, 0, -0.05]), LENS, SHAPE)
+    rgb = np.full((*SHAPE, 3), 90, np.uint8)
+    rgb[np.isfinite(depth)] = WOOD
+    masks = []
+    for box, paint in zip(boxes, paints, strict=False):
+        drawn = draw_depth(BOX, camera @ box, LENS, SHAPE)
+        masks.append(drawn < depth)
+        rgb[masks[-1]] = paint
+        depth = np.minimum(depth, drawn)
+    measured = np.where(np.isfinite(depth), depth, 0.0).astype(np.float32)
+    nothing = np.zeros(SHAPE, np.uint8)
+    return RgbdFrame(measured, nothing, (), LENS, PLACED, 0.0, rgb if colours else None), masks
+
+
+def overlap(mask, truth):
+    return (mask & truth).sum() / (mask | truth).sum()
