@@ -9,7 +9,7 @@ import numpy as np
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Strategy
-from coral.contact.experts import board, drawer, flip, lid, pick, place, push, wall
+from coral.contact.experts import board, drag, drawer, flip, lid, pick, place, push, swing, wall
 from coral.contact.scene.task import Task
 from coral.errors import InputError
 
@@ -35,6 +35,15 @@ _FSM = {
     "push-gently": push.fsm,
     "push-past-glass": push.fsm,
     "topple-gently": flip.fsm,
+    "slide-to-stop": drag.fsm,
+    "drag-card-out": drag.fsm,
+    "pull-from-under-block": drag.fsm,
+    "wipe-stroke": drag.fsm,
+    "wipe-to-and-fro": drag.fsm,
+    "turn-lever": swing.fsm,
+    "pivot-bar": swing.fsm,
+    "open-door": swing.fsm,
+    "scoop-box": wall.fsm,
 }
 """State machines of the paper's tasks and of the unseen suite; its other tasks are to pick or to place."""
 
