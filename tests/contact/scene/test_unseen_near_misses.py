@@ -26,7 +26,7 @@ def touches(name, *things):
 
 
 def placed(one, name, position=None, axis=Z, degrees=0.0):
-    """An object moved to a position, its coordinates that are None as they were, and turned about an axis of its own."""
+    """An object moved to a position (None: as it was) and turned about an axis of its own."""
     start = one.trial.objects[name].pose
     at = [old if new is None else new for new, old in zip(position or [None] * 3, start.position, strict=True)]
     turn = from_rotvec(np.radians(degrees) * np.array(axis))
@@ -203,12 +203,11 @@ def test_scoop_box(how, succeeds):
 
 INSERTED = [
     ({}, True),
-    ({"up": 0.03}, False),
+    ({"up": 0.03}, False),  # not deep enough
     ({"aside": 0.04}, False),
-    ({"degrees": 30}, False),
+    ({"degrees": 30}, False),  # askew
     ({"end": "hand"}, False),
 ]
-"""Deep enough; not deep enough; beside it; askew; still held."""
 JUDGED |= {"insert-peg", "insert-block"}
 
 
