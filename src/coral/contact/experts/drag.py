@@ -15,12 +15,15 @@ from coral.contact.cost.stages import Guide, Stage, Strategy
 from coral.contact.experts.abreast import DOWN
 from coral.contact.experts.push import recent
 from coral.contact.experts.terms import level, norm, turned
+from coral.contact.scene.history_conditions import SteadyForce
 from coral.contact.scene.state_conditions import Touching
 from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
 TIP_M = 0.008
 """Distance from the tool to the fingertips."""
+PRESS_N = 6.0
+"""Pressing force where the task asks for none: traction for three times the friction of what is dragged."""
 PACE_M_S = 0.05
 """Speed of the drag."""
 SOFT_N_M = 200.0
@@ -43,6 +46,7 @@ def fsm(task: Task) -> Strategy:
     """Come down on the object, press and drag it to each place of the file in its order, rise."""
     name = task.objects[0].name
     places = list(task.places)
+    press_n = next((one.newtons for one in task.success.conditions if isinstance(one, SteadyForce)), PRESS_N)
     stops = [one.thing for one in task.success.conditions if isinstance(one, Touching) and one.object == name]
 
     def reach(state: Context) -> Terms:
@@ -63,7 +67,7 @@ def fsm(task: Task) -> Strategy:
             "to the place": 10.0 * left,
             "evenly": 2.0 * norm(recent((state[f"{name}_vel"] - wanted) * np.array([1.0, 1.0, 0.0]))),
             "on it": 15.0 * norm((state.ee_pos - over(state, name))[..., :2]),
-            "press": 0.15 * np.abs(pressed - state.press_force),
+            "press": 0.15 * np.abs(pressed - press_n),
             "straight": 10.0 * norm(state.last_action[..., :2] - wanted[..., :2]),
             "square": 3.0 * turned(state.ee_quat, DOWN),
             "closed": 10.0 * np.abs(state.gripper_target),
@@ -91,7 +95,7 @@ def fsm(task: Task) -> Strategy:
         """Compute a point ahead of the hand, as far below the surface as the pressing force needs."""
         way = to_place(now, name, place)[0, 0]
         point = now.ee_pos[0, 0] + 0.04 * way / max(float(np.linalg.norm(way)), 0.04)
-        point[2] = over(now, name)[0, 0, 2] - float(now.press_force[0, 0]) / SOFT_N_M
+        point[2] = over(now, name)[0, 0, 2] - press_n / SOFT_N_M
         return np.asarray(point[None])
 
     def stroke(place: str) -> Stage:

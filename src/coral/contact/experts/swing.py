@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,48 +21,59 @@ DONE_RAD = np.radians(4.0)
 """Angle before the wanted one at which the push ends."""
 
 
-def arm(state: Context, name: str) -> Array:
-    """Compute the vector from the object's point `pivot` to its point `push` along the table, Shape=(..., 3) m."""
-    return np.asarray((state[f"{name}_push_pos"] - state[f"{name}_pivot_pos"]) * np.array([1.0, 1.0, 0.0]))
+@dataclass(frozen=True)
+class Turn:
+    """A turn about an upright axis."""
+
+    name: str
+    """The object, with its points `tip` and `pivot`."""
+    to_deg: float
+    """Heading of the arm from `pivot` to `tip` at the end, counter-clockwise from the world's x axis."""
+    way: Literal[1, -1]
+    """1: counter-clockwise, seen from above."""
+
+    def arm(self, state: Context) -> Array:
+        """Compute the vector from pivot to tip along the table, Shape=(..., 3) m."""
+        far = state[f"{self.name}_tip_pos"] - state[f"{self.name}_pivot_pos"]
+        return np.asarray(far * np.array([1.0, 1.0, 0.0]))
+
+    def angle_left(self, state: Context) -> Array:
+        """Compute the angle (rad) that is left, negative beyond it."""
+        arm = self.arm(state)
+        left = self.way * (np.radians(self.to_deg) - np.arctan2(arm[..., 1], arm[..., 0]))
+        return np.asarray((left + np.pi) % (2.0 * np.pi) - np.pi)
+
+    def ahead(self, state: Context) -> Array:
+        """Compute the direction in which the tip moves, a unit vector, Shape=(..., 3)."""
+        arm = self.arm(state)
+        across = np.stack([-arm[..., 1], arm[..., 0], np.zeros_like(arm[..., 0])], axis=-1)
+        return np.asarray(self.way * across / np.maximum(norm(arm), 1e-6)[..., None])
+
+    def behind(self, state: Context, gap_m: float = 0.0) -> Array:
+        """Compute the tool position for pushing at the face that looks back, Shape=(..., 3) m."""
+        half = state[f"{self.name}_size"][..., :2].min(axis=-1) / 2
+        return np.asarray(state[f"{self.name}_tip_pos"] - (PAD_M + gap_m + half)[..., None] * self.ahead(state))
+
+    def square(self, state: Context) -> Array:
+        """Compute the misalignment with palm down and the fingers abreast of that face."""
+        down = 1 + axis(state.ee_quat, "z")[..., 2]
+        return np.asarray(down + 3.0 * np.square(dot(axis(state.ee_quat, "y"), self.ahead(state))))
 
 
-def angle_left(state: Context, name: str) -> Array:
-    """Compute the angle (rad) that is left to the heading `turn_to_deg` of the arm, negative beyond it."""
-    found = arm(state, name)
-    heading = np.arctan2(found[..., 1], found[..., 0])
-    left = state.turn_way * (np.radians(state.turn_to_deg) - heading)
-    return np.asarray((left + np.pi) % (2.0 * np.pi) - np.pi)
-
-
-def ahead(state: Context, name: str) -> Array:
-    """Compute the direction in which the pushed point moves, a unit vector, Shape=(..., 3)."""
-    found = arm(state, name)
-    across = np.stack([-found[..., 1], found[..., 0], np.zeros_like(found[..., 0])], axis=-1)
-    return np.asarray(state.turn_way[..., None] * across / np.maximum(norm(found), 1e-6)[..., None])
-
-
-def behind(state: Context, name: str, gap_m: float = 0.0) -> Array:
-    """Compute the tool position for pushing, Shape=(..., 3) m."""
-    return np.asarray(state[f"{name}_push_pos"] - (PAD_M + gap_m) * ahead(state, name))
-
-
-def _square(state: Context, name: str) -> Array:
-    return 1 + axis(state.ee_quat, "z")[..., 2] + 3.0 * np.square(dot(axis(state.ee_quat, "y"), ahead(state, name)))
-
-
-def fsm(task: Task) -> Strategy:
-    """Come down behind the far part, push it round, draw back."""
+def fsm(task: Task, to_deg: float, way: Literal[1, -1]) -> Strategy:
+    """Come down behind the far part of the task's first object, push it round, draw back; see `Turn`."""
     name = task.objects[0].name
+    turn = Turn(name, to_deg, way)
 
     def reach(state: Context) -> Terms:
-        above_m = float(state[f"{name}_push_pos"][..., 2].max()) + 0.08
-        return reach_terms(state, name, behind(state, name, 0.015), _square(state, name), above_m=above_m)
+        above_m = float(state[f"{name}_tip_pos"][..., 2].max()) + 0.08
+        return reach_terms(state, name, turn.behind(state, 0.015), turn.square(state), above_m=above_m)
 
-    def turn(state: Context) -> Terms:
+    def push(state: Context) -> Terms:
         return {
-            "turn": 6.0 * np.abs(angle_left(state, name)),
-            "behind": 10.0 * norm(state.ee_pos - behind(state, name)),
-            "square": 3.0 * _square(state, name),
+            "turn": 6.0 * np.abs(turn.angle_left(state)),
+            "behind": 10.0 * norm(state.ee_pos - turn.behind(state)),
+            "square": 3.0 * turn.square(state),
             "abreast": 20.0 * np.abs(state.gripper_target - ABREAST_M),
             "gently": 0.02 * norm(state[f"{name}_hand_force"]),
             "calm": 2.0 * np.clip(norm(state.ee_vel) - PACE_M_S, 0, None),
@@ -67,32 +81,33 @@ def fsm(task: Task) -> Strategy:
 
     def draw_back(state: Context) -> Terms:
         return {
-            "away": 8.0 * norm(state.ee_pos - behind(state, name, 0.05)),
+            "away": 8.0 * norm(state.ee_pos - turn.behind(state, 0.05)),
             "let go": 1.0 * state[f"{name}_hand_contact"],
-            "square": 2.0 * _square(state, name),
+            "square": 2.0 * turn.square(state),
             "calm": 0.3 * norm(state.ee_vel),
         }
 
     def in_place(now: Context) -> bool:
-        return bool(norm(now.ee_pos - behind(now, name, 0.015))[0, 0] < 0.015 and _square(now, name)[0, 0] < 0.15)
+        return bool(norm(now.ee_pos - turn.behind(now, 0.015))[0, 0] < 0.015 and turn.square(now)[0, 0] < 0.15)
 
     def turned(now: Context) -> bool:
-        return bool(angle_left(now, name)[0, 0] < DONE_RAD)
+        return bool(turn.angle_left(now)[0, 0] < DONE_RAD)
 
     def lost(now: Context) -> bool:
-        return bool(norm(now.ee_pos - behind(now, name))[0, 0] > 0.06)
-
-    def facing(now: Context) -> Array:
-        return palm_down(ahead(now, name)[0, 0])
+        return bool(norm(now.ee_pos - turn.behind(now))[0, 0] > 0.06)
 
     def guide(gap_m: float, up_m: float = 0.0) -> Guide:
-        return Guide(lambda now: behind(now, name, gap_m)[0] + np.array([0.0, 0.0, up_m]), facing, ABREAST_M)
+        return Guide(
+            lambda now: turn.behind(now, gap_m)[0] + np.array([0.0, 0.0, up_m]),
+            lambda now: palm_down(turn.ahead(now)[0, 0]),
+            ABREAST_M,
+        )
 
     return Strategy(
         "push round",
         (
             Stage("reach", reach, (guide(0.015), guide(0.015, 0.1)), until=in_place),
-            Stage("turn", turn, (guide(-0.04),), until=turned, back=("reach", lost), sigma=0.6),
+            Stage("turn", push, (guide(-0.04),), until=turned, back=("reach", lost), sigma=0.6),
             Stage("draw back", draw_back, (guide(0.05),), sigma=0.6),
         ),
     )
