@@ -18,6 +18,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+import sys
 import textwrap
 from collections import defaultdict
 from collections.abc import Collection, Iterator
@@ -218,6 +219,9 @@ def main() -> None:
                 if first and args.verbose:
                     print(json.dumps([task, seed, kind, cost.name, [fault.reason for fault in first]]))
             opening.close()
+        rows = [row for (_, of), row in counts.items() if of == task]
+        good, all_, two = np.sum(rows, axis=0)
+        print(f"{task}: accepted {good} of {all_}, two verdicts {two}", file=sys.stderr, flush=True)
     print("| cost | task | accepted | checked | two verdicts |\n|---|---|---|---|---|")
     for (kind, task), (good, all_, two) in sorted(counts.items()):
         print(f"| {kind} | {task} | {good} | {all_} | {two} |")
