@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from contact_bench import make_trial, seen
 
+from coral.config import checked
 from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_effort import EffortCfg, probe_effort
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
@@ -23,6 +24,10 @@ def planner():
     cfg = ControllerCfg(horizon=12, mppi=KnotMppiCfg(samples=2, knots=3))
     yield Controller(world, cfg, np.random.default_rng(0))
     world.close()
+
+
+def test_retries_can_be_switched_off():
+    assert checked(EffortCfg(retries=0), "--cfg").retries == 0
 
 
 def test_two_samples_are_too_few_for_a_reach(planner):

@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from coral.config import Count, Fraction
+from coral.config import Fraction
 from coral.contact.control.mppi_controller import Controller, HandPlan
 from coral.contact.cost.stages import Stage
 from coral.contact.scene.observation import Observation
@@ -21,7 +21,7 @@ SEED = 20_262
 class EffortCfg:
     """How a planner that is stuck is tried with more samples, before its plan is thrown away."""
 
-    retries: Count = 1
+    retries: Annotated[int, Field(ge=0, le=100)] = 1
     """How often in an episode the planner may get more samples. 0: never."""
     factor: Annotated[int, Field(ge=2, le=100)] = 4
     """Factor on the number of samples."""
