@@ -1,28 +1,37 @@
 """How often the check of costs accepts costs that are known to be good.
 
-    python benchmarks/contact_checks.py --trials 100      # some 20 minutes on one core
+    python benchmarks/contact_checks.py --trials 100 --kinds prompt,example,listing,expert
+    python benchmarks/contact_checks.py --trials 100 --kinds prompt,example,expert --tasks unseen
+    python benchmarks/contact_checks.py                   # ten trials of the six tasks, all kinds
 
-The costs: the example of the prompt, adapted to each scene; the paper's listing for the board; the experts' costs, as
-one stage and as state machines; the plans that the rules make; the plans of the recorded reader. Every stage of them is
-checked in the opening scene of each trial, and every cost twice: one cost has one verdict.
+The costs: the worked example of the prompt and the shortest cost that a person would write, adapted to each scene; the
+paper's listing for the board; the experts' costs, as one stage and as state machines; the plans that the rules make;
+the plans of the recorded reader. Every stage of them is checked in the opening scene of each trial.
+
+From trial to trial the scene varies: poses, sizes, masses, frictions, the start of a joint. A verdict draws no random
+number, so a second one of the same scene can only confirm the first: the first trials (`--twice`) are checked again,
+with states that are sampled anew, and no more.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import re
+import sys
 import textwrap
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 import numpy as np
 
+from coral.advisor.prompt import FOLDER
 from coral.advisor.recorded_attempts import SHIPPED, read_attempts
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.cost.context import Context, Cost, Schema, Terms
 from coral.contact.cost_program import CostProgram
-from coral.contact.experts import expert
+from coral.contact.experts import Kind, expert
 from coral.contact.plan.cost_check import verify_cost
 from coral.contact.plan.cost_fault import CostFault
 from coral.contact.plan.cost_plan import PlanAnswer, compile_plan
@@ -30,12 +39,14 @@ from coral.contact.plan.rehearsal import sample_states
 from coral.contact.rules.composition import compose
 from coral.contact.rules.outcome_cost import outcome_plan
 from coral.contact.scene.prior_beliefs import stated_beliefs
+from coral.contact.scene.task_file import unseen_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 TASKS = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
+KINDS = ("prompt", "example", "listing", "expert", "rules", "reader")
 EXAMPLE = textwrap.dedent("""
     def state_cost(self):
         cost = 10.0 * np.linalg.norm(self.{name}_pos[:2] - {goal}[:2])
@@ -98,9 +109,13 @@ class Opening:
         beliefs = stated_beliefs(self.trial)
         self.planner = PlanningWorld(self.trial, beliefs, self.now, PlanningCfg(threads=1))
         self.facts = scene_facts(self.trial, self.now, beliefs)
-        sizes = {name: self.trial.size(name) for name in self.trial.objects}
-        self.samples: list[Context] = sample_states(self.planner, self.now, sizes)
+        self.samples = self.sample()
         self.schema: Schema = self.planner.schema
+
+    def sample(self) -> list[Context]:
+        """Sample the states on which costs are checked."""
+        sizes = {name: self.trial.size(name) for name in self.trial.objects}
+        return sample_states(self.planner, self.now, sizes)
 
     def close(self) -> None:
         """Stop the planning world's threads."""
@@ -117,23 +132,49 @@ class _Written:
         return self._function(state)  # type: ignore[operator,no-any-return]
 
 
-def good_costs(opening: Opening, task: str) -> Iterator[tuple[str, Cost]]:
-    """Yield the costs that are known to be good, by what they are."""
-    name = next(iter(opening.trial.objects))
-    goal = _goal(opening.trial, name)
-    for kind, text in (("example", EXAMPLE), ("example, with abs", ABSOLUTE)):
-        yield kind, CostProgram(text.format(name=name, goal=goal), opening.schema)
-    if task == "push-pick-board":
-        yield "listing", CostProgram(BOARD, opening.schema)
-    for kind in ("expert", "expert-fsm"):
-        for stage in expert(opening.trial.task, kind).stages:
-            yield kind, _Written(stage.name, stage.cost)
-    plans = [("rules", compose(opening.facts).plan), ("rules, unguided", outcome_plan(opening.facts))]
-    plans += [("reader", plan) for plan in _reader_plans(task)]
+def prompt_example(trial: Trial) -> PlanAnswer:
+    """Return the worked example of the prompt, about the first object of a trial."""
+    text = (FOLDER / "parts" / "plan-example.md").read_text(encoding="utf-8")
+    found = re.search(r"```json\n(.*?)\n```", text, re.DOTALL)
+    assert found is not None
+    name = next(iter(trial.objects))
+    plan = found[1].replace("puck", name)
+    if "goal" not in trial.task.places:
+        plan = plan.replace("self.goal_pos", f"(self.{name}_init_pos + np.array([0.1, 0.0, 0.0]))")
+    return PlanAnswer.model_validate_json(plan)
+
+
+def good_costs(opening: Opening, task: str, kinds: Collection[str] = KINDS) -> Iterator[tuple[str, Cost]]:
+    """Yield the costs that are known to be good, by what they are; `kinds` are the first words of it."""
+    wanted = {kind: kind in kinds for kind in KINDS}
+    if wanted["prompt"]:
+        for made in compile_plan(prompt_example(opening.trial), opening.schema):
+            yield "prompt", made.cost
+    yield from _written_by_persons(opening, task, wanted)
+    plans: list[tuple[str, PlanAnswer | None]] = []
+    if wanted["rules"]:
+        plans += [("rules", compose(opening.facts).plan), ("rules, unguided", outcome_plan(opening.facts))]
+    if wanted["reader"]:
+        plans += [("reader", plan) for plan in _reader_plans(task)]
     for kind, plan in plans:
         if plan is not None:
             for made in compile_plan(plan, opening.schema):
                 yield kind, made.cost
+
+
+def _written_by_persons(opening: Opening, task: str, wanted: dict[str, bool]) -> Iterator[tuple[str, Cost]]:
+    name = next(iter(opening.trial.objects))
+    goal = _goal(opening.trial, name)
+    if wanted["example"]:
+        for kind, text in (("example", EXAMPLE), ("example, with abs", ABSOLUTE)):
+            yield kind, CostProgram(text.format(name=name, goal=goal), opening.schema)
+    if wanted["listing"] and task == "push-pick-board":
+        yield "listing", CostProgram(BOARD, opening.schema)
+    if wanted["expert"]:
+        forms: tuple[Kind, ...] = ("expert", "expert-fsm") if task in TASKS else ("expert-fsm",)
+        for form in forms:
+            for stage in expert(opening.trial.task, form).stages:
+                yield form, _Written(stage.name, stage.cost)
 
 
 def _goal(trial: Trial, name: str) -> str:
@@ -158,15 +199,19 @@ def main() -> None:
     """Print accepted and checked costs by kind and task, and how many had two verdicts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--trials", type=int, default=10, help="trials of each task")
-    parser.add_argument("--tasks", default=",".join(TASKS))
+    parser.add_argument("--tasks", default=",".join(TASKS), help="names, or unseen: that suite")
+    parser.add_argument("--kinds", default=",".join(KINDS), help="which costs: " + ", ".join(KINDS))
+    parser.add_argument("--twice", type=int, default=3, help="trials of each task that are checked again")
     parser.add_argument("--verbose", action="store_true", help="print every refusal")
     args = parser.parse_args()
     counts: dict[tuple[str, str], list[int]] = defaultdict(lambda: [0, 0, 0])
-    for task in args.tasks.split(","):
+    for task in unseen_tasks() if args.tasks == "unseen" else args.tasks.split(","):
         for seed in range(args.trials):
             opening = Opening(task, seed)
-            for kind, cost in good_costs(opening, task):
-                first, second = fatal(cost, opening.samples), fatal(cost, opening.samples)
+            again = opening.sample() if seed < args.twice else None
+            for kind, cost in good_costs(opening, task, args.kinds.split(",")):
+                first = fatal(cost, opening.samples)
+                second = first if again is None else fatal(cost, again)
                 row = counts[kind, task]
                 row[0] += not first
                 row[1] += 1
@@ -174,6 +219,9 @@ def main() -> None:
                 if first and args.verbose:
                     print(json.dumps([task, seed, kind, cost.name, [fault.reason for fault in first]]))
             opening.close()
+        rows = [row for (_, of), row in counts.items() if of == task]
+        good, all_, two = np.sum(rows, axis=0)
+        print(f"{task}: accepted {good} of {all_}, two verdicts {two}", file=sys.stderr, flush=True)
     print("| cost | task | accepted | checked | two verdicts |\n|---|---|---|---|---|")
     for (kind, task), (good, all_, two) in sorted(counts.items()):
         print(f"| {kind} | {task} | {good} | {all_} | {two} |")

@@ -1,14 +1,10 @@
 import importlib.util
-import json
-import re
 import sys
 from pathlib import Path
 
 import pytest
 
-from coral.advisor.prompt import FOLDER
 from coral.contact.cost_program import CostProgram
-from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.rehearsal import sample_states
 
@@ -37,23 +33,14 @@ def opening():
 def test_costs_that_are_known_to_be_good_are_accepted(opening, task):
     one = opening(task)
     costs = list(contact_checks.good_costs(one, task))
-    assert {"example", "example, with abs", "expert", "expert-fsm", "rules"} <= {kind for kind, _ in costs}
+    assert {"prompt", "example", "example, with abs", "expert", "expert-fsm", "rules"} <= {kind for kind, _ in costs}
     assert [(kind, cost.name) for kind, cost in costs if contact_checks.fatal(cost, one.samples)] == []
-
-
-def prompt_example():
-    text = (FOLDER / "parts" / "plan-example.md").read_text()
-    return json.loads(re.search(r"```json\n(.*?)\n```", text, re.DOTALL)[1])
 
 
 @pytest.mark.parametrize("task", contact_checks.TASKS)
 def test_the_example_of_the_prompt_passes_every_check_without_advice(opening, task):
     one = opening(task)
-    name = next(iter(one.trial.objects))
-    text = json.dumps(prompt_example()).replace("puck", name)
-    if "goal" not in one.trial.task.places:
-        text = text.replace("self.goal_pos", f"(self.{name}_init_pos + np.array([0.1, 0.0, 0.0]))")
-    verdict = judge_plan(PlanAnswer.model_validate_json(text), one.schema, one.samples)
+    verdict = judge_plan(contact_checks.prompt_example(one.trial), one.schema, one.samples)
     assert (verdict.refusal, verdict.advice) == (None, ())
 
 

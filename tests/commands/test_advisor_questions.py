@@ -59,3 +59,17 @@ def test_bad_flags_are_refused_before_anything_is_made(refused, made, tmp_path, 
     assert said in refused("advisor", "questions", *words, *out)
     assert made == []
     assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"mine"]
+
+
+def test_a_half_of_the_unseen_suite_is_asked_for_instead(told, tmp_path, monkeypatch):
+    asked = []
+
+    def make(name, half, seed):
+        asked.append((name, half, seed))
+        return replace(load_set("public", ["cost-function"], 1), name=name)
+
+    monkeypatch.setattr("coral.commands.advisor_questions.make_unseen_set", make)
+    words = ("--seed", "4", "--unseen", "test")
+    code, text, _ = told("advisor", "questions", *words, "--out", tmp_path / "half.zip")
+    assert (code, asked) == (0, [("half", "test", 4)])
+    assert text.startswith("1 questions (1 cost-function)")

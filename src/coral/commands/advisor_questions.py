@@ -7,11 +7,11 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from coral.errors import InputError
-from coral.exam.generation import CONTACT, REEFS, make_set
-from coral.exam.question_set import save_set
+from coral.exam.generation import CONTACT, REEFS, make_set, make_unseen_set
+from coral.exam.question_set import QuestionSet, save_set
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +24,8 @@ class AdvisorQuestions:
     """File of the set, such as second.zip; its name is the set's name."""
     reefs: int = 12
     """Number of reefs to generate besides the ten shipped ones."""
+    unseen: Literal["development", "test"] | None = None
+    """Instead, one question for a plan of each contact task in this half of the unseen suite."""
     share: float = 1.0
     """Share of the usual number of contact questions; below 1, fewer of the shipped reefs too."""
     quiet: bool = False
@@ -41,9 +43,7 @@ class AdvisorQuestions:
         if self.out.suffix != ".zip" or self.out.exists():
             found = "an existing file" if self.out.exists() else repr(self.out.name)
             raise InputError("--out", "", found, "a new file whose name ends in .zip")
-        counts = {kind: max(1, round(self.share * count)) for kind, count in CONTACT.items()}
-        reefs = REEFS[: max(1, round(self.share * len(REEFS)))]
-        made = make_set(self.out.stem, self.seed, self.reefs, counts, self._say, reefs)
+        made = self._make()
         save_set(self.out, made)
         return {
             "set": made.name,
@@ -51,6 +51,13 @@ class AdvisorQuestions:
             "bytes": self.out.stat().st_size,
             "questions": dict(Counter(item.kind for item in made.items)),
         }
+
+    def _make(self) -> QuestionSet:
+        if self.unseen is not None:
+            return make_unseen_set(self.out.stem, self.unseen, self.seed)
+        counts = {kind: max(1, round(self.share * count)) for kind, count in CONTACT.items()}
+        reefs = REEFS[: max(1, round(self.share * len(REEFS)))]
+        return make_set(self.out.stem, self.seed, self.reefs, counts, self._say, reefs)
 
     def _say(self, text: str) -> None:
         if not self.quiet:

@@ -13,7 +13,7 @@ import numpy as np
 
 from coral.advisor.consult import Outcome
 from coral.advisor.prompt import render
-from coral.advisor.question import Picture
+from coral.advisor.question import AdvisorUnavailable, Picture
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.episode.episode import Episode
 from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advisor_camera, to_picture
@@ -88,7 +88,7 @@ def contact_items(seed: int, counts: Mapping[str, int], say: Say = lambda text: 
         "contact-regions": _regions,
         "object-poses": _poses,
         "parameter-repair": _correction,
-        "cost-function": _plan,
+        "cost-function": plan_question,
         "cost-repair": _repair,
         "unified": _unified,
     }
@@ -173,10 +173,18 @@ def _regions(task: str, seed: int) -> ExamItem:
     return _item("contact-regions", prompt, facts, {"touches": touches(seen.trial)}, *seen.pictures)
 
 
-def _plan(task: str, seed: int) -> ExamItem:
+def plan_question(task: str, seed: int) -> ExamItem:
+    """Make the question for a plan of a trial, as an episode asks it at its beginning.
+
+    An answer is followed with the regions that the rules choose; without any where they have no skill.
+    """
     seen = _observe(sample_trial(load_task(task), seed))
     facts = _plan_facts(seen)
-    key = _plan_key(seen.trial, seen, _apply_rules(facts)[1])
+    try:
+        regions = _apply_rules(facts)[1]
+    except AdvisorUnavailable:
+        regions = RegionsAnswer({})
+    key = _plan_key(seen.trial, seen, regions)
     return _item("cost-function", _shared_prompt(seen, facts), facts, key, seen.labelled)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from coral.exam.contact_questions import contact_items
 from coral.exam.question_set import QuestionSet
 from coral.exam.reef_questions import reef_items
+from coral.exam.unseen_questions import unseen_items
 
 REEFS = ("l1", "l2", "s1", "s2", "k1", "k2", "e1", "e2", "o1", "o2")
 CONTACT: Mapping[str, int] = {
@@ -41,3 +42,8 @@ def make_set(
     """
     items = [*reef_items(seed, generated, reefs, say), *contact_items(seed, contact, say)]
     return QuestionSet(name=name, about={"seed": seed, "generated_reefs": generated}, items=tuple(items))
+
+
+def make_unseen_set(name: str, half: str, seed: int) -> QuestionSet:
+    """Make a set with one question for a plan of each task in a half of the unseen suite; see `unseen_items`."""
+    return QuestionSet(name=name, about={"seed": seed, "unseen": half}, items=tuple(unseen_items(half, seed)))

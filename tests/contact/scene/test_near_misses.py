@@ -3,48 +3,10 @@
 import numpy as np
 import pytest
 from contact_bench import touch
+from judged_trial import STEP_S, JudgedTrial, still
 
 from coral.contact.scene.geometry import from_rotvec, multiply
-from coral.contact.scene.judge import Judge
-from coral.contact.scene.observation import BodyState, HandForce, Truth
-from coral.contact.scene.trial import sample_trial
-from coral.contact.tasks import load_task
-
-STEP_S = 0.02
-
-
-class Trial:
-    """A shipped task at its beginning, and states of it made by hand."""
-
-    def __init__(self, name):
-        self.trial = sample_trial(load_task(name), 0)
-        self.name = self.trial.task.objects[0].name
-        self.start = self.trial.objects[self.name].pose
-        self.judge = Judge(self.trial)
-        self.time_s = 0.0
-
-    def succeeds(self, states):
-        """Whether the judge is content at the end of these states: (body, contacts, force) of the first object."""
-        said = False
-        for state, contacts, *force in states:
-            forces = {self.name: HandForce(np.array([force[0], 0, 0]), force[0])} if force and force[0] else {}
-            others = {name: item.pose for name, item in self.trial.objects.items()}
-            moved = state if isinstance(state, dict) else {self.name: state}
-            said = self.judge.success(
-                Truth(self.time_s, self.start, 0.08, others | moved, tuple(contacts), hand_forces=forces)
-            )
-            self.time_s += STEP_S
-        return said
-
-    def turned(self, axis, degrees, away=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)):
-        """The object turned about an axis of its own, and moved."""
-        about = multiply(self.start.quaternion, from_rotvec(np.radians(degrees) * np.array(axis, dtype=float)))
-        return BodyState(self.start.position + np.array(away), about, np.array(velocity, dtype=float))
-
-
-def still(state, contacts, seconds=1.0):
-    return [(state, contacts)] * round(seconds / STEP_S)
-
+from coral.contact.scene.observation import BodyState
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 
@@ -60,7 +22,7 @@ X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
     ],
 )
 def test_flip_box_to_the_side_that_is_asked_for(axis, degrees, succeeds):
-    one = Trial("flip-box")
+    one = JudgedTrial("flip-box")
     assert one.succeeds(still(one.turned(axis, degrees), [touch("box", "table")])) is succeeds
 
 
@@ -74,7 +36,7 @@ def test_flip_box_to_the_side_that_is_asked_for(axis, degrees, succeeds):
     ],
 )
 def test_flip_wall_ends_standing_on_its_end(axis, degrees, succeeds):
-    one = Trial("flip-wall")
+    one = JudgedTrial("flip-wall")
     wall = [touch("box", "table"), touch("box", "wall")]
     rise = [(one.turned(axis, share * degrees), wall) for share in np.linspace(0, 1, 60)]
     assert one.succeeds([*rise, *still(one.turned(axis, degrees), wall)]) is succeeds
@@ -95,7 +57,7 @@ HELD = [touch("box", "left"), touch("box", "right")]
     ],
 )
 def test_pick_box_holds_it_still_upright_at_its_height(turn, up, velocity, contacts, succeeds):
-    one = Trial("pick-box")
+    one = JudgedTrial("pick-box")
     assert one.succeeds(still(one.turned(X, turn, (0, 0, up), velocity), contacts)) is succeeds
 
 
@@ -126,13 +88,13 @@ def board_pushed(one, way, contacts=("hand", "table")):
     ],
 )
 def test_the_board_is_pushed_over_the_edge_and_held_by_its_handle(way, contacts, at_y, succeeds):
-    one = Trial("push-pick-board")
+    one = JudgedTrial("push-pick-board")
     assert one.succeeds([*board_pushed(one, way, contacts), *board_held(one, at_y)]) is succeeds
 
 
 @pytest.mark.parametrize(("axis", "succeeds"), [(Z, True), (X, False)])
 def test_pick_clutter_leaves_the_block_standing(axis, succeeds):
-    one = Trial("pick-clutter")
+    one = JudgedTrial("pick-clutter")
     block = one.trial.objects["block"].pose
     tipped = BodyState(block.position, multiply(block.quaternion, from_rotvec(np.radians(80) * np.array(axis))))
     goal = np.array([*one.trial.task.places["goal"][:2], 0.05])
@@ -175,12 +137,12 @@ def pushed(one, force=steady, turn=0, up=0.0, pace=0.04):
     ],
 )
 def test_push_force_is_steady_and_along_the_table(how, succeeds):
-    one = Trial("push-force")
+    one = JudgedTrial("push-force")
     assert one.succeeds(pushed(one, **how)) is succeeds
 
 
 def test_push_force_does_not_count_a_block_that_slides_through_the_goal():
-    one = Trial("push-force")
+    one = JudgedTrial("push-force")
     before_rest = pushed(one)[:-50]
     speed = before_rest[-1][0].velocity
     through = [

@@ -375,6 +375,47 @@ def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):
     assert strategist.on_plan(plan_report(one, 9.0, "reach", 5.0)) is None
 
 
+class Found:
+    """What a planner with more samples is said to have found."""
+
+    samples, more, cost, lower, stronger = 12, 48, 5.0, 2.0, "the stronger planner"
+
+    def __init__(self, gain):
+        self.gain = gain
+
+    def sentence(self):
+        return "More samples were tried."
+
+
+class WeakPlanner:
+    """Notes what it adopts."""
+
+    adopted = ()
+
+    def adopt(self, other):
+        self.adopted = (*self.adopted, other)
+
+
+@pytest.mark.parametrize(("gain", "strengthened"), [(0.3, True), (0.05, False)])
+def test_a_planner_that_is_too_weak_gets_more_samples_once_before_the_plan_changes(
+    scene, monkeypatch, gain, strengthened
+):
+    one, planner = scene("pick-box"), WeakPlanner()
+    monkeypatch.setattr(thinking, "probe_effort", lambda *given: Found(gain))
+    strategist, told = thinker(one, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    strategist.begin(one.trial, one.now, one.world)
+    changed = [
+        strategist.on_plan(dataclasses.replace(plan_report(one, 0.1 * k, "reach", 5.0), planner=planner)) is not None
+        for k in range(12)
+    ]
+    assert sum(changed) == 1
+    events = [(event, fields["diagnosis"]) for event, fields in told if event in ("planner_effort", "stuck")]
+    tried = ("planner_effort", "planner-weak" if strengthened else "no-progress")
+    assert events == [tried, ("stuck", "no-progress")]
+    assert planner.adopted == (("the stronger planner",) if strengthened else ())
+    assert "More samples were tried." in next(fields for event, fields in told if event == "stuck")["evidence"]
+
+
 class Regrouper:
     """One stage at first, two after a repair."""
 

@@ -50,8 +50,8 @@ def test_thoughts_stand_in_order_under_the_moment_they_were_had(spoilt):
     found = thoughts(spoilt)
     assert [thought.title for thought in found] == ["At the start", "Stuck: the outer loop asks again"]
     assert [part.title for part in found[0].parts][:1] == ["Masses and frictions"]
-    assert found[1].parts[0].title.startswith("Diagnosis: ")
-    assert found[1].parts[0].rows[0][0] == "time (s)"
+    diagnosis = next(part for part in found[1].parts if part.title.startswith("Diagnosis: "))
+    assert diagnosis.rows[0][0] == "time (s)"
 
 
 def test_every_answer_is_there_and_each_spoilt_one_is_named(spoilt):
@@ -97,6 +97,16 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
 @pytest.mark.parametrize(
     ("event", "title", "said"),
     [
+        (
+            {"event": "planner_effort", "diagnosis": "planner-weak", "text": "With 48 samples it is less."},
+            "The planner was too weak and gets more samples",
+            "With 48 samples",
+        ),
+        (
+            {"event": "planner_effort", "diagnosis": "settled", "text": "With 48 samples it is the same."},
+            "More samples find nothing better",
+            "the same",
+        ),
         (
             {"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "gain": 0.12, "refused": ""},
             "Memory 3 was used",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated
 
 import numpy as np
@@ -195,6 +195,19 @@ class Controller:
             diverged=int((~sane).sum()),
             paths=keep_paths(context, sane, weights, self.world.object_names) if self.keeps_paths else None,
         )
+
+    def with_samples(self, samples: int, rng: np.random.Generator) -> Controller:
+        """Copy the controller, its present plan included, with another number of samples."""
+        cfg = replace(self.cfg, mppi=replace(self.cfg.mppi, samples=samples))
+        other = Controller(self.world, cfg, rng)
+        other.mppi.knots = self.mppi.knots.copy()
+        other._target, other._centre = self._target, self._centre
+        return other
+
+    def adopt(self, other: Controller) -> None:
+        """Go on with the sampler and the plan of another controller of the same hand."""
+        self.cfg, self.mppi, self._rng = other.cfg, other.mppi, other._rng
+        self._target, self._centre = other._target, other._centre
 
     def executed(self, target: HandTarget, steps: int) -> None:
         """Record the last command, and shift the plan by the executed steps."""

@@ -15,7 +15,7 @@ import numpy as np
 from coral.config import checked, to_mapping, whole_steps
 from coral.contact.control.hand_controllers import HandController, MakeHandController, hand_controller_maker
 from coral.contact.control.measured_contacts import touched_by, with_measured_contacts
-from coral.contact.control.mppi_controller import HandPlan
+from coral.contact.control.mppi_controller import Controller, HandPlan
 from coral.contact.control.plan_latency import PlanLatency
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.prediction import state_after
@@ -300,7 +300,9 @@ class Episode:
         taken, self._taken = tuple(self._taken), []
         step = self.step
         try:
-            report = PlanReport(self.step, self.now, plan, stage.name, taken, self._touched, self._next_state(plan))
+            planner = self.controller if isinstance(self.controller, Controller) else None
+            predicted = self._next_state(plan)
+            report = PlanReport(self.step, self.now, plan, stage.name, taken, self._touched, predicted, planner)
             other = self._ask_strategist(lambda: self.strategist.on_plan(report))
         except CostError as error:
             self._cost_error(error, stage.name)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -9,12 +11,12 @@ import numpy as np
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Strategy
-from coral.contact.experts import board, drawer, flip, lid, pick, place, push, wall
+from coral.contact.experts import board, drag, drawer, flip, lid, pick, place, push, swing, wall
 from coral.contact.scene.task import Task
 from coral.errors import InputError
 
 Kind = Literal["expert", "expert-fsm"]
-_SINGLE = {
+_SINGLE: Mapping[str, Callable[[Task], Strategy]] = {
     "push-pick-board": board.single,
     "pick-box": pick.single,
     "pick-clutter": place.single,
@@ -22,7 +24,7 @@ _SINGLE = {
     "flip-box": flip.single,
     "flip-wall": wall.single,
 }
-_FSM = {
+_FSM: Mapping[str, Callable[[Task], Strategy]] = {
     "push-pick-board": board.fsm,
     "pick-box": pick.fsm,
     "pick-clutter": place.fsm,
@@ -35,6 +37,15 @@ _FSM = {
     "push-gently": push.fsm,
     "push-past-glass": push.fsm,
     "topple-gently": flip.fsm,
+    "slide-to-stop": drag.fsm,
+    "drag-card-out": drag.fsm,
+    "pull-from-under-block": drag.fsm,
+    "wipe-stroke": drag.fsm,
+    "wipe-to-and-fro": drag.fsm,
+    "turn-lever": partial(swing.fsm, to_deg=82, way=1),
+    "pivot-bar": partial(swing.fsm, to_deg=90, way=1),
+    "open-door": partial(swing.fsm, to_deg=-160, way=-1),
+    "scoop-box": wall.fsm,
 }
 """State machines of the paper's tasks and of the unseen suite; its other tasks are to pick or to place."""
 

@@ -179,12 +179,23 @@ def single(task: Task) -> Strategy:
     )
 
 
+def touching_others(state: Context, task: Task) -> Array:
+    """Count the contacts of the hand and of the pushed object with the other objects."""
+    name, *others = (item.name for item in task.objects)
+    touched = [state[f"{other}_hand_contact"] + state[f"{name}_{other}_contact"] for other in others]
+    return np.asarray(sum(touched))
+
+
 def fsm(task: Task) -> Strategy:
-    """Get behind, push evenly."""
-    name = task.objects[0].name
+    """Get behind, push evenly, past other objects."""
+    name, *others = (item.name for item in task.objects)
+
+    def alone(state: Context) -> Terms:
+        return {"past others": 5.0 * touching_others(state, task)} if others else {}
 
     def reach(state: Context) -> Terms:
-        return reach_terms(state, name, behind(state, name, 0.012), square(state, name), above_m=0.1)
+        terms = reach_terms(state, name, behind(state, name, 0.012), square(state, name), above_m=0.1)
+        return {**terms, **alone(state)}
 
     def push(state: Context) -> Terms:
         way = to_goal(state, name)
@@ -203,6 +214,7 @@ def fsm(task: Task) -> Strategy:
             "straight": 25.0 * norm(state.last_action[..., :2] - PACE_M_S * along[..., :2]),
             "no drag": 0.1 * np.abs(wrong[..., 2]),
             "square": 2.0 * square(state, name),
+            **alone(state),
         }
 
     def let_go(state: Context) -> Terms:
@@ -211,6 +223,7 @@ def fsm(task: Task) -> Strategy:
             "away": 8.0 * norm(state.ee_pos - behind(state, name, 0.03)),
             "leave alone": 1.0 * state[f"{name}_hand_contact"],
             "square": 2.0 * square(state, name),
+            **alone(state),
         }
 
     def in_place(now: Context) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from coral.contact.control.mppi_controller import HandPlan
+from coral.contact.control.mppi_controller import Controller, HandPlan
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Strategy
@@ -48,6 +48,8 @@ class PlanReport:
     """What the left and the right finger and the rest of the hand touch, as measured."""
     next_state: Context | None = None
     """Predicted state after the next control step; None if the hand holds still until this plan is ready."""
+    planner: Controller | None = None
+    """The planner, which may be given more samples; None if it is not ours."""
 
 
 class NoStrategy(RuntimeError):

@@ -12,6 +12,7 @@ from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.advisor.registry import asks_person
 from coral.config import Count, NonNegative
 from coral.contact.control.mppi_controller import ControllerCfg
+from coral.contact.control.planning_effort import EffortCfg
 from coral.contact.memory.memory import MemoryCfg
 from coral.contact.plan.contact_regions import RegionCfg, reach_box
 from coral.contact.thinker.progress_monitor import OuterCfg
@@ -67,6 +68,8 @@ class ThinkCfg:
     """Bounds of contact regions."""
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
     """Fit of world-model corrections."""
+    effort: EffortCfg = field(default_factory=EffortCfg)
+    """More samples for a planner that is too weak, before a plan is thrown away."""
     outer: OuterCfg = field(default_factory=OuterCfg)
     """Thresholds of the outer loop."""
 

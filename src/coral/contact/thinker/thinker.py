@@ -10,6 +10,7 @@ import numpy as np
 
 from coral.advisor.question import Picture
 from coral.advisor.rules import Rule
+from coral.contact.control.planning_effort import probe_effort
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Cost
 from coral.contact.cost.stages import Strategy
@@ -41,6 +42,8 @@ from coral.errors import RunError
 
 TELL_NOTHING: frozenset[Diagnosis] = frozenset({"led-away", "out-of-reach", "pose-wrong", "not-reached"})
 """Diagnoses whose history tells nothing about mass and friction: nothing was pushed, or not where it was believed."""
+PLANNER_MAY_BE_WEAK: frozenset[Diagnosis] = frozenset({"settled", "not-reached", "blocked", "not-moved", "no-progress"})
+"""Diagnoses that a planner too weak for its cost brings about as well; of the others the record names another cause."""
 
 
 class Thinker:
@@ -84,12 +87,14 @@ class Thinker:
             cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0, cfg.corrections
         )
         self._now: Observation
-        self._repairs = 0
+        self._repairs, self._harder = 0, 0
+        self._attempt: Strategy
         self._match: Match | None = None
         self._recalled: PlanAnswer | None = None
         self._history: list[Transition] = []
         self._corrected: list[str] = []
         self._evidence: list[str] = []
+        self._effort: list[str] = []
         self._trial: Trial
         self._world: PlanningWorld
         self._plan: PlanAnswer
@@ -236,7 +241,7 @@ class Thinker:
     def _strategy(self, name: str) -> Strategy:
         regions = self._regions if self.cfg.regions else None
         candidates = None if regions is None else self._questions.touchable_candidates(regions, self._plan)
-        return make_strategy(
+        self._attempt = make_strategy(
             name,
             self._plan,
             regions,
@@ -246,6 +251,7 @@ class Thinker:
             self._last_good,
             candidates,
         )
+        return self._attempt
 
     def _new_last_good(self) -> LastGoodCost:
         def note_failure(cost: Cost, error: CostError) -> None:
@@ -294,7 +300,9 @@ class Thinker:
             else None
         )
         kind = diagnose(monitor.steps, name, monitor.returns, surprise_m, found)
-        self._evidence = [] if found is None else found.sentences()
+        if kind in PLANNER_MAY_BE_WEAK and self._plan_harder(report, kind):
+            return None
+        self._evidence = [*([] if found is None else found.sentences()), *self._effort]
         self._repairs += 1
         self._emit(
             "stuck",
@@ -318,6 +326,35 @@ class Thinker:
         self._questions.diagnoses.append(kind)
         self._replan(now, lambda: self._questions.keep_plan(self._plan))
         return self._repaired_strategy()
+
+    def _plan_harder(self, report: PlanReport, kind: Diagnosis) -> bool:
+        """Give the planner more samples if they find a way down the cost; return False to throw the plan away."""
+        cfg = self.cfg.effort
+        if report.planner is None or self._harder >= cfg.retries:
+            return False
+        stage = next(one for one in self._attempt.stages if one.name == report.stage)
+        try:
+            found = probe_effort(report.planner, report.now, stage, report.step, cfg)
+        except CostError:
+            return False  # a repair is due
+        weak = found.gain >= cfg.gain
+        self._effort = [found.sentence()]
+        self._emit(
+            "planner_effort",
+            diagnosis="planner-weak" if weak else kind,
+            stage=report.stage,
+            samples=found.samples,
+            more=found.more,
+            cost=round(found.cost, 4),
+            lower=round(found.lower, 4),
+            gain=round(found.gain, 4),
+            text=found.sentence(),
+        )
+        if weak:
+            self._harder += 1
+            report.planner.adopt(found.stronger)
+            self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+        return weak
 
     def _correct(self, name: str, now: Observation) -> bool:
         past = TouchHistory(
