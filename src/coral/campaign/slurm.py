@@ -17,7 +17,7 @@ from typing import Any
 from coral.campaign.cluster import pack, unpack
 from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, perform
 from coral.campaign.spec import Spec
-from coral.errors import InputError, RunError, first_line
+from coral.errors import InputError, RunError
 
 ATTEMPTS = 4
 """A lost node and an episode that kills its process look alike from here, as with Ray."""
@@ -149,7 +149,7 @@ class SlurmExecutor:
         for path in (job.paths.result_pickle, job.paths.submitted_pickle):
             path.unlink(missing_ok=True)
         about = {**outcome.about, "attempts": attempt, "job": job.job_id}
-        return dataclasses.replace(outcome, about=about)
+        return EpisodeOutcome(outcome.spec, outcome.result, outcome.message, outcome.detail, about)
 
 
 def queued_jobs() -> set[str] | None:
@@ -165,7 +165,7 @@ def queued_jobs() -> set[str] | None:
 def _reason(error: BaseException) -> str:
     """Return the last line of an error that says something: submitit wraps Slurm's in a traceback."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip(" -\t")]
-    return first_line(lines[-1]) if lines else type(error).__name__
+    return lines[-1] if lines else type(error).__name__
 
 
 def _perform_in_job(episode: Episode, spec: Spec) -> tuple[EpisodeOutcome, bytes]:

@@ -37,6 +37,7 @@ EXTRAS = {
     "memory": ("wordllama", "another embedder of instructions, for the experience memory"),
     "lance": ("lancedb", "an experience memory that several machines share"),
     "ray": ("ray", "campaigns on a Ray cluster"),
+    "mcp": ("mcp", "the desk for agents (coral desk --mcp)"),
     "trace": ("opentelemetry.sdk", "OpenTelemetry spans of model calls (CORAL_TRACE)"),
     "slurm": ("submitit", "campaigns on a Slurm cluster"),
     "blender": ("bpy", "reefs as .blend files, and photorealistic pictures (make setup-blender)"),
