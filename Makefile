@@ -10,7 +10,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-dev setup-libero setup-blender demo kernels test test-ray test-slurm test-lance test-rerun test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench clean help
+.PHONY: setup setup-dev setup-libero setup-blender demo kernels test test-ray test-slurm test-lance test-rerun test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -116,7 +116,10 @@ figures: setup-dev  ## make the pictures of the documentation again (needs chrom
 	for script in docs/figures/*.py; do $(BIN)/python $$script || exit 1; done
 
 bench: setup-dev  ## speed against peers, ratios in one run
-	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
+	for script in $(filter-out benchmarks/fuzz_parsers.py,$(wildcard benchmarks/*.py)); do $(BIN)/python $$script || exit 1; done
+
+fuzz: setup-dev  ## damaged files into every parser of foreign input, for MINUTES=20
+	$(BIN)/python benchmarks/fuzz_parsers.py --minutes $(or $(MINUTES),20) --out build/fuzz
 
 clean:  ## remove the virtual environment and caches
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis
