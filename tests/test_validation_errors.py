@@ -20,10 +20,16 @@ class Box(Part):
     size_m: tuple[float, float, float]
 
 
+class Origin(Part):
+    latitude: float
+    longitude: float
+
+
 class Scene(Part):
     name: str = Field(pattern="^[a-z]+$")
     things: list[Annotated[Ball | Box, Field(discriminator="kind")]] = Field(min_length=1)
     at: dict[str, tuple[float, float]] = {}
+    origin: Origin | None = None
 
     @model_validator(mode="after")
     def placed(self):
@@ -56,7 +62,7 @@ def said(**changes):
         ({"at": {"a": 3}}, "at.a: found 3, expected a list"),
         ({"name": "Pond"}, "name: found 'Pond', expected text like '^[a-z]+$'"),
         ({"name": ...}, "name: found nothing, expected a value"),
-        ({"colour": 1}, "colour: found an unknown key, expected one of name, things, at"),
+        ({"colour": 1}, "colour: found an unknown key, expected one of name, things, at, origin"),
     ],
 )
 def test_the_line_names_the_place_as_the_file_has_it(changes, line):
@@ -77,3 +83,9 @@ def test_a_misspelt_key_is_told_before_the_one_that_is_missing_for_it():
 def test_a_long_value_is_cut():
     assert shown("x" * 100) == "'" + "x" * 56 + "..."
     assert shown([1, 2]) == "[1, 2]"
+
+
+def test_a_misspelt_key_of_a_part_that_may_be_missing():
+    assert said(origin={"latitude": 54.3, "ongitude": 10.2}) == (
+        "a.yaml: origin.ongitude: found an unknown key, expected one of latitude, longitude (did you mean 'longitude'?)"
+    )

@@ -72,7 +72,9 @@ def _opened(path: Path) -> Iterator[Any]:
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
-        raise InputError(str(path), "", "no package rosbags", "the extra bags: pip install 'coral[bags]'") from None
+        raise InputError(
+            str(path), "", "no package rosbags", "the extra bags: pip install 'coral-robotics[bags]'"
+        ) from None
     try:
         reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         reader.open()

@@ -103,13 +103,22 @@ def _inside(kind: Any, part: int | str) -> Any:
 
 
 def _plain(kind: Any) -> Any:
-    return get_args(kind)[0] if get_origin(kind) is Annotated else kind
+    """Return the type without annotations, and of a value that may be missing the type that it has otherwise."""
+    kind = get_args(kind)[0] if get_origin(kind) is Annotated else kind
+    if get_origin(kind) in (Union, UnionType):
+        others = [member for member in get_args(kind) if member is not type(None)]
+        return _plain(others[0]) if len(others) == 1 else kind
+    return kind
 
 
 def _members_by_kind(kind: Any) -> dict[int | str, Any]:
     """Return the members of a union of models by the value of their `kind`."""
     members = get_args(kind) if get_origin(kind) in (Union, UnionType) else ()
-    return {member.model_fields["kind"].default: member for member in members if hasattr(member, "model_fields")}
+    return {
+        member.model_fields["kind"].default: member
+        for member in members
+        if "kind" in getattr(member, "model_fields", {})
+    }
 
 
 def _keys(model: type[BaseModel], place: Sequence[int | str]) -> list[str]:

@@ -1,7 +1,10 @@
+from pathlib import Path
+
 import pytest
 
 from coral.campaign.bench import changes, digest, make_executor, table_json
 from coral.campaign.local import LocalExecutor
+from coral.campaign.slurm import SlurmCfg
 from coral.campaign.table import Table
 
 
@@ -19,7 +22,7 @@ def test_only_what_differs_from_the_default_is_named_by_its_dotted_key():
 
 
 def test_this_machine_runs_as_many_as_asked_for():
-    executor = make_executor("local", 3, "nowhere")
+    executor = make_executor("local", 3, "nowhere", SlurmCfg(), Path("nowhere"))
     assert isinstance(executor, LocalExecutor)
     assert executor.jobs == 3
 

@@ -58,10 +58,11 @@ HEAVY = ("numba", "mujoco", "scipy", "matplotlib", "pyarrow", "pydantic_ai")
     ("words", "heavy"),
     [
         (["reef", "envs", "l1"], HEAVY),
+        (["contact", "tasks", "pick-box"], [module for module in HEAVY if module != "mujoco"]),
         (["--help"], (*HEAVY, "numpy", "cv2", "pydantic")),
         (["--version"], (*HEAVY, "numpy", "cv2", "pydantic")),
     ],
-    ids=["reef envs", "--help", "--version"],
+    ids=["reef envs", "contact tasks", "--help", "--version"],
 )
 def test_what_a_short_command_does_not_import(words, heavy):
     code = (

@@ -97,3 +97,10 @@ def test_a_log_that_was_cut_into_parts_is_read_whole(fresh):
     )
     (fresh / "events.0001.jsonl.gz").write_bytes(b"no pack")
     assert any("an earlier part cannot be read" in note for note in RunFolder.read(fresh).notes)
+
+
+def test_a_table_without_a_header_is_left_out(fresh):
+    (fresh / "trajectory.csv").write_text("\n1,2,3\n")
+    run = RunFolder.read(fresh)
+    assert run.trajectory == {}
+    assert "trajectory.csv begins with an empty line instead of a header and was left out." in run.notes

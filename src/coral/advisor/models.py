@@ -17,6 +17,7 @@ from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render_rejections
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
 from coral.advisor.scrub import public_url, scrub
+from coral.advisor.tracing import answer_span, trace_mode, traced
 from coral.errors import InputError
 
 if TYPE_CHECKING:
@@ -63,7 +64,11 @@ class ModelAdvisor:
             model: Name of the model there.
             cfg: Time-outs, retries, output mode, budget.
             url: Base URL of a local server.
+
+        Raises:
+            InputError: The environment asks for spans that cannot be made.
         """
+        trace_mode()
         self.cfg = cfg
         self.ledger = Ledger(cfg.spend)
         self.name = f"local:{public_url(url)}#{model}" if provider == "local" else f"{provider}:{model}"
@@ -102,7 +107,8 @@ class ModelAdvisor:
 
     def _connect(self) -> Model:
         if self._model is None:
-            self._model, self._client = connect(self._provider, self._model_name, self._url, self.cfg)
+            model, self._client = connect(self._provider, self._model_name, self._url, self.cfg)
+            self._model = traced(model)
         return self._model
 
     async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:
@@ -116,8 +122,9 @@ class ModelAdvisor:
         spent = _Spent()
         self._connect()  # The first import takes seconds; the deadline is the model's.
         try:
-            async with asyncio.timeout(self.cfg.deadline_s) as deadline:
-                return await self._answer(question, rejections, spent, deadline.when() or 0.0)
+            with answer_span(question.kind, self.name, len(rejections)):
+                async with asyncio.timeout(self.cfg.deadline_s) as deadline:
+                    return await self._answer(question, rejections, spent, deadline.when() or 0.0)
         except TimeoutError:
             raise AdvisorUnavailable(
                 "timeout", f"{self.name} gave no answer within {self.cfg.deadline_s:g} s", usage=spent.usage

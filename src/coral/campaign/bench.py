@@ -5,10 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from coral.campaign.episode import Executor
 from coral.campaign.local import LocalExecutor
+from coral.campaign.slurm import SlurmCfg
 from coral.campaign.table import Table
 
 
@@ -28,12 +30,24 @@ def changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str) -> 
     return found
 
 
-def make_executor(kind: str, jobs: int, address: str) -> Executor:
-    """Make the executor: "local", processes of this machine; "ray", a cluster."""
+def make_executor(kind: str, jobs: int, address: str, slurm: SlurmCfg, folder: Path) -> Executor:
+    """Make the executor.
+
+    Args:
+        kind: "local", processes of this machine; "ray" or "slurm", a cluster.
+        jobs: Maximum number of simultaneous episodes; Ray uses every core.
+        address: Address of the Ray cluster.
+        slurm: Requirements of a job on Slurm.
+        folder: Folder for the jobs' scripts and logs on Slurm.
+    """
     if kind == "ray":
         from coral.campaign.cluster import RayExecutor
 
         return RayExecutor(address)
+    if kind == "slurm":
+        from coral.campaign.slurm import SlurmExecutor
+
+        return SlurmExecutor(folder, jobs, slurm)
     return LocalExecutor(jobs)
 
 

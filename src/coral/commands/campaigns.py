@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,6 +13,7 @@ from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.dataset import Row, read_parquet, to_rows, write_parquet
 from coral.campaign.episode import Episode
 from coral.campaign.progress import CampaignProgress
+from coral.campaign.slurm import SlurmCfg
 from coral.campaign.spec import Spec
 from coral.campaign.store import Store, write_whole
 from coral.campaign.table import Table, document
@@ -27,11 +28,12 @@ class CampaignFlags:
     preflight: bool = True
     """Ask each model one small question first, and refuse the campaign if one cannot be used."""
     jobs: int = 1
-    """Number of simultaneous episodes (executor local), one core each."""
-    executor: Literal["local", "ray"] = "local"
-    """local: processes of this machine; ray: a Ray cluster."""
+    """Maximum number of simultaneous episodes (executor local or slurm), one core each."""
+    executor: Literal["local", "ray", "slurm"] = "local"
+    """local: processes of this machine; ray: a Ray cluster; slurm: jobs of a Slurm cluster."""
     address: str = "auto"
     """Address of the Ray cluster: auto, HOST:PORT, or ray://HOST:PORT."""
+    slurm: SlurmCfg = field(default_factory=SlurmCfg)
     retry_failed: bool = False
     """Repeat episodes with a recorded failure."""
     mix: bool = False
@@ -74,7 +76,7 @@ def check_jobs(jobs: int) -> None:
 
 def run_specs(flags: CampaignFlags, store: Store, specs: Sequence[Spec], episode: Episode) -> Summary:
     """Run the episodes that are not recorded yet."""
-    executor = make_executor(flags.executor, flags.jobs, flags.address)
+    executor = make_executor(flags.executor, flags.jobs, flags.address, flags.slurm, store.folder / ".slurm")
     try:
         return run_campaign(
             store,

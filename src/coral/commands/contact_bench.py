@@ -243,7 +243,7 @@ class ContactBench(CampaignFlags):
         tasks: Mapping[str, Task],
         memory: Mapping[str, Any] | None,
     ) -> Summary:
-        if (self.jobs > 1 or self.executor == "ray") and not cfg.planning.threads:
+        if (self.jobs > 1 or self.executor != "local") and not cfg.planning.threads:
             cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
         return run_specs(self, store, specs, ContactEpisode(cfg, self.model, tasks, self._policies(), memory))
 

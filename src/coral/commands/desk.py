@@ -9,9 +9,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
+
+if TYPE_CHECKING:
+    from coral.access import Access
 
 TOKEN_KEY = "CORAL_DESK_TOKEN"
 
@@ -28,6 +31,9 @@ class Desk:
     """Address to listen on; any but this machine's own needs the token."""
     token: str = ""
     """Token that a browser must send; by default $CORAL_DESK_TOKEN, or a new one if the host needs it."""
+    mcp: Literal["off", "stdio", "http"] = "off"
+    """Serve agents over the Model Context Protocol instead of people: the program that starts this one (stdio), or by
+    HTTP at /mcp with the same host, port and token."""
     json: bool = False
     """Print one JSON object at the end; the address goes to standard error."""
 
@@ -37,6 +43,8 @@ class Desk:
         from coral.desk.server import DeskServer
 
         token = self.token or os.environ.get(TOKEN_KEY, "")
+        if self.mcp != "off":
+            return self._serve_agents(token)
         with DeskServer(Inbox(self.inbox), self.host, self.port, token) as server:
             before = signal.signal(signal.SIGTERM, _interrupt)
             print(f"the desk is open at {server.url}", file=sys.stderr, flush=True)
@@ -53,6 +61,31 @@ class Desk:
                 "port": server.access.port,
                 "answered": server.answered,
             }
+
+    def _serve_agents(self, token: str) -> Mapping[str, Any]:
+        from coral.desk.inbox import Inbox
+        from coral.desk.mcp_server import PATH, McpDesk
+
+        desk, port = McpDesk(Inbox(self.inbox)), 0
+
+        def opened(access: Access) -> None:
+            nonlocal port
+            port = access.port
+            address, _, query = access.url.partition("?")
+            needed = f", with the header Authorization: Bearer {query.removeprefix('token=')}" if query else ""
+            print(f"agents find the desk at {address.rstrip('/')}{PATH}{needed}", file=sys.stderr, flush=True)
+
+        before = signal.signal(signal.SIGTERM, _interrupt)
+        try:
+            if self.mcp == "stdio":
+                desk.serve_stdio()
+            else:
+                desk.serve_http(self.host, self.port, token, opened)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            signal.signal(signal.SIGTERM, before)
+        return {"inbox": str(self.inbox), "host": self.host, "port": port, "answered": desk.answered}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Report the number of accepted answers."""

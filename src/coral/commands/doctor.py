@@ -36,7 +36,10 @@ EXTRAS = {
     "contact": ("robosuite", "contact tasks on the Panda"),
     "memory": ("wordllama", "another embedder of instructions, for the experience memory"),
     "lance": ("lancedb", "an experience memory that several machines share"),
-    "ray": ("ray", "campaigns on a cluster"),
+    "ray": ("ray", "campaigns on a Ray cluster"),
+    "mcp": ("mcp", "the desk for agents (coral desk --mcp)"),
+    "trace": ("opentelemetry.sdk", "OpenTelemetry spans of model calls (CORAL_TRACE)"),
+    "slurm": ("submitit", "campaigns on a Slurm cluster"),
     "blender": ("bpy", "reefs as .blend files, and photorealistic pictures (make setup-blender)"),
     "vision": ("onnxruntime", "missions by RGB pictures (--perception)"),
     "train": ("torch", "training networks for them (coral reef eyes train)"),
@@ -87,7 +90,7 @@ class Doctor:
             "costs_filtered": filtered,
             "browser": shutil.which("chromium") or shutil.which("google-chrome"),
             "extras": {
-                name: importlib.util.find_spec(module) is not None if module != "bpy" else blender_python() is not None
+                name: _is_there(module) if module != "bpy" else blender_python() is not None
                 for name, (module, _) in EXTRAS.items()
             },
             "keys": {key: key in os.environ for key in KEYS},
@@ -110,6 +113,14 @@ class Doctor:
         lines.append(f"model keys in the environment: {', '.join(keys) or 'none (the heuristic advisor needs none)'}")
         lines.append("ready" if result["ok"] else "not ready: run make setup")
         return "\n".join(lines)
+
+
+def _is_there(module: str) -> bool:
+    """Check whether a module can be found; the parent of a dotted name is imported for that."""
+    try:
+        return importlib.util.find_spec(module) is not None
+    except ImportError:
+        return False
 
 
 def _encoder() -> bool:

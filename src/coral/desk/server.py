@@ -53,6 +53,17 @@ def _content_policy(page: str) -> str:
 CONTENT_POLICY = _content_policy(PAGE)
 
 
+def binding_error(error: OSError, host: str, port: int) -> InputError:
+    """Return the user's error behind an address to which a server cannot bind."""
+    if error.errno == errno.EADDRINUSE:
+        return InputError(
+            "--port", "", f"port {port} in use on {host}", "a free port (another desk may be open), or 0 for any"
+        )
+    if error.errno == errno.EACCES:
+        return InputError("--port", "", f"port {port}, which needs special rights", "1024 or above")
+    return InputError("--host", "", f"{host!r} ({error.strerror})", "an address of this machine")
+
+
 class DeskServer(ThreadingHTTPServer):
     """Serves one inbox until it is shut down."""
 
@@ -80,16 +91,7 @@ class DeskServer(ThreadingHTTPServer):
         try:
             super().__init__((host, port), _Handler)
         except OSError as error:
-            if error.errno == errno.EADDRINUSE:
-                raise InputError(
-                    "--port",
-                    "",
-                    f"port {port} in use on {host}",
-                    "a free port (another desk may be open), or 0 for any",
-                ) from None
-            if error.errno == errno.EACCES:
-                raise InputError("--port", "", f"port {port}, which needs special rights", "1024 or above") from None
-            raise InputError("--host", "", f"{host!r} ({error.strerror})", "an address of this machine") from None
+            raise binding_error(error, host, port) from None
         self.inbox, self.host = inbox, host
         self.access = Access(host, self.server_address[1], token)
         self.watch = InboxWatch(inbox, watch_period_s)

@@ -67,5 +67,7 @@ def _projection(definition: str) -> Any:
     try:
         from pyproj import Proj
     except ImportError:
-        raise InputError("coordinates", "", "no package pyproj", "the extra geo: pip install 'coral[geo]'") from None
+        raise InputError(
+            "coordinates", "", "no package pyproj", "the extra geo: pip install 'coral-robotics[geo]'"
+        ) from None
     return Proj(definition)

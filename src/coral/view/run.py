@@ -245,6 +245,9 @@ def _table(path: Path, notes: list[str]) -> dict[str, NDArray[np.float64]]:
         return {}
     if not rows:
         return {}
+    if not rows[0]:
+        notes.append(f"{path.name} begins with an empty line instead of a header and was left out.")
+        return {}
     header, body = rows[0], rows[1:]
     # Without a final newline the last number may lack digits, even if every field is there.
     if body and not text.endswith("\n"):

@@ -40,6 +40,7 @@ def test_triangles_of_both_forms(raw):
         (b"element vertex 4", b"element edge 4"),
         (b"property float z", b"property float w"),
         (b"ascii", b"binary_middle_endian"),
+        (b"1.0\ncomment a comment\nelement vertex 4", b"1.0 element vertex 4"),
         (b"1.0 0.0 0.0 7", b"one 0.0 0.0 7"),
     ],
 )

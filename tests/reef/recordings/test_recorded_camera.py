@@ -44,6 +44,7 @@ def test_a_camera_of_ours_is_taken_as_it_is():
         ("{width: -3}", "width"),
         ("{hfov_deg: 200}", "hfov_deg: found 200"),
         ("{fx: 100, fy: 100, model: kannala}", "model"),
+        ("{width: 640, height: 480, fx: 400, fy: 4}", "fx, fy: found 400 and 4, expected focal lengths of one camera"),
     ],
 )
 def test_a_file_that_is_wrong_names_the_field(tmp_path, text, said):

@@ -28,6 +28,7 @@ def read_ply(raw: bytes) -> Array:
     (form,) = (line[1] for line in lines if line[:1] == ["format"])
     counts: dict[str, int] = {}
     properties: dict[str, list[list[str]]] = {}
+    name = ""
     for line in lines:
         if line[:1] == ["element"]:
             name, counts[line[1]] = line[1], int(line[2])

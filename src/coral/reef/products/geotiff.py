@@ -37,7 +37,9 @@ def write_geotiff(
     try:
         import tifffile
     except ImportError:
-        raise InputError(str(path), "", "no package tifffile", "the extra geo: pip install 'coral[geo]'") from None
+        raise InputError(
+            str(path), "", "no package tifffile", "the extra geo: pip install 'coral-robotics[geo]'"
+        ) from None
     values = raster.values
     colour = values.dtype == np.uint8 and values.ndim == 3
     options: dict[str, Any] = {"photometric": "rgb", "extrasamples": ["unassalpha"]} if colour else {}

@@ -65,7 +65,9 @@ def write_bag(recording: Recording, path: Path, *, single_file: bool, only_colou
     try:
         from rosbags.rosbag2 import StoragePlugin, Writer
     except ImportError:
-        raise InputError(str(path), "", "no package rosbags", "the extra bags: pip install 'coral[bags]'") from None
+        raise InputError(
+            str(path), "", "no package rosbags", "the extra bags: pip install 'coral-robotics[bags]'"
+        ) from None
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
         folder = Path(scratch) / path.stem

@@ -116,6 +116,8 @@ def rectified_size(lens: Lens, where: str) -> tuple[int, int, float]:
     down = min(-edges[2, 1], edges[3, 1])
     if not (0.05 < across < math.inf and 0.05 < down < math.inf):
         raise InputError(where, "distortion", list(lens.distortion), "a lens whose picture reaches all four sides")
+    if not lens.width * down / across <= _MOST_PIXELS:
+        raise InputError(where, "fx, fy", f"{lens.fx:g} and {lens.fy:g}", "focal lengths of one camera, nearly equal")
     width = min(lens.width, LARGEST_WIDTH)
     return width, max(round(width * down / across), 2), round(math.degrees(2.0 * math.atan(across)), 9)
 

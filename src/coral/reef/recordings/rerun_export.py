@@ -32,7 +32,10 @@ def write_rerun(recording: Recording, path: Path) -> dict[str, int]:
         import rerun as rr
     except ImportError:
         raise InputError(
-            str(path), "--to", "no package rerun", "rerun-sdk (some 500 MB: pip install 'coral[rerun]'), or --to mcap"
+            str(path),
+            "--to",
+            "no package rerun",
+            "rerun-sdk (some 500 MB: pip install 'coral-robotics[rerun]'), or --to mcap",
         ) from None
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
