@@ -35,7 +35,7 @@ class RealSenseCamera:
         try:
             import pyrealsense2
         except ImportError as error:
-            expected = "the extra realsense: pip install 'coral[realsense]'"
+            expected = "the extra realsense: pip install 'coral-robotics[realsense]'"
             raise InputError("--camera", "", f"{self.name} ({first_line(error)})", expected) from None
         self._rs: Any = pyrealsense2
         self._serial, self._placed = serial, np.eye(4) if T_world_camera is None else T_world_camera
