@@ -18,7 +18,7 @@ HAS_RERUN = importlib.util.find_spec("rerun") is not None
 
 def test_without_rerun_the_error_says_what_else_there_is(survey_run, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "rerun", None)
-    with pytest.raises(InputError, match=r"coral\[rerun\].*--to mcap"):
+    with pytest.raises(InputError, match=r"coral-robotics\[rerun\].*--to mcap"):
         write_rerun(read_run(survey_run).located(), tmp_path / "x.rrd")
 
 
