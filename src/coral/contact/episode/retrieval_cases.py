@@ -34,8 +34,8 @@ REMEMBERED = (
     "push-gently",
     "stack-blocks",
 )
-"""The tasks in the memory: the six of the paper, and five of the unseen suite's development half. They stay as they are:
-the cases were written and measured with these."""
+"""The tasks in the memory: the six of the paper, and five of the unseen suite's development half. They stay as
+they are: the cases were written and measured with these."""
 
 
 @dataclass(frozen=True)
