@@ -1,5 +1,6 @@
 import dataclasses
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -378,7 +379,7 @@ def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):
 class Found:
     """What a planner with more samples is said to have found."""
 
-    samples, more, cost, lower, stronger = 12, 48, 5.0, 2.0, "the stronger planner"
+    samples, more, cost, lower, plans, stronger = 12, 48, 5.0, 2.0, 20, "the stronger planner"
 
     def __init__(self, gain):
         self.gain = gain
@@ -414,6 +415,18 @@ def test_a_planner_that_is_too_weak_gets_more_samples_once_before_the_plan_chang
     assert events == [tried, ("stuck", "no-progress")]
     assert planner.adopted == (("the stronger planner",) if strengthened else ())
     assert "More samples were tried." in next(fields for event, fields in told if event == "stuck")["evidence"]
+
+
+def test_the_time_of_the_trial_with_more_samples_passes_in_the_world(scene, monkeypatch):
+    one, passed = scene("pick-box"), []
+    monkeypatch.setattr(thinking, "probe_effort", lambda *given: Found(0.3))
+    strategist, _ = thinker(one, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    strategist.begin(one.trial, one.now, one.world)
+    strategist.attach_episode(SimpleNamespace(clock_s=0.0, go_on=lambda seconds: passed.append(seconds) or True))
+    for k in range(6):
+        report = dataclasses.replace(plan_report(one, 0.1 * k, "reach", 5.0), planner=WeakPlanner(), plan_s=0.04)
+        strategist.on_plan(report)
+    assert pytest.approx(20 * 0.04) in passed
 
 
 class Regrouper:

@@ -201,6 +201,7 @@ class Controller:
         cfg = replace(self.cfg, mppi=replace(self.cfg.mppi, samples=samples))
         other = Controller(self.world, cfg, rng)
         other.mppi.knots = self.mppi.knots.copy()
+        other.weights = self.weights
         other._target, other._centre = self._target, self._centre
         return other
 

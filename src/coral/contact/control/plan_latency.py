@@ -31,6 +31,8 @@ class PlanLatency:
         self._step_s, self._least, self._most = step_s, least, most
         self._durations: deque[float] = deque(maxlen=REMEMBERED)
         self.fixed_s = _fixed(spec)
+        self.effort = 1.0
+        """Rehearsals of a plan, as a multiple of those that the fixed latency stands for."""
         if self.fixed_s is not None and self.fixed_s >= most * step_s:
             raise InputError("--cfg", "planning.latency", repr(spec), f"less than a plan's {most * step_s:g} s")
 
@@ -39,11 +41,17 @@ class PlanLatency:
         """Whether the world moves while a plan is computed."""
         return self.fixed_s != 0.0
 
+    @property
+    def plan_s(self) -> float:
+        """Return how long a plan takes (s): as fixed, or the median so far; 0 if the world stands still."""
+        if self.fixed_s is not None:
+            return self.fixed_s * self.effort
+        return median(self._durations) if self._durations else 0.0
+
     def expected_steps(self) -> int:
         """Return the control steps until a plan that is begun now will be ready."""
-        if self.fixed_s is not None:
-            return max(self._least, self._steps(self.fixed_s))
-        return max(self._least, self._steps(1.1 * median(self._durations)) if self._durations else self._least)
+        spare = 1.0 if self.fixed_s is not None else 1.1
+        return max(self._least, self._steps(spare * self.plan_s))
 
     def taken_steps(self, seconds: float) -> int:
         """Return the control steps that pass until a plan that took `seconds` on this machine is ready."""

@@ -46,6 +46,8 @@ class EffortProbe:
     """Lowest expected cost with the larger one."""
     gain: float
     """The difference, as a share of the sum of the terms' magnitudes."""
+    plans: int
+    """Plans made for it, counted in plans with the present number of samples: the time that it took."""
     stronger: Controller
     """The planner with more samples and the plan that it found."""
 
@@ -82,4 +84,5 @@ def probe_effort(controller: Controller, now: Observation, stage: Stage, step: i
     whole = sum(abs(value) for value in present.terms.values())
     gain = (present.cost - better.cost) / whole if whole and better.update.ok else 0.0
     gain = float(gain) if np.isfinite(gain) else 0.0
-    return EffortProbe(samples, cfg.factor * samples, present.cost, better.cost, gain, other)
+    made = cfg.plans * (1 + cfg.factor)
+    return EffortProbe(samples, cfg.factor * samples, present.cost, better.cost, gain, made, other)

@@ -232,6 +232,8 @@ class Episode:
         """Return the state from which to plan and its step: now, or when the plan will be ready."""
         if not self.latency.charged:
             return self.now, self.step
+        if isinstance(self.controller, Controller):  # it may have got more samples
+            self.latency.effort = self.controller.mppi.cfg.samples / self.cfg.controller.mppi.samples
         self._ahead = self.latency.expected_steps()
         if self._under_way is None:
             coming = (self._still,) * self._ahead
@@ -302,7 +304,8 @@ class Episode:
         try:
             planner = self.controller if isinstance(self.controller, Controller) else None
             predicted = self._next_state(plan)
-            report = PlanReport(self.step, self.now, plan, stage.name, taken, self._touched, predicted, planner)
+            plan_s = 0.0 if self._meanwhile is not None else self.latency.plan_s
+            report = PlanReport(self.step, self.now, plan, stage.name, taken, self._touched, predicted, planner, plan_s)
             other = self._ask_strategist(lambda: self.strategist.on_plan(report))
         except CostError as error:
             self._cost_error(error, stage.name)

@@ -50,6 +50,8 @@ class PlanReport:
     """Predicted state after the next control step; None if the hand holds still until this plan is ready."""
     planner: Controller | None = None
     """The planner, which may be given more samples; None if it is not ours."""
+    plan_s: float = 0.0
+    """Simulated time (s) that passes while it plans; 0 if the world stands still, or goes on by itself."""
 
 
 class NoStrategy(RuntimeError):

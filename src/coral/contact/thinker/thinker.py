@@ -25,7 +25,7 @@ from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_st
 from coral.contact.plan.last_good_cost import LastGoodCost
 from coral.contact.scene.observation import BodyState, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
-from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.asker import Asker, EpisodeOver
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
 from coral.contact.thinker.correction_schedule import CorrectionSchedule
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose, recent, recent_terms
@@ -337,6 +337,8 @@ class Thinker:
             found = probe_effort(report.planner, report.now, stage, report.step, cfg)
         except CostError:
             return False  # a repair is due
+        if report.plan_s and not self.asker.clock.thinking.go_on(found.plans * report.plan_s):
+            raise EpisodeOver
         weak = found.gain >= cfg.gain
         self._effort = [found.sentence()]
         self._emit(
