@@ -2,7 +2,8 @@
 
     python benchmarks/contact_checks.py --trials 100 --kinds prompt,example,listing,expert
     python benchmarks/contact_checks.py --trials 100 --kinds prompt,example,expert --tasks unseen
-    python benchmarks/contact_checks.py                   # ten trials of the six tasks, all kinds
+    python benchmarks/contact_checks.py --kinds bad       # costs that have to be refused
+    python benchmarks/contact_checks.py                   # ten trials of the six tasks, all good kinds
 
 The costs: the worked example of the prompt and the shortest cost that a person would write, adapted to each scene; the
 paper's listing for the board; the experts' costs, as one stage and as state machines; the plans that the rules make;
@@ -31,6 +32,7 @@ from coral.advisor.recorded_attempts import SHIPPED, read_attempts
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.cost.context import Context, Cost, Schema, Terms
 from coral.contact.cost_program import CostProgram
+from coral.contact.cost_program.errors import CostError
 from coral.contact.experts import Kind, expert
 from coral.contact.plan.cost_check import verify_cost
 from coral.contact.plan.cost_fault import CostFault
@@ -91,6 +93,17 @@ BOARD = textwrap.dedent("""
         return cost
 """).strip()
 """The paper's Listing 1 (A.6) in our own words: press and push, then grip and lift, blended by a sigmoid."""
+
+
+BAD = {
+    "the same everywhere": "return {{'pay': 1.0}}",
+    "not finite": "return {{'log': np.log(self.{name}_pos[2] - 10.0)}}",
+    "a vector": "return {{'way': self.ee_pos - self.{name}_pos}}",
+    "no such thing": "return {{'way': norm(self.ee_pos - self.nobody_pos)}}",
+    "a wall about the object": "d = norm(self.ee_pos - self.{name}_pos)\n"
+    "    return {{'go': 5.0 * d + 100.0 * (d < 0.1)}}",
+}
+"""Costs that no planner can use."""
 
 
 class Opening:
@@ -177,6 +190,16 @@ def _written_by_persons(opening: Opening, task: str, wanted: dict[str, bool]) ->
                 yield form, _Written(stage.name, stage.cost)
 
 
+def bad_costs(opening: Opening) -> Iterator[tuple[str, Cost | None]]:
+    """Yield the costs that have to be refused; None for one that does not compile."""
+    name = next(iter(opening.trial.objects))
+    for kind, text in BAD.items():
+        try:
+            yield f"bad, {kind}", CostProgram(f"def state_cost(self):\n    {text.format(name=name)}", opening.schema)
+        except CostError:
+            yield f"bad, {kind}", None
+
+
 def _goal(trial: Trial, name: str) -> str:
     places = list(trial.task.places)
     return f"self.{places[0]}_pos" if places else f"(self.{name}_init_pos + np.array([0.1, 0.0, 0.1]))"
@@ -190,8 +213,10 @@ def _reader_plans(task: str) -> list[PlanAnswer]:
     return [PlanAnswer.model_validate(one["answer"]) for one in kept if one["verdict"] == "accepted"]
 
 
-def fatal(cost: Cost, samples: list[Context]) -> list[CostFault]:
+def fatal(cost: Cost | None, samples: list[Context]) -> list[CostFault]:
     """Return the faults that refuse a cost."""
+    if cost is None:
+        return [CostFault("unknown", 0, "it does not compile")]
     return [fault for fault in verify_cost(cost, samples) if fault.fatal]
 
 
@@ -200,7 +225,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--trials", type=int, default=10, help="trials of each task")
     parser.add_argument("--tasks", default=",".join(TASKS), help="names, or unseen: that suite")
-    parser.add_argument("--kinds", default=",".join(KINDS), help="which costs: " + ", ".join(KINDS))
+    parser.add_argument("--kinds", default=",".join(KINDS), help="which costs: bad, " + ", ".join(KINDS))
     parser.add_argument("--twice", type=int, default=3, help="trials of each task that are checked again")
     parser.add_argument("--verbose", action="store_true", help="print every refusal")
     args = parser.parse_args()
@@ -209,7 +234,9 @@ def main() -> None:
         for seed in range(args.trials):
             opening = Opening(task, seed)
             again = opening.sample() if seed < args.twice else None
-            for kind, cost in good_costs(opening, task, args.kinds.split(",")):
+            kinds = args.kinds.split(",")
+            bad = bad_costs(opening) if "bad" in kinds else ()
+            for kind, cost in (*good_costs(opening, task, kinds), *bad):
                 first = fatal(cost, opening.samples)
                 second = first if again is None else fatal(cost, again)
                 row = counts[kind, task]
@@ -217,7 +244,11 @@ def main() -> None:
                 row[1] += 1
                 row[2] += first != second
                 if first and args.verbose:
-                    print(json.dumps([task, seed, kind, cost.name, [fault.reason for fault in first]]))
+                    print(
+                        json.dumps(
+                            [task, seed, kind, "" if cost is None else cost.name, [fault.reason for fault in first]]
+                        )
+                    )
             opening.close()
         rows = [row for (_, of), row in counts.items() if of == task]
         good, all_, two = np.sum(rows, axis=0)

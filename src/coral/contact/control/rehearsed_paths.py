@@ -22,7 +22,7 @@ class RehearsedPaths:
     best: Array
     """Path of the tool in the rehearsal with the largest weight, Shape=(H, 3) m."""
     some: Array
-    """Paths of the tool in some of all, Shape=(n, H, 3) m."""
+    """Paths of the tool in some rehearsals, Shape=(n, H, 3) m."""
     objects: Mapping[str, Array]
     """Path of each object in the rehearsal with the largest weight, Shape=(H, 3) m."""
 

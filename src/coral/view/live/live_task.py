@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coral.contact.control.mppi_controller import Controller
 from coral.contact.episode.episode import Episode
@@ -20,6 +21,9 @@ from coral.view.live.task_story import told_of_task
 from coral.view.pictures import RGB
 from coral.view.run import Record
 
+Array = NDArray[np.float64]
+HARD_N = 30.0
+"""A force above this is shown in red: the limit on the impedance's pull."""
 COLORS: tuple[RGB, ...] = (
     (11, 100, 112),
     (214, 52, 44),
@@ -52,7 +56,7 @@ class LiveTask:
         self._scene = TaskScene(episode.trial)
         self._terms: dict[str, History] = {}
         self._force = History(("force",))
-        self._trail: list[np.ndarray] = []  # type: ignore[type-arg]
+        self._trail: list[Array] = []
         self._last: Mapping[str, float] = {}
         self._plan_event: Record = {}
         self._about = f"advisor {episode.advisor}, variant {episode.variant}, seed {episode.trial.seed}"
@@ -146,13 +150,9 @@ class LiveTask:
         )
 
     def _numbers(self, episode: Episode, force_n: float) -> tuple[Number, ...]:
-        event, holding = self._plan_event, episode.referee.holding
-        cost, effective = event.get("cost"), event.get("ess")
+        holding = episode.referee.holding
         return (
-            Number(name="stage", value=self.story.state or "-"),
-            Number(name="cost of the plan", value="-" if cost is None else f"{float(cost):.2f}"),
-            Number(name="effective samples", value="-" if effective is None else f"{float(effective):.1f}"),
-            Number(name="force", value=f"{force_n:.1f} N", tone="bad" if force_n > 30 else "plain"),
+            *plan_numbers(self.story.state, self._plan_event, force_n),
             Number(
                 name="conditions",
                 value=f"{sum(holding)} of {len(holding)}" if holding else "-",
@@ -163,8 +163,23 @@ class LiveTask:
 
     def _charts(self) -> tuple[Chart, ...]:
         t, values = self._force.curves(("force",))
-        charts = [Chart(title="Force on the hand (N)", names=("force",), t=t, values=values, colors=COLORS[1:2])]
-        return (*charts, *(terms_chart(stage, found) for stage, found in self._terms.items()))
+        return (force_chart(t, values), *(terms_chart(stage, found) for stage, found in self._terms.items()))
+
+
+def plan_numbers(stage: str, plan: Record, force_n: float) -> tuple[Number, ...]:
+    """Return the numbers of a moment: active stage, the plan's cost and effective samples, and the measured force."""
+    cost, effective = plan.get("cost"), plan.get("ess")
+    return (
+        Number(name="stage", value=stage or "-"),
+        Number(name="cost of the plan", value="-" if cost is None else f"{float(cost):.2f}"),
+        Number(name="effective samples", value="-" if effective is None else f"{float(effective):.1f}"),
+        Number(name="force", value=f"{force_n:.1f} N", tone="bad" if force_n > HARD_N else "plain"),
+    )
+
+
+def force_chart(t: Array, values: Array) -> Chart:
+    """Return the curve of the force on the hand, Shapes (N,) and (1, N), N."""
+    return Chart(title="Force on the hand (N)", names=("force",), t=t, values=values, colors=COLORS[1:2])
 
 
 def terms_chart(stage: str, found: History) -> Chart:

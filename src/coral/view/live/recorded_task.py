@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from coral.contact.scene.observation import BodyState
 from coral.view.contact.replay import trial_of_run
 from coral.view.live.history import History, thinned
-from coral.view.live.live_task import COLORS, EFFECTIVE, terms_chart
+from coral.view.live.live_task import EFFECTIVE, force_chart, plan_numbers, terms_chart
 from coral.view.live.state import Chart, LiveState, Number
 from coral.view.live.story import Story
 from coral.view.live.task_scene import LEGEND, VIEW, TaskScene, lines
@@ -88,21 +88,13 @@ class RecordedTask:
     def _numbers(self, story: Story, row: int, t: float) -> tuple[Number, ...]:
         index = bisect_right(self._plan_times, t + 1e-6) - 1
         plan: Record = self._plans[index] if index >= 0 else {}
-        cost, effective = plan.get("cost"), plan.get("ess")
         force = self._columns(("fx", "fy", "fz"))
-        newtons = float(np.linalg.norm(force[row])) if len(force) else 0.0
-        return (
-            Number(name="stage", value=story.state or "-"),
-            Number(name="cost of the plan", value="-" if cost is None else f"{float(cost):.2f}"),
-            Number(name="effective samples", value="-" if effective is None else f"{float(effective):.1f}"),
-            Number(name="force", value=f"{newtons:.1f} N", tone="bad" if newtons > 30 else "plain"),
-        )
+        return plan_numbers(story.state, plan, float(np.linalg.norm(force[row])) if len(force) else 0.0)
 
     def _charts(self, row: int, t: float) -> tuple[Chart, ...]:
         run = self.run
         force = np.linalg.norm(self._columns(("fx", "fy", "fz"))[: row + 1], axis=1)
         times, values = thinned(run.column("t")[: row + 1], force[None])
-        charts = [Chart(title="Force on the hand (N)", names=("force",), t=times, values=values, colors=COLORS[1:2])]
         found: dict[str, History] = {}
         for when, plan in zip(self._plan_times, self._plans, strict=True):
             terms = plan.get("terms")
@@ -112,4 +104,4 @@ class RecordedTask:
             if stage not in found or found[stage].names != names:
                 found[stage] = History(names)
             found[stage].add(when, *(np.nan if terms[name] is None else float(terms[name]) for name in names))
-        return (*charts, *(terms_chart(stage, history) for stage, history in found.items()))
+        return (force_chart(times, values), *(terms_chart(stage, history) for stage, history in found.items()))
