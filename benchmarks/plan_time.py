@@ -1,6 +1,6 @@
 """Success, and time to it, over the time of a plan: a figure from campaigns with different numbers of rehearsals.
 
-    python benchmarks/plan_time.py CURVES --out docs/images/contact-plan-time.png
+    python benchmarks/plan_time.py CURVES --out docs/results/contact-plan-time.png
 
 CURVES has a folder of `coral contact bench` for each number of rehearsals and sampler, named fine-40, equal-40 and so
 on; docs/results/contact-realtime.md has the commands. Failures count with the time at which they ended.
