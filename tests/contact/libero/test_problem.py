@@ -44,6 +44,8 @@ def test_a_single_goal_needs_no_and(read):
         (" - bin)", ")", "NAME ... - KIND"),
         ("- slab", "- ../slab", "NAME ... - KIND"),
         (TEXT, ") (", "LIBERO problem file"),
+        ("(:language Pick", "(:language (Pick)", ":language: found parentheses"),
+        ("(In can_1", "(In (can_1)", "OBJECT REGION"),
     ],
 )
 def test_a_damaged_problem_is_named(old, new, expected, read):

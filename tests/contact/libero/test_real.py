@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from coral.contact.libero.package import find_package
+from coral.contact.libero.package import SUITES, find_package
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.trial import sample_trial
@@ -13,14 +13,16 @@ from coral.contact.tasks import load_task
 pytestmark = pytest.mark.libero
 
 
-def test_ten_tasks():
-    assert len(find_package("test").tasks()) == 10
+@pytest.mark.parametrize("suite", SUITES)
+def test_ten_tasks(suite):
+    assert len(find_package("test", suite).tasks()) == 10
 
 
+@pytest.mark.parametrize("suite", SUITES)
 @pytest.mark.parametrize("task", range(10))
-def test_every_initial_state_is_a_trial_that_stands(task):
+def test_every_initial_state_is_a_trial_that_stands(suite, task):
     for state in (0, 17, 49):
-        trial = sample_trial(load_task(f"libero:object/{task}/{state}"), 0)
+        trial = sample_trial(load_task(f"libero:{suite}/{task}/{state}"), 0)
         spec = mujoco.MjSpec()
         spec.option.timestep = 0.002
         add_scene(spec, trial)

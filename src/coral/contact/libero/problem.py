@@ -40,16 +40,22 @@ def read_problem(path: Path) -> Problem:
     for key in (":language", ":objects", ":goal"):
         if not found.get(key):
             raise InputError(str(path), key, "nothing", "a LIBERO problem file")
+    if not all(isinstance(word, str) for word in found[":language"]):
+        raise InputError(str(path), ":language", "parentheses", "words; is one of them closed too late?")
     objects = _objects(found[":objects"], path)
     goals = found[":goal"][0]
     goals = goals[1:] if goals and goals[0] == "And" else [goals]
-    if len(goals) != 1 or len(goals[0]) != 3 or goals[0][0] != "In" or goals[0][1] not in objects:
+    if len(goals) != 1 or not _are_words(goals[0], 3) or goals[0][0] != "In" or goals[0][1] not in objects:
         raise InputError(str(path), ":goal", goals, "one (In OBJECT REGION)")
     _, target, place = goals[0]
     container = next((name for name in objects if place.startswith(f"{name}_")), None)
     if container is None or container == target:
         raise InputError(str(path), ":goal", place, f"a region of one of {', '.join(objects)}")
     return Problem(" ".join(found[":language"]), objects, target, container, place[len(container) + 1 :])
+
+
+def _are_words(part: Any, count: int) -> bool:
+    return isinstance(part, list) and len(part) == count and all(isinstance(word, str) for word in part)
 
 
 def _objects(words: list[Any], path: Path) -> dict[str, str]:

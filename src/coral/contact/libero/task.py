@@ -1,4 +1,4 @@
-"""A task of LIBERO-OBJECT in one of the benchmark's initial states, as a task of this package.
+"""A task of LIBERO-OBJECT or of a perturbed suite of it, in one of its initial states, as a task of this package.
 
 Frames: LIBERO's Panda stands at x = -0.6 m on the floor, ours at -0.5 m: everything is shifted by the difference, and
 its floor is our table. An object's frame is LIBERO's rotated upright; it keeps LIBERO's origin, as its success test
@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from coral.contact.libero.object_model import Array, Box, Model, read_model
-from coral.contact.libero.package import Package, find_package
+from coral.contact.libero.package import SUITES, Package, find_package
 from coral.contact.libero.problem import Problem, read_problem
 from coral.contact.libero.simplification import SolidCfg, simplified
 from coral.contact.scene.geometry import rotation_of
@@ -23,9 +23,12 @@ from coral.contact.scene.state_conditions import Grasped, Inside, Lifted
 from coral.contact.scene.task import Success, Task
 from coral.contact.scene.task_validation import check_task
 from coral.contact.scene.trial import corners
-from coral.errors import InputError
+from coral.errors import InputError, nearest
 
 PREFIX = "libero:"
+PICK = "pick"
+KINDS = (*SUITES, PICK)
+TITLE = "LIBERO-OBJECT"
 SHIFT_M = np.array([0.1, 0.0])
 BELOW_REGION_M = 0.01
 """Tolerance of LIBERO's `in_box` below a region."""
@@ -34,8 +37,12 @@ SPREAD = 0.25
 """LIBERO's masses and frictions are the same in every trial; ours vary by this share about them, unknown to the
 planner."""
 HEAVIEST_FRICTION = 2.0
-LIGHTEST_KG = 0.02
-"""Smallest mass: contacts in the coarse steps of a rehearsal throw LIBERO's butter of 5 g."""
+LIGHTEST_KG = 0.1
+"""Smallest mass. LIBERO's cans weigh 25 g and its butter 5 g, real ones 350 and 250 g. In the coarse steps of a
+rehearsal, fingers that squeeze with 20 N throw what is lighter."""
+HOVER_M = 0.05
+"""Height over the grasp at which the hand comes to rest first: bottles of 25 g fall at a touch, and a can leaves 9 mm
+on each side."""
 COLORS = (
     (0.75, 0.22, 0.2),
     (0.85, 0.78, 0.6),
@@ -48,30 +55,32 @@ COLORS = (
 
 
 def load_libero(text: str) -> Task:
-    """Load the task `libero:object/TASK/STATE`, or `libero:pick/TASK/STATE`, which requires only lifting the object.
+    """Load the task `libero:SUITE/TASK/STATE`, or `libero:pick/TASK/STATE`, which requires only lifting the object.
 
     Args:
-        text: TASK is the index of the task in the suite, STATE that of the initial state, both from 0; STATE is
-            optional.
+        text: SUITE is one of `SUITES`, TASK the index of the task in it, STATE that of the initial state, both from 0;
+            STATE is optional.
 
     Raises:
         InputError: There is no such task, or the package is not installed or not as expected.
     """
-    match = re.fullmatch(rf"{PREFIX}(object|pick)/(\d{{1,3}})(?:/(\d{{1,3}}))?", text)
-    if match is None:
+    match = re.fullmatch(rf"{PREFIX}([a-z-]+)/(\d{{1,3}})(?:/(\d{{1,3}}))?", text)
+    if match is None or match[1] not in KINDS:
+        hint = "" if match is None else nearest(match[1], KINDS)
         raise InputError(
             "task",
             "",
             text,
-            "libero:object/TASK or libero:pick/TASK, such as libero:object/0; with a state, libero:object/0/3",
+            f"libero:KIND/TASK, such as libero:object/0, or with a state libero:object/0/3; KIND is one of "
+            f"{', '.join(KINDS)}{hint}",
         )
-    package = find_package(text)
+    package = find_package(text, "object" if match[1] == PICK else match[1])
     names = package.tasks()
     index, state = int(match[2]), int(match[3] or 0)
     if index >= len(names):
         raise InputError(text, "task", index, f"a number from 0 to {len(names) - 1}")
     task = libero_task(package, names[index], f"libero-{match[1]}-{index}-{state}", state)
-    return task if match[1] == "object" else lifting(task)
+    return lifting(task) if match[1] == PICK else task
 
 
 def lifting(task: Task) -> Task:
@@ -81,7 +90,7 @@ def lifting(task: Task) -> Task:
     return task.model_copy(
         update={
             "instruction": f"Pick up the {item.label} and hold it 12 cm above the table.",
-            "numbers": {"lift_height": 0.12},
+            "numbers": {"lift_height": 0.12, "hover_height": HOVER_M},
             "success": Success(hold_s=0.5, conditions=conditions),
         }
     )
@@ -121,14 +130,14 @@ def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCf
     )
     made = Task(
         name=name,
-        title="LIBERO-OBJECT",
+        title=TITLE,
         instruction=_instruction(problem),
         time_limit_s=40.0,
         table=TableTop(size=(1.0, 1.1, 0.05), center=(0.1, 0.0)),
         fixtures=fixtures,
         objects=objects,
         places={"goal": (float(middle[0]), float(middle[1]), float(floor))},
-        numbers={"carry_height": round(rim + _rim_clearance(objects[0]), 3)},
+        numbers={"carry_height": round(rim + _rim_clearance(objects[0]), 3), "hover_height": HOVER_M},
         success=Success(
             hold_s=0.0,
             conditions=(
@@ -173,11 +182,13 @@ def _movable(
     x, y = position[:2] + SHIFT_M
     mass, friction = max(model.mass_kg, LIGHTEST_KG), model.friction
     parts = simplified([box.turned(upright) for box in model.boxes], cfg)
+    hull = np.concatenate([box.turned(upright).corners for box in model.boxes])
     return Movable(
         name=name,
         label=name.replace("_", " "),
         parts=parts,
         symmetry=_symmetry(parts),
+        points={"middle": _triple((hull.min(axis=0) + hull.max(axis=0)) / 2)},
         mass_kg=(mass * (1 - SPREAD), mass * (1 + SPREAD)),
         friction=(friction * (1 - SPREAD), min(friction * (1 + SPREAD), HEAVIEST_FRICTION)),
         x=(float(x), float(x)),
