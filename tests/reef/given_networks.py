@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from coral.reef.eyes.onnx_file import OnnxFile
+from coral.onnx_file import OnnxFile
 
 
 class GivenSession:

@@ -19,6 +19,7 @@ from coral.contact.perception.cameras.camera_registry import camera_help, make_c
 from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.errors import InputError, RunError
+from coral.terminal import fitted
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +91,7 @@ class ContactPoses:
                     for name, estimate in found.items():
                         summary[name].add(estimate)
                     if not self.quiet and not self.json:
-                        print(_line(frame.time_s, found), file=sys.stderr, flush=True)
+                        print(fitted(_line(frame.time_s, found), sys.stderr), file=sys.stderr, flush=True)
             except KeyboardInterrupt:
                 if last is None:
                     raise

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
+from coral.contact.perception.depth_noise import Sensor
 from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.errors import InputError
@@ -40,6 +41,8 @@ class ContactTrack:
     """Pictures per second."""
     noise: bool = True
     """Whether depth and outlines have a real camera's noise."""
+    sensor: Sensor = "kinect"
+    """Whose noise it is: a short-range structured-light camera's, or that of a stereo camera as the D435."""
     losses: bool = True
     """Also measure loss and recovery."""
     masks: Annotated[str | None, tyro.conf.arg(metavar="MASKS", help=MASKS_HELP)] = None
@@ -61,7 +64,7 @@ class ContactTrack:
         """Run the measurements."""
         from coral.commands.track_recording import export_motion, track_recording
         from coral.contact.perception.camera import RgbdCameraCfg
-        from coral.contact.perception.depth_noise import DepthNoise
+        from coral.contact.perception.depth_noise import SENSORS, DepthNoise
         from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure_accuracy
         from coral.contact.perception.tracking_loss import measure_loss
         from coral.contact.scene.task_file import shipped_tasks
@@ -78,7 +81,7 @@ class ContactTrack:
         cfg = AccuracyCfg(
             camera=RgbdCameraCfg(width=self.width, height=round(self.width * 0.75)),
             period_s=1.0 / self.rate_hz,
-            noise=DepthNoise() if self.noise else None,
+            noise=DepthNoise(SENSORS[self.sensor]) if self.noise else None,
             colours="best" if choice.wants_colours else "none",
         )
         if self.every < 1:

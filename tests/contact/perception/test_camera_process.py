@@ -10,8 +10,10 @@ from recorded_scenes import write_scene
 from coral.contact.perception import camera_process
 from coral.contact.perception.calibration.camera_pose_file import write_camera_pose
 from coral.contact.perception.camera_process import CameraJob, CameraProcess
+from coral.contact.perception.hand_mask import HandReading
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.perception.tracker import PoseEstimate
+from coral.contact.scene.observation import BodyState
 from coral.contact.worlds.franka.object_poses import ObjectPoses
 from coral.errors import InputError, RunError
 
@@ -44,10 +46,14 @@ class Stub:
     def __init__(self, fails=False):
         self.fails, self.tracked = fails, threading.Event()
 
-    def update(self, frame):
+    in_hand = {}
+
+    def update(self, frame, hand=None):
         self.tracked.set()
         if self.fails:
             raise RunError("the tracker's server does not answer")
+        if hand is not None:
+            self.in_hand = {"can": hand.T_world_tool}
         placed = np.eye(4)
         placed[0, 3] = 0.25
         return {"box": PoseEstimate(placed, 1.0), "can": PoseEstimate(np.eye(4), 0.0, lost=True, reason="covered")}
@@ -88,3 +94,34 @@ def test_a_wrong_camera_is_one_line(job, tmp_path):
     write_camera_pose(tmp_path / "camera.yaml", np.eye(4), "test", {})
     with pytest.raises(InputError, match="did you mean 'colour'"):
         CameraProcess(dataclasses.replace(job, masks="color", camera_pose=tmp_path / "camera.yaml"), thread)
+
+
+class Patient:
+    """A camera of two pictures, which come when they are allowed."""
+
+    def __init__(self):
+        self.allowed, self.left = threading.Event(), 2
+
+    def start(self):
+        pass
+
+    def newest(self):
+        self.allowed.wait(10.0)
+        self.left -= 1
+        return "picture" if self.left >= 0 else None
+
+    def close(self):
+        pass
+
+
+def test_what_is_held_is_sent_in_the_tools_frame(job, poses, monkeypatch):
+    camera, stub = Patient(), Stub()
+    monkeypatch.setattr(camera_process, "_prepare", lambda job: (camera, stub))
+    process = CameraProcess(job, thread)
+    for _ in range(2000):  # a slow tracker does not make the arm wait
+        process.tell_hand(HandReading(np.eye(4), 0.05, 0.02))
+    camera.allowed.set()
+    process._process.join(0.2)
+    process.close()
+    poses.update(1.0, BodyState(np.array([0.0, 0.0, 0.4]), np.array([1.0, 0, 0, 0])))
+    assert poses.poses["can"].position == pytest.approx([0.0, 0.0, 0.4])

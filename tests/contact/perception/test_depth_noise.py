@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from ball_before_wall import scene
 
-from coral.contact.perception.depth_noise import DepthNoise, DepthNoiseCfg
+from coral.contact.perception.depth_noise import D435, DepthNoise, DepthNoiseCfg
 from coral.contact.perception.noise_kernels import disturb
 
 NONE = DepthNoiseCfg(
@@ -93,6 +93,11 @@ def test_without_any_amount_only_the_paper_s_own_spread_at_a_slant_is_left():
     measured, labels = seen(NONE)
     np.testing.assert_allclose(measured, 1.0, atol=5e-4)
     assert (labels == 1).all()
+
+
+def test_a_d435_errs_as_its_disparity_does():
+    measured, _ = seen(dataclasses.replace(D435, uneven_m=0.0, disparity_step_px=0.0, hole=0.0), width=640)
+    assert np.std(measured) == pytest.approx(0.08 / 424 / 0.05, rel=0.1)  # z^2 dd / (f b) at 1 m
 
 
 def test_depth_is_quantised_in_disparity():

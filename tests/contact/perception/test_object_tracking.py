@@ -2,9 +2,12 @@ import numpy as np
 import pytest
 from painted_table import BOX, at, picture
 
+from coral.contact.perception.hand_mask import HandReading
 from coral.contact.perception.masks.colour_masks import ColourMasks, paint_regions
 from coral.contact.perception.model_tracker import ModelTracker
 from coral.contact.perception.object_tracking import ObjectTracking, object_models
+from coral.contact.perception.tracker import PoseEstimate
+from coral.contact.scene.rigid_transform import pose_matrix
 
 MASKS = ColourMasks(paint_regions({"box": (200 / 255, 60 / 255, 40 / 255)}))
 
@@ -20,6 +23,52 @@ def test_an_object_is_found_followed_and_lost_without_masks():
     frame, _ = picture()
     assert tracking.update(frame)["box"].lost
     tracking.close()
+
+
+class Seer:
+    """Sees the box where it is told to; None: lost."""
+
+    name, wants_colours = "seer", False
+
+    def __init__(self):
+        self.sees, self.guesses = at(0.0, 0.0), []
+
+    def track(self, frame, mask, guess=None):
+        self.guesses.append(guess)
+        lost = self.sees is None
+        return PoseEstimate(
+            np.eye(4) if lost else self.sees, 0.0 if lost else 1.0, lost, reason="covered" if lost else ""
+        )
+
+
+def hand(x, opening_m=0.06, wanted_m=0.03):
+    """The palm looks down at a box of 6 cm at x, between the fingers."""
+    return HandReading(pose_matrix(np.diag([1.0, -1.0, -1.0]), [x, 0.0, 0.03]), opening_m, wanted_m)
+
+
+def test_what_the_fingers_hold_moves_with_the_hand_although_it_is_not_seen():
+    seer = Seer()
+    tracking = ObjectTracking({"box": BOX}, lambda name: seer, MASKS)
+    frame, _ = picture(at(0.0, 0.0))
+    tracking.update(frame, hand(0.0, wanted_m=0.06))
+    assert not tracking.in_hand  # the fingers touch it, and do not squeeze
+    tracking.update(frame, hand(0.0))
+    inside = tracking.in_hand["box"]
+    assert inside[:3, 3] == pytest.approx(np.zeros(3), abs=1e-6)
+    seer.sees = None
+    assert tracking.update(frame, hand(0.3))["box"].lost
+    assert tracking.in_hand["box"] == pytest.approx(inside)
+    assert seer.guesses[-1][:3, 3] == pytest.approx([0.3, 0.0, 0.03])  # where the tracker may look for it
+    tracking.update(frame, hand(0.3, opening_m=0.08, wanted_m=0.08))
+    assert not tracking.in_hand
+
+
+def test_what_lies_beside_the_hand_is_not_held():
+    seer = Seer()
+    tracking = ObjectTracking({"box": BOX}, lambda name: seer, MASKS)
+    frame, _ = picture(at(0.0, 0.0))
+    tracking.update(frame, hand(0.15, opening_m=0.0, wanted_m=-0.01))
+    assert not tracking.in_hand
 
 
 def test_masks_are_told_only_what_is_tracked():

@@ -5,6 +5,7 @@ import pytest
 from episodes import make_trial
 
 from coral.contact.perception.camera import RgbdCameraCfg
+from coral.contact.perception.depth_noise import D435, DepthNoiseCfg
 from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.tracked_cfg import EYE, EYES, TARGET, TrackedCfg, make_camera, viewpoint
 from coral.contact.scene.trial import sample_trial
@@ -47,6 +48,14 @@ def test_only_a_tracker_that_wants_colours_gets_them(cfg, coloured):
     frame = make_camera(world.model, trial, cfg).take(world.simulation.data, np.random.default_rng(0))
     assert (frame.rgb is not None) == coloured
     assert frame.mask("box").any()
+
+
+def test_a_sensor_brings_its_noise():
+    assert replace(SMALL, sensor="d435").make_noise().cfg is D435
+    assert SMALL.make_noise().cfg == SMALL.depth_noise
+    assert replace(SMALL, noise=False, sensor="d435").make_noise() is None
+    with pytest.raises(InputError, match="none beside the sensor d435"):
+        replace(SMALL, sensor="d435", depth_noise=DepthNoiseCfg(hole=0.1))
 
 
 def test_without_noise_a_picture_needs_no_seed():

@@ -24,7 +24,8 @@ SMALL = TrackedCfg(camera=RgbdCameraCfg(width=160, height=120))
 class Scripted:
     """The usual camera, but some pictures do not come, or do not show any object."""
 
-    def __init__(self, world, trial, cfg, off=lambda k: False, covered=lambda k: False):
+    def __init__(self, world, trial, cfg, off=lambda k: False, covered=lambda k: False, hidden=None):
+        self._hidden = hidden
         self._camera, self._off, self._covered, self.taken = make_camera(world.model, trial, cfg), off, covered, 0
 
     def take(self, data, rng):
@@ -32,12 +33,14 @@ class Scripted:
         frame: RgbdFrame = self._camera.take(data, rng)
         if self._off(self.taken):
             return None
+        if self._hidden and self._hidden[1](self.taken):
+            return dataclasses.replace(frame, instance=np.where(frame.mask(self._hidden[0]), 0, frame.instance))
         blank = np.zeros_like(frame.instance)
         return dataclasses.replace(frame, instance=blank) if self._covered(self.taken) else frame
 
 
 def tracked(cfg=SMALL, seed=0, task="pick-box", **script):
-    trial = sample_trial(load_task(task), seed)
+    trial = sample_trial(load_task(task) if isinstance(task, str) else task, seed)
     world = HandWorld(trial, HandWorldCfg())
     return TrackedWorld(world, trial, cfg, np.random.default_rng(seed), Scripted(world, trial, cfg, **script))
 
@@ -103,6 +106,24 @@ def test_the_hand_retreats_for_a_while_from_what_it_may_cover():
     assert not any(up[:12])
     assert 4 <= sum(up) <= 12
     assert not up[up.index(True) + 6]
+
+
+@pytest.mark.parametrize(("goal", "retreats"), [(0, True), (1, False)])
+def test_it_retreats_only_from_what_the_goal_is_about(goal, retreats):
+    task = load_task("pick-box")
+    items = tuple(task.objects[0].model_copy(update={"name": f"box{k}", "y": (0.2 * k, 0.2 * k)}) for k in (0, 1))
+    lifted = task.success.conditions[0].model_copy(update={"object": f"box{goal}"})
+    success = task.success.model_copy(update={"conditions": (lifted,)})
+    world = tracked(
+        dataclasses.replace(SMALL, retreat_after_s=0.04),
+        task=task.model_copy(update={"objects": items, "success": success}),
+        hidden=("box0", lambda k: k >= 4),
+    )
+    now = world.reset()
+    for _ in range(9):
+        now = world.step(rest(now))
+    assert [one["object"] for one in world.news()] == ["box0"]
+    assert bool(world.retreat(rest(now), now).position[2] > now.tool.position[2]) is retreats
 
 
 def test_what_is_not_found_at_first_ends_the_episode():

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from onnx_files import relative_depth
 
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
@@ -8,6 +7,7 @@ from coral.reef.eyes.backends import open_eyes
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.reef_net import SHIPPED
 from coral.reef.eyes.relative_depth_eyes import RelativeDepthEyes
+from onnx_files import relative_depth
 
 
 def test_exact_perception_needs_no_eyes():

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
+from coral.onnx_file import OnnxFile
 from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
-from coral.reef.eyes.onnx_file import OnnxFile
 from coral.reef.eyes.relative_depth import DepthAnything, fit_scale_shift, floor_points
 
 

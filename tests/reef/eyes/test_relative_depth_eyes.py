@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 from given_eyes import FlatEyes
-from onnx_files import relative_depth
 
+from coral.onnx_file import open_onnx
 from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
-from coral.reef.eyes.onnx_file import open_onnx
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.relative_depth import DepthAnything
 from coral.reef.eyes.relative_depth_eyes import RelativeDepthEyes
+from onnx_files import relative_depth
 
 pytest.importorskip("onnxruntime")
 CAMERA = CameraCfg(width=42, height=28, pitch_down_deg=40.0)

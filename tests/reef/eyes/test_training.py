@@ -6,7 +6,7 @@ pytest.importorskip("onnx", reason="onnx is only for training (extra train)")
 
 
 def test_training_lowers_the_loss_and_the_file_is_our_layout(tmp_path):
-    from coral.reef.eyes.onnx_file import open_onnx
+    from coral.onnx_file import open_onnx
     from coral.reef.eyes.reef_net import ReefNetEyes
     from coral.reef.eyes.training import TrainingCfg, TrainingData, export, train
 

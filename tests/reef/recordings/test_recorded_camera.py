@@ -42,6 +42,7 @@ def test_a_camera_of_ours_is_taken_as_it_is():
         ("{distortion: [0.1, 0, 0, 0]}", "distortion: found no fx, fy"),
         ("{fov: 100}", "camera.yaml: fov: found an unknown key"),
         ("{width: -3}", "width"),
+        pytest.param(f"{{width: 1{'0' * 400}}}", "width", id="a width of 400 digits"),
         ("{hfov_deg: 200}", "hfov_deg: found 200"),
         ("{fx: 100, fy: 100, model: kannala}", "model"),
         ("{width: 640, height: 480, fx: 400, fy: 4}", "fx, fy: found 400 and 4, expected focal lengths of one camera"),

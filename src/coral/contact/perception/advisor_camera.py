@@ -10,7 +10,6 @@ import numpy as np
 
 from coral.advisor.question import Picture
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, RgbdFrame, look_at
-from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.scene_geoms import hidden_geoms, instance_names
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.trial import Trial
@@ -56,14 +55,13 @@ def make_advisor_camera(
                 near_m=tracked.camera.near_m,
                 far_m=tracked.camera.far_m,
             )
-            noise = DepthNoise(tracked.depth_noise) if tracked.noise else None
             camera.append(
                 RayCamera(
                     simulation.model,
                     lens,
                     look_at(*viewpoint(trial, tracked)),
                     instance_names(simulation.model, trial),
-                    noise=noise,
+                    noise=tracked.make_noise(),
                     colours="shaded",
                     hidden=hidden_geoms(simulation.model, trial),
                 )

@@ -1,6 +1,7 @@
 """Camera and trackers in a process of their own, whose datagrams give a Franka world the objects' poses.
 
-An object that is lost is not in a datagram, so that its pose ages and the arm stops: nothing is guessed.
+An object that is lost is not in a datagram, so that its pose ages and the arm stops: nothing is guessed. The arm tells
+its hand's pose and opening, as it measures them; what the fingers hold moves with the hand, seen or not.
 """
 
 from __future__ import annotations
@@ -18,10 +19,13 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from coral.contact.perception.calibration.camera_pose_file import read_camera_pose
 from coral.contact.perception.cameras.camera_registry import make_camera_by_name
 from coral.contact.perception.cameras.rgbd_camera import RgbdCamera
 from coral.contact.perception.cameras.simulated_camera import SimulatedRgbdCamera
+from coral.contact.perception.hand_mask import HandReading
 from coral.contact.perception.masks.colour_masks import paint_regions
 from coral.contact.perception.masks.mask_registry import MaskSetting, make_masks
 from coral.contact.perception.object_tracking import ObjectTracking, object_models
@@ -30,9 +34,11 @@ from coral.contact.perception.tracked_world import nominal_pose
 from coral.contact.scene.rigid_transform import matrix_to_body
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka.object_poses import poses_datagram
+from coral.contact.worlds.franka.shared_block import SharedBlock
 from coral.errors import InputError, RunError
 
 SIMULATED = "sim"
+HAND_SIZE = 19
 _POLL_S = 0.002
 _START_TIMEOUT_S = 120.0
 
@@ -67,8 +73,9 @@ class CameraProcess:
 
     def __init__(self, job: CameraJob, make_process: Callable[..., Any] | None = None) -> None:
         self._connection, self._theirs = Pipe()
+        self._hand = SharedBlock(HAND_SIZE)  # no pipe: it would fill up, and the arm wait, while a tracker is slow
         self._process: Any = (make_process or get_context("spawn").Process)(
-            target=_run, args=(job, self._theirs), name="contact-camera", daemon=True
+            target=_run, args=(job, self._theirs, self._hand), name="contact-camera", daemon=True
         )
         self._process.start()
         self.state_address: tuple[str, int] | None = self._await_start()
@@ -80,6 +87,10 @@ class CameraProcess:
             return str(self._connection.recv()) if self._connection.poll(0.0) else ""
         except (EOFError, OSError):
             return "the camera's process has ended"
+
+    def tell_hand(self, hand: HandReading) -> None:
+        """Tell what the arm measures of its hand now; newer readings replace older ones. It never waits."""
+        self._hand.write(np.array([1.0, hand.opening_m, hand.wanted_m, *hand.T_world_tool.ravel()]))
 
     def close(self) -> None:
         """Stop the camera and end the process."""
@@ -105,7 +116,7 @@ class CameraProcess:
         raise RunError(f"the camera did not start within {_START_TIMEOUT_S:.0f} s")
 
 
-def _run(job: CameraJob, connection: Connection) -> None:
+def _run(job: CameraJob, connection: Connection, told: SharedBlock) -> None:
     """Body of the process."""
     if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the program says when it ends
@@ -123,15 +134,23 @@ def _run(job: CameraJob, connection: Connection) -> None:
     with closing(camera), closing(tracking), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         try:
             while not connection.poll() and os.getppid() == parent:
+                hand = _hand_told(told)
                 frame = camera.newest()
                 if frame is None:
                     time.sleep(_POLL_S)
                     continue
-                found = tracking.update(frame)
+                found = tracking.update(frame, hand)
+                held = {name: matrix_to_body(T) for name, T in tracking.in_hand.items()}
                 seen = {name: matrix_to_body(one.T_world_object) for name, one in found.items() if not one.lost}
-                sender.sendto(poses_datagram(seen), job.poses_to)
+                sender.sendto(poses_datagram(seen | held, held), job.poses_to)
         except (InputError, RunError) as error:
             connection.send(str(error))
+
+
+def _hand_told(told: SharedBlock) -> HandReading | None:
+    """Return the newest reading; None before the first one."""
+    values = told.read()
+    return HandReading(values[3:].reshape(4, 4), float(values[1]), float(values[2])) if values[0] else None
 
 
 def _prepare(job: CameraJob) -> tuple[RgbdCamera, ObjectTracking]:
@@ -145,5 +164,11 @@ def _prepare(job: CameraJob) -> tuple[RgbdCamera, ObjectTracking]:
         camera: RgbdCamera = SimulatedRgbdCamera(trial, job.tracked, placed)
     else:
         camera = make_camera_by_name(job.camera, placed)
-    tracking = ObjectTracking(models, lambda name: choice.make(models[name], nominal_pose(trial, name)), masks)
+    tracking = ObjectTracking(
+        models,
+        lambda name: choice.make(models[name], nominal_pose(trial, name)),
+        masks,
+        job.tracked.motion,
+        job.tracked.grip,
+    )
     return camera, tracking

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+
 from coral.contact.perception.camera_process import CameraProcess
+from coral.contact.perception.hand_mask import HandReading
 from coral.contact.scene.observation import HandTarget
+from coral.contact.scene.rigid_transform import body_to_matrix
 from coral.contact.worlds.franka.stream import StopCause
 from coral.contact.worlds.franka.stream_record import StreamReport
 from coral.contact.worlds.franka.world import StreamHandle
@@ -15,18 +21,22 @@ class CameraStream:
     Args:
         stream: The stream.
         camera: The camera.
+        base_m: Where the arm stands in the world.
     """
 
-    def __init__(self, stream: StreamHandle, camera: CameraProcess) -> None:
-        self._stream, self._camera = stream, camera
+    def __init__(self, stream: StreamHandle, camera: CameraProcess, base_m: tuple[float, float, float]) -> None:
+        self._stream, self._camera, self._base = stream, camera, np.asarray(base_m)
 
     def start(self) -> None:
         """See `StreamHandle.start`."""
         self._stream.start()
 
     def follow(self, target: HandTarget) -> None:
-        """See `StreamHandle.follow`."""
+        """See `StreamHandle.follow`. The camera is told where the hand is, and how far its fingers shall close."""
         self._stream.follow(target)
+        now = self._stream.report()
+        tool = replace(now.tool, position=now.tool.position + self._base)
+        self._camera.tell_hand(HandReading(body_to_matrix(tool), now.opening_m, target.opening_m))
 
     def stop(self, cause: StopCause) -> None:
         """See `StreamHandle.stop`."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -45,6 +47,23 @@ class DepthNoiseCfg:
     """Share of all other pixels that return nothing."""
     jump_m: NonNegative = 0.03
     """Depth difference between neighbours that counts as a jump."""
+
+
+D435 = DepthNoiseCfg(
+    axial_m=0.0006,
+    axial_growth=0.0089,
+    uneven_m=0.002,
+    lateral_px=1.5,
+    wavy_px=1.5,
+    disparity_step_px=1 / 32,
+    edge_hole=0.5,
+    hole=0.01,
+)
+"""A stereo camera as Intel's D435 at 848 x 480: a disparity that errs by 0.08 pixels, with a focal length of 424 pixels
+(90 degrees) and a baseline of 50 mm, gives 0.6 mm at 0.4 m and 3.8 mm at 1 m (z^2 times 0.08 / 21.2 m). Its steps of
+1/32 pixel are Intel's; the error of the disparity, what neighbours share of it, wide edges and holes are assumed."""
+SENSORS: Mapping[str, DepthNoiseCfg] = {"kinect": DepthNoiseCfg(), "d435": D435}
+Sensor = Literal["kinect", "d435"]
 
 
 class DepthNoise:

@@ -38,7 +38,7 @@ def read_mesh(path: Path, scale: float = 1.0) -> Array:
         else:
             words = [line.split()[1:4] for line in raw.decode("ascii").splitlines() if line.split()[:1] == ["vertex"]]
             triangles = np.array(words, float).reshape(-1, 3, 3)
-    except (UnicodeDecodeError, ValueError, IndexError, KeyError) as error:
+    except (UnicodeDecodeError, ValueError, IndexError, KeyError, OverflowError) as error:
         raise InputError(str(path), "", f"broken mesh ({error})", "an STL, OBJ or PLY file") from None
     if not len(triangles) or not np.isfinite(triangles).all():
         raise InputError(str(path), "", "no finite triangles", "an STL, OBJ or PLY file with triangles")

@@ -11,7 +11,7 @@ import numpy as np
 
 from coral.config import Count, NonNegative, Positive, Signed
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
-from coral.contact.perception.depth_noise import DepthNoise, DepthNoiseCfg
+from coral.contact.perception.depth_noise import SENSORS, DepthNoise, DepthNoiseCfg, Sensor
 from coral.contact.perception.grasp_detection import GraspDetectionCfg
 from coral.contact.perception.motion_filter import MotionFilterCfg
 from coral.contact.perception.scene_geoms import instance_names
@@ -24,8 +24,9 @@ EYE, TARGET = (0.05, -0.9, 0.35), (0.05, 0.0, 0.08)
 """From the robot's right across the table, low: the arm comes from behind and above, and occludes least there."""
 EYES: Mapping[str, tuple[Place, Place]] = {
     "push-pick-board": ((-0.35, 0.75, 0.6), (0.05, 0.0, 0.05)),  # the hand takes the board's right-hand side
+    "LIBERO-OBJECT": ((0.9966, 0.0, 0.65), (-0.05, 0.0, 0.0)),  # LIBERO's own "agentview", in our frame
 }
-"""Viewpoints of tasks that are better observed from elsewhere."""
+"""Viewpoints of tasks, by name or title, that are better observed from elsewhere."""
 _DRAWN = (0,)
 """Geom groups: the robot is drawn by its collision shapes, a little thicker than its visual ones and twice as fast."""
 
@@ -45,8 +46,10 @@ class TrackedCfg(TrackerCfgs):
     """Position of the camera and the point that it looks at; by default the best for the task."""
     noise: bool = True
     """Whether depth and outlines are noisy, like a real camera's."""
+    sensor: Sensor = "kinect"
+    """Whose noise it is: a short-range structured-light camera's, or that of a stereo camera as the D435."""
     depth_noise: DepthNoiseCfg = field(default_factory=DepthNoiseCfg)
-    """Amounts of that noise."""
+    """Amounts of the first one's noise."""
     by: str = "model"
     """The tracker, as `--tracker` takes it."""
     colours: Literal["shaded", "best"] = "shaded"
@@ -72,7 +75,14 @@ class TrackedCfg(TrackerCfgs):
     def __post_init__(self) -> None:
         if self.latency_s > self.period_s:
             raise InputError("tracked", "latency_s", self.latency_s, f"at most period_s ({self.period_s:g} s)")
+        if self.sensor != "kinect" and self.depth_noise != DepthNoiseCfg():
+            raise InputError("tracked", "depth_noise", "other amounts", f"none beside the sensor {self.sensor}")
         self.choice()
+
+    def make_noise(self) -> DepthNoise | None:
+        """Make the noise of the pictures; None without."""
+        amounts = self.depth_noise if self.sensor == "kinect" else SENSORS[self.sensor]
+        return DepthNoise(amounts) if self.noise else None
 
     def choice(self) -> TrackerChoice:
         """Return the tracker that `by` names.
@@ -89,7 +99,7 @@ def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:
     Raises:
         InputError: The camera would look straight down.
     """
-    eye, target = EYES.get(trial.task.name, (EYE, TARGET))
+    eye, target = EYES.get(trial.task.name) or EYES.get(trial.task.title, (EYE, TARGET))
     eye, target = cfg.eye_m or eye, cfg.target_m or target
     if np.allclose(eye[:2], target[:2]):
         raise InputError("tracked", "target_m", target, "a point that is not straight below the camera")
@@ -98,13 +108,12 @@ def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:
 
 def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg) -> RayCamera:
     """Make an episode's camera, with noise and colours as configured."""
-    noise = DepthNoise(cfg.depth_noise) if cfg.noise else None
     return RayCamera(
         model,
         cfg.camera,
         look_at(*viewpoint(trial, cfg)),
         instance_names(model, trial),
         groups=_DRAWN,
-        noise=noise,
+        noise=cfg.make_noise(),
         colours=cfg.colours if cfg.choice().wants_colours else "none",
     )

@@ -69,6 +69,12 @@ class TrackedWorld:
         self.tracker = self._choice.name
         self._eye = eye or make_camera(model, trial, cfg)
         self._shapes = {name: from_trial(model, trial, name) for name in trial.objects}
+        self._wanted = {
+            str(getattr(condition, key, ""))
+            for condition in trial.task.success.conditions
+            for key in ("object", "other", "thing")
+        }
+        """Objects that the task's conditions name."""
         self._objects: dict[str, TrackedObject] = {}
         self._news: list[dict[str, Any]] = []
 
@@ -166,12 +172,17 @@ class TrackedWorld:
         return said
 
     def retreat(self, target: HandTarget, now: Observation) -> HandTarget:
-        """Replace the target by one straight above the hand while an object has been lost for too long.
+        """Replace the target by one straight above the hand while an object of the task's goal has been lost too long.
 
-        A hand that occludes an object would otherwise push on towards its last known pose.
+        A hand that occludes it would otherwise push on towards its last known pose. Another object of the scene may
+        stay hidden behind the arm: a hand that retreats from it again and again reaches nothing.
         """
         cfg = self.cfg
-        lost = [one.lost_since for one in self._objects.values() if one.lost_since is not None and not one.held]
+        lost = [
+            one.lost_since
+            for name, one in self._objects.items()
+            if name in self._wanted and one.lost_since is not None and not one.held
+        ]
         begun = max(min(lost, default=np.inf), self._retreated_s) + cfg.retreat_after_s
         if not cfg.retreat_after_s or now.time_s < begun:
             return target

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from coral.errors import InputError, nearest
-from coral.reef.eyes.onnx_file import open_onnx
+from coral.onnx_file import open_picture_network
 from coral.reef.eyes.perception import RgbPerception
 from coral.reef.eyes.reef_net import OUTPUTS, SHIPPED, ReefNetEyes
 from coral.reef.eyes.relative_depth import DepthAnything
@@ -36,12 +36,12 @@ def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> Rgb
             raise InputError(
                 "--depth", "", f"{depth} beside {EXACT}", f"--perception {RGB} or FILE.onnx, for the classes"
             )
-        return RelativeDepthEyes(eyes, DepthAnything(open_onnx(Path(depth), "--depth")))
+        return RelativeDepthEyes(eyes, DepthAnything(open_picture_network(Path(depth), "--depth")))
     if name == EXACT:
         return None
     if name != RGB and not name.endswith(".onnx"):
         raise InputError(where, "", repr(name), f"exact, rgb or FILE.onnx{nearest(name, (EXACT, RGB))}")
-    file = open_onnx(SHIPPED if name == RGB else Path(name), where)
+    file = open_picture_network(SHIPPED if name == RGB else Path(name), where)
     if file.input_shape[1] == 4 and "depth_doubt" in file.outputs:
         return ReefNetEyes(file)
     if file.input_shape[1] != 3:

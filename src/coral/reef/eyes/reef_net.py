@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.onnx_file import OnnxFile
 from coral.reef.camera import CameraCfg
 from coral.reef.eyes.doubt import choose_labels
 from coral.reef.eyes.ground_plane import ground_depth, network_input, ray_lengths
-from coral.reef.eyes.onnx_file import OnnxFile
 from coral.reef.eyes.perception import CameraAttitude, SeenPicture
 from coral.reef.geometry import Label
 

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.onnx_file import OnnxFile
 from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.letterbox import Letterbox
-from coral.reef.eyes.onnx_file import OnnxFile
 from coral.reef.eyes.perception import CameraAttitude, SeenPicture
 from coral.reef.eyes.standing_depth import standing_depth
 from coral.reef.eyes.yolo_masks import PROTOTYPES, decode, draw_masks

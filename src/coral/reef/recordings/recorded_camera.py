@@ -5,19 +5,24 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
 
 from coral.config import Positive, Signed, read_config
 from coral.errors import InputError
 from coral.reef.camera import CameraCfg
 from coral.reef.recordings.lens import DistortionModel, Lens, Rectifier, check_lens, rectified_size
 
+Pixels = Annotated[int, Field(ge=1, le=65_536)]
+
 
 @dataclass(frozen=True, kw_only=True)
 class CameraFileCfg:
     """A camera file, `camera.yaml`. Either the field of view is given, or focal lengths of a calibration in water."""
 
-    width: int = 160
-    height: int = 120
+    width: Pixels = 160
+    height: Pixels = 120
     """Of the pictures (px)."""
     hfov_deg: float | None = None
     """Horizontal field of view of a picture without distortion (degrees); 120 if there are no focal lengths either."""

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from coral.contact.perception.benchmark_motions import MotionSample
 from coral.contact.perception.camera import RgbdFrame, look_at
 from coral.contact.perception.cameras.bare_frame import bare_frame
-from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.posed_scene import PosedScene
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.rigid_transform import body_to_matrix
@@ -38,8 +37,7 @@ class SimulatedRgbdCamera:
     def __init__(self, trial: Trial, cfg: TrackedCfg, T_world_camera: Array | None = None) -> None:
         placed = look_at(*viewpoint(trial, cfg))
         self._believed = placed if T_world_camera is None else T_world_camera
-        noise = DepthNoise(cfg.depth_noise) if cfg.noise else None
-        self._scene = PosedScene(trial, cfg.camera, noise, placed, colours="shaded")
+        self._scene = PosedScene(trial, cfg.camera, cfg.make_noise(), placed, colours="shaded")
         self._lens = cfg.camera.lens
         self._rng = np.random.default_rng([trial.seed, 11])
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -21,6 +22,7 @@ from coral.errors import InputError
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Pixel = tuple[float, float]
+FirstMask = Callable[[RgbdFrame, Pixel], Mask]
 LEFT = 0.3
 """A lost object has left its place if a smaller share of its last drawing is still there."""
 NEAR_CLICK = 2
@@ -65,15 +67,20 @@ class ClickMasks:
         clicks: Column and row of each object in the first picture.
         models: The objects.
         cfg: Thresholds.
+        first: Segments the first picture at a pixel instead of growing, such as a network.
     """
 
     name = "click"
-    wants_colours = False
 
     def __init__(
-        self, clicks: Mapping[str, Pixel], models: Mapping[str, ObjectModel], cfg: ClickMasksCfg | None = None
+        self,
+        clicks: Mapping[str, Pixel],
+        models: Mapping[str, ObjectModel],
+        cfg: ClickMasksCfg | None = None,
+        first: FirstMask | None = None,
     ) -> None:
-        self.clicks, self._models, self.cfg = dict(clicks), models, cfg or ClickMasksCfg()
+        self.clicks, self._models, self.cfg, self._first = dict(clicks), models, cfg or ClickMasksCfg(), first
+        self.wants_colours = first is not None
         self._followed: dict[str, _Followed] = {}
 
     def segment(self, frame: RgbdFrame, poses: Mapping[str, Array]) -> Mapping[str, Mask]:
@@ -100,6 +107,12 @@ class ClickMasks:
 
     def _grow(self, frame: RgbdFrame, heights: Array, tint: Array | None, name: str, click: Pixel) -> Mask:
         column, row = _measured_pixel(frame, name, click)
+        if self._first is not None:
+            mask = clean_mask(self._first(frame, click) & (frame.depth > 0))
+            if not mask[row, column]:
+                found = f"a mask of {int(mask.sum())} pixels beside it"
+                raise InputError("--masks", f"the click of {name} at {column}, {row}", found, "a mask around the click")
+            return mask
         points = _points(frame)
         centre = points[row, column]
         near = (frame.depth > 0) & (heights > self.cfg.table_m)
@@ -151,9 +164,19 @@ def read_clicks(path: Path) -> dict[str, Pixel]:
         InputError: The file is missing or broken.
     """
     content = read_yaml(path)
-    objects = content.get("objects")
-    if not isinstance(objects, dict) or not objects or set(content) != {"objects"}:
-        raise InputError(str(path), "objects", "missing or more", "one mapping of objects to [column, row]")
+    if set(content) != {"objects"}:
+        raise InputError(str(path), "", ", ".join(map(str, content)) or "nothing", "one key: objects")
+    return parse_clicks(content["objects"], path)
+
+
+def parse_clicks(objects: Any, path: Path) -> dict[str, Pixel]:
+    """Check a mapping of names to [column, row].
+
+    Raises:
+        InputError: It is something else.
+    """
+    if not isinstance(objects, dict) or not objects:
+        raise InputError(str(path), "objects", "missing", "one mapping of objects to [column, row]")
     clicks = {}
     for name, pixel in objects.items():
         numbers = isinstance(pixel, list) and len(pixel) == 2 and all(type(one) in (int, float) for one in pixel)

@@ -9,6 +9,7 @@ from pathlib import Path
 from coral.contact.perception.masks.click_masks import ClickMasks, read_clicks
 from coral.contact.perception.masks.colour_masks import ColourMasks, ColourRegion, read_colours
 from coral.contact.perception.masks.mask_source import MaskSource
+from coral.contact.perception.masks.prompted_network import read_prompted_network
 from coral.contact.perception.object_model import ObjectModel
 from coral.errors import InputError, nearest
 
@@ -54,9 +55,18 @@ def _make_click(rest: str, setting: MaskSetting) -> MaskSource | None:
     return ClickMasks({name: clicks[name] for name in setting.models}, setting.models)
 
 
+def _make_onnx(rest: str, setting: MaskSetting) -> MaskSource | None:
+    if not rest:
+        return None
+    network, clicks = read_prompted_network(Path(rest))
+    _check_names(rest, clicks, setting.models)
+    return ClickMasks({name: clicks[name] for name in setting.models}, setting.models, first=network.segment)
+
+
 MASKS: dict[str, MaskKind] = {
     "colour": MaskKind("colour[:FILE]", "the colours of the task file, or of a file", _make_colour),
     "click": MaskKind("click:FILE", "one click per object in the first picture", _make_click),
+    "onnx": MaskKind("onnx:FILE", "a network that segments at these clicks (SAM)", _make_onnx),
 }
 
 

@@ -29,10 +29,23 @@ class OnnxFile:
         """Shape of the first input."""
         return next(iter(self.inputs.values()))
 
+    def run_named(self, tensors: Mapping[str, NDArray[np.float32]]) -> dict[str, NDArray[np.float32]]:
+        """Return the outputs by name for inputs by name.
+
+        Raises:
+            InputError: The network refuses these inputs.
+        """
+        try:
+            values = self.session.run(None, dict(tensors))
+        except Exception as error:  # its errors have no common base but Exception
+            raise InputError(
+                self.path, "inputs", f"shapes that it refuses ({first_line(error)})", "the shapes of its kind"
+            ) from None
+        return {name: np.asarray(value, np.float32) for name, value in zip(self.outputs, values, strict=True)}
+
     def run(self, tensor: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
         """Return the outputs by name for the first input."""
-        values = self.session.run(None, {next(iter(self.inputs)): tensor})
-        return {name: np.asarray(value, np.float32) for name, value in zip(self.outputs, values, strict=True)}
+        return self.run_named({next(iter(self.inputs)): tensor})
 
 
 def open_onnx(path: Path, where: str = "--perception") -> OnnxFile:
@@ -62,15 +75,27 @@ def open_onnx(path: Path, where: str = "--perception") -> OnnxFile:
         raise InputError(
             str(path), "", f"a file that onnxruntime refuses ({first_line(error)})", "an ONNX file"
         ) from None
-    found = OnnxFile(
+    return OnnxFile(
         str(path),
         session,
         {i.name: _sizes(i.shape) for i in session.get_inputs()},
         {o.name: _sizes(o.shape) for o in session.get_outputs()},
         dict(session.get_modelmeta().custom_metadata_map),
     )
-    shape = found.input_shape
-    if len(found.inputs) != 1 or len(shape) != 4 or session.get_inputs()[0].type != "tensor(float)":
+
+
+def open_picture_network(path: Path, where: str = "--perception") -> OnnxFile:
+    """Open a network whose only input is a picture.
+
+    Args:
+        path: The file.
+        where: Flag that named it, for errors about the installation.
+
+    Raises:
+        InputError: onnxruntime is not installed, or the file cannot be used.
+    """
+    found = open_onnx(path, where)
+    if len(found.inputs) != 1 or len(found.input_shape) != 4 or found.session.get_inputs()[0].type != "tensor(float)":
         raise InputError(
             str(path), "inputs", f"{dict(found.inputs)}", "one float input of shape (1, channels, height, width)"
         )

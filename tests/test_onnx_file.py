@@ -1,10 +1,12 @@
 import sys
 
+import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.eyes.onnx_file import open_onnx
+from coral.onnx_file import open_onnx, open_picture_network
 from coral.reef.eyes.reef_net import SHIPPED
+from onnx_files import prompted_pair
 
 
 def test_the_shipped_network_tells_its_layout():
@@ -28,3 +30,16 @@ def test_without_onnxruntime_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "onnxruntime", None)
     with pytest.raises(InputError, match=r"--perception: found no package onnxruntime, expected the extra `vision`"):
         open_onnx(SHIPPED)
+
+
+def test_shapes_that_a_network_refuses_are_one_clear_line():
+    pytest.importorskip("onnxruntime")
+    with pytest.raises(InputError, match="shapes that it refuses"):
+        open_onnx(SHIPPED).run(np.zeros((1, 3, 8, 8), np.float32))
+
+
+def test_a_network_of_several_inputs_takes_no_picture_alone(tmp_path):
+    pytest.importorskip("onnxruntime")
+    (tmp_path / "decoder.onnx").write_bytes(prompted_pair(64)[1])
+    with pytest.raises(InputError, match=r"one float input of shape \(1, channels, height, width\)"):
+        open_picture_network(tmp_path / "decoder.onnx")
