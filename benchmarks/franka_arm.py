@@ -29,6 +29,8 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.resolution import resolve_episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
+from coral.contact.perception.camera_process import CameraJob, CameraProcess
+from coral.contact.perception.camera_stream import CameraStream
 from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
@@ -38,7 +40,7 @@ from coral.contact.worlds.franka.franky_arm import FrankyArm
 from coral.contact.worlds.franka.stream import Phase, StopCause
 from coral.contact.worlds.franka.stream_process import StreamProcess
 from coral.contact.worlds.franka.stream_record import StreamReport
-from coral.contact.worlds.franka.world import FrankaDoubleWorld
+from coral.contact.worlds.franka.world import FrankaDoubleWorld, StreamHandle
 from coral.contact.worlds.robot_world import WorldError
 
 CAUSES = {
@@ -59,6 +61,8 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=60, help="rehearsals per plan")
     parser.add_argument("--latency-s", type=float, default=0.05, help="time of a plan by the arm's clock")
     parser.add_argument("--speed", type=float, default=1.0, help="speed of the arm's clock: see above")
+    parser.add_argument("--camera", action="store_true", help="poses by a simulated camera, colour masks and trackers")
+    parser.add_argument("--runs", type=Path, help="folder to keep the run folders in")
     parser.add_argument("--stops", type=int, default=5, help="stops for each cause")
     parser.add_argument("--until", default="", help="begin no episode after this time of the day, HH:MM")
     parser.add_argument("--out", type=Path, required=True)
@@ -85,13 +89,21 @@ def attempt(name: str, seed: int, args: argparse.Namespace) -> dict[str, Any]:
     cfg = replace(cfg, record=replace(cfg.record, report=False))
     double = Double(trial, arm, DoubleCfg(speed=args.speed))
     stream = StreamProcess(FrankyArm, double.address, arm, list(trial.objects))
-    double.send_poses_to(arm.poses_host, stream.poses_port)
-    world = FrankaDoubleWorld(stream, arm, cfg.planning.step_s, list(trial.objects), double)
+    handle: StreamHandle = stream
+    if args.camera:
+        job = CameraJob(trial, "sim", "colour", None, cfg.tracked, (arm.poses_host, stream.poses_port))
+        camera = CameraProcess(job)
+        double.send_state_to(camera.state_address)
+        handle = CameraStream(stream, camera, arm.base_m)
+    else:
+        double.send_poses_to(arm.poses_host, stream.poses_port)
+    world = FrankaDoubleWorld(handle, arm, cfg.planning.step_s, list(trial.objects), double)
     last = LastReport(stream)
     with tempfile.TemporaryDirectory() as folder:
         setup = AdvisorSetup(advisor="none", seed=seed, world="franka", folder=Path(folder), think=cfg.think)
         strategist = make_strategist("expert-fsm", task, setup)
-        result = Episode(trial, world, strategist, cfg, Path(folder) / "run", variant="expert-fsm").run([last])
+        run = (args.runs or Path(folder)) / f"{name}-{seed}"
+        result = Episode(trial, world, strategist, cfg, run, variant="expert-fsm").run([last])
     report = last.report
     return {
         "task": name,

@@ -141,7 +141,7 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
     if camera is not None:
         from coral.contact.perception.camera_stream import CameraStream
 
-        handle = CameraStream(stream, camera)
+        handle = CameraStream(stream, camera, arm.base_m)
     if double is not None:
         return FrankaDoubleWorld(handle, arm, period_s, names, double, dry_run=flags.dry_run, show=show)
     return FrankaWorld(handle, arm, period_s, names, dry_run=flags.dry_run, show=show)

@@ -30,7 +30,7 @@ def test_the_start_posture_violates_nothing():
         (arm_state(joint_speeds=0.9 * JOINT_SPEED * np.eye(7)[6]), NOTHING, "joint 7 moves with 90%"),
         (arm_state(twist=changed(NOTHING, 0, 0.9)), NOTHING, "0.90 m/s"),
         (arm_state(position=np.subtract(TOOL, [0, 0, 0.35])), NOTHING, "outside of its workspace"),
-        (arm_state(), changed(NOTHING, 1, 46.0), "force of 46 N"),
+        (arm_state(), changed(NOTHING, 1, 37.0), "force of 37 N"),
         (arm_state(), changed(NOTHING, 4, 13.0), "torque of 13.0 N m"),
         (arm_state(joints=np.array([0.0, -1.7, 0.0, -2.98, 0.0, 0.6, 0.0])), NOTHING, "two links are"),
         (arm_state(position=np.array([np.nan, 0, 0])), NOTHING, "not a finite number"),

@@ -42,6 +42,27 @@ def test_a_pose_is_kept_with_its_age(poses):
     assert poses.age_s("box", 2.5) == pytest.approx(0.5)
 
 
+def test_what_is_held_moves_with_the_tool_between_datagrams(poses):
+    inside = BodyState(np.array([0.0, 0.0, 0.02]), UPRIGHT)
+    send(poses, poses_datagram({"box": inside, "lid": inside}, ["box"]))
+    overhead = np.array([0.0, 1.0, 0.0, 0.0])  # the palm looks down
+    poses.update(2.0, BodyState(np.array([0.1, 0.0, 0.3]), overhead))
+    assert poses.poses["box"].position == pytest.approx([0.1, 0.0, 0.28])
+    assert poses.poses["lid"].position == pytest.approx([0.0, 0.0, 0.02])
+    poses.update(2.1, BodyState(np.array([0.1, 0.0, 0.4]), overhead, np.array([0.0, 0.0, 1.0]), np.array([0, 5.0, 0])))
+    assert poses.poses["box"].position == pytest.approx([0.1, 0.0, 0.38])
+    assert poses.poses["box"].velocity == pytest.approx([-0.1, 0.0, 1.0])  # turning about y, 2 cm below the tool
+    assert poses.age_s("box", 2.1) == pytest.approx(0.1)
+
+
+def test_what_was_let_go_of_stays_where_it_is_seen(poses):
+    send(poses, poses_datagram({"box": BodyState(np.array([0.0, 0.0, 0.02]), UPRIGHT)}, ["box"]))
+    poses.update(2.0, BodyState(np.array([0.1, 0.0, 0.3]), UPRIGHT))
+    send(poses, box_at(0.1))
+    poses.update(2.1, BodyState(np.array([0.5, 0.0, 0.3]), UPRIGHT))
+    assert poses.poses["box"].position == pytest.approx([0.1, 0.0, 0.03])
+
+
 def test_an_object_that_was_never_seen_is_the_oldest(poses):
     send(poses, box_at(0.1))
     poses.update(2.0)
@@ -65,6 +86,7 @@ def test_the_velocity_is_a_smoothed_difference(poses):
         b'{"objects": {"box": {"position": [0, 0, NaN], "quaternion": [1, 0, 0, 0]}}}',
         b'{"objects": {"box": {"position": [0, 0, 0], "quaternion": [0, 0, 0, 0]}}}',
         json.dumps({"objects": {"box": None}}).encode(),
+        b'{"objects": {"box": {"position": [0, 0, 0], "quaternion": [1, 0, 0, 0], "in": "camera"}}}',
     ],
 )
 def test_a_malformed_datagram_is_counted_and_ignored(poses, data):

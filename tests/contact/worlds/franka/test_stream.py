@@ -17,9 +17,10 @@ class SeenPoses:
     """Every object was seen just now, unless `age` says otherwise."""
 
     age = 0.0
+    tool = None
 
-    def update(self, now_s):
-        pass
+    def update(self, now_s, tool):
+        self.tool = tool
 
     def oldest(self, now_s):
         return "box", self.age
@@ -98,6 +99,13 @@ def test_a_contact_force_beyond_the_limit_stops(bench):
     assert "60 N" in bench.stream.reason
     assert bench.arm.calls[-1] == "stop"
     assert bench.stream.peak_force_n == pytest.approx(60.0)
+
+
+def test_what_carries_a_held_object_is_the_tool_in_the_world(bench):
+    bench.following()
+    state = bench.stream.state
+    assert bench.poses.tool.position == pytest.approx(state.position + np.array(CFG.base_m))
+    assert bench.poses.tool.quaternion == pytest.approx(state.quaternion)
 
 
 def test_lost_poses_stop(bench):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
 from coral.config import NonNegative, Positive, Signed
 from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_rotvec
@@ -42,7 +44,9 @@ class ArmLimitsCfg:
     turn_n_m: Positive = 5.0
     """Limit on the torque of the impedance. Damped critically, the hand then turns with 1.5 rad/s at most."""
     contact_force_n: Positive = 45.0
-    """A measured contact force above it stops the arm."""
+    """Contact force that slow contacts are not to exceed. A blow does: its first milliseconds precede any stop."""
+    stop_share: Annotated[float, Field(gt=0, le=1)] = 0.8
+    """Share of it at which the arm is stopped: until it rests a force that grows slowly goes on rising."""
     contact_torque_n_m: Positive = 12.0
     """A measured contact torque about the tool above it stops the arm."""
 
@@ -84,7 +88,7 @@ class Limits:
         if outside > cfg.workspace_margin_m:
             return f"the tool is {100 * outside:.1f} cm outside of its workspace"
         force, torque = (float(np.linalg.norm(part)) for part in (wrench[:3], wrench[3:]))
-        if force > cfg.contact_force_n:
+        if force > cfg.stop_share * cfg.contact_force_n:
             return f"a contact force of {force:.0f} N was measured"
         if torque > cfg.contact_torque_n_m:
             return f"a contact torque of {torque:.1f} N m was measured"

@@ -5,25 +5,28 @@ from __future__ import annotations
 import json
 import math
 import socket
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from coral.contact.scene.geometry import conjugate, multiply, to_rotvec
+from coral.contact.scene.geometry import conjugate, multiply, rotate, to_rotvec
 from coral.contact.scene.observation import BodyState, Truth
 from coral.errors import InputError
 
 SMOOTHING_S = 0.1
 """Time constant of the velocity, which is a difference of noisy poses."""
 LARGEST = 65_536
+FRAMES = ("world", "tool")
 
 
 class ObjectPoses:
     """Receives poses and keeps the newest of each object, with its age.
 
     A datagram is `{"objects": {"NAME": {"position": [x, y, z], "quaternion": [w, x, y, z]}}}`, in metres and the world
-    frame. It may name some of the objects only. A datagram that is anything else is counted and otherwise ignored.
+    frame, or with `"in": "tool"` in the tool's: such an object moves with the hand until the next datagram. It may name
+    some of the objects only. A datagram that is anything else is counted and otherwise ignored.
 
     Args:
         names: The objects of the task.
@@ -46,10 +49,21 @@ class ObjectPoses:
         self.port: int = self._socket.getsockname()[1]
         self.malformed = 0
         self._poses: dict[str, BodyState] = {}
+        self._held: dict[str, BodyState] = {}
         self._seen: dict[str, float] = {}
 
-    def update(self, now_s: float) -> None:
-        """Take in all datagrams that have arrived, at the time `now_s` of the arm's clock; never waits."""
+    def update(self, now_s: float, tool: BodyState | None = None) -> None:
+        """Take in all datagrams that have arrived; never waits.
+
+        Args:
+            now_s: The arm's clock.
+            tool: The tool in the world, which carries what is held.
+        """
+        self._receive(now_s)
+        if tool is not None:
+            self._poses |= {name: _carried(pose, tool) for name, pose in self._held.items()}
+
+    def _receive(self, now_s: float) -> None:
         for _ in range(100):  # a flood must not hold the stream up
             try:
                 data = self._socket.recv(LARGEST)
@@ -63,8 +77,11 @@ class ObjectPoses:
                 self.malformed += 1
                 continue
             for name in self.names:
-                if name in found:
-                    self._take(name, found[name], now_s)
+                if name in found.held:
+                    self._held[name], self._seen[name] = found.held[name], now_s
+                elif name in found.seen:
+                    self._held.pop(name, None)
+                    self._take(name, found.seen[name], now_s)
 
     def _take(self, name: str, pose: BodyState, now: float) -> None:
         before = self._poses.get(name)
@@ -100,11 +117,22 @@ class ObjectPoses:
         self._socket.close()
 
 
-def parse_poses(data: bytes) -> dict[str, BodyState] | None:
+@dataclass(frozen=True)
+class ToldPoses:
+    """What a datagram tells."""
+
+    seen: Mapping[str, BodyState]
+    """Poses in the world."""
+    held: Mapping[str, BodyState]
+    """Poses in the tool's frame, of objects that the hand holds."""
+
+
+def parse_poses(data: bytes) -> ToldPoses | None:
     """Parse a datagram; None if it is malformed."""
     try:
-        message = json.loads(data)
-        return {str(name): _pose(value) for name, value in message["objects"].items()}
+        told = {str(name): (_frame(value), _pose(value)) for name, value in json.loads(data)["objects"].items()}
+        seen, held = ({name: pose for name, (frame, pose) in told.items() if frame == one} for one in FRAMES)
+        return ToldPoses(seen, held)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 
@@ -117,9 +145,25 @@ def _pose(value: Any) -> BodyState:
     return BodyState(position, quaternion / length)
 
 
-def poses_datagram(poses: Mapping[str, BodyState]) -> bytes:
-    """Return the datagram that tells these poses."""
-    return json.dumps({"objects": {name: _written(pose) for name, pose in poses.items()}}).encode()
+def _frame(value: Any) -> str:
+    frame = value.get("in", "world")
+    if frame not in FRAMES:
+        raise ValueError("not a frame")
+    return str(frame)
+
+
+def _carried(pose: BodyState, tool: BodyState) -> BodyState:
+    """Return the pose and velocity in the world of what rests in the tool's frame."""
+    lever = rotate(tool.quaternion, pose.position)
+    velocity = tool.velocity + np.cross(tool.angular_velocity, lever)
+    return BodyState(tool.position + lever, multiply(tool.quaternion, pose.quaternion), velocity, tool.angular_velocity)
+
+
+def poses_datagram(poses: Mapping[str, BodyState], held: Collection[str] = ()) -> bytes:
+    """Return the datagram that tells these poses; those of the objects in `held` are in the tool's frame."""
+    return json.dumps(
+        {"objects": {name: _written(pose) | ({"in": "tool"} if name in held else {}) for name, pose in poses.items()}}
+    ).encode()
 
 
 def state_datagram(state: Truth) -> bytes:

@@ -8,7 +8,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from coral.contact.scene.observation import Array, HandTarget
+from coral.contact.scene.observation import Array, BodyState, HandTarget
 from coral.contact.worlds.franka.arm import Arm, ArmError, ArmState
 from coral.contact.worlds.franka.cfg import FrankaCfg
 from coral.contact.worlds.franka.limits import Limits
@@ -110,7 +110,7 @@ class Stream:
         if orders.beat != self._beat:
             self._beat, self._beat_at = orders.beat, now
         self._read(now)
-        self._poses.update(self.arm_time_s)
+        self._poses.update(self.arm_time_s, self._tool())
         if self.stopped:
             return
         if orders.stop is not StopCause.NONE:
@@ -139,6 +139,13 @@ class Stream:
         if moved:  # an arm that was only watched obeys somebody else
             self._arm.stop()
         self.stop_latency_s = 0.0 if since_s is None else max(0.0, self._clock() - since_s)
+
+    def _tool(self) -> BodyState | None:
+        """Return the tool in the world."""
+        if (state := self.state) is None:
+            return None
+        position = state.position + np.asarray(self._cfg.base_m)
+        return BodyState(position, state.quaternion, state.twist[:3], state.twist[3:])
 
     def _read(self, now: float) -> None:
         try:
