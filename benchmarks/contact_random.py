@@ -1,6 +1,6 @@
 """How often a hand that moves at random solves a task: what an expert, a rule or a model must beat.
 
-    python benchmarks/contact_random.py [--seeds 0-9] [--seconds 15]
+    python benchmarks/contact_random.py [--seeds 0-9] [--seconds 15] [--tasks all]
 
 The hand's target goes to points drawn over the table, palm down, with an opening drawn anew at each. It sees nothing.
 With --still it does not move at all.
@@ -12,7 +12,7 @@ import argparse
 
 import numpy as np
 
-from coral.campaign.spec import parse_seeds
+from coral.campaign.spec import parse_names, parse_seeds
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
@@ -57,10 +57,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", default="0-9")
     parser.add_argument("--seconds", type=float, default=15.0)
+    parser.add_argument("--tasks", default="all", help="separated by commas; all: the shipped and the unseen ones")
     parser.add_argument("--still", action="store_true")
     args = parser.parse_args()
     seeds, rows = parse_seeds(args.seeds), []
-    for name in (*shipped_tasks(), *unseen_tasks("development"), *unseen_tasks("test")):
+    every = (*shipped_tasks(), *unseen_tasks("development"), *unseen_tasks("test"))
+    for name in every if args.tasks == "all" else parse_names(args.tasks, "--tasks"):
         count = sum(solves(name, seed, args.seconds, args.still) for seed in seeds)
         rows.append(count)
         if count:

@@ -1,9 +1,9 @@
 """Success, and time to it, over the time of a plan: a figure from campaigns with different numbers of rehearsals.
 
-    python benchmarks/plan_time.py CURVES --out docs/results/contact-plan-time.png
+    python benchmarks/plan_time.py CURVES ... --out FIGURE
 
-CURVES has a folder of `coral contact bench` for each number of rehearsals and sampler, named fine-40, equal-40 and so
-on; docs/results/contact-realtime.md has the commands. Failures count with the time at which they ended.
+Each of CURVES has a folder of `coral contact bench` for each number of rehearsals and sampler, named fine-40, equal-40
+and so on; docs/results/contact-realtime.md has the commands. Failures count with the time at which they ended.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ CHARGED_MS = {12: 15, 24: 25, 40: 40, 80: 75, 200: 170}
 def main() -> None:
     """Draw the figure, and print its points."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("curves", type=Path)
+    parser.add_argument("curves", type=Path, nargs="+")
     parser.add_argument("--out", type=Path, required=True)
     args = parser.parse_args()
     mpl.use("Agg")
@@ -33,7 +33,8 @@ def main() -> None:
     for name, (label, color) in SAMPLERS.items():
         rows = []
         for samples, charged in CHARGED_MS.items():
-            trials = pq.read_table(args.curves / f"{name}-{samples}" / "results.parquet").to_pylist()
+            tables = [pq.read_table(folder / f"{name}-{samples}" / "results.parquet") for folder in args.curves]
+            trials = [trial for table in tables for trial in table.to_pylist()]
             good, mean_s = sum(t["success"] for t in trials), sum(t["sim_time_s"] for t in trials) / len(trials)
             rows.append((charged, 100 * good / len(trials), mean_s))
             print(f"| {label} | {samples} | {charged} ms | {good} of {len(trials)} | {mean_s:.1f} s |")

@@ -25,5 +25,5 @@ def test_a_name_that_is_almost_right_is_corrected():
 
 
 def test_the_prefix_of_libero_asks_for_a_scene_of_it():
-    with pytest.raises(InputError, match=re.escape("libero:object/TASK or libero:pick/TASK")):
+    with pytest.raises(InputError, match=re.escape("libero:KIND/TASK")):
         load_task("libero:kitchen/0")

@@ -1,4 +1,4 @@
-"""Tasks by name: a shipped one, one from a file, or a scene of LIBERO."""
+"""Tasks by name: a shipped one, one from a file, a scene of LIBERO, or a variation of one of these."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from pathlib import Path
 from coral.contact.libero.task import PREFIX, load_libero
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import load_task_file
+from coral.contact.scene.variation import split_variation, vary_task
 
 
 def load_task(name_or_path: str | Path) -> Task:
-    """Load a shipped task by name, one from a file, or a LIBERO scene (`libero:object/0`).
+    """Load a shipped task by name, one from a file, or a LIBERO scene (`libero:object/0`); with `~2`, its variation 2.
 
     Raises:
         InputError: There is no such task, or the file is invalid; the error names the field.
     """
-    text = str(name_or_path)
-    return load_libero(text) if text.startswith(PREFIX) else load_task_file(name_or_path)
+    name, number = split_variation(str(name_or_path))
+    task = load_libero(name) if name.startswith(PREFIX) else load_task_file(name)
+    return vary_task(task, number) if number else task

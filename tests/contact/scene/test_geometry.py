@@ -9,6 +9,7 @@ from hypothesis.extra.numpy import arrays
 from coral.contact.scene.geometry import (
     angle_between,
     conjugate,
+    cross,
     from_rotvec,
     from_rpy_deg,
     multiply,
@@ -122,3 +123,9 @@ def test_spread_rotations_leave_no_gap_and_do_not_repeat():
     )
     assert np.degrees(farthest) < 40
     assert min(rotation_angle(turns[0], turn) for turn in turns[1:]) > np.radians(10)
+
+
+@given(arrays(float, (2, 4, 3), elements=st.floats(-10, 10)))
+def test_cross_products_are_numpys(pair):
+    np.testing.assert_array_equal(cross(*pair), np.cross(*pair))
+    np.testing.assert_array_equal(cross(pair[0, 0], pair[1, 0]), np.cross(pair[0, 0], pair[1, 0]))

@@ -145,6 +145,7 @@ SWUNG = [
     ("close-drawer", {"to": 0.0, "force": 60.0}, False),
     ("close-lid", {"to": 0}, True),
     ("close-lid", {"to": 8}, False),
+    ("close-lid", {"to": 0, "force": 60.0}, False),  # knocked shut
     ("close-lid", {"to": 0, "end": ("hand",)}, False),
 ]
 JUDGED |= {task for task, *_ in SWUNG}

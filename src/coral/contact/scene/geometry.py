@@ -68,8 +68,15 @@ def rotate(quaternion: ArrayLike, vector: ArrayLike) -> Array:
     """Rotate vectors, Shape=(..., 3), by unit quaternions, Shape=(..., 4)."""
     q, v = np.asarray(quaternion, dtype=float), np.asarray(vector, dtype=float)
     axis = q[..., 1:]
-    turn = 2.0 * np.cross(axis, v)
-    return np.asarray(v + q[..., :1] * turn + np.cross(axis, turn))
+    turn = 2.0 * cross(axis, v)
+    return np.asarray(v + q[..., :1] * turn + cross(axis, turn))
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Compute cross products, Shape=(..., 3); for single vectors NumPy's own takes several times as long."""
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
 
 
 def from_rotvec(rotvec: ArrayLike) -> Array:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.scene.geometry import conjugate, from_rotvec, rotate
+from coral.contact.scene.geometry import conjugate, from_rotvec, rotate, rotation_of
 from coral.contact.scene.observation import Truth
 from coral.contact.scene.shapes import Fixture
 from coral.contact.scene.trial import Trial, corners
@@ -30,8 +32,8 @@ class Judge:
         self._success = trial.task.success
         self._monitors = [condition.monitor(trial) for condition in self._success.conditions]
         # An object's own origin may lie anywhere, for example at its foot.
-        hulls = {name: trial.corners(name) for name in trial.objects}
-        self._middle = {name: (found.min(axis=0) + found.max(axis=0)) / 2 for name, found in hulls.items()}
+        self._hulls = {name: trial.corners(name) for name in trial.objects}
+        self._middle = {name: (found.min(axis=0) + found.max(axis=0)) / 2 for name, found in self._hulls.items()}
         self._solid = {
             item.name: corners(item.model_copy(update={"parts": item.parts[:1]}), trial.objects[item.name].scale).mean(
                 axis=0
@@ -59,9 +61,10 @@ class Judge:
         for name, body in truth.objects.items():
             point = body.position + rotate(body.quaternion, self._solid[name])
             before, self._before[name] = self._before.get(name, point), point
-            if any(_crosses(fixture, before, point) for fixture in self._trial.task.fixtures):
+            near = (fixture for fixture in self._trial.task.fixtures if _may_cross(fixture, before, point))
+            if any(_crosses(fixture, before, point) for fixture in near):
                 return f"tunnelling: {name}"
-            if self._trial.lowest_point(name, body) > -BELOW_TABLE_M:
+            if body.position[2] + (self._hulls[name] @ rotation_of(body.quaternion)[2]).min() > -BELOW_TABLE_M:
                 continue
             middle = body.position + rotate(body.quaternion, self._middle[name])
             over_table = all(abs(middle[k] - table.center[k]) < table.size[k] / 2 for k in (0, 1))
@@ -70,6 +73,11 @@ class Judge:
             if middle[2] < -BELOW_TABLE_M - 0.1:
                 return f"dropped: {name}"
         return None
+
+
+def _may_cross(fixture: Fixture, first: Array, second: Array) -> bool:
+    """Check whether the first point is as near to a fixture as the segment and the fixture are long."""
+    return math.dist(first, fixture.position) <= math.dist(first, second) + math.hypot(*fixture.size) / 2
 
 
 def _crosses(fixture: Fixture, first: Array, second: Array) -> bool:
