@@ -54,6 +54,23 @@ def run(tmp_path):
     return go
 
 
+class Full(Here):
+    """The disk is full from the second episode on."""
+
+    def run(self, episode, tasks):
+        for k, outcome in enumerate(super().run(episode, tasks)):
+            full = replace(outcome, result=None, message="OSError: no space left", no_room=True)
+            yield outcome if k == 0 else full
+
+
+def test_a_full_disk_ends_the_campaign_and_no_episode_is_recorded_as_a_failure(run):
+    wanted = specs((0, 2, 3))
+    with pytest.raises(RunError, match="no space left; make room, and the same command continues"):
+        run(wanted, Full())
+    after = run(wanted)
+    assert (after.found, after.finished, after.failed) == (1, 2, 0)
+
+
 def test_the_same_command_again_runs_nothing_a_larger_one_the_rest_a_retry_the_failures(run):
     first = run(specs((0, 1)))
     assert (first.wanted, first.found, first.finished, first.failed) == (2, 0, 1, 1)

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from coral.campaign.contact_tables import contact_tables, paper, wilson
+from coral.campaign.contact_tables import contact_tables, paper, short_name, wilson
 from coral.campaign.table import document
 
 
@@ -141,3 +141,8 @@ def test_who_decided_has_a_table_and_marks_what_nobody_or_a_fallback_did():
     assert (found["decisions"], found["by advisor"], found["by fallback"]) == ("3", "2 (67 %)", "1 (33 %)")
     assert cells(decided, "expert, state machine")["decisions"] == "0"
     assert any("left undecided by the advisor" in note for note in success.notes)
+
+
+def test_a_benchmarks_scene_keeps_its_name():
+    assert short_name("libero:object-swap/3") == "libero:object-swap/3"
+    assert short_name("my/tasks/stack.yaml") == "stack"

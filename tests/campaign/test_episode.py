@@ -1,4 +1,6 @@
+import errno
 import json
+import os
 from decimal import Decimal
 
 import numpy as np
@@ -47,6 +49,16 @@ def test_an_exception_or_no_json_is_a_failure_with_its_traceback(tmp_path, episo
     assert message in outcome.message
     assert outcome.detail.startswith("Traceback")
     assert outcome.about["code"] == code_version()
+
+
+@pytest.mark.parametrize(("number", "full"), [(errno.ENOSPC, True), (errno.ENOENT, False)])
+def test_a_full_disk_says_nothing_of_the_episode(tmp_path, number, full):
+    def writes(spec, folder):
+        raise OSError(number, os.strerror(number), "frame.png")
+
+    outcome = perform(writes, SPEC, tmp_path)
+    assert outcome.no_room is full
+    assert "frame.png" in outcome.message
 
 
 def test_an_interrupt_is_no_failure_of_the_episode(tmp_path):

@@ -55,7 +55,8 @@ def run_campaign(
         progress: Receives every outcome.
 
     Raises:
-        RunError: A worker runs another version of the code than this process, or workers do not start.
+        RunError: A worker runs another version of the code than this process, or its disk is full, or workers do not
+            start.
     """
     pending = list(store.pending(specs, retry_failed=retry_failed))
     found = len(specs) - len(pending)
@@ -68,6 +69,8 @@ def run_campaign(
         with closing(cast(Any, executor.run(episode, tasks))) as outcomes:
             for outcome in outcomes:
                 _check_version(outcome, mix)
+                if outcome.no_room:
+                    raise RunError(f"{outcome.message}; make room, and the same command continues")
                 if outcome.result is None:
                     store.fail(outcome.spec, outcome.message, outcome.detail, outcome.about)
                     failed += 1

@@ -126,7 +126,7 @@ def _trials_table(rows: Sequence[Row], caption: str, source: tuple[str, ...]) ->
             ends = Counter(str(row["end_reason"]) for row in own if not _is_success(row))
             lines.append(
                 (
-                    marked(f"{_name(variant)}, {Path(task).stem}", own),
+                    marked(f"{_name(variant)}, {short_name(task)}", own),
                     f"{len(won)}/{len(own)}",
                     f"{number(100 * low, 0)}–{number(100 * high, 0)}",
                     _mean([row["sim_time_s"] for row in won]),
@@ -211,8 +211,13 @@ def _paper_numbers(variant: str, task: str) -> list[int | None] | None:
     return cell
 
 
+def short_name(task: str) -> str:
+    """Return a task's name, or its file's without folder and extension; a benchmark's scene keeps its whole name."""
+    return task if ":" in task else Path(task).stem
+
+
 def _task(task: str) -> str:
-    return str(paper()["tasks"].get(task, Path(task).stem))
+    return str(paper()["tasks"].get(task, short_name(task)))
 
 
 def _name(variant: str) -> str:

@@ -14,6 +14,7 @@ from typing import Any, Protocol
 
 from coral.campaign.spec import Spec
 from coral.campaign.version import code_version
+from coral.errors import NO_ROOM
 
 Episode = Callable[[Spec, Path], Mapping[str, Any]]
 """Runs one episode in a new folder and returns its record (JSON values). It must be picklable, and deterministic
@@ -39,6 +40,8 @@ class EpisodeOutcome:
     result: Mapping[str, Any] | None = None
     message: str = ""
     detail: str = ""
+    no_room: bool = False
+    """Whether the disk was full, which says nothing of the episode: it is to be run again."""
     about: Mapping[str, Any] = field(default_factory=dict)
     """Wall time (s), host, attempts and version of the code."""
 
@@ -64,12 +67,14 @@ def perform(episode: Episode, spec: Spec, folder: Path) -> EpisodeOutcome:
     about: dict[str, Any] = {"host": socket.gethostname(), "pid": os.getpid(), "code": code_version()}
     result: Mapping[str, Any] | None = None
     message = detail = ""
+    no_room = False
     try:
         result = json.loads(json.dumps(dict(episode(spec, folder)), allow_nan=False, default=plain))
     except Exception as error:
         message, detail = f"{type(error).__name__}: {error}", traceback.format_exc()
+        no_room = isinstance(error, OSError) and error.errno in NO_ROOM
     about["episode_wall_s"] = round(time.perf_counter() - started, 3)
-    return EpisodeOutcome(spec, result, message, detail, about)
+    return EpisodeOutcome(spec, result, message, detail, no_room, about)
 
 
 def plain(value: Any) -> Any:

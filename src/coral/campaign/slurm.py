@@ -10,7 +10,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -144,12 +144,13 @@ class SlurmExecutor:
                 detail=str(error),
                 about={"attempts": attempt},
             )
+        outcome: EpisodeOutcome
         outcome, files = job.result()
         unpack(files, task.scratch)
         for path in (job.paths.result_pickle, job.paths.submitted_pickle):
             path.unlink(missing_ok=True)
         about = {**outcome.about, "attempts": attempt, "job": job.job_id}
-        return EpisodeOutcome(outcome.spec, outcome.result, outcome.message, outcome.detail, about)
+        return replace(outcome, about=about)
 
 
 def queued_jobs() -> set[str] | None:
