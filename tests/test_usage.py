@@ -1,6 +1,7 @@
 import pytest
 
 from coral.cli import main
+from coral.usage import usage_error
 
 
 @pytest.mark.parametrize(
@@ -47,3 +48,8 @@ def test_the_parsers_complaints_are_one_plain_line(monkeypatch, capsys, words, s
     monkeypatch.setenv("COLUMNS", columns)
     assert main(words.split()) == 2
     assert capsys.readouterr().err == f"coral: {said}\n"
+
+
+def test_the_colours_of_a_terminal_are_left_out():
+    complaint = "\x1b[31m│\x1b[0m \x1b[31;1mUnrecognized\x1b[0m options:\x1b[m \x1b[1m--nope\x1b[0m\x1b[1m,\x1b[0m 3"
+    assert "an unknown flag --nope, expected" in str(usage_error("reef run", complaint))

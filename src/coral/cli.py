@@ -17,6 +17,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from coral.completion import completion_script
 from coral.errors import NO_ROOM, InputError, RunError, nearest
 from coral.odd_text import encodable, printable
+from coral.terminal import fitted
 from coral.termination import orderly_termination
 from coral.usage import usage_error
 
@@ -40,6 +41,7 @@ COMMANDS = {
     "contact export": ("coral.commands.contact_export:ContactExport", "write runs as a data set for learners"),
     "contact track": ("coral.commands.contact_track:ContactTrack", "measure the accuracy of the tracker"),
     "contact poses": ("coral.commands.contact_poses:ContactPoses", "track a task's objects in a camera's pictures"),
+    "contact click": ("coral.commands.contact_click:ContactClick", "click the objects in a camera's first picture"),
     "contact calibrate": ("coral.commands.contact_calibrate:ContactCalibrate", "find where a camera stands"),
     "contact identify": ("coral.commands.contact_identify:ContactIdentify", "find mass and friction by pushing"),
     "memory list": ("coral.commands.memory:MemoryList", "list remembered successes of contact tasks"),
@@ -102,8 +104,9 @@ def _run(words: Sequence[str]) -> int:
             return 0
         command = _parse(name, words[len(name.split()) :])
         result = command()
-        text = json.dumps(result, allow_nan=False, default=str) if command.json else command.describe(result)
-        print(encodable(text), flush=True)
+        as_json = command.json
+        text = json.dumps(result, allow_nan=False, default=str) if as_json else command.describe(result)
+        print(encodable(text if as_json else fitted(text, sys.stdout)), flush=True)
         # A command may report failure by its result, which is printed in either case.
         return int(getattr(command, "exit_code", lambda result: 0)(result))
     except InputError as error:
@@ -125,7 +128,7 @@ def _run(words: Sequence[str]) -> int:
 
 def _print_error(message: object, code: int) -> int:
     """Print one line on standard error, with control characters escaped; return the exit code."""
-    print(f"coral: {printable(str(message))}", file=sys.stderr)
+    print(fitted(f"coral: {printable(str(message))}", sys.stderr), file=sys.stderr)
     return code
 
 
@@ -162,7 +165,8 @@ def _parse(name: str, words: Sequence[str]) -> Command:
 
 
 def _overview(group: str) -> str:
-    lines = [f"  coral {name:<15} {text}" for name, (_, text) in COMMANDS.items() if name.startswith(group)]
+    width = max(map(len, COMMANDS))
+    lines = [f"  coral {name:<{width}} {text}" for name, (_, text) in COMMANDS.items() if name.startswith(group)]
     usage = ["usage: coral COMMAND [flags]; every command has --help and --json"]
     usage += ["       coral --print-completion bash|zsh|fish"]
     return "\n".join([*usage, "", *lines])

@@ -17,7 +17,8 @@ def usage_error(command: str, complaint: str) -> InputError:
         complaint: The text printed by tyro.
     """
     where, flags = f"coral {command}", f"flags as in: coral {command} --help"
-    text = " ".join(re.sub(r"[╭╮╰╯│─]+", " ", complaint).split())
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", complaint)  # a terminal gets colours
+    text = " ".join(re.sub(r"[╭╮╰╯│─]+", " ", plain).split())
     text = re.split(r" For full helptext,", text)[0]
     if match := re.search(r"Unrecognized options: (\S+?),?(?: |$)", text):
         found = f"an unknown flag {match[1]}" if match[1].startswith("-") else f"a word too many, {match[1]!r}"

@@ -8,8 +8,9 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
 
-from onnx_files import red_is_oyster
 from survey_runs import write_run
+
+from onnx_files import red_is_oyster
 
 pytest.importorskip("tifffile")
 pytest.importorskip("rosbags")

@@ -6,13 +6,12 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
 
-from onnx_files import red_is_oyster_yolo, relative_depth
-
 from coral.advisor.consult import DEADLINE_S
 from coral.commands.reef_run import FallbackNotice, ReefRun, share_inspected, still_left
 from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.resolution import PERSON_DEADLINE_S
+from onnx_files import red_is_oyster_yolo, relative_depth
 
 
 def test_json_holds_the_metrics_and_where_the_run_is(survey):

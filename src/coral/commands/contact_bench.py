@@ -52,6 +52,7 @@ from coral.contact.rules.mistakes import CONTACT_MISTAKES
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
 from coral.contact.scene.trial import sample_trial
+from coral.contact.scene.variation import split_variation
 from coral.contact.tasks import load_task
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.worlds.registry import check_world
@@ -107,7 +108,7 @@ class ContactBench(CampaignFlags):
     """Served policies to compare, NAME=ws://HOST:PORT, separated by commas."""
     tasks: str = "all"
     """Shipped tasks or task files, separated by commas; all: the six of the paper; unseen: the unseen suite, or
-    unseen:development or unseen:test for half of it."""
+    unseen:development or unseen:test for half of it. With ~2 behind a name, its second generated variation."""
     worlds: str = "panda"
     """Evaluation worlds, separated by commas: panda, hand."""
     seeds: str = "0-9"
@@ -332,17 +333,17 @@ class ContactBench(CampaignFlags):
 
 
 def named_tasks(text: str) -> tuple[str, ...]:
-    """Return the tasks that `--tasks` names.
+    """Return the tasks that `--tasks` names; `all~2` and `unseen:test~2` are the second variations of a whole suite.
 
     Raises:
         InputError: The unseen suite has no such half.
     """
-    if text == "all":
-        return shipped_tasks()
-    suite, _, half = text.partition(":")
-    if suite == "unseen" and "," not in text:
-        return unseen_tasks(half)
-    return parse_names(text, "--tasks")
+    suite, number = split_variation(text)
+    which, _, half = suite.partition(":")
+    if "," in text or which not in ("all", "unseen") or (which == "all" and half):
+        return parse_names(text, "--tasks")
+    names = shipped_tasks() if which == "all" else unseen_tasks(half)
+    return tuple(f"{name}~{number}" for name in names) if number else names
 
 
 def _task_digest(task: Task) -> str:

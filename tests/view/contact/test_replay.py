@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
+import yaml
 
 from coral.errors import InputError
-from coral.view.contact.replay import ReplayedScene, trial_of_run
+from coral.view.contact.replay import DIRECTIONS, ReplayedScene, trial_of_run
 from coral.view.run import RunFolder
 
 
@@ -21,6 +22,15 @@ def test_pictures_show_what_moved(recorded):
     assert first.shape == (72, 96, 3)
     assert (first != last).any(axis=-1).mean() > 0.01
     np.testing.assert_array_equal(scene.at(0.0), first)
+
+
+def test_a_wall_before_the_camera_makes_it_look_from_elsewhere(copy):
+    task = yaml.safe_load((copy / "task.yaml").read_text())
+    assert (ReplayedScene(RunFolder.read(copy), (96, 72)).direction == DIRECTIONS[0]).all()
+    x, y = (float(np.nanmean(RunFolder.read(copy).column(f"box_{axis}"))) for axis in "xy")
+    task["fixtures"] = [{"name": "wall", "size": [0.02, 0.6, 0.4], "position": [x + 0.12, y, 0.2]}]
+    (copy / "task.yaml").write_text(yaml.safe_dump(task))
+    assert ReplayedScene(RunFolder.read(copy), (96, 72)).direction[0] <= 0.0
 
 
 def test_states_of_another_world_are_refused(copy):

@@ -110,3 +110,32 @@ def test_a_recording_is_played_and_searched(watch, finished):
     see(page, "Not valid JSON.")
     page.get_by_role("button", name="Play").click()
     expect(page.locator("#status")).to_have_text("ended: time limit", timeout=PATIENCE_MS)
+
+
+def test_a_contact_task_is_watched_weighed_and_stopped(watch, tmp_path):
+    out = tmp_path / "run"
+    words = ["contact", "run", "pick-box", "--world", "hand", "--variant", "expert-fsm", "--samples", "8"]
+    words += [
+        "--poses",
+        "ground-truth",
+        "--live",
+        "--live-port",
+        "0",
+        "--live-speed",
+        "0.05",
+        "--quiet",
+        "--out",
+        str(out),
+    ]
+    process, page = watch(*words)
+    see(page, "Cost by term, stage reach")
+    see(page, "Force on the hand (N)")
+    page.get_by_role("slider").first.focus()
+    page.keyboard.press("ArrowLeft")
+    page.get_by_role("button", name="Stop the task").click()
+    expect(page.locator("#status")).to_have_text("ended: stopped by the operator", timeout=PATIENCE_MS)
+    process.communicate(timeout=60)
+    assert process.returncode == 0
+    events = [json.loads(line) for line in (out / "events.jsonl").read_text().splitlines()]
+    assert events[-1]["reason"] == "stopped by the operator"
+    assert [event["by"] for event in events if event["event"] == "weight"] == ["operator"]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
-from coral.contact.perception.scene_geoms import hidden_geoms
+from coral.contact.perception.scene_geoms import hidden_geoms, instance_names
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.registry import make_world
@@ -18,8 +18,13 @@ from coral.view.pictures import Image
 from coral.view.run import RunFolder, read_table
 
 Array = NDArray[np.float64]
-FROM = np.array([0.6, -0.68, 0.42])
-"""Direction of the camera: opposite the robot and to its right, where the arm occludes nothing."""
+DIRECTIONS = np.array([[0.6, -0.68, 0.42], [0.6, 0.68, 0.42], [0.0, -0.9, 0.42], [0.0, 0.9, 0.42], [-0.5, -0.75, 0.42]])
+"""Directions of the camera, the preferred one first: opposite the robot and to its right, where the arm occludes
+nothing. Others are for scenes in which a wall or the like does."""
+BETTER = 1.6
+"""By so much more of the objects another direction must show."""
+LOOKS, LOOK_SIZE = 8, (80, 60)
+"""Moments at which the directions are compared, and the size of their pictures (px)."""
 VFOV_DEG = 38.0
 
 
@@ -57,29 +62,46 @@ class ReplayedScene:
                 f"{self._places.shape[1]} joint positions",
                 f"the {self._model.nq} of its world",
             )
-        camera = RgbdCameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG)
-        self._camera = RayCamera(
-            self._model,
-            camera,
-            _overview(run, self.trial),
-            {},
-            colours="shaded",
-            hidden=hidden_geoms(self._model, self.trial),
-        )
+        middle, radius = _extent(run, self.trial)
+        shown = [self._seen_from(_overview(middle, radius, direction)) for direction in DIRECTIONS]
+        best = int(np.argmax(shown)) if max(shown) > BETTER * shown[0] else 0
+        self.direction: Array = DIRECTIONS[best]
+        self._camera = self._make_camera(_overview(middle, radius, self.direction), size)
 
     def at(self, t: float) -> Image:
         """Draw the last state until `t`, Shape=(H, W, 3) RGB."""
-        row = max(0, int(np.searchsorted(self.times, t + 1e-6)) - 1)
-        self._data.qpos[:] = self._places[row]
-        mujoco.mj_kinematics(self._model, self._data)
-        mujoco.mj_camlight(self._model, self._data)
+        self._put(max(0, int(np.searchsorted(self.times, t + 1e-6)) - 1))
         picture = self._camera.take(self._data).rgb
         assert picture is not None
         return picture
 
+    def _put(self, row: int) -> None:
+        self._data.qpos[:] = self._places[row]
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
 
-def _overview(run: RunFolder, trial: Trial) -> Array:
-    """Compute a T_world_camera that shows everything that moved, Shape=(4, 4)."""
+    def _make_camera(self, placed: Array, size: tuple[int, int], names: bool = False) -> RayCamera:
+        return RayCamera(
+            self._model,
+            RgbdCameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG),
+            placed,
+            instance_names(self._model, self.trial) if names else {},
+            colours="none" if names else "shaded",
+            hidden=hidden_geoms(self._model, self.trial),
+        )
+
+    def _seen_from(self, placed: Array) -> float:
+        """Return how many pixels show objects that move, summed over moments of the run."""
+        camera, total = self._make_camera(placed, LOOK_SIZE, names=True), 0
+        for row in np.linspace(0, len(self.times) - 1, LOOKS).astype(int):
+            self._put(int(row))
+            picture = camera.take(self._data)
+            total += sum(int(picture.mask(name).sum()) for name in self.trial.objects if name in picture.names)
+        return float(total)
+
+
+def _extent(run: RunFolder, trial: Trial) -> tuple[Array, float]:
+    """Compute the middle, Shape=(3,), and the radius of everything that moved (m)."""
     prefixes = ("", *(f"{name}_" for name in trial.objects))
     paths = [[run.column(f"{prefix}{axis}") for axis in "xyz"] for prefix in prefixes]
     points = np.concatenate([np.stack(path, axis=1) for path in paths])
@@ -87,8 +109,13 @@ def _overview(run: RunFolder, trial: Trial) -> Array:
     if not len(points):
         points = np.zeros((1, 3))
     low, high = np.clip(points.min(axis=0), -0.6, 0.8), np.clip(points.max(axis=0), -0.6, 0.8)
-    middle, radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2 + 0.1
-    return look_at(middle + FROM / np.linalg.norm(FROM) * radius / np.sin(np.radians(VFOV_DEG / 2)), middle)
+    return (low + high) / 2, float(np.linalg.norm(high - low)) / 2 + 0.1
+
+
+def _overview(middle: Array, radius: float, direction: Array) -> Array:
+    """Compute a T_world_camera that shows it from a direction, Shape=(4, 4)."""
+    away = radius / np.sin(np.radians(VFOV_DEG / 2))
+    return look_at(middle + direction / np.linalg.norm(direction) * away, middle)
 
 
 def trial_of_run(run: RunFolder) -> Trial:
