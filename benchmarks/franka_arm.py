@@ -88,7 +88,7 @@ def attempt(name: str, seed: int, args: argparse.Namespace) -> dict[str, Any]:
     cfg = replace(cfg, franka=arm, planning=replace(cfg.planning, latency=f"fixed:{args.latency_s:g}"))
     cfg = replace(cfg, record=replace(cfg.record, report=False))
     double = Double(trial, arm, DoubleCfg(speed=args.speed))
-    stream = StreamProcess(FrankyArm, double.address, arm, list(trial.objects))
+    stream = StreamProcess(FrankyArm, double.address, arm, trial)
     handle: StreamHandle = stream
     if args.camera:
         job = CameraJob(trial, "sim", "colour", None, cfg.tracked, (arm.poses_host, stream.poses_port))
@@ -158,7 +158,7 @@ def measure_stops(cause: StopCause, count: int) -> Iterator[tuple[float, float]]
         if cause is StopCause.LIMIT:
             patient = replace(patient, limits=replace(patient.limits, contact_force_n=20.0))
         double = Double(trial, patient)
-        stream = StreamProcess(FrankyArm, double.address, patient, list(trial.objects))
+        stream = StreamProcess(FrankyArm, double.address, patient, trial)
         try:
             found = stop_once(cause, double, stream, patient)
         finally:

@@ -121,7 +121,7 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
         if flags.robot == SIMULATED:
             _tell("starting the simulated arm ...")
             double = Double(trial, arm)
-        stream = StreamProcess(FrankyArm, double.address if double else flags.robot, arm, names)
+        stream = StreamProcess(FrankyArm, double.address if double else flags.robot, arm, trial)
         if flags.camera is not None:
             camera = _start_camera(trial, cfg, flags, (arm.poses_host, stream.poses_port))
             if double is not None:

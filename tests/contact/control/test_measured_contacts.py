@@ -44,6 +44,13 @@ def test_fingertips_on_the_table_touch_the_table(one):
     assert found["left"] == found["right"] == ("table",)
 
 
+def test_fingers_three_centimetres_above_the_table_do_not_touch_it(one):
+    """MuJoCo's own distance is 0 at some of these places."""
+    for x in np.arange(-0.16, 0.17, 0.02):
+        found = touched_by(one.world, observed(one, (x, 0.15, 0.02), force=(0, 0, 5.0)), 0.08)
+        assert "table" not in found["left"] + found["right"]
+
+
 def test_fingers_that_are_held_apart_hold_what_is_between_them(one):
     width = min(one.sizes["box"][:2])
     turned = one.now.objects["box"]

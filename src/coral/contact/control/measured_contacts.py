@@ -14,6 +14,7 @@ import numpy as np
 
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Array, Context, Lazy
+from coral.contact.scene.geom_gap import geom_gap
 from coral.contact.scene.observation import Observation
 
 GAP_M = 0.004
@@ -64,10 +65,7 @@ def _geoms_of(model: mujoco.MjModel, bodies: tuple[str, ...]) -> dict[str, list[
 
 def _gap(model: mujoco.MjModel, data: mujoco.MjData, first: list[int], second: list[int]) -> float:
     """Return the smallest distance (m) between two sets of geoms, at most 5 cm."""
-    ends = np.zeros(6)
-    return min(
-        (mujoco.mj_geomDistance(model, data, one, other, 0.05, ends) for one in first for other in second), default=0.05
-    )
+    return min((geom_gap(model, data, one, other, 0.05)[0] for one in first for other in second), default=0.05)
 
 
 def with_measured_contacts(state: Context, now: Observation, touched: dict[str, tuple[str, ...]]) -> Context:

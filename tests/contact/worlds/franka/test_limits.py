@@ -1,15 +1,19 @@
 """Each limit stops the state beyond it, and no other; targets stay within them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from arms import DOWN, START, TOOL, arm_state
 
 from coral.contact.scene.geometry import angle_between, from_rotvec, multiply
 from coral.contact.scene.observation import HandTarget
+from coral.contact.worlds.franka.hand_gaps import Gap
 from coral.contact.worlds.franka.limits import JOINT_SPEED, ArmLimitsCfg, Limits
 
 BASE = np.array([-0.5, 0.0, 0.0])
-LIMITS = Limits(ArmLimitsCfg(), BASE, 0.05)
+CFG = ArmLimitsCfg(push_n=30.0, touch_speed_m_s=0.03, slow_down_s=0.15, push_speed_m_s=0.1, closing_gain=0.0)
+LIMITS = Limits(CFG, BASE, 0.05, 4.5, 0.1)
 NOTHING = np.zeros(6)
 
 
@@ -76,3 +80,64 @@ def test_the_turning_torque_is_bounded():
     turned = multiply(from_rotvec([0, 0, 1.0]), DOWN)
     found = LIMITS.bounded(target([0, 0, 0], turned), arm_state(), NOTHING)
     assert float(angle_between(found.quaternion, DOWN)) * 600.0 * 0.05 == pytest.approx(5.0, rel=1e-3)
+
+
+def gap(direction, distance_m, lever=(0.0, 0.0, 0.0)):
+    return Gap(np.array(direction, float), distance_m, np.array(lever, float))
+
+
+DAMPING = 2 * np.sqrt(600.0 * 4.5)
+TOWARDS = [1.0, 0.0, 0.0]
+
+
+def pull(*gaps, lead=(0.05, 0.0, 0.0), pressing=(0.0, 0.0, 0.0), speed=0.0, limits=LIMITS):
+    """The pull, N, that is left of 30 N along x, or of another lead."""
+    state = arm_state(twist=np.array([speed, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    found = limits.bounded(target(lead), state, NOTHING, gaps, np.array(pressing))
+    return 600.0 * (found.position - TOOL)
+
+
+def test_towards_a_gap_the_pull_is_what_the_allowed_speed_needs():
+    assert pull(gap(TOWARDS, 0.0)) == pytest.approx([0.03 * DAMPING, 0, 0])
+    assert pull(gap(TOWARDS, 0.015)) == pytest.approx([0.13 * DAMPING, 0, 0])
+    assert pull(gap(TOWARDS, 0.1)) == pytest.approx([30.0, 0, 0])
+
+
+def test_along_a_gap_and_away_from_it_nothing_is_slowed():
+    assert pull(gap([0.0, 1.0, 0.0], 0.0)) == pytest.approx([30.0, 0, 0])
+    assert pull(gap([-1.0, 0.0, 0.0], 0.0)) == pytest.approx([30.0, 0, 0])
+
+
+def test_in_a_corner_both_gaps_count():
+    found = pull(gap(TOWARDS, 0.0), gap([0.6, 0.8, 0.0], 0.0), lead=(0.035, 0.035, 0.0))
+    assert found[0] <= 0.03 * DAMPING + 0.01
+    assert found @ [0.6, 0.8, 0.0] <= 0.03 * DAMPING + 0.1
+
+
+def test_against_what_presses_it_pulls_that_much_more_and_pushes_faster():
+    touching = gap(TOWARDS, 0.0)
+    assert pull(touching, pressing=(-2.0, 0, 0)) == pytest.approx([2.0 + 0.03 * DAMPING, 0, 0])
+    assert pull(touching, pressing=(-5.0, 0, 0)) == pytest.approx([5.0 + 0.065 * DAMPING, 0, 0])
+    assert pull(touching, pressing=(-8.0, 0, 0)) == pytest.approx([8.0 + 0.1 * DAMPING, 0, 0])
+    assert pull(touching, pressing=(8.0, 0, 0)) == pytest.approx([0.03 * DAMPING, 0, 0])
+
+
+def test_what_presses_elsewhere_lets_it_meet_nothing_faster():
+    assert pull(gap(TOWARDS, 0.006), pressing=(-8.0, 0, 0)) == pytest.approx([8.0 + 0.07 * DAMPING, 0, 0])
+
+
+def test_a_hand_that_is_too_fast_is_braked_and_a_slow_one_helped():
+    limits = Limits(replace(CFG, closing_gain=2.0), BASE, 0.05, 4.5, 0.1)
+    assert pull(gap(TOWARDS, 0.0), speed=0.08, limits=limits) == pytest.approx([-0.07 * DAMPING, 0, 0])
+    assert pull(gap(TOWARDS, 0.0), speed=0.01, limits=limits) == pytest.approx([0.07 * DAMPING, 0, 0])
+    assert pull(gap(TOWARDS, 0.0), speed=0.03, limits=limits) == pytest.approx([0.03 * DAMPING, 0, 0])
+
+
+def test_a_turn_that_closes_a_gap_too_fast_is_reduced():
+    turned = multiply(from_rotvec([0.0, 0.0, 0.5]), DOWN)
+    lever = (0.0, -0.1, 0.0)  # a turn about z moves this point along x
+    free = LIMITS.bounded(target([0, 0, 0], turned), arm_state(), NOTHING)
+    slowed = LIMITS.bounded(target([0, 0, 0], turned), arm_state(), NOTHING, [gap(TOWARDS, 0.0, lever)])
+    assert angle_between(free.quaternion, DOWN) > 1.5 * angle_between(slowed.quaternion, DOWN)
+    spin = angle_between(slowed.quaternion, DOWN) * 30.0 / (2 * np.sqrt(30.0 * 0.1))
+    assert 0.1 * spin == pytest.approx(0.03, abs=1e-3)

@@ -8,6 +8,7 @@ from arms import DOWN, TOOL, ObedientArm
 
 from coral.contact.scene.observation import HandTarget
 from coral.contact.worlds.franka.cfg import FrankaCfg
+from coral.contact.worlds.franka.hand_gaps import Gap
 from coral.contact.worlds.franka.stream import Orders, Phase, StopCause, Stream
 
 CFG = FrankaCfg(bias_readings=3, wrench_filter_s=0.0)
@@ -18,6 +19,7 @@ class SeenPoses:
 
     age = 0.0
     tool = None
+    poses = {}
 
     def update(self, now_s, tool):
         self.tool = tool
@@ -29,9 +31,9 @@ class SeenPoses:
 class Bench:
     """A stream with a clock of its own: 5 ms a tick."""
 
-    def __init__(self):
+    def __init__(self, hand_gaps=None):
         self.arm, self.poses, self.now, self.beat = ObedientArm(), SeenPoses(), 0.0, 0
-        self.stream = Stream(self.arm, self.poses, CFG, lambda: self.now)
+        self.stream = Stream(self.arm, self.poses, CFG, lambda: self.now, hand_gaps)
 
     def tick(self, times=1, alive=True, **orders):
         for _ in range(times):
@@ -106,6 +108,29 @@ def test_what_carries_a_held_object_is_the_tool_in_the_world(bench):
     state = bench.stream.state
     assert bench.poses.tool.position == pytest.approx(state.position + np.array(CFG.base_m))
     assert bench.poses.tool.quaternion == pytest.approx(state.quaternion)
+
+
+class NarrowGap:
+    """A gap to something below, wherever the hand is."""
+
+    asked = None
+
+    def gaps(self, tool, opening_m, objects, within_m):
+        self.asked = tool, within_m
+        return [Gap(np.array([0.0, 0.0, -1.0]), 0.0, np.zeros(3))]
+
+
+def test_towards_what_is_near_it_pulls_gently_and_not_after_a_blow():
+    bench = Bench(hand_gaps := NarrowGap()).following()
+    below = HandTarget(np.add(TOOL, [0.0, 0.0, -0.2]), DOWN, 0.08, 600.0)
+    bench.tick(target=below)
+    assert hand_gaps.asked[0].position == pytest.approx(bench.stream.state.position + np.array(CFG.base_m))
+    gently = TOOL[2] - bench.arm.calls[-1].position[2]
+    assert 0.0 < gently < 0.5 * CFG.limits.push_n / 600.0
+    change(bench, wrench=np.array([0.0, 0.0, 30.0, 0.0, 0.0, 0.0]))
+    before = bench.arm.state.position[2]
+    bench.tick()
+    assert before - bench.arm.calls[-1].position[2] < gently + 3.0 / 600.0
 
 
 def test_lost_poses_stop(bench):

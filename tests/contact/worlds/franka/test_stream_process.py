@@ -6,12 +6,16 @@ import time
 import pytest
 from arms import TOOL, make_obedient_arm
 
+from coral.contact.scene.trial import sample_trial
+from coral.contact.tasks import load_task
 from coral.contact.worlds.franka.cfg import FrankaCfg
 from coral.contact.worlds.franka.stream import Phase, StopCause
 from coral.contact.worlds.franka.stream_process import StreamProcess
 from coral.errors import InputError
 
 CFG = FrankaCfg(poses_port=0, bias_readings=2, watchdog_s=30.0, link_timeout_s=30.0, poses_timeout_s=1e6)
+
+TRIAL = sample_trial(load_task("pick-box"), 0, "pick-box")
 
 
 def wait(stream, ready):
@@ -22,7 +26,7 @@ def wait(stream, ready):
 
 
 def test_it_starts_moves_stops_and_ends():
-    stream = StreamProcess(make_obedient_arm, "somebody", CFG, (), threading.Thread)
+    stream = StreamProcess(make_obedient_arm, "somebody", CFG, TRIAL, threading.Thread)
     try:
         watched = wait(stream, lambda found: found.tick > 2)
         assert watched.phase is Phase.WATCHING
@@ -39,4 +43,4 @@ def test_it_starts_moves_stops_and_ends():
 
 def test_an_arm_that_cannot_be_had_is_the_users_error():
     with pytest.raises(InputError, match="--robot: found nobody, expected the address of an arm"):
-        StreamProcess(make_obedient_arm, "nobody", CFG, (), threading.Thread)
+        StreamProcess(make_obedient_arm, "nobody", CFG, TRIAL, threading.Thread)

@@ -140,6 +140,11 @@ class Double:
         found: Truth = self._ask(("truth", None))
         return found
 
+    def peak_force_n(self) -> float:
+        """Return the largest true contact force on the hand since the last call, as one force."""
+        found: float = self._ask(("peak", None))
+        return found
+
     def close(self) -> None:
         """Stop the process."""
         with contextlib.suppress(OSError):
@@ -191,7 +196,7 @@ class _Server:
 
         self._trial, self._cfg, self._connection = trial, cfg, connection
         self._rng = np.random.default_rng([trial.seed, 7])
-        self._wrench, self._base = np.zeros(6), np.asarray(arm.base_m)
+        self._wrench, self._base, self._peak_n = np.zeros(6), np.asarray(arm.base_m), 0.0
         self._sending: tuple[str, int] | None = None
         self._state_to: tuple[str, int] | None = None
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -253,6 +258,7 @@ class _Server:
 
     def _measure(self) -> None:
         exact = self._scene.measure()
+        self._peak_n = max(self._peak_n, float(np.linalg.norm(exact[:3])))
         share = 1.0 - np.exp(-0.001 / self._cfg.wrench_lag_s) if self._cfg.wrench_lag_s else 1.0
         self._wrench += share * (exact - self._wrench)
 
@@ -271,6 +277,8 @@ class _Server:
             self._state_to = value
         elif question == "link":
             self._linked = value
+        elif question == "peak":
+            answer, self._peak_n = self._peak_n, 0.0
         elif question == "truth":
             answer = self._scene.truth(float(self._simulator.data.time), self._tool(), self._opening())
         self._connection.send(("ok", answer))

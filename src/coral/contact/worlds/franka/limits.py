@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -13,12 +14,17 @@ from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_ro
 from coral.contact.scene.observation import Array, HandTarget
 from coral.contact.worlds.franka.arm import ArmState
 from coral.contact.worlds.franka.arm_geometry import self_distance
+from coral.contact.worlds.franka.hand_gaps import TOUCHING_M, Gap
 
 JOINT_LOW = np.array([-2.7437, -1.7628, -2.8973, -3.0421, -2.8065, 0.5445, -2.8973])
 JOINT_HIGH = np.array([2.7437, 1.7628, 2.8973, -0.1518, 2.8065, 3.7525, 2.8973])
 """Shape=(7,) rad: the narrower limit of Panda and FR3 (Franka Robotics, FCI documentation)."""
 JOINT_SPEED = np.array([2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61])
 """Shape=(7,) rad/s, the Panda's; the FR3's are higher away from the ends of its joints."""
+_PUSHED_N = (2.0, 8.0)
+"""Forces between which a touched thing may be pushed faster and faster; noise and drift are below."""
+_PROJECTIONS = 5
+"""Rounds in which a lead is projected onto what all gaps allow."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,12 +45,21 @@ class ArmLimitsCfg:
     """A tool farther than this outside of the box stops the arm."""
     self_distance_m: NonNegative = 0.01
     """Smallest distance between links."""
-    push_n: Positive = 30.0
+    push_n: Positive = 25.0
     """Limit on the pull of the impedance. Against a measured force above it the pull is reduced further."""
     turn_n_m: Positive = 5.0
     """Limit on the torque of the impedance. Damped critically, the hand then turns with 1.5 rad/s at most."""
+    touch_speed_m_s: Positive = 0.02
+    """Speed at which the hand, or what it moves, may meet something: the first milliseconds of a blow precede any stop,
+    so that only a slow approach keeps them below `contact_force_n`."""
+    slow_down_s: Positive = 0.15
+    """A gap of d (m) is closed with `touch_speed_m_s` + d / `slow_down_s` at most."""
+    push_speed_m_s: Positive = 0.1
+    """Speed at which what is touched may be pushed, once it is felt."""
+    closing_gain: NonNegative = 2.0
+    """Gain of the speed at which a gap is closed, as a share of the impedance's damping."""
     contact_force_n: Positive = 45.0
-    """Contact force that slow contacts are not to exceed. A blow does: its first milliseconds precede any stop."""
+    """Largest contact force."""
     stop_share: Annotated[float, Field(gt=0, le=1)] = 0.8
     """Share of it at which the arm is stopped: until it rests a force that grows slowly goes on rising."""
     contact_torque_n_m: Positive = 12.0
@@ -58,10 +73,14 @@ class Limits:
         cfg: The limits.
         base_m: Shape=(3,), the arm's base in the world frame.
         lever_m2: Rotational stiffness (N m/rad) per translational stiffness (N/m).
+        mass_kg: Apparent mass of the hand, for which the impedance is critically damped.
+        inertia_kg_m2: Its apparent rotational inertia.
     """
 
-    def __init__(self, cfg: ArmLimitsCfg, base_m: Array, lever_m2: float) -> None:
-        self.cfg, self._lever_m2 = cfg, lever_m2
+    def __init__(
+        self, cfg: ArmLimitsCfg, base_m: Array, lever_m2: float, mass_kg: float = 4.5, inertia_kg_m2: float = 0.1
+    ) -> None:
+        self.cfg, self._lever_m2, self._mass_kg, self._inertia_kg_m2 = cfg, lever_m2, mass_kg, inertia_kg_m2
         self._low = np.asarray(cfg.workspace_low_m, float) - base_m
         self._high = np.asarray(cfg.workspace_high_m, float) - base_m
 
@@ -97,8 +116,20 @@ class Limits:
             return f"two links are {100 * gap:.1f} cm apart"
         return ""
 
-    def bounded(self, target: HandTarget, state: ArmState, wrench: Array) -> HandTarget:
-        """Bound a target: inside the workspace, and pulling no harder than allowed.
+    @property
+    def gap_m(self) -> float:
+        """Return the width of the widest gap that slows the hand down."""
+        return self.cfg.tool_speed_m_s * self.cfg.slow_down_s
+
+    def bounded(
+        self,
+        target: HandTarget,
+        state: ArmState,
+        wrench: Array,
+        gaps: Sequence[Gap] = (),
+        pressing: Array | None = None,
+    ) -> HandTarget:
+        """Bound a target: inside the workspace, pulling no harder than allowed, and slowly towards what is near.
 
         Against a measured force F above `push_n` the pull's component into the contact is scaled by push_n / F.
 
@@ -106,6 +137,8 @@ class Limits:
             target: The target in the arm's base frame. Its additional force is converted to a displacement.
             state: The present state.
             wrench: Shape=(6,), the contact wrench without its bias.
+            gaps: The gaps around the hand.
+            pressing: Shape=(3,), the contact force without its blows: smoothed. By default that of `wrench`.
         """
         most = self.cfg.push_n / target.stiffness
         lead = np.clip(target.position, self._low, self._high) + target.force / target.stiffness - state.position
@@ -120,5 +153,41 @@ class Limits:
         angle, widest = float(np.linalg.norm(turn)), self.cfg.turn_n_m / (self._lever_m2 * target.stiffness)
         if angle > widest:
             turn = turn * (widest / angle)
+        lead, turn = self._slowed(
+            lead, turn, state, target.stiffness, wrench[:3] if pressing is None else pressing, gaps
+        )
         quaternion = multiply(from_rotvec(turn), state.quaternion)
         return replace(target, position=state.position + lead, quaternion=quaternion, force=np.zeros(3))
+
+    def _slowed(
+        self, lead: Array, turn: Array, state: ArmState, stiffness: float, force: Array, gaps: Sequence[Gap]
+    ) -> tuple[Array, Array]:
+        """Reduce a lead (m) and a turn (rad) so far that the impedance closes no gap too fast.
+
+        A pull p moves the damped hand with p / D; a hand that is faster or slower than allowed may be pulled less or
+        more. Against a force that is felt across the gap it may pull that much more, so that a contact is pressed. What
+        is felt to be touched may be pushed faster than it may be met.
+        """
+        cfg = self.cfg
+        damping = 2.0 * np.sqrt(stiffness * self._mass_kg)
+        turning_stiffness = stiffness * self._lever_m2
+        spin = turn * turning_stiffness / (2.0 * np.sqrt(turning_stiffness * self._inertia_kg_m2))
+        felt = [max(0.0, -float(force @ gap.direction)) for gap in gaps]
+        meeting = [cfg.touch_speed_m_s + gap.distance_m / cfg.slow_down_s for gap in gaps]
+        allowed = [
+            slow + max(0.0, cfg.push_speed_m_s - slow) * float(np.interp(against, _PUSHED_N, (0.0, 1.0)))
+            if gap.distance_m < TOUCHING_M
+            else slow
+            for gap, against, slow in zip(gaps, felt, meeting, strict=True)
+        ]
+        turning = [float(gap.direction @ np.cross(spin, gap.lever_m)) for gap in gaps]
+        share = min((most / by for most, by in zip(allowed, turning, strict=True) if by > most), default=1.0)
+        most_n = []
+        for gap, against, slow, most, by in zip(gaps, felt, meeting, allowed, turning, strict=True):
+            speed = float(gap.direction @ (state.twist[:3] + np.cross(state.twist[3:], gap.lever_m)))
+            correction = cfg.closing_gain * (max(0.0, slow - speed) - max(0.0, speed - most))
+            most_n.append(damping * (most - max(0.0, share * by) + correction) + against)
+        for _ in range(_PROJECTIONS if gaps else 0):
+            for gap, pull_n in zip(gaps, most_n, strict=True):
+                lead = lead - max(0.0, float(lead @ gap.direction) - pull_n / stiffness) * gap.direction
+        return lead, share * turn

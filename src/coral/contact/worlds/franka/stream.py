@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -11,12 +11,15 @@ import numpy as np
 from coral.contact.scene.observation import Array, BodyState, HandTarget
 from coral.contact.worlds.franka.arm import Arm, ArmError, ArmState
 from coral.contact.worlds.franka.cfg import FrankaCfg
+from coral.contact.worlds.franka.hand_gaps import Gap, HandGaps
 from coral.contact.worlds.franka.limits import Limits
 from coral.contact.worlds.franka.object_poses import ObjectPoses
 from coral.contact.worlds.franka.wrench_bias import WrenchBias
 
 HOLDING_N_M = 600.0
 """Stiffness with which the arm holds until the first target."""
+PRESSING_S = 0.15
+"""Time constant with which a contact is told from a blow: a pull that followed the force at once would add to it."""
 
 
 class Phase(IntEnum):
@@ -71,11 +74,22 @@ class Stream:
         poses: The objects' poses.
         cfg: Configuration.
         clock: Returns the machine's time (s).
+        hand_gaps: What the hand may run into; None if that is not known.
     """
 
-    def __init__(self, arm: Arm, poses: ObjectPoses, cfg: FrankaCfg, clock: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        arm: Arm,
+        poses: ObjectPoses,
+        cfg: FrankaCfg,
+        clock: Callable[[], float],
+        hand_gaps: HandGaps | None = None,
+    ) -> None:
         self._arm, self._poses, self._cfg, self._clock = arm, poses, cfg, clock
-        self._limits = Limits(cfg.limits, np.asarray(cfg.base_m), cfg.lever_m2)
+        self._hand_gaps = hand_gaps
+        self._limits = Limits(
+            cfg.limits, np.asarray(cfg.base_m), cfg.lever_m2, cfg.effective_mass_kg, cfg.effective_inertia_kg_m2
+        )
         self._bias = WrenchBias(cfg.bias_readings)
         self.phase, self.cause, self.reason = Phase.WATCHING, StopCause.NONE, ""
         self.state: ArmState | None = None
@@ -88,6 +102,7 @@ class Stream:
         self._beat, self._beat_at = -1, clock()
         self._fresh_at = clock()
         self._filtered: Array | None = None
+        self._pressing = np.zeros(3)
 
     @property
     def arm_time_s(self) -> float:
@@ -167,6 +182,7 @@ class Stream:
         else:
             self._filtered += (1.0 - np.exp(-passed_s / self._cfg.wrench_filter_s)) * (wrench - self._filtered)
         self.wrench = self._bias.corrected(self._filtered)
+        self._pressing += (1.0 - np.exp(-passed_s / PRESSING_S)) * (self.wrench[:3] - self._pressing)
         if self.phase is Phase.FOLLOWING:
             self.peak_force_n = max(self.peak_force_n, float(np.linalg.norm(self.wrench[:3])))
 
@@ -211,4 +227,11 @@ class Stream:
                 self.target = orders.target
             if self.target is not None:
                 self._arm.open_to(self.target.opening_m)
-                self._arm.follow(self._limits.bounded(self.target, state, self.wrench))
+                gaps = self._gaps(state)
+                self._arm.follow(self._limits.bounded(self.target, state, self.wrench, gaps, self._pressing))
+
+    def _gaps(self, state: ArmState) -> Sequence[Gap]:
+        tool = self._tool()
+        if self._hand_gaps is None or tool is None:
+            return ()
+        return self._hand_gaps.gaps(tool, state.opening_m, self._poses.poses, self._limits.gap_m)

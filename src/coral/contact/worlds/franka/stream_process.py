@@ -7,7 +7,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
@@ -16,8 +16,10 @@ from typing import Any
 import numpy as np
 
 from coral.contact.scene.observation import BodyState, HandTarget
+from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka.arm import Arm
 from coral.contact.worlds.franka.cfg import FrankaCfg
+from coral.contact.worlds.franka.hand_gaps import HandGaps
 from coral.contact.worlds.franka.lateness import Lateness
 from coral.contact.worlds.franka.object_poses import ObjectPoses
 from coral.contact.worlds.franka.shared_block import SharedBlock
@@ -51,7 +53,7 @@ class StreamProcess:
         make_arm: Makes the arm in the new process.
         address: The arm's address.
         cfg: Configuration.
-        names: The objects of the task.
+        trial: The trial: its objects, and the shapes that the hand may run into.
         make_process: Makes the process; a thread in tests.
 
     Raises:
@@ -63,15 +65,15 @@ class StreamProcess:
         make_arm: MakeArm,
         address: str,
         cfg: FrankaCfg,
-        names: Sequence[str],
+        trial: Trial,
         make_process: Callable[..., Any] | None = None,
     ) -> None:
-        self._names = tuple(names)
-        self._orders_block, self._report_block = SharedBlock(ORDERS_SIZE), SharedBlock(report_size(len(names)))
+        self._names = tuple(trial.objects)
+        self._orders_block, self._report_block = SharedBlock(ORDERS_SIZE), SharedBlock(report_size(len(self._names)))
         self._connection, theirs = Pipe()
         self._process: Any = (make_process or get_context("spawn").Process)(
             target=_run,
-            args=(make_arm, address, cfg, self._names, self._orders_block, self._report_block, theirs),
+            args=(make_arm, address, cfg, trial, self._orders_block, self._report_block, theirs),
             name="franka-stream",
             daemon=True,
         )
@@ -176,13 +178,14 @@ def _run(
     make_arm: MakeArm,
     address: str,
     cfg: FrankaCfg,
-    names: tuple[str, ...],
+    trial: Trial,
     orders_block: SharedBlock,
     report_block: SharedBlock,
     connection: Connection,
 ) -> None:
     """Body of the process."""
     pressed: list[int] = []
+    names = tuple(trial.objects)
     if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
         for number in (signal.SIGINT, signal.SIGTERM):  # Ctrl-C reaches this process, whatever the program does
             signal.signal(number, lambda *_: pressed.append(1))
@@ -197,7 +200,8 @@ def _run(
         connection.send(str(error) or type(error).__name__)
         return
     connection.send(poses.port)
-    stream, lateness, told = Stream(arm, poses, cfg, time.monotonic), Lateness(), False
+    stream = Stream(arm, poses, cfg, time.monotonic, HandGaps(trial))
+    lateness, told = Lateness(), False
     period_s, tick, parent = 1.0 / cfg.rate_hz, 0, os.getppid()
     due, stopped_at, stopped_arm_s, still_after = time.monotonic(), 0.0, 0.0, 0.0
     try:
