@@ -12,23 +12,24 @@ from __future__ import annotations
 
 import argparse
 import json
+import tempfile
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
-from coral.contact.control.measured_contacts import touched_by, with_measured_contacts
-from coral.contact.control.mppi_controller import Controller, ControllerCfg
-from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
-from coral.contact.cost.stages import Progress
+from coral.contact.control.planning_world import PlanningWorld
+from coral.contact.cost.stages import Strategy
+from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.episode import Episode
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
 from coral.contact.rules.composition import compose
 from coral.contact.rules.program_edits import tighten
 from coral.contact.scene.geometry import from_rotvec, multiply
-from coral.contact.scene.judge import Judge
-from coral.contact.scene.observation import BodyState, Observation, Transition
+from coral.contact.scene.observation import BodyState, HandTarget, Observation
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
@@ -36,7 +37,7 @@ from coral.contact.thinker.diagnosis import Diagnosis, diagnose
 from coral.contact.thinker.evidence import collect_evidence
 from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
 from coral.contact.thinker.scene_facts import scene_facts
-from coral.contact.thinker.strategist import PlanReport
+from coral.contact.thinker.strategist import FixedStrategist, PlanReport
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 SAMPLES, HORIZON, REPLAN_STEPS, LIMIT_S = 12, 25, 4, 20.0
@@ -140,69 +141,108 @@ class PlantedResult:
     """When the episode ended."""
 
 
-def run_planted(fault: Fault, seed: int) -> PlantedResult:
+class PlantedStrategist(FixedStrategist):
+    """Follows a plan with a fault until the outer loop notices that nothing moves on, and keeps its diagnosis.
+
+    Args:
+        fault: The fault.
+    """
+
+    def __init__(self, fault: Fault) -> None:
+        self._fault, self._name, self._size = fault, "", np.zeros(3)
+        self._monitor: ProgressMonitor
+        self.diagnosis = ""
+
+    def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
+        """See `Strategist.begin`."""
+        beliefs = stated_beliefs(trial)
+        world.believe(beliefs)
+        made = compose(scene_facts(trial, first, beliefs))
+        sizes = {key: trial.size(key) for key in trial.objects}
+        self._name, self._size = next(iter(sizes.items()))
+        regions = RegionsAnswer({}) if self._fault.plan is open_fingers else made.regions
+        plan = self._fault.plan(made.plan, self._name)
+        strategy = make_strategy("planted", plan, regions, world.schema, sizes)
+        self._monitor = ProgressMonitor(OuterCfg(), tuple(stage.name for stage in strategy.stages))
+        return strategy
+
+    def on_plan(self, report: PlanReport) -> Strategy | None:
+        """See `Strategist.on_plan`."""
+        monitor, name = self._monitor, self._name
+        if not self.diagnosis and monitor.update(report):
+            surprise_m = monitor.surprise_m.get(name, 0.0)
+            evidence = collect_evidence(monitor.steps, monitor.notes, name, self._size, surprise_m)
+            self.diagnosis = diagnose(monitor.steps, name, monitor.returns, surprise_m, evidence)
+        return None
+
+    def tick(self, run: Episode) -> None:
+        """See `Observer.tick`."""
+
+    def stop_requested(self) -> str:
+        """See `Observer.stop_requested`: the first diagnosis ends the episode."""
+        return "noticed" if self.diagnosis else ""
+
+
+class MisplacedWorld(HandWorld):
+    """The free hand's world, in which objects are seen where they are not.
+
+    Args:
+        trial: The trial.
+        fault: The fault, with the error of the poses.
+    """
+
+    def __init__(self, trial: Trial, fault: Fault) -> None:
+        super().__init__(trial, HandWorldCfg())
+        self._fault = fault
+
+    def reset(self) -> Observation:
+        """See `RobotWorld.reset`."""
+        return misplaced(super().reset(), self._fault)
+
+    def step(self, target: HandTarget) -> Observation:
+        """See `RobotWorld.step`."""
+        return misplaced(super().step(target), self._fault)
+
+
+def run_planted(fault: Fault, seed: int, latency: str) -> PlantedResult:
     """Follow a plan with a fault until it is noticed, the task succeeds, or the time is over.
 
     Args:
         fault: The fault.
         seed: Of the trial and of the planner.
+        latency: What a plan takes of the world's time: `planning.latency`.
     """
-    believed = sample_trial(load_task(fault.task), seed)
-    beliefs = stated_beliefs(believed)
-    physical = {
+    trial = sample_trial(load_task(fault.task), seed)
+    objects = {
         name: replace(
-            item.physical, mass_kg=item.physical.mass_kg * fault.mass, friction=item.physical.friction * fault.friction
+            item,
+            physical=replace(
+                item.physical,
+                mass_kg=item.physical.mass_kg * fault.mass,
+                friction=item.physical.friction * fault.friction,
+            ),
         )
-        for name, item in believed.objects.items()
+        for name, item in trial.objects.items()
     }
-    true = replace(
-        believed, objects={name: replace(item, physical=physical[name]) for name, item in believed.objects.items()}
+    short = trial.task.model_copy(update={"time_limit_s": LIMIT_S})
+    trial = replace(trial, task=short, objects=objects)
+    cfg = EpisodeCfg(poses="ground-truth", replan_steps=REPLAN_STEPS)
+    mppi = replace(cfg.controller.mppi, samples=SAMPLES)
+    cfg = replace(
+        cfg,
+        controller=replace(cfg.controller, mppi=mppi, horizon=HORIZON),
+        planning=replace(cfg.planning, latency=latency, threads=1),
+        record=replace(cfg.record, states=False, report=False),
     )
-    real, judge = HandWorld(true, HandWorldCfg()), Judge(true)
-    now = _misplaced(real.reset(), fault)
-    planner = PlanningWorld(believed, beliefs, now, PlanningCfg(threads=1), np.random.default_rng([seed, 6]))
-    try:
-        return _follow(fault, real, judge, planner, believed, now, seed)
-    finally:
-        planner.close()
-        real.close()
+    strategist = PlantedStrategist(fault)
+    with tempfile.TemporaryDirectory() as folder:
+        world = MisplacedWorld(trial, fault)
+        episode = Episode(trial, world, strategist, cfg, Path(folder) / "run", variant="planted")
+        metrics = episode.run([strategist])
+    return PlantedResult(strategist.diagnosis, bool(metrics["success"]), float(metrics["sim_time_s"]))
 
 
-def _follow(
-    fault: Fault, real: HandWorld, judge: Judge, planner: PlanningWorld, trial: Trial, now: Observation, seed: int
-) -> PlantedResult:
-    made = compose(scene_facts(trial, now, planner.beliefs[0]))
-    name, sizes = next(iter(trial.objects)), {key: trial.size(key) for key in trial.objects}
-    regions = RegionsAnswer({}) if fault.plan is open_fingers else made.regions
-    strategy = make_strategy("planted", fault.plan(made.plan, name), regions, planner.schema, sizes)
-    cfg = ControllerCfg(horizon=HORIZON)
-    controller = Controller(
-        planner, replace(cfg, mppi=replace(cfg.mppi, samples=SAMPLES)), np.random.default_rng([seed, 1])
-    )
-    progress, step, taken, opening = Progress(strategy), 0, list[Transition](), now.opening_m
-    monitor = ProgressMonitor(OuterCfg(), tuple(stage.name for stage in strategy.stages))
-    while now.time_s < LIMIT_S:
-        stage = progress.stage
-        plan = controller.plan(now, stage, step)
-        touched = touched_by(planner, now, opening)
-        progress.update(with_measured_contacts(plan.now, now, touched))
-        if monitor.update(PlanReport(step, now, plan, stage.name, tuple(taken), touched, plan.now)):
-            surprise_m = monitor.surprise_m.get(name, 0.0)
-            evidence = collect_evidence(monitor.steps, monitor.notes, name, sizes[name], surprise_m)
-            kind = diagnose(monitor.steps, name, monitor.returns, surprise_m, evidence)
-            return PlantedResult(kind, False, now.time_s)
-        taken = []
-        for target in plan.targets[:REPLAN_STEPS]:
-            after = _misplaced(real.step(target), fault)
-            taken.append(Transition(now, target, after))
-            now, step, opening = after, step + 1, target.opening_m
-            if judge.success(real.truth()):
-                return PlantedResult("", True, now.time_s)
-        controller.executed(plan.targets[REPLAN_STEPS - 1], REPLAN_STEPS)
-    return PlantedResult("", False, now.time_s)
-
-
-def _misplaced(now: Observation, fault: Fault) -> Observation:
+def misplaced(now: Observation, fault: Fault) -> Observation:
     """Return an observation with the fault's error in the poses of the objects."""
     turn = from_rotvec(np.array([0.0, 0.0, fault.turn_rad]))
     objects = {
@@ -222,6 +262,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--episodes", type=int, default=10, help="episodes of each kind")
     parser.add_argument("--first-seed", type=int, default=500, help="development used seeds below 500")
+    parser.add_argument("--latency", default="fixed:0.02", help="what a plan takes of the world's time; 0: nothing")
     parser.add_argument("--kinds", default=",".join(FAULTS))
     parser.add_argument("--json", action="store_true", help="print one object for each episode")
     args = parser.parse_args()
@@ -230,7 +271,7 @@ def main() -> None:
     for kind in args.kinds.split(","):
         fault, told, good = FAULTS[kind], Counter[str](), 0
         for seed in range(args.first_seed, args.first_seed + args.episodes):
-            found = run_planted(fault, seed)
+            found = run_planted(fault, seed, args.latency)
             label = "succeeded" if found.succeeded else found.diagnosis or "not noticed"
             told[label] += 1
             good += found.diagnosis in fault.right

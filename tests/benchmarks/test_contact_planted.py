@@ -34,7 +34,7 @@ def test_every_kind_changes_something_and_is_described_by_a_diagnosis():
 
 def test_a_wrong_pose_shifts_and_turns_what_is_observed():
     body = BodyState(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
-    seen = planted._misplaced(Observation(0.0, body, 0.08, np.zeros(6), {"box": body}), planted.FAULTS["pose turned"])
+    seen = planted.misplaced(Observation(0.0, body, 0.08, np.zeros(6), {"box": body}), planted.FAULTS["pose turned"])
     np.testing.assert_allclose(seen.objects["box"].position, [0.011, 0.0, 0.0])
     np.testing.assert_allclose(seen.objects["box"].quaternion, [np.cos(0.34), 0.0, 0.0, np.sin(0.34)])
     np.testing.assert_array_equal(seen.tool.position, body.position)
