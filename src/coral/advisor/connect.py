@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import TYPE_CHECKING
 
 from coral.advisor.model_cfg import ModelCfg
@@ -47,6 +48,8 @@ def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> tuple[Model, 
     """
     from coral.advisor.wire import http_client
 
+    # A server that tells nonsense of its use is not worth a line in the terminal; the calls count anyhow.
+    warnings.filterwarnings("ignore", message="Failed to extract usage")
     client = http_client(cfg.max_reply_bytes, cfg.attempt_timeout_s)
     key = next((os.environ[name] for name in KEYS.get(provider, (LOCAL_KEY,)) if os.environ.get(name)), "none")
     if provider == "anthropic":

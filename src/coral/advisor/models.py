@@ -31,6 +31,8 @@ A = TypeVar("A", bound=BaseModel)
 
 REPAIRED = ("empty", "not-json", "missing-field", "wrong-type", "out-of-range", "invalid", "cut-off")
 """Faults of format, which a second request may repair. A refusal or an endless reply is not repeated here."""
+MOST_TOKENS = 10**9
+"""A server that tells of more in one reply is taken at this."""
 
 
 @dataclass
@@ -250,9 +252,9 @@ class ModelAdvisor:
             usd = float(response.cost().total_price)
         except (LookupError, ValueError, AssertionError):
             usd = 0.0
-        usage = response.usage
-        spent.add(input_tokens=usage.input_tokens, output_tokens=usage.output_tokens, cost_usd=usd)
-        self.ledger.add(usage.input_tokens + usage.output_tokens, usd)
+        told, wrote = (min(n, MOST_TOKENS) for n in (response.usage.input_tokens, response.usage.output_tokens))
+        spent.add(input_tokens=told, output_tokens=wrote, cost_usd=usd)
+        self.ledger.add(told + wrote, usd)
 
 
 def _plain_if_text(content: list[UserContent]) -> str | list[UserContent]:
