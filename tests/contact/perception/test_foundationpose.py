@@ -1,5 +1,7 @@
 """The FoundationPose client and server, with an estimator that knows the answer."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from stub_foundationpose import Oracle, serving
@@ -156,3 +158,30 @@ def test_a_pose_out_of_this_world_is_a_lost_object(url, seen, monkeypatch, place
     estimate = tracker.register(frame, frame.mask("box"))
     assert estimate.lost
     np.testing.assert_array_equal(estimate.T_world_object, truth)
+
+
+@pytest.mark.parametrize(("shift_m", "noticed"), [((0.01, 0, 0), False), ((0.05, 0, 0), True), ((0, 0, 0.03), True)])
+def test_a_server_that_lies_by_centimetres_is_found_out(url, seen, monkeypatch, shift_m, noticed):
+    model, frame, truth = seen
+    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
+    monkeypatch.setattr(Oracle, "answer", inverse_transform(frame.T_world_camera) @ truth)
+    believed = tracker.track(frame, frame.mask("box")).confidence
+    wrong = truth.copy()
+    wrong[:3, 3] += shift_m
+    Oracle.answer = inverse_transform(frame.T_world_camera) @ wrong
+    estimate = tracker.track(frame, frame.mask("box"))
+    assert estimate.lost == noticed
+    assert estimate.confidence < believed
+
+
+def test_a_server_that_repeats_itself_is_found_out_once_the_object_has_moved(url, seen, monkeypatch, trial):
+    model, frame, truth = seen
+    tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
+    monkeypatch.setattr(Oracle, "answer", inverse_transform(frame.T_world_camera) @ truth)
+    assert not tracker.track(frame, frame.mask("box")).lost
+    stage = PosedScene(trial, RgbdCameraCfg(width=160, height=120), None, colours="shaded")
+    moment = motion_of(trial).at(0.0)
+    moved = {name: pose.copy() for name, pose in moment.objects.items()}
+    moved["box"][0, 3] += 0.05
+    later = stage.take(replace(moment, objects=moved), np.random.default_rng(0))
+    assert tracker.track(later, later.mask("box")).lost
