@@ -61,6 +61,7 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=60, help="rehearsals per plan")
     parser.add_argument("--latency-s", type=float, default=0.05, help="time of a plan by the arm's clock")
     parser.add_argument("--speed", type=float, default=1.0, help="speed of the arm's clock: see above")
+    parser.add_argument("--touch-speed", type=float, help="limit on the speed at touch, m/s; 100: no slow approach")
     parser.add_argument("--camera", action="store_true", help="poses by a simulated camera, colour masks and trackers")
     parser.add_argument("--runs", type=Path, help="folder to keep the run folders in")
     parser.add_argument("--stops", type=int, default=5, help="stops for each cause")
@@ -85,6 +86,8 @@ def attempt(name: str, seed: int, args: argparse.Namespace) -> dict[str, Any]:
     trial = sample_trial(task, seed, name)
     cfg = resolve_episode(EpisodeCfg(), samples=args.samples, poses=None, tracker=None, fallback=None)
     arm = cfg_for_double(replace(cfg.franka, poses_port=0))
+    if args.touch_speed is not None:
+        arm = replace(arm, limits=replace(arm.limits, touch_speed_m_s=args.touch_speed))
     cfg = replace(cfg, franka=arm, planning=replace(cfg.planning, latency=f"fixed:{args.latency_s:g}"))
     cfg = replace(cfg, record=replace(cfg.record, report=False))
     double = Double(trial, arm, DoubleCfg(speed=args.speed))
