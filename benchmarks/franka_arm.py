@@ -220,7 +220,10 @@ def table(
         "# The driver against the simulated arm",
         "",
         "`python benchmarks/franka_arm.py`: franky-sim's arm with contacts. Its wrench has bias, noise and lag,",
-        "its poses 1 mm and 0.6 degrees of noise at 30 Hz; these are assumptions. Nothing was measured on a real arm.",
+        "poses by a simulated camera with noise, masks by colour and trackers (`--camera`)."
+        if args.camera
+        else "its poses 1 mm and 0.6 degrees of noise at 30 Hz; these are assumptions.",
+        "Nothing was measured on a real arm.",
     ]
     if rows:
         lines += [

@@ -2,6 +2,7 @@
 
 import dataclasses
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -125,3 +126,23 @@ def test_what_is_held_is_sent_in_the_tools_frame(job, poses, monkeypatch):
     process.close()
     poses.update(1.0, BodyState(np.array([0.0, 0.0, 0.4]), np.array([1.0, 0, 0, 0])))
     assert poses.poses["can"].position == pytest.approx([0.0, 0.0, 0.4])
+
+
+def test_trackers_are_compiled_before_poses_are_awaited(job, monkeypatch):
+    """On a fresh machine the first pictures took so long that an arm stopped for lost poses."""
+    tracked = []
+
+    class Tracker:
+        def track(self, frame, mask):
+            tracked.append(mask.any())
+
+        def close(self):
+            tracked.append("closed")
+
+    other = TrackedCfg(by="foundationpose:http://127.0.0.1:9")
+    monkeypatch.setattr(TrackedCfg, "choice", lambda self: SimpleNamespace(make=lambda model, expected: Tracker()))
+    camera_process.warm_up(job)
+    assert tracked == [True, True, "closed"] * 2
+    tracked.clear()
+    camera_process.warm_up(dataclasses.replace(job, tracked=other))
+    assert tracked == []

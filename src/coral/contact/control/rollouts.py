@@ -126,8 +126,8 @@ class Rollouts:
         each = [start for start in starts for _ in range(total // len(starts))]
         initial = np.array([start.state for start in each])
         found = Rolled(
-            _empty_column_major(total, steps // every, initial.shape[1]),
-            _empty_column_major(total, steps // every, starts[0].model.nsensordata),
+            column_major(total, steps // every, initial.shape[1]),
+            column_major(total, steps // every, starts[0].model.nsensordata),
             np.empty(total, dtype=bool),
         )
         parts = _split_into_slices(total, self._threads)
@@ -170,7 +170,7 @@ class Rollouts:
         return self._datas[model.signature]
 
 
-def _empty_column_major(*shape: int) -> Array:
+def column_major(*shape: int) -> Array:
     """Allocate an array in column-major order, as costs read it."""
     return np.moveaxis(np.empty((shape[-1], *shape[:-1])), 0, -1)
 

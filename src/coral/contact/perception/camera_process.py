@@ -21,7 +21,9 @@ from typing import Any
 
 import numpy as np
 
+from coral.contact.perception.benchmark_motions import MotionSample
 from coral.contact.perception.calibration.camera_pose_file import read_camera_pose
+from coral.contact.perception.camera import look_at
 from coral.contact.perception.cameras.camera_registry import make_camera_by_name
 from coral.contact.perception.cameras.rgbd_camera import RgbdCamera
 from coral.contact.perception.cameras.simulated_camera import SimulatedRgbdCamera
@@ -29,7 +31,8 @@ from coral.contact.perception.hand_mask import HandReading
 from coral.contact.perception.masks.colour_masks import paint_regions
 from coral.contact.perception.masks.mask_registry import MaskSetting, make_masks
 from coral.contact.perception.object_tracking import ObjectTracking, object_models
-from coral.contact.perception.tracked_cfg import TrackedCfg
+from coral.contact.perception.posed_scene import PosedScene
+from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.perception.tracked_world import nominal_pose
 from coral.contact.scene.rigid_transform import matrix_to_body
 from coral.contact.scene.trial import Trial
@@ -121,6 +124,7 @@ def _run(job: CameraJob, connection: Connection, told: SharedBlock) -> None:
     if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the program says when it ends
     try:
+        warm_up(job)
         camera, tracking = _prepare(job)
         camera.start()
     except InputError as error:
@@ -151,6 +155,24 @@ def _hand_told(told: SharedBlock) -> HandReading | None:
     """Return the newest reading; None before the first one."""
     values = told.read()
     return HandReading(values[3:].reshape(4, 4), float(values[1]), float(values[2])) if values[0] else None
+
+
+def warm_up(job: CameraJob) -> None:
+    """Track a drawn picture, so that what is compiled at its first use is compiled before an arm waits for poses."""
+    if job.tracked.by != TrackedCfg().by:  # another tracker's server is not bothered
+        return
+    trial, models = job.trial, object_models(job.trial)
+    eye = look_at(*viewpoint(trial, job.tracked))
+    scene = PosedScene(trial, job.tracked.camera, job.tracked.make_noise(), eye, colours="shaded")
+    above = np.diag([1.0, -1.0, -1.0, 1.0])
+    above[2, 3] = 0.4
+    moment = MotionSample({name: nominal_pose(trial, name) for name in models}, above, 0.08)
+    rng = np.random.default_rng(0)
+    for name, model in models.items():
+        with closing(job.tracked.choice().make(model, nominal_pose(trial, name))) as tracker:
+            for _ in range(2):
+                frame = scene.take(moment, rng)
+                tracker.track(frame, frame.mask(name))
 
 
 def _prepare(job: CameraJob) -> tuple[RgbdCamera, ObjectTracking]:
