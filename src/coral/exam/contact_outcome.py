@@ -30,6 +30,8 @@ LIMIT_S = 24.0
 """Simulated time in which a plan has to succeed; the rules need 2 to 19 s for these tasks, most where the mass that is
 believed is a quarter of the true one."""
 SAMPLES = 16
+LATENCY = "fixed:0.02"
+"""What a plan with so many rehearsals takes of the world's time while an answer is scored."""
 
 
 @dataclass(frozen=True)
@@ -86,12 +88,14 @@ def episode_cfg() -> EpisodeCfg:
 def follow(
     trial: Trial, plan: FollowedPlan, load: Loader = in_process, observers: Sequence[Any] = ()
 ) -> dict[str, Any]:
-    """Follow a plan to its end. Return the episode's metrics with `detail`, the reason of its end."""
+    """Follow a plan to its end, the time of planning charged. Return the metrics with `detail`, the end's reason."""
     short = trial.task.model_copy(update={"time_limit_s": LIMIT_S})
     with tempfile.TemporaryDirectory() as folder:
         strategist = PlanFollower(plan, load)
         trial = replace(trial, task=short)
-        episode = Episode(trial, "hand", strategist, episode_cfg(), Path(folder) / "run", variant="exam")
+        cfg = episode_cfg()
+        cfg = replace(cfg, planning=replace(cfg.planning, latency=LATENCY))
+        episode = Episode(trial, "hand", strategist, cfg, Path(folder) / "run", variant="exam")
         return {**episode.run(observers), "detail": episode.detail}
 
 
