@@ -10,7 +10,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-dev setup-libero setup-blender demo kernels test test-ray test-slurm test-warp test-lance test-rerun test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz clean help
+.PHONY: setup setup-dev setup-libero setup-blender demo kernels test test-ray test-slurm test-warp test-franka test-lance test-rerun test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -48,7 +48,7 @@ kernels: setup-dev  ## compile the kernels that most commands need
 test: kernels  ## the whole test suite
 ifeq ($(BROWSER),)
 	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not ray and not slurm and not model and not libero and not ardusub and not blender and not warp and not browser"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not ray and not slurm and not model and not libero and not ardusub and not blender and not warp and not franka and not browser"
 else
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 endif
@@ -64,6 +64,10 @@ test-slurm: setup-dev  ## jobs of Slurm, where a cluster of this machine is conf
 test-warp: setup-dev  ## rehearsals by MuJoCo Warp against MuJoCo's (a download of 150 MB; kernels compile for a minute)
 	$(PIP) --no-build-isolation --editable '.[warp]'
 	$(BIN)/python -m pytest -m warp tests/contact/control/test_warp_rollouts.py
+
+test-franka: setup-dev  ## the driver against franky-sim's arm, in real time (460 MB installed)
+	$(PIP) --no-build-isolation --editable '.[franka,franka-sim]'
+	$(BIN)/python -m pytest -m franka tests/contact/worlds/franka/test_franky_sim.py
 
 test-lance: setup-dev  ## experience memories in LanceDB, several processes writing (a download of 75 MB)
 	$(PIP) --no-build-isolation --editable '.[lance]'
