@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from statistics import fmean, median
@@ -50,6 +50,28 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
         except json.JSONDecodeError:
             continue
     return rows
+
+
+def run_missing(args: argparse.Namespace, run: Callable[[str, int, int], dict[str, Any]]) -> Sequence[dict[str, Any]]:
+    """Run the trials that `args.out` does not have yet, and return all rows.
+
+    Args:
+        args: States, tasks, suites and the folder.
+        run: Runs the trial of a suite, task and state, and returns its row.
+    """
+    args.out.mkdir(parents=True, exist_ok=True)
+    path = args.out / "trials.jsonl"
+    done = {(row["suite"], row["task"], row["state"]) for row in read_rows(path)}
+    for state in parse_seeds(args.states, "--states"):
+        for task in parse_seeds(args.tasks, "--tasks"):
+            for suite in parse_names(args.suites, "--suites"):
+                if (suite, task, state) in done:
+                    continue
+                row = run(suite, task, state)
+                with path.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(row) + "\n")
+                print(json.dumps(row), flush=True)
+    return read_rows(path)
 
 
 def print_tables(rows: Sequence[Mapping[str, Any]]) -> None:
@@ -91,20 +113,8 @@ def main() -> None:
     parser.add_argument("--world", default="panda")
     parser.add_argument("--out", type=Path, default=Path("runs/libero"))
     args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
-    path = args.out / "trials.jsonl"
     cfg = with_samples(EpisodeCfg(planning=PlanningCfg(latency=args.latency, threads=1)), args.samples)
-    done = {(row["suite"], row["task"], row["state"]) for row in read_rows(path)}
-    for state in parse_seeds(args.states, "--states"):
-        for task in parse_seeds(args.tasks, "--tasks"):
-            for suite in parse_names(args.suites, "--suites"):
-                if (suite, task, state) in done:
-                    continue
-                row = run_trial(suite, task, state, cfg, args.world, args.out)
-                with path.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(row) + "\n")
-                print(json.dumps(row), flush=True)
-    print_tables(read_rows(path))
+    print_tables(run_missing(args, lambda suite, task, state: run_trial(suite, task, state, cfg, args.world, args.out)))
 
 
 if __name__ == "__main__":

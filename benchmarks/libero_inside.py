@@ -24,9 +24,8 @@ from typing import Any, Literal
 
 import mujoco
 import numpy as np
-from libero import TASKS, print_tables, read_rows  # benchmarks/libero.py
+from libero import TASKS, print_tables, run_missing  # benchmarks/libero.py
 
-from coral.campaign.spec import parse_names, parse_seeds
 from coral.contact.control.hand_model import HandCfg
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
@@ -337,23 +336,11 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=40, help="rehearsals of a plan")
     parser.add_argument("--out", type=Path, default=Path("runs/libero-inside"))
     args = parser.parse_args()
-    args.out.mkdir(parents=True, exist_ok=True)
-    path = args.out / "trials.jsonl"
-    done = {(row["suite"], row["task"], row["state"]) for row in read_rows(path)}
     link = Link(args.python, find_package("libero:object"))
     try:
-        for state in parse_seeds(args.states, "--states"):
-            for task in parse_seeds(args.tasks, "--tasks"):
-                for suite in parse_names(args.suites, "--suites"):
-                    if (suite, task, state) in done:
-                        continue
-                    row = run_trial(link, suite, task, state, args.samples, args.out)
-                    with path.open("a", encoding="utf-8") as file:
-                        file.write(json.dumps(row) + "\n")
-                    print(json.dumps(row), flush=True)
+        rows = run_missing(args, lambda suite, task, state: run_trial(link, suite, task, state, args.samples, args.out))
     finally:
         link.close()
-    rows = read_rows(path)
     print_tables(rows)
     print(f"\nwithin {PUBLISHED_STEPS} steps: {sum(row['in_published_steps'] for row in rows)} of {len(rows)}")
 

@@ -13,7 +13,10 @@ from coral.contact.perception.foundationpose_server import Sessions, encode
 from coral.contact.perception.object_model import from_trial
 from coral.contact.perception.posed_scene import PosedScene
 from coral.contact.perception.tracker import TrackerFailed
+from coral.contact.scene.geometry import from_rotvec, rotation_of
 from coral.contact.scene.rigid_transform import inverse_transform
+from coral.contact.scene.trial import sample_trial
+from coral.contact.tasks import load_task
 from coral.errors import InputError
 
 
@@ -160,14 +163,33 @@ def test_a_pose_out_of_this_world_is_a_lost_object(url, seen, monkeypatch, place
     np.testing.assert_array_equal(estimate.T_world_object, truth)
 
 
-@pytest.mark.parametrize(("shift_m", "noticed"), [((0.01, 0, 0), False), ((0.05, 0, 0), True), ((0, 0, 0.03), True)])
-def test_a_server_that_lies_by_centimetres_is_found_out(url, seen, monkeypatch, shift_m, noticed):
-    model, frame, truth = seen
+@pytest.fixture(scope="module")
+def seen_in_full():
+    """The box of pick-box in pictures of the size that episodes use."""
+    trial = sample_trial(load_task("pick-box"), 0, "pick-box")
+    stage = PosedScene(trial, RgbdCameraCfg(), None, colours="shaded")
+    moment = motion_of(trial).at(0.0)
+    return from_trial(stage.model, trial, "box"), stage.take(moment, np.random.default_rng(0)), moment.objects["box"]
+
+
+@pytest.mark.parametrize(
+    ("shift_m", "turn_deg", "noticed"),
+    [
+        ((0.015, 0, 0), 0, False),
+        ((0, 0, 0), 40, False),
+        ((0.02, 0, 0), 0, True),
+        ((0, 0.02, 0), 0, True),
+        ((0, 0, 0.02), 0, True),
+    ],
+)
+def test_a_server_that_lies_by_two_centimetres_is_found_out(url, seen_in_full, monkeypatch, shift_m, turn_deg, noticed):
+    model, frame, truth = seen_in_full
     tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
     monkeypatch.setattr(Oracle, "answer", inverse_transform(frame.T_world_camera) @ truth)
     believed = tracker.track(frame, frame.mask("box")).confidence
     wrong = truth.copy()
     wrong[:3, 3] += shift_m
+    wrong[:3, :3] = rotation_of(from_rotvec(np.array([0, 0, np.radians(turn_deg)]))) @ wrong[:3, :3]
     Oracle.answer = inverse_transform(frame.T_world_camera) @ wrong
     estimate = tracker.track(frame, frame.mask("box"))
     assert estimate.lost == noticed

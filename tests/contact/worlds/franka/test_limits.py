@@ -8,12 +8,12 @@ from arms import DOWN, START, TOOL, arm_state
 
 from coral.contact.scene.geometry import angle_between, from_rotvec, multiply
 from coral.contact.scene.observation import HandTarget
+from coral.contact.worlds.franka.cfg import FrankaCfg
 from coral.contact.worlds.franka.hand_gaps import Gap
 from coral.contact.worlds.franka.limits import JOINT_SPEED, ArmLimitsCfg, Limits
 
-BASE = np.array([-0.5, 0.0, 0.0])
 CFG = ArmLimitsCfg(push_n=30.0, touch_speed_m_s=0.03, slow_down_s=0.15, push_speed_m_s=0.1, closing_gain=0.0)
-LIMITS = Limits(CFG, BASE, 0.05, 4.5, 0.1)
+LIMITS = Limits(FrankaCfg(limits=CFG))
 NOTHING = np.zeros(6)
 
 
@@ -127,7 +127,7 @@ def test_what_presses_elsewhere_lets_it_meet_nothing_faster():
 
 
 def test_a_hand_that_is_too_fast_is_braked_and_a_slow_one_helped():
-    limits = Limits(replace(CFG, closing_gain=2.0), BASE, 0.05, 4.5, 0.1)
+    limits = Limits(FrankaCfg(limits=replace(CFG, closing_gain=2.0)))
     assert pull(gap(TOWARDS, 0.0), speed=0.08, limits=limits) == pytest.approx([-0.07 * DAMPING, 0, 0])
     assert pull(gap(TOWARDS, 0.0), speed=0.01, limits=limits) == pytest.approx([0.07 * DAMPING, 0, 0])
     assert pull(gap(TOWARDS, 0.0), speed=0.03, limits=limits) == pytest.approx([0.03 * DAMPING, 0, 0])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
@@ -15,6 +15,9 @@ from coral.contact.scene.observation import Array, HandTarget
 from coral.contact.worlds.franka.arm import ArmState
 from coral.contact.worlds.franka.arm_geometry import self_distance
 from coral.contact.worlds.franka.hand_gaps import TOUCHING_M, Gap
+
+if TYPE_CHECKING:
+    from coral.contact.worlds.franka.cfg import FrankaCfg
 
 JOINT_LOW = np.array([-2.7437, -1.7628, -2.8973, -3.0421, -2.8065, 0.5445, -2.8973])
 JOINT_HIGH = np.array([2.7437, 1.7628, 2.8973, -0.1518, 2.8065, 3.7525, 2.8973])
@@ -70,19 +73,13 @@ class Limits:
     """Checks states and bounds targets.
 
     Args:
-        cfg: The limits.
-        base_m: Shape=(3,), the arm's base in the world frame.
-        lever_m2: Rotational stiffness (N m/rad) per translational stiffness (N/m).
-        mass_kg: Apparent mass of the hand, for which the impedance is critically damped.
-        inertia_kg_m2: Its apparent rotational inertia.
+        arm: The arm, with its limits.
     """
 
-    def __init__(
-        self, cfg: ArmLimitsCfg, base_m: Array, lever_m2: float, mass_kg: float = 4.5, inertia_kg_m2: float = 0.1
-    ) -> None:
-        self.cfg, self._lever_m2, self._mass_kg, self._inertia_kg_m2 = cfg, lever_m2, mass_kg, inertia_kg_m2
-        self._low = np.asarray(cfg.workspace_low_m, float) - base_m
-        self._high = np.asarray(cfg.workspace_high_m, float) - base_m
+    def __init__(self, arm: FrankaCfg) -> None:
+        self.cfg, self._arm = arm.limits, arm
+        self._low = np.asarray(self.cfg.workspace_low_m, float) - arm.base_m
+        self._high = np.asarray(self.cfg.workspace_high_m, float) - arm.base_m
 
     def violation(self, state: ArmState, wrench: Array) -> str:
         """Return which limit a state violates, in words with numbers; "" if it violates none.
@@ -150,7 +147,7 @@ class Limits:
         if length > most:
             lead = lead * (most / length)
         turn = to_rotvec(multiply(target.quaternion, conjugate(state.quaternion)))
-        angle, widest = float(np.linalg.norm(turn)), self.cfg.turn_n_m / (self._lever_m2 * target.stiffness)
+        angle, widest = float(np.linalg.norm(turn)), self.cfg.turn_n_m / (self._arm.lever_m2 * target.stiffness)
         if angle > widest:
             turn = turn * (widest / angle)
         lead, turn = self._slowed(
@@ -168,10 +165,10 @@ class Limits:
         more. Against a force that is felt across the gap it may pull that much more, so that a contact is pressed. What
         is felt to be touched may be pushed faster than it may be met.
         """
-        cfg = self.cfg
-        damping = 2.0 * np.sqrt(stiffness * self._mass_kg)
-        turning_stiffness = stiffness * self._lever_m2
-        spin = turn * turning_stiffness / (2.0 * np.sqrt(turning_stiffness * self._inertia_kg_m2))
+        cfg, arm = self.cfg, self._arm
+        damping = 2.0 * np.sqrt(stiffness * arm.effective_mass_kg)
+        turning_stiffness = stiffness * arm.lever_m2
+        spin = turn * turning_stiffness / (2.0 * np.sqrt(turning_stiffness * arm.effective_inertia_kg_m2))
         felt = [max(0.0, -float(force @ gap.direction)) for gap in gaps]
         meeting = [cfg.touch_speed_m_s + gap.distance_m / cfg.slow_down_s for gap in gaps]
         allowed = [

@@ -49,11 +49,7 @@ def preflight_arm(report: StreamReport, cfg: FrankaCfg, objects: Sequence[str]) 
         report.opening_m,
     )
     fastest = float(np.abs(report.speeds).max())
-    beyond = (
-        Limits(cfg.limits, np.asarray(cfg.base_m), cfg.lever_m2).violation(state, np.zeros(6))
-        if report.time_s >= 0.0
-        else ""
-    )
+    beyond = Limits(cfg).violation(state, np.zeros(6)) if report.time_s >= 0.0 else ""
     x, y, z = report.tool.position + np.asarray(cfg.base_m)
     force = float(np.linalg.norm(report.wrench[:3]))
     checks = [

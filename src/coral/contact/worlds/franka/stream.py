@@ -87,9 +87,7 @@ class Stream:
     ) -> None:
         self._arm, self._poses, self._cfg, self._clock = arm, poses, cfg, clock
         self._hand_gaps = hand_gaps
-        self._limits = Limits(
-            cfg.limits, np.asarray(cfg.base_m), cfg.lever_m2, cfg.effective_mass_kg, cfg.effective_inertia_kg_m2
-        )
+        self._limits = Limits(cfg)
         self._bias = WrenchBias(cfg.bias_readings)
         self.phase, self.cause, self.reason = Phase.WATCHING, StopCause.NONE, ""
         self.state: ArmState | None = None
