@@ -24,11 +24,20 @@ from coral.campaign.spec import parse_names, parse_seeds
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.episode.episode import Episode
+from coral.contact.episode.referee import TruthReferee
 from coral.contact.episode.resolution import with_samples
+from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.libero.package import SUITES
+from coral.contact.scene.judge import Judge
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
+from coral.contact.thinker.think_cfg import resolved
+from coral.contact.worlds.evaluation_world import TruthfulWorld
 
 TASKS = 10
+CONTROL_S = 20.0
+"""Time of a control, twice that of most successes."""
 KEPT = ("success", "end_reason", "sim_time_s", "peak_hand_force_n", "pose_error_mm", "track_lost", "wall_time_s")
 
 
@@ -39,6 +48,55 @@ def run_trial(suite: str, task: int, state: int, cfg: EpisodeCfg, world: str, ou
     folder = out / "runs" / found.name
     row = run_episode(found, cfg, folder, world=world, variant="expert-fsm", advisor="none", seed=state)
     return {"suite": suite, "task": task, "state": state, **{key: row.get(key) for key in KEPT}}
+
+
+def run_control(suite: str, task: int, state: int, cfg: EpisodeCfg, world: str, out: Path) -> dict[str, Any]:
+    """Run a trial whose robot is told another object of the scene, and return its row, judged by the right one.
+
+    `own_goal` says whether the other object was in the basket at the end.
+    """
+    right = sample_trial(load_task(f"libero:{suite}/{task}/{state}"), state)
+    (inside,) = right.task.success.conditions
+    other = next(item.name for item in right.task.objects if item.name != inside.object)
+    told = right.task.success.model_copy(update={"conditions": (inside.model_copy(update={"object": other}),)})
+    objects = sorted(right.task.objects, key=lambda item: item.name != other)  # the expert moves the first one
+    update = {"success": told, "time_limit_s": CONTROL_S, "objects": tuple(objects)}
+    wrong = replace(right, task=right.task.model_copy(update=update))
+    cfg = replace(cfg, record=replace(cfg.record, report=False, video=False))
+    folder = out / "runs" / f"{suite}-{task}-{state}"
+    think = resolved(cfg.think, cfg.controller, "none")
+    setup = AdvisorSetup(advisor="none", seed=state, world=world, folder=folder, think=think)
+    strategist = make_strategist("expert-fsm", wrong.task, setup)
+    episode = Episode(wrong, world, strategist, cfg, folder, variant="expert-fsm")
+    truthful = episode.world
+    assert isinstance(truthful, TruthfulWorld)
+    episode.referee = TruthReferee(truthful, right)
+    own = OwnGoal(Judge(wrong), truthful)
+    row = episode.run([own])
+    ids = {"suite": suite, "task": task, "state": state, "told": other, "own_goal": own.reached}
+    return {**ids, **{key: row.get(key) for key in KEPT}}
+
+
+class OwnGoal:
+    """Notices that the robot's own goal was reached, and ends the trial a second later; an observer.
+
+    Args:
+        judge: Of that goal.
+        world: The world.
+    """
+
+    def __init__(self, judge: Judge, world: TruthfulWorld) -> None:
+        self._judge, self._world = judge, world
+        self.reached, self._left = False, 25
+
+    def tick(self, run: Episode) -> None:
+        """See `Observer.tick`."""
+        self.reached = self.reached or self._judge.success(self._world.truth())
+        self._left -= self.reached
+
+    def stop_requested(self) -> str:
+        """See `Observer.stop_requested`."""
+        return "its own goal reached" if self._left <= 0 else ""
 
 
 def read_rows(path: Path) -> list[dict[str, Any]]:
@@ -111,10 +169,12 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=40, help="rehearsals of a plan")
     parser.add_argument("--latency", default="fixed:0.04", help="as --cfg.planning.latency")
     parser.add_argument("--world", default="panda")
+    parser.add_argument("--wrong-object", action="store_true", help="a control: tell the robot another object")
     parser.add_argument("--out", type=Path, default=Path("runs/libero"))
     args = parser.parse_args()
     cfg = with_samples(EpisodeCfg(planning=PlanningCfg(latency=args.latency, threads=1)), args.samples)
-    print_tables(run_missing(args, lambda suite, task, state: run_trial(suite, task, state, cfg, args.world, args.out)))
+    run = run_control if args.wrong_object else run_trial
+    print_tables(run_missing(args, lambda suite, task, state: run(suite, task, state, cfg, args.world, args.out)))
 
 
 if __name__ == "__main__":
