@@ -136,7 +136,7 @@ class PlanningWorld:
             build_model(with_beliefs(self._trial, one), self.cfg.hand, self.cfg.physics_dt_s, endless)
             for one in self.beliefs
         ]
-        if SLEEP and len(self._names) > 1 and self.cfg.rest_m_s > 0 and self.cfg.rollouts == "mujoco":
+        if self._rollouts.can_sleep and len(self._names) > 1 and self.cfg.rest_m_s > 0:
             for model in models:
                 model.opt.enableflags |= SLEEP
                 model.opt.sleep_tolerance = self.cfg.rest_m_s

@@ -45,6 +45,8 @@ class WarpRollouts:
         InputError: MuJoCo Warp is not installed, or there is no such device.
     """
 
+    can_sleep = False
+
     def __init__(self, device: str = "") -> None:
         try:
             import mujoco_warp
