@@ -74,7 +74,9 @@ class PlanFollower(FixedStrategist):
         """Record the transitions taken and the plan's cost."""
         self.taken += report.taken
         self.costs.append((report.now.time_s, report.plan.cost))
-        self.notes.append(PlanNote(report.now.time_s, report.stage, dict(report.plan.terms), dict(report.touched)))
+        terms, touched, sunk_m = dict(report.plan.terms), dict(report.touched), dict(report.sunk_m)
+        at_edge = report.plan.at_edge
+        self.notes.append(PlanNote(report.now.time_s, report.stage, terms, touched, sunk_m=sunk_m, at_edge=at_edge))
         return None
 
 

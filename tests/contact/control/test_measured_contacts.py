@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from coral.contact.control.measured_contacts import touched_by, with_measured_contacts
+from coral.contact.control.measured_contacts import sunk_into, touched_by, with_measured_contacts
 
 NOTHING = {"left": (), "right": (), "hand": ()}
 
@@ -74,3 +74,10 @@ def test_conditions_read_the_measured_contacts_and_forces(one):
     nothing = with_measured_contacts(state, now, NOTHING)
     assert not nothing.box_hand_contact
     assert not nothing.box_hand_force.any()
+
+
+def test_a_hand_beside_an_object_is_not_inside_and_closed_fingers_in_its_middle_are(one):
+    assert sunk_into(one.world, observed(one, (0, 0, 0.2))) == {"box": 0.0}
+    half = min(one.sizes["box"]) / 2
+    deep = sunk_into(one.world, observed(one, (0, 0, 0.0), opening=0.0))["box"]
+    assert 0.5 * half < deep < 2.0 * half + 0.02

@@ -88,8 +88,8 @@ def test_a_hand_that_presses_hard_against_what_lies_still_is_blocked_and_one_tha
     assert felt(35.0, steps=20, told=AHEAD) == "not-moved"
 
 
-def judged(steps, notes):
-    return diagnose(steps, "box", 0, 0.0, collect_evidence(steps, notes, "box", np.full(3, 0.06), 0.0))
+def judged(steps, notes, returns=0):
+    return diagnose(steps, "box", returns, 0.0, collect_evidence(steps, notes, "box", np.full(3, 0.06), 0.0))
 
 
 def plans(steps, *touched):
@@ -122,12 +122,34 @@ def test_forces_where_nothing_is_believed_to_be_tell_of_a_wrong_pose():
 def test_a_force_that_no_rehearsal_expects_tells_of_a_wrong_pose_and_a_harder_push_does_not():
     steps = history(110, box=BOX, force=(0.0, 0.0, 15.0), told=AHEAD)
 
-    def rehearsed(newtons):
-        return [replace(note, expected_force=(0.0, 0.0, newtons)) for note in plans(steps, "box")]
+    def rehearsed(newtons, *at_last):
+        notes = [*plans(steps[:80], "box"), *plans(steps[80:], *at_last)]
+        return [replace(note, expected_force=(0.0, 0.0, newtons)) for note in notes]
 
     assert judged(steps, rehearsed(0.0)) == "pose-wrong"
+    assert judged(steps, rehearsed(0.0, "box")) == "not-moved"  # what is held all the time is heavier than believed
     assert judged(steps, rehearsed(15.0)) == "not-moved"
     assert judged(steps, rehearsed(4.5)) == "not-moved"  # what is pushed is heavier than believed
+
+
+def test_fingers_inside_an_object_tell_of_a_wrong_pose_though_the_grasp_slipped():
+    steps = history(110, box=BOX)
+    sunk = [replace(note, sunk_m={"box": 0.02 * (k < 3)}) for k, note in enumerate(plans(steps))]
+    assert judged(steps, sunk, returns=2) == "pose-wrong"
+    shallow = [replace(note, sunk_m={"box": 0.004}) for note in plans(steps)]
+    assert judged(steps, shallow, returns=2) == "slipped"
+
+
+def test_a_hand_at_the_edge_is_led_away_by_a_reward_and_out_of_reach_by_a_cost():
+    steps = history(110, box=BOX)
+
+    def at_edge(value):
+        return [replace(note, at_edge=1.0, terms={"way": value, "small": 0.1}) for note in plans(steps)]
+
+    assert judged(steps, at_edge(-9.0)) == "led-away"
+    assert judged(steps, at_edge(3.0)) == "out-of-reach"
+    held = [replace(note, touched={"left": ("box",)}) for note in at_edge(3.0)]
+    assert judged(steps, held) == "settled"
 
 
 def test_a_hand_at_rest_that_presses_on_what_does_not_move_is_not_settled():

@@ -47,6 +47,18 @@ def test_a_force_with_nothing_near_is_unexplained():
     assert (found.force_peak_n, evidence(pushed).felt) == (3.0, 0.0)
 
 
+def test_fingers_inside_the_object_and_targets_at_the_edge_are_told():
+    notes = [replace(note(0.02 * k, terms={"way": -3.0}), sunk_m={"box": 0.008 * (k % 2)}) for k in range(100)]
+    late = [replace(each, at_edge=1.0 * (each.time_s > 0.5)) for each in notes]
+    found = evidence(history(100, box=BOX), late)
+    assert (found.sunk, found.largest_value) == (0.5, -3.0)
+    assert found.at_edge > 0.7
+    told = " ".join(found.sentences())
+    assert "At 50 % of the times the hand was inside the box by the believed poses." in told
+    assert ("stood at the edge of its workspace" in told) == (found.at_edge >= 0.8)
+    assert "edge" not in " ".join(evidence(history(100, box=BOX), notes).sentences())
+
+
 def test_felt_and_rehearsed_forces_are_compared_as_vectors():
     pushed = history(100, box=BOX, force=(0.0, 0.0, 9.0))
     notes = [

@@ -26,7 +26,7 @@ def surprise_after(seconds, period_s, cfg):
     for k in range(round(seconds / period_s) + 2):
         now = observed(k * period_s, 0.05 if k else 0.0)
         now_at = {"box_pos": now.objects["box"].position[None, None]}
-        plan = SimpleNamespace(cost=1.0, terms={}, now=now_at, expected_force=np.zeros((10, 3)))
+        plan = SimpleNamespace(cost=1.0, terms={}, now=now_at, expected_force=np.zeros((10, 3)), at_edge=0.0)
         taken = (Transition(before, still, now),) if k else ()
         monitor.update(PlanReport(k, now, plan, "push", taken, next_state=plan.now))
         before = now
@@ -49,7 +49,7 @@ def noticed_after(costs):
     monitor = ProgressMonitor(OuterCfg(), ("reach", "close", "lift"))
     for k in range(1000):
         stage, cost = costs[k % len(costs)]
-        plan = SimpleNamespace(cost=cost, terms={}, expected_force=np.full((10, 3), 2.0))
+        plan = SimpleNamespace(cost=cost, terms={}, expected_force=np.full((10, 3), 2.0), at_edge=0.0)
         if monitor.update(PlanReport(k, observed(0.04 * k, 0.0), plan, stage, ())):
             assert monitor.notes[-1].expected_force == (2.0, 2.0, 2.0)
             return 0.04 * k
@@ -59,3 +59,9 @@ def noticed_after(costs):
 def test_a_grasp_that_slips_again_and_again_is_no_progress_although_its_costs_fall_each_time():
     falling = [(stage, 3.0 - 0.1 * k) for stage in ("reach", "close", "lift") for k in range(20)]
     assert 2.0 < noticed_after(falling) < 9.0
+
+
+def test_a_reward_without_bound_that_creeps_is_no_progress_for_ever():
+    fast = [("reach", -2.0 - 0.3 * k) for k in range(40)]
+    creeping = [("reach", fast[-1][1] - 0.001 * k) for k in range(960)]
+    assert noticed_after(fast + creeping) == pytest.approx(0.04 * 40 + 15 * 0.2, abs=0.3)

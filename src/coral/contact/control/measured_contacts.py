@@ -58,6 +58,20 @@ def touched_by(world: PlanningWorld, now: Observation, commanded_opening_m: floa
     return {"left": both, "right": both, "hand": ()}
 
 
+def sunk_into(world: PlanningWorld, now: Observation) -> dict[str, float]:
+    """Return how deep (m) the hand is inside each object by the believed poses, which a true pose excludes.
+
+    Args:
+        world: The planning world; only its shapes are used.
+        now: The measured state.
+    """
+    model, data = world.placed(now)
+    own = [geom for geoms in _geoms_of(model, PARTS).values() for geom in geoms]
+    return {
+        name: max(0.0, -_gap(model, data, own, geoms)) for name, geoms in _geoms_of(model, tuple(now.objects)).items()
+    }
+
+
 def _geoms_of(model: mujoco.MjModel, bodies: tuple[str, ...]) -> dict[str, list[int]]:
     ids = {name: model.body(name).id for name in bodies}
     return {name: [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == ids[name]] for name in bodies}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
@@ -24,6 +25,8 @@ from coral.mppi.risk import RiskCfg, risk
 from coral.mppi.spline import interpolate
 
 Array = NDArray[np.float64]
+EDGE_M = 0.01
+"""A target within this distance of a bound stands at the edge."""
 GROUPS = (3, 3, 1)
 """Axes of a knot: position, rotation vector, opening."""
 
@@ -98,6 +101,8 @@ class HandPlan:
     """Number of excluded rehearsals."""
     paths: RehearsedPaths | None = None
     """Paths of rehearsals, if the controller keeps them."""
+    at_edge: float = 0.0
+    """Share of the targets at the edge of the workspace or of the arm's reach."""
 
     @property
     def cost(self) -> float:
@@ -194,6 +199,7 @@ class Controller:
             now=context.first(),
             diverged=int((~sane).sum()),
             paths=keep_paths(context, sane, weights, self.world.object_names) if self.keeps_paths else None,
+            at_edge=self._share_at_edge(targets),
         )
 
     def with_samples(self, samples: int, rng: np.random.Generator) -> Controller:
@@ -268,6 +274,20 @@ class Controller:
         away = wrist - shoulder
         far = np.linalg.norm(away, axis=-1, keepdims=True)
         return np.where(far > reach, knots[:, :3] - away * (1 - reach / np.maximum(far, reach)), knots[:, :3])
+
+    def _share_at_edge(self, targets: Sequence[HandTarget]) -> float:
+        """Return the share of targets at the edge of the workspace or of the arm's reach."""
+        cfg = self.cfg
+        places = np.array([target.position for target in targets])
+        turns = np.array([target.quaternion for target in targets])
+        at_edge = np.any(
+            (places < np.add(cfg.workspace_low_m, EDGE_M)) | (places > np.subtract(cfg.workspace_high_m, EDGE_M)),
+            axis=1,
+        )
+        if cfg.reach_m:
+            wrist = places - FLANGE_TO_TOOL_M * column_of(turns, 2)
+            at_edge |= np.linalg.norm(wrist - np.asarray(cfg.shoulder_m), axis=1) > cfg.reach_m - EDGE_M
+        return float(at_edge.mean())
 
     def _guide_samples(self, sampled: Array, start: HandTarget, aims: list[tuple[Guide, Array, Array | None]]) -> Array:
         """Replace the last samples by motions to contact points, at a random speed, with half of the noise."""

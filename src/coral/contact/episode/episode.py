@@ -14,7 +14,7 @@ import numpy as np
 
 from coral.config import checked, to_mapping, whole_steps
 from coral.contact.control.hand_controllers import HandController, MakeHandController, hand_controller_maker
-from coral.contact.control.measured_contacts import touched_by, with_measured_contacts
+from coral.contact.control.measured_contacts import sunk_into, touched_by, with_measured_contacts
 from coral.contact.control.mppi_controller import Controller, HandPlan
 from coral.contact.control.plan_latency import PlanLatency
 from coral.contact.control.planning_world import PlanningWorld
@@ -305,7 +305,10 @@ class Episode:
             planner = self.controller if isinstance(self.controller, Controller) else None
             predicted = self._next_state(plan)
             plan_s = 0.0 if self._meanwhile is not None else self.latency.plan_s
-            report = PlanReport(self.step, self.now, plan, stage.name, taken, self._touched, predicted, planner, plan_s)
+            sunk_m = sunk_into(self.planner, self.now)
+            report = PlanReport(
+                self.step, self.now, plan, stage.name, taken, self._touched, sunk_m, predicted, planner, plan_s
+            )
             other = self._ask_strategist(lambda: self.strategist.on_plan(report))
         except CostError as error:
             self._cost_error(error, stage.name)

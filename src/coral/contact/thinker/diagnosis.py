@@ -8,7 +8,7 @@ from typing import Any, Literal, TypedDict
 import numpy as np
 
 from coral.contact.scene.observation import Transition
-from coral.contact.thinker.evidence import Evidence
+from coral.contact.thinker.evidence import MOSTLY, Evidence
 from coral.contact.thinker.plan_note import PlanNote
 
 Diagnosis = Literal[
@@ -31,9 +31,10 @@ TEXTS: Mapping[Diagnosis, str] = {
     "there, or the way in is wrong",
     "led-away": "the hand never touched the object and went away from it: a term of the cost has the wrong sign, or "
     "rewards the distance",
-    "out-of-reach": "the hand stays behind its commands although it feels nothing: the arm does not reach so far",
-    "pose-wrong": "the hand feels forces where nothing is near it by the believed poses, or that no rehearsal "
-    "expects: an object is not where it is believed to be",
+    "out-of-reach": "the hand stands at the edge of its workspace, or behind its commands although it feels nothing: "
+    "its cost leads it to where the arm does not reach",
+    "pose-wrong": "by the believed poses the hand is inside an object, or feels forces where nothing is near it, or "
+    "forces that no rehearsal expects: an object is not where it is believed to be",
     "slipped": "contact was made and lost again and again",
     "settled": "the hand stays where it was told to be, and the stage does not end there: its cost leads to a "
     "wrong place, or the condition that ends it is wrong",
@@ -88,8 +89,12 @@ UNREHEARSED_N = 8.0
 what the worst beliefs of mass and friction explain of a push (5 N, measured)."""
 OF_REHEARSED = 3.0
 """It also is so many times what was rehearsed: else the hand pushes what it means to push, and that is heavier."""
+ALWAYS = 0.95
+"""Share of the plans from which an object counts as touched all the time."""
 FELT_PLANS = 0.2
 """Share of the plans at which a force must have been felt to doubt a pose."""
+SUNK_PLANS = 0.05
+"""Share of the plans with fingers inside the object from which its pose is doubted."""
 
 
 def diagnose(
@@ -104,12 +109,16 @@ def diagnose(
         surprise_m: Distance between the object and its predicted position after one step, summed over a second.
         evidence: What the record says besides; None judges by the steps alone.
     """
+    if not steps:
+        return "slipped" if returns >= 2 else "no-progress"
+    if evidence is not None and _contradicts_the_pose(evidence):
+        return "pose-wrong"
     if returns >= 2:
         return "slipped"
-    if not steps:
-        return "no-progress"
-    if evidence is not None and evidence.felt >= FELT_PLANS and _meets_the_unknown(evidence):
+    if evidence is not None and _meets_the_unrehearsed(evidence):
         return "pose-wrong"
+    if evidence is not None and evidence.at_edge >= MOSTLY and not evidence.touched and not evidence.felt:
+        return "led-away" if evidence.largest_value < 0.0 else "out-of-reach"
     if _is_settled(steps) and not _presses_in_vain(evidence):
         return "settled"
     if _blocked(steps, name):
@@ -151,10 +160,16 @@ def _is_settled(steps: Sequence[Transition]) -> bool:
     return bool(np.linalg.norm(drift, axis=1).max() < REST_M and np.linalg.norm(ahead) < AHEAD_M)
 
 
-def _meets_the_unknown(evidence: Evidence) -> bool:
-    """Check whether the hand feels what is not there by the believed poses, or what no rehearsal expects."""
+def _contradicts_the_pose(evidence: Evidence) -> bool:
+    """Check whether the hand is where the object should be, or feels what is not there, by the believed poses."""
+    unexplained = evidence.felt >= FELT_PLANS and evidence.unexplained >= UNEXPLAINED
+    return unexplained or evidence.sunk >= SUNK_PLANS
+
+
+def _meets_the_unrehearsed(evidence: Evidence) -> bool:
+    """Check whether the hand feels what no rehearsal expects, and not by holding what is heavier than believed."""
     unrehearsed = evidence.unrehearsed_n > max(UNREHEARSED_N, OF_REHEARSED * evidence.rehearsed_n)
-    return evidence.unexplained >= UNEXPLAINED or unrehearsed
+    return evidence.felt >= FELT_PLANS and evidence.touched < ALWAYS and unrehearsed
 
 
 def _presses_in_vain(evidence: Evidence | None) -> bool:

@@ -13,6 +13,13 @@ from coral.contact.thinker.plan_note import PlanNote
 
 FELT_N = 1.0
 """A force above this is a touch of something."""
+SUNK_M = 0.006
+"""A hand that is so much deeper in an object than its surface is not where it is believed to be, or the object is not:
+tracked poses are off by millimetres."""
+MOSTLY = 0.8
+"""Share from which something is told to be so."""
+END_S = 2.0
+"""Time at the end of the record in which targets at the edge count."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +58,18 @@ class Evidence:
     """Its turn."""
     lag_m: float
     """Mean distance of the hand from its commands."""
+    sunk: float
+    """Share of the plans at which the hand was deep inside the object by the believed poses."""
+    at_edge: float
+    """Share of the last targets at the edge of the workspace or of the arm's reach."""
     surprise_m: float
     """Distance of the object from where plans predicted it, summed with a decay of a second."""
     largest_term: str
     """The term that held the cost up at the end; "" if unknown."""
     largest_share: float
     """Its share of the sum of all terms' magnitudes."""
+    largest_value: float
+    """Its value."""
 
     def sentences(self) -> list[str]:
         """Return the evidence in sentences, for prompts and events."""
@@ -82,6 +95,12 @@ class Evidence:
                 f"The force differed from the rehearsed one by {self.unrehearsed_n:.1f} N in the mean; "
                 f"{self.rehearsed_n:.1f} N were rehearsed."
             )
+        if self.sunk:
+            told.append(
+                f"At {100 * self.sunk:.0f} % of the times the hand was inside the {self.name} by the believed poses."
+            )
+        if self.at_edge >= MOSTLY:
+            told.append("At the end its targets stood at the edge of its workspace.")
         if self.largest_term:
             told.append(f"The term {self.largest_term!r} makes up {100 * self.largest_share:.0f} % of the cost.")
         return told
@@ -105,6 +124,7 @@ def collect_evidence(
     ends = np.array([step.after.time_s for step in steps])
     touched, others, felt, unexplained = 0, dict[str, int](), 0, 0
     felt_n, rehearsed_n = np.zeros(3), np.zeros(3)
+    late = [note for note in notes if note.time_s > ends[-1] - END_S]
     for note in notes:
         things = {thing for each in note.touched.values() for thing in each}
         touched += name in things
@@ -136,9 +156,12 @@ def collect_evidence(
         moved_m=float(np.linalg.norm(last.position - first.position)),
         turned_deg=float(np.degrees(np.linalg.norm(to_rotvec(multiply(conjugate(first.quaternion), last.quaternion))))),
         lag_m=float(np.mean([np.linalg.norm(step.command.position - step.after.tool.position) for step in steps])),
+        sunk=sum(note.sunk_m.get(name, 0.0) > SUNK_M for note in notes) / max(len(notes), 1),
+        at_edge=sum(note.at_edge for note in late) / max(len(late), 1),
         surprise_m=surprise_m,
         largest_term=largest,
         largest_share=abs(terms[largest]) / whole if whole else 0.0,
+        largest_value=terms.get(largest, 0.0),
     )
 
 

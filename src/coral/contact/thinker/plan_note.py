@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 FORCE_STEPS = 5
 """Control steps over which the rehearsed force is averaged: a contact chatters from step to step."""
@@ -23,3 +23,7 @@ class PlanNote:
     """What the parts of the hand touched, as measured."""
     expected_force: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Force on the hand (N) that the rehearsals expect, the mean of the first `FORCE_STEPS` control steps."""
+    sunk_m: Mapping[str, float] = field(default_factory=dict)
+    """How deep (m) the hand was inside each object by the believed poses."""
+    at_edge: float = 0.0
+    """Share of the plan's targets at the edge of the workspace or of the arm's reach."""

@@ -24,7 +24,7 @@ class OuterCfg:
     """Simulated time that counts as one attempt of the inner loop, which replans every 20 to 40 ms: n_retry attempts
     make 3 s, after which a person would call it stuck."""
     progress: Fraction = 0.02
-    """Progress is a fall of the expected cost by this share of its value when the stage began."""
+    """Progress is a fall of the expected cost by this share of its value when the stage began, or of its fall since."""
     progress_m: Positive = 0.01
     """An object that is this much farther than ever from its position when the stage began is progress too: a slow,
     steady push succeeds while its cost, of speed and force, stays constant."""
@@ -96,13 +96,21 @@ class ProgressMonitor:
                 self._restart_attempts(now)
         elif self._moved_farther(report) and stage >= self._farthest_stage:
             self._restart_attempts(now)
-        elif cost < self._best_cost[stage] - self.cfg.progress * max(abs(self._first_cost[stage]), 0.1):
+        elif cost < self._best_cost[stage] - self.cfg.progress * self._scale(stage):
             self._best_cost[stage] = cost
             if stage >= self._farthest_stage:
                 self._restart_attempts(now)
         if now - self._attempt_began_s >= self.cfg.attempt_s - 1e-9:
             self.attempts, self._attempt_began_s = self.attempts + 1, now
         return self.attempts >= self.cfg.n_retry
+
+    def _scale(self, stage: int) -> float:
+        """Return the cost by which progress is measured: at the stage's begin, or the fall since, if that is more.
+
+        A reward without bound would else fall for ever by small shares of a small first cost.
+        """
+        first = self._first_cost[stage]
+        return max(abs(first), first - self._best_cost[stage], 0.1)
 
     def _moved_farther(self, report: PlanReport) -> bool:
         """Check whether an object is farther than ever from its position when the stage began."""
@@ -122,7 +130,8 @@ class ProgressMonitor:
         force = np.mean(np.asarray(report.plan.expected_force)[:FORCE_STEPS], axis=0)
         expected = (float(force[0]), float(force[1]), float(force[2]))
         terms, touched = dict(report.plan.terms), dict(report.touched)
-        self.notes.append(PlanNote(report.now.time_s, report.stage, terms, touched, expected))
+        sunk_m, at_edge = dict(report.sunk_m), report.plan.at_edge
+        self.notes.append(PlanNote(report.now.time_s, report.stage, terms, touched, expected, sunk_m, at_edge))
         self._add_surprises(report)
         horizon = report.now.time_s - self.cfg.history_s
         while self.steps and self.steps[0].before.time_s < horizon:

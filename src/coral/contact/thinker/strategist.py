@@ -46,6 +46,8 @@ class PlanReport:
     """Control steps since the previous plan."""
     touched: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """What the left and the right finger and the rest of the hand touch, as measured."""
+    sunk_m: Mapping[str, float] = field(default_factory=dict)
+    """How deep (m) the hand is inside each object by the believed poses."""
     next_state: Context | None = None
     """Predicted state after the next control step; None if the hand holds still until this plan is ready."""
     planner: Controller | None = None
