@@ -4,8 +4,9 @@
 
 The stream takes turns between two families of tasks; each trial is one of the development cases of the memory's test
 set (`coral memory bench`) or the shipped task itself, with a seed of its own. Both arms see the same stream with the
-same seeds, in the hand world, with few samples and true poses. The advisor is the rule system with plausible errors in
-half of its answers (`sloppy`), which is what a memory of successes can make up for. The memory begins empty.
+same seeds, in the hand world, with few samples, true poses and the time of planning charged (0.02 s). The advisor is
+the rule system with plausible errors in half of its answers (`sloppy`), which is what a memory of successes can make up
+for. The memory begins empty.
 
 A line of JSON for each trial is appended to OUT/trials.jsonl; a second call goes on where the first one stopped. The
 figure is OUT/lifelong.png.
@@ -15,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shutil
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -66,10 +68,11 @@ def run_trial(task: Task, k: int, arm: str, advisor: str, samples: int, out: Pat
         poses="ground-truth",
         replan_steps=4,
         controller=ControllerCfg(mppi=KnotMppiCfg(samples=samples)),
-        planning=PlanningCfg(threads=1),
+        planning=PlanningCfg(threads=1, latency="fixed:0.02"),
     )
     cfg = replace(cfg, record=replace(cfg.record, report=False, video=False))
     folder = out / arm.replace(" ", "-") / f"{k:03d}"
+    shutil.rmtree(folder, ignore_errors=True)  # what a stopped run left: a trial that ended has a row
     setup = AdvisorSetup(
         advisor=advisor,
         seed=FIRST_SEED + k,

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shutil
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -45,9 +46,15 @@ def run_trial(suite: str, task: int, state: int, cfg: EpisodeCfg, world: str, ou
     """Run a trial and return its row."""
     cfg = replace(cfg, record=replace(cfg.record, report=False, video=False))
     found = load_task(f"libero:{suite}/{task}/{state}")
-    folder = out / "runs" / found.name
+    folder = cleared(out / "runs" / found.name)
     row = run_episode(found, cfg, folder, world=world, variant="expert-fsm", advisor="none", seed=state)
     return {"suite": suite, "task": task, "state": state, **{key: row.get(key) for key in KEPT}}
+
+
+def cleared(folder: Path) -> Path:
+    """Return a trial's folder without what a stopped run left in it; a trial that ended has a row and never gets here."""
+    shutil.rmtree(folder, ignore_errors=True)
+    return folder
 
 
 def run_control(suite: str, task: int, state: int, cfg: EpisodeCfg, world: str, out: Path) -> dict[str, Any]:
@@ -63,7 +70,7 @@ def run_control(suite: str, task: int, state: int, cfg: EpisodeCfg, world: str, 
     update = {"success": told, "time_limit_s": CONTROL_S, "objects": tuple(objects)}
     wrong = replace(right, task=right.task.model_copy(update=update))
     cfg = replace(cfg, record=replace(cfg.record, report=False, video=False))
-    folder = out / "runs" / f"{suite}-{task}-{state}"
+    folder = cleared(out / "runs" / f"{suite}-{task}-{state}")
     think = resolved(cfg.think, cfg.controller, "none")
     setup = AdvisorSetup(advisor="none", seed=state, world=world, folder=folder, think=think)
     strategist = make_strategist("expert-fsm", wrong.task, setup)

@@ -24,7 +24,7 @@ from typing import Any, Literal
 
 import mujoco
 import numpy as np
-from libero import TASKS, print_tables, run_missing  # benchmarks/libero.py
+from libero import TASKS, cleared, print_tables, run_missing  # benchmarks/libero.py
 
 from coral.contact.control.hand_model import HandCfg
 from coral.contact.control.mppi_controller import ControllerCfg
@@ -304,7 +304,7 @@ def run_trial(link: Link, suite: str, task: int, state: int, samples: int, out: 
     cfg = replace(cfg, think=replace(cfg.think, outer=replace(cfg.think.outer, replay_dt_s=0.005)))
     scene = LiberoScene(link, trial, package, package.tasks()[task], state)
     world = LiberoWorld(scene, trial, TrackedCfg(period_s=PERIOD_S, latency_s=PERIOD_S))
-    folder = out / "runs" / trial.task.name
+    folder = cleared(out / "runs" / trial.task.name)
     think = resolved(cfg.think, cfg.controller, "none")
     setup = AdvisorSetup(advisor="none", seed=state, world="panda", folder=folder, think=think)
     strategist = make_strategist("expert-fsm", trial.task, setup)

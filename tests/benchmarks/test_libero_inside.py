@@ -131,3 +131,12 @@ def test_a_program_that_has_ended_is_a_lost_link(inside, tmp_path):
         link.ask("picture")
     assert lost.value.code == "link-lost"
     link.close()
+
+
+def test_a_trial_that_a_stopped_run_left_begins_anew(inside, tmp_path):
+    left = tmp_path / "runs" / "task"
+    left.mkdir(parents=True)
+    (left / "events.jsonl").write_text("{}\n")
+    assert inside.cleared(left) == left
+    assert not left.exists()
+    assert inside.cleared(left) == left
