@@ -52,7 +52,7 @@ def run_trial(suite: str, task: int, state: int, cfg: EpisodeCfg, world: str, ou
 
 
 def cleared(folder: Path) -> Path:
-    """Return a trial's folder without what a stopped run left in it; a trial that ended has a row and never gets here."""
+    """Return a trial's folder without what a stopped run left; a trial that ended has a row and never gets here."""
     shutil.rmtree(folder, ignore_errors=True)
     return folder
 
