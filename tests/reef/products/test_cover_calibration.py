@@ -54,7 +54,12 @@ def test_the_shipped_network_is_calibrated():
 
 @pytest.mark.parametrize(
     ("change", "said"),
-    [({"cover": [0.1]}, "found 1 numbers"), ({"common": "much"}, "ValueError"), ({"patch_m": -1.0}, "from 0 on")],
+    [
+        ({"cover": [0.1]}, "found 1 numbers"),
+        ({"common": "much"}, "ValueError"),
+        ({"patch_m": -1.0}, "from 0 on"),
+        ({"common": 10**400}, "OverflowError"),
+    ],
 )
 def test_a_broken_calibration_is_told(tmp_path, change, said):
     path = tmp_path / "net.cover.json"

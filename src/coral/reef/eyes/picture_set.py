@@ -97,7 +97,7 @@ def read_pictures(folder: Path) -> Iterator[tuple[TakenPicture, Frame]]:
                 hfov_deg=float(row["hfov_deg"]),
                 range_m=float(row["range_m"]),
             )
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, OverflowError):
             raise InputError(
                 str(index), f"line {number}", "a broken line", f"values for {', '.join(COLUMNS)}"
             ) from None

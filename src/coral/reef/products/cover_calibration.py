@@ -96,7 +96,7 @@ def read_calibration(path: Path) -> CoverCalibration:
             reefs=int(values["reefs"]),
             made_by=str(values["made_by"]),
         )
-    except (ValueError, TypeError, KeyError) as error:
+    except (ValueError, TypeError, KeyError, OverflowError) as error:
         raise InputError(str(path), "", f"{type(error).__name__} {error}", expected) from None
     numbers = np.array([*made.cover, made.common, made.patch_m])
     if len(made.cover) != BINS or not (np.isfinite(numbers) & (numbers >= 0.0)).all():

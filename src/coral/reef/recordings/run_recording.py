@@ -109,7 +109,7 @@ def _world(path: Path, config: dict[str, Any]) -> tuple[str, tuple[float, float]
     try:
         width, height = (float(edge) for edge in world["size_m"])
         start = Pose(*(float(world["start"][name]) for name in ("x", "y", "theta")))
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, OverflowError):
         raise InputError(str(path / "world.yaml"), "size_m, start", "values missing", "a reef world") from None
     return str(world.get("name", path.name)), (width, height), start
 

@@ -26,6 +26,7 @@ def test_nothing_is_overwritten(tmp_path):
         ("position_m", "position", "position"),
         ("quaternion:", "quaternion: [1, 1, 0, 0]\nmethod: x\n#", "length 1.4"),
         ("quaternion:", "quaternion: [1, 0]\nmethod: x\n#", "4 finite numbers"),
+        ("[0, 0, 1]", f"[0, 0, {10**400}]", "3 finite numbers"),
     ],
 )
 def test_a_broken_file_names_the_field(tmp_path, old, new, told):

@@ -84,6 +84,7 @@ def test_a_pixel_without_depth_is_named(pixel, told):
         ("touches: 3", "no list"),
         ("touches: [1, 2, 3, 4]", r"touches\[0\]\.pixel"),
         ("touches: [{pixel: [1, 2], touched_m: [1, 2]}, 2, 3, 4]", r"touches\[0\]\.touched_m"),
+        (f"touches: [{{pixel: [1, {10**400}], touched_m: [1, 2, 3]}}, 2, 3, 4]", r"touches\[0\]\.pixel"),
     ],
 )
 def test_a_broken_file_names_the_field(tmp_path, text, told):

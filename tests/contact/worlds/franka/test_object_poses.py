@@ -87,6 +87,7 @@ def test_the_velocity_is_a_smoothed_difference(poses):
         b'{"objects": {"box": {"position": [0, 0, 0], "quaternion": [0, 0, 0, 0]}}}',
         json.dumps({"objects": {"box": None}}).encode(),
         b'{"objects": {"box": {"position": [0, 0, 0], "quaternion": [1, 0, 0, 0], "in": "camera"}}}',
+        b'{"objects": {"box": {"position": [0, 0, 1%s], "quaternion": [1, 0, 0, 0]}}}' % (b"0" * 400),
     ],
 )
 def test_a_malformed_datagram_is_counted_and_ignored(poses, data):

@@ -69,7 +69,7 @@ def read_pose(entry: Any, where: str, field: str = "", position_key: str = "posi
     for key, count in ((position_key, 3), ("quaternion", 4)):
         try:
             found = np.asarray(entry[key], float)
-        except (TypeError, KeyError, ValueError):
+        except (TypeError, KeyError, ValueError, OverflowError):
             found = np.empty(0)
         if found.shape != (count,) or not np.isfinite(found).all():
             raise InputError(where, f"{prefix}{key}", "missing or broken", f"{count} finite numbers")

@@ -107,7 +107,7 @@ def read_touches(path: Path) -> list[Touch]:
         for key, count in (("pixel", 2), ("touched_m", 3)):
             try:
                 found_numbers = np.asarray(entry[key], float)
-            except (TypeError, KeyError, ValueError):
+            except (TypeError, KeyError, ValueError, OverflowError):
                 found_numbers = np.empty(0)
             if found_numbers.shape != (count,) or not np.isfinite(found_numbers).all():
                 raise InputError(str(path), f"touches[{k}].{key}", "missing or broken", f"{count} finite numbers")

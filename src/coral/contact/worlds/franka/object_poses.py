@@ -133,7 +133,7 @@ def parse_poses(data: bytes) -> ToldPoses | None:
         told = {str(name): (_frame(value), _pose(value)) for name, value in json.loads(data)["objects"].items()}
         seen, held = ({name: pose for name, (frame, pose) in told.items() if frame == one} for one in FRAMES)
         return ToldPoses(seen, held)
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         return None
 
 
@@ -180,7 +180,7 @@ def parse_state(data: bytes) -> Truth | None:
         objects = {str(name): _pose(value) for name, value in message["objects"].items()}
         time_s, opening_m = float(message["time_s"]), float(message["opening_m"])
         return Truth(time_s, _pose(message["tool"]), opening_m, objects, (), contacts_known=False)
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         return None
 
 
