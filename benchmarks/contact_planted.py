@@ -14,12 +14,14 @@ import argparse
 import json
 import tempfile
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 
+from coral.campaign.contact_tables import wilson
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.episode.cfg import EpisodeCfg
@@ -119,6 +121,13 @@ FAULTS: dict[str, Fault] = {
         "push-force",
         ("blocked",),
         first_cost("10.0 * norm(self.ee_pos - self.{name}_init_pos - np.array([-0.15, 0.0, -0.15]))"),
+    ),
+    "pressed on the box": Fault(
+        "pick-box",
+        ("blocked",),
+        first_cost(
+            "10.0 * norm(self.ee_pos - self.{name}_init_pos + np.array([0.0, 0.0, 0.1])) + 200.0 * self.gripper_target"
+        ),
     ),
     "too heavy": Fault("push-force", ("not-moved", "moved-otherwise"), mass=20.0),
     "fingers held open": Fault("pick-box", ("settled", "slipped"), open_fingers),
@@ -257,6 +266,29 @@ def misplaced(now: Observation, fault: Fault) -> Observation:
     return replace(now, objects=objects)
 
 
+def summary(results: Sequence[tuple[Fault, PlantedResult]]) -> list[str]:
+    """Return what the episodes show together, in lines: shares, what always saying the same would score, times."""
+    judged = [(fault, found) for fault, found in results if not found.succeeded]
+    right = sum(found.diagnosis in fault.right for fault, found in judged)
+    low, high = wilson(right, len(judged))
+    settled = sum("settled" in fault.right for fault, _ in judged)
+    sound = [found for fault, found in judged if not (any(fault.shift_m) or fault.turn_rad)]
+    blamed = sum(found.diagnosis == "pose-wrong" for found in sound)
+    times = [found.time_s for _, found in judged if found.diagnosis]
+    lines = [
+        f"right: {_share(right, len(judged))}, 95 % interval {100 * low:.0f} to {100 * high:.0f} %",
+        f"always saying settled: {_share(settled, len(judged))}",
+        f"a pose blamed that was right: {_share(blamed, len(sound))}",
+    ]
+    if times:
+        lines.append(f"noticed after {min(times):.1f} to {max(times):.1f} s, median {median(times):.1f} s")
+    return lines
+
+
+def _share(part: int, whole: int) -> str:
+    return f"{part} of {whole} ({100 * part / max(whole, 1):.0f} %)"
+
+
 def main() -> None:
     """Print a row for each kind: right, wrong, not noticed, succeeded in spite of it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -266,24 +298,23 @@ def main() -> None:
     parser.add_argument("--kinds", default=",".join(FAULTS))
     parser.add_argument("--json", action="store_true", help="print one object for each episode")
     args = parser.parse_args()
-    rows = []
-    right = judged = 0
+    rows, found_all = [], list[tuple[Fault, PlantedResult]]()
     for kind in args.kinds.split(","):
         fault, told, good = FAULTS[kind], Counter[str](), 0
         for seed in range(args.first_seed, args.first_seed + args.episodes):
             found = run_planted(fault, seed, args.latency)
+            found_all.append((fault, found))
             label = "succeeded" if found.succeeded else found.diagnosis or "not noticed"
             told[label] += 1
             good += found.diagnosis in fault.right
             if args.json:
                 print(json.dumps({"kind": kind, "seed": seed, "told": label, "time_s": found.time_s}), flush=True)
         counted = args.episodes - told["succeeded"]
-        right, judged = right + good, judged + counted
         seen = ", ".join(f"{label} {count}" for label, count in told.most_common())
         rows.append(f"| {kind} | {', '.join(fault.right)} | {good} of {counted} | {seen} |")
     print("| planted | right diagnoses | right | said |\n|---|---|---|---|")
     print("\n".join(rows))
-    print(f"right: {right} of {judged} ({100 * right / max(judged, 1):.0f} %)")
+    print("\n".join(summary(found_all)))
 
 
 if __name__ == "__main__":

@@ -38,3 +38,16 @@ def test_a_wrong_pose_shifts_and_turns_what_is_observed():
     np.testing.assert_allclose(seen.objects["box"].position, [0.011, 0.0, 0.0])
     np.testing.assert_allclose(seen.objects["box"].quaternion, [np.cos(0.34), 0.0, 0.0, np.sin(0.34)])
     np.testing.assert_array_equal(seen.tool.position, body.position)
+
+
+def test_the_summary_counts_what_did_not_succeed_and_blames_of_right_poses():
+    sign, shifted = planted.FAULTS["wrong sign"], planted.FAULTS["pose shifted"]
+    told = [(sign, "led-away", 4.0), (sign, "pose-wrong", 6.0), (shifted, "pose-wrong", 9.0), (shifted, "", 20.0)]
+    results = [(fault, planted.PlantedResult(word, False, time_s)) for fault, word, time_s in told]
+    lines = planted.summary([*results, (sign, planted.PlantedResult("", True, 3.0))])
+    assert lines[0].startswith("right: 2 of 4 (50 %)")
+    assert lines[1:] == [
+        "always saying settled: 2 of 4 (50 %)",
+        "a pose blamed that was right: 1 of 2 (50 %)",
+        "noticed after 4.0 to 9.0 s, median 6.0 s",
+    ]

@@ -19,7 +19,7 @@ from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.rehearsal import sample_states
 from coral.contact.scene.observation import Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
-from coral.contact.thinker.plan_note import PlanNote
+from coral.contact.thinker.plan_note import PlanNote, note_of
 from coral.contact.thinker.strategist import FixedStrategist, NoStrategy, PlanReport
 from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.exam.contact_scenes import trial_from_json
@@ -74,9 +74,7 @@ class PlanFollower(FixedStrategist):
         """Record the transitions taken and the plan's cost."""
         self.taken += report.taken
         self.costs.append((report.now.time_s, report.plan.cost))
-        terms, touched, sunk_m = dict(report.plan.terms), dict(report.touched), dict(report.sunk_m)
-        at_edge = report.plan.at_edge
-        self.notes.append(PlanNote(report.now.time_s, report.stage, terms, touched, sunk_m=sunk_m, at_edge=at_edge))
+        self.notes.append(note_of(report))
         return None
 
 

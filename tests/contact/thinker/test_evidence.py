@@ -49,14 +49,19 @@ def test_a_force_with_nothing_near_is_unexplained():
 
 def test_fingers_inside_the_object_and_targets_at_the_edge_are_told():
     notes = [replace(note(0.02 * k, terms={"way": -3.0}), sunk_m={"box": 0.008 * (k % 2)}) for k in range(100)]
-    late = [replace(each, at_edge=1.0 * (each.time_s > 0.5)) for each in notes]
-    found = evidence(history(100, box=BOX), late)
-    assert (found.sunk, found.largest_value) == (0.5, -3.0)
-    assert found.at_edge > 0.7
+    at_edge = [replace(each, at_edge=0.9) for each in notes]
+    found = evidence(history(100, box=BOX), at_edge)
+    assert (found.sunk, found.largest_value, found.at_edge) == (0.5, -3.0, pytest.approx(0.9))
     told = " ".join(found.sentences())
     assert "At 50 % of the times the hand was inside the box by the believed poses." in told
-    assert ("stood at the edge of its workspace" in told) == (found.at_edge >= 0.8)
+    assert "At the end its targets stood at the edge of its workspace." in told
     assert "edge" not in " ".join(evidence(history(100, box=BOX), notes).sentences())
+
+
+def test_a_hand_that_presses_hard_is_a_little_inside_what_it_presses_on():
+    notes = [replace(note(0.02 * k, "box"), sunk_m={"box": 0.010}) for k in range(100)]
+    assert evidence(history(100, box=BOX), notes).sunk == 1.0
+    assert evidence(history(100, box=BOX, force=(0.0, 0.0, 30.0)), notes).sunk == 0.0
 
 
 def test_felt_and_rehearsed_forces_are_compared_as_vectors():

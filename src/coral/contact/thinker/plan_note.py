@@ -4,6 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from coral.contact.thinker.strategist import PlanReport
 
 FORCE_STEPS = 5
 """Control steps over which the rehearsed force is averaged: a contact chatters from step to step."""
@@ -27,3 +33,18 @@ class PlanNote:
     """How deep (m) the hand was inside each object by the believed poses."""
     at_edge: float = 0.0
     """Share of the plan's targets at the edge of the workspace or of the arm's reach."""
+
+
+def note_of(report: PlanReport) -> PlanNote:
+    """Return what is kept of a report."""
+    plan = report.plan
+    x, y, z = np.mean(np.asarray(plan.expected_force)[:FORCE_STEPS], axis=0)
+    return PlanNote(
+        report.now.time_s,
+        report.stage,
+        dict(plan.terms),
+        dict(report.touched),
+        (float(x), float(y), float(z)),
+        dict(report.sunk_m),
+        plan.at_edge,
+    )

@@ -10,7 +10,7 @@ import numpy as np
 
 from coral.config import Count, Fraction, NonNegative, Positive
 from coral.contact.scene.observation import Array, Transition
-from coral.contact.thinker.plan_note import FORCE_STEPS, PlanNote
+from coral.contact.thinker.plan_note import PlanNote, note_of
 from coral.contact.thinker.strategist import PlanReport
 
 
@@ -127,11 +127,7 @@ class ProgressMonitor:
     def _remember(self, report: PlanReport) -> None:
         self.steps += report.taken
         self.costs.append((report.now.time_s, report.plan.cost))
-        force = np.mean(np.asarray(report.plan.expected_force)[:FORCE_STEPS], axis=0)
-        expected = (float(force[0]), float(force[1]), float(force[2]))
-        terms, touched = dict(report.plan.terms), dict(report.touched)
-        sunk_m, at_edge = dict(report.sunk_m), report.plan.at_edge
-        self.notes.append(PlanNote(report.now.time_s, report.stage, terms, touched, expected, sunk_m, at_edge))
+        self.notes.append(note_of(report))
         self._add_surprises(report)
         horizon = report.now.time_s - self.cfg.history_s
         while self.steps and self.steps[0].before.time_s < horizon:
