@@ -17,7 +17,7 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import mkdtemp
@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from coral.campaign.stats import sign_test
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.cfg import EpisodeCfg
@@ -120,6 +121,28 @@ def draw(rows: Sequence[dict[str, Any]], path: Path) -> None:
     figure.savefig(path, dpi=120)
 
 
+def summary(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return the totals in lines: all trials, the first ten, the second half, and a sign test of the two arms."""
+    trials = 1 + max((int(row["trial"]) for row in rows), default=0)
+    lines = []
+    for told, some in (
+        ("all", range(trials)),
+        ("the first ten", range(min(10, trials))),
+        ("the second half", range(trials // 2, trials)),
+    ):
+        for arm in ARMS:
+            held = [row for row in rows if row["arm"] == arm and row["trial"] in some]
+            lines.append(
+                f"{told}, {arm}: {sum(row['success'] for row in held)} of {len(held)} succeeded, "
+                f"{sum(row['advisor_calls'] for row in held)} advisor calls, "
+                f"{sum(row['memory_hit'] for row in held)} began with a remembered plan"
+            )
+    won = [{row["trial"] for row in rows if row["arm"] == arm and row["success"]} for arm in ARMS]
+    first, second = len(won[0] - won[1]), len(won[1] - won[0])
+    lines.append(f"only with memory {first}, only without {second}: p = {sign_test(first, second):.2g}")
+    return lines
+
+
 def main() -> None:
     """Run what is missing of the stream, print the totals, and draw the figure."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
@@ -140,13 +163,7 @@ def main() -> None:
                 with log.open("a") as file:
                     file.write(json.dumps(rows[-1]) + "\n")
                 print(json.dumps(rows[-1]), flush=True)
-    for arm in ARMS:
-        held = [row for row in rows if row["arm"] == arm]
-        print(
-            f"{arm:<12} {sum(row['success'] for row in held)} of {len(held)} succeeded, "
-            f"{sum(row['advisor_calls'] for row in held)} advisor calls, "
-            f"{sum(row['memory_hit'] for row in held)} began with a remembered plan"
-        )
+    print("\n".join(summary(rows)))
     draw(rows, out / "lifelong.png")
 
 

@@ -21,7 +21,7 @@ from statistics import median
 
 import numpy as np
 
-from coral.campaign.contact_tables import wilson
+from coral.campaign.stats import wilson
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.episode.cfg import EpisodeCfg

@@ -20,8 +20,8 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
-from coral.campaign.contact_tables import wilson
 from coral.campaign.spec import parse_names, parse_seeds
+from coral.campaign.stats import wilson
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg

@@ -10,6 +10,8 @@ from pathlib import Path
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
 """Errors of a full disk."""
+MALFORMED = (ValueError, TypeError, KeyError, IndexError, AttributeError, OverflowError, RecursionError)
+"""What taking a foreign value apart raises where it is of another kind, or a number beyond all floats."""
 
 
 class InputError(ValueError):

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from coral.campaign.contact_tables import contact_tables, paper, short_name, wilson
+from coral.campaign.contact_tables import contact_tables, paper, short_name
 from coral.campaign.table import document
 
 
@@ -108,14 +108,6 @@ def test_what_broke_off_is_told_where_it_belongs():
     ] * 4 + [(False, True)] * 4
 
 
-@pytest.mark.parametrize(
-    ("won", "trials", "low", "high"),
-    [(0, 10, 0.0, 0.2775), (10, 10, 0.7225, 1.0), (5, 10, 0.2366, 0.7634), (0, 0, 0.0, 1.0)],
-)
-def test_wilsons_interval(won, trials, low, high):
-    assert wilson(won, trials) == (pytest.approx(low, abs=1e-4), pytest.approx(high, abs=1e-4))
-
-
 def test_the_papers_table_is_complete():
     assert all(len(line) == len(paper()["tasks"]) == 6 for line in paper()["1"].values())
     assert all(
@@ -134,7 +126,7 @@ def test_who_decided_has_a_table_and_marks_what_nobody_or_a_fallback_did():
     by = {"advisor": 2, "memory": 0, "recording": 0, "fallback": 1}
     asked = row(variant="full", advisor="a", decided_by=json.dumps(by), fallback="hold")
     none = row(variant="expert-fsm", decided_by=json.dumps(dict.fromkeys(by, 0)))
-    success, _, each, decided = tables([asked, none])
+    success, _, each, _, decided = tables([asked, none])
     assert cells(success, "CoRAL (full) §")["T2 pick box"] == "1/1"
     assert cells(each, "CoRAL (full), pick-box §")["by fallback (%)"] == "33.3"
     found = cells(decided, "CoRAL (full) §")

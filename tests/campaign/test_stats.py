@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from coral.campaign.stats import bootstrap_mean, paired_difference
+from coral.campaign.stats import bootstrap_mean, paired_difference, sign_test, wilson
 
 
 def test_interval_agrees_with_the_normal_one_for_many_single_missions():
@@ -53,3 +53,18 @@ def test_differences_are_taken_within_pairs_only():
     assert (estimate.mean, estimate.low, estimate.high, estimate.count) == (2.0, 1.5, 3.0, 3)
     assert estimate.tells
     assert not paired_difference({("a", 0): 9.0, ("b", 0): 1001.0}, reference, world).tells
+
+
+@pytest.mark.parametrize(
+    ("won", "trials", "low", "high"),
+    [(0, 10, 0.0, 0.2775), (10, 10, 0.7225, 1.0), (5, 10, 0.2366, 0.7634), (0, 0, 0.0, 1.0)],
+)
+def test_wilsons_interval(won, trials, low, high):
+    assert wilson(won, trials) == (pytest.approx(low, abs=1e-4), pytest.approx(high, abs=1e-4))
+
+
+def test_the_sign_test_is_the_binomial_one():
+    assert sign_test(0, 0) == 1.0
+    assert sign_test(8, 0) == sign_test(0, 8) == pytest.approx(2 / 2**8)
+    assert sign_test(18, 4) == pytest.approx(0.0043435, abs=1e-7)
+    assert sign_test(3, 3) == 1.0

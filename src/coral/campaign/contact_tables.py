@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -11,9 +10,11 @@ from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
+from coral.campaign.contact_pairs import paired_table
 from coral.campaign.decided import decided_table, mark_notes, marked, share
 from coral.campaign.measures import Row, mean_text, number
 from coral.campaign.spec import NO_ADVISOR, called
+from coral.campaign.stats import wilson
 from coral.campaign.table import Table
 
 SHARES = (share("advisor"), share("fallback"))
@@ -43,7 +44,9 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
             failed = [row for row in here if row["status"] == "failed"]
             source = _source(chosen, failed, about, command)
             caption = f"World: {place}. Advisor: {called(advisor)}."
-            tables += [make(chosen, caption, source) for make in (_success, _times, _trials_table, _decided)]
+            tables += [make(chosen, caption, source) for make in (_success, _times, _trials_table)]
+            paired = paired_table(chosen, caption, source, _name)
+            tables += [*([] if paired is None else [paired]), _decided(chosen, caption, source)]
     return tables
 
 
@@ -171,16 +174,6 @@ def _decided(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Tabl
     }
     note = "Experts and served policies ask no advisor."
     return decided_table(groups, caption, (note, *source), runs="trials")
-
-
-def wilson(won: int, trials: int, z: float = 1.96) -> tuple[float, float]:
-    """Compute Wilson's score interval of a proportion (Wilson 1927): it keeps its level at 0/n, n/n and small n."""
-    if not trials:
-        return 0.0, 1.0
-    share, spread = won / trials, z * z / trials
-    middle = (share + spread / 2) / (1 + spread)
-    half = z / (1 + spread) * math.sqrt(share * (1 - share) / trials + spread / (4 * trials))
-    return max(0.0, middle - half), min(1.0, middle + half)
 
 
 def _is_success(row: Row) -> bool:

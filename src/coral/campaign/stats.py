@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -80,3 +81,19 @@ def paired_difference(
     """
     keys = [key for key in ours if key in reference]
     return bootstrap_mean([ours[key] - reference[key] for key in keys], [group[key] for key in keys], **options)
+
+
+def wilson(won: int, trials: int, z: float = 1.96) -> tuple[float, float]:
+    """Compute Wilson's score interval of a proportion (Wilson 1927): it keeps its level at 0/n, n/n and small n."""
+    if not trials:
+        return 0.0, 1.0
+    share, spread = won / trials, z * z / trials
+    middle = (share + spread / 2) / (1 + spread)
+    half = z / (1 + spread) * math.sqrt(share * (1 - share) / trials + spread / (4 * trials))
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def sign_test(first: int, second: int) -> float:
+    """Return the two-sided p value of so many pairs for the first and for the second, if either were as likely."""
+    pairs, fewer = first + second, min(first, second)
+    return min(1.0, 2.0 * sum(math.comb(pairs, k) for k in range(fewer + 1)) / 2.0**pairs)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from coral.contact.perception.symmetry import Symmetry
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
-from coral.errors import InputError
+from coral.errors import MALFORMED, InputError
 from coral.yaml_file import read_regular
 
 Array = NDArray[np.float64]
@@ -103,7 +103,7 @@ def read_symmetry(path: Path, number: int, middle: Array) -> Symmetry | None:
             axis, offset = np.asarray(one["axis"], float), np.asarray(one["offset"], float)
             return Symmetry(np.array([np.eye(3), *discrete]), axis / np.linalg.norm(axis), MM * offset)
         return Symmetry(np.array([np.eye(3), *discrete]), None, middle)
-    except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
+    except MALFORMED as error:
         raise InputError(str(path), str(number), f"a broken symmetry ({error})", "symmetries as in BOP") from None
 
 

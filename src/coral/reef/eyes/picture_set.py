@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError
+from coral.errors import MALFORMED, InputError
 from coral.reef.geometry import Frame, Label, Pose
 
 INDEX = "pictures.csv"
@@ -97,7 +97,7 @@ def read_pictures(folder: Path) -> Iterator[tuple[TakenPicture, Frame]]:
                 hfov_deg=float(row["hfov_deg"]),
                 range_m=float(row["range_m"]),
             )
-        except (KeyError, TypeError, ValueError, OverflowError):
+        except MALFORMED:
             raise InputError(
                 str(index), f"line {number}", "a broken line", f"values for {', '.join(COLUMNS)}"
             ) from None

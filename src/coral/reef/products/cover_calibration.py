@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError
+from coral.errors import MALFORMED, InputError
 from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.reef_net import SHIPPED
 from coral.runs import write_whole
@@ -96,7 +96,7 @@ def read_calibration(path: Path) -> CoverCalibration:
             reefs=int(values["reefs"]),
             made_by=str(values["made_by"]),
         )
-    except (ValueError, TypeError, KeyError, OverflowError) as error:
+    except MALFORMED as error:
         raise InputError(str(path), "", f"{type(error).__name__} {error}", expected) from None
     numbers = np.array([*made.cover, made.common, made.patch_m])
     if len(made.cover) != BINS or not (np.isfinite(numbers) & (numbers >= 0.0)).all():

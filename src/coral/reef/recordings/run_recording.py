@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import merge, read_yaml
-from coral.errors import InputError
+from coral.errors import MALFORMED, InputError
 from coral.reef.camera import CameraCfg
 from coral.reef.geometry import Pose
 from coral.reef.mapping import MapCfg
@@ -109,7 +109,7 @@ def _world(path: Path, config: dict[str, Any]) -> tuple[str, tuple[float, float]
     try:
         width, height = (float(edge) for edge in world["size_m"])
         start = Pose(*(float(world["start"][name]) for name in ("x", "y", "theta")))
-    except (KeyError, TypeError, ValueError, OverflowError):
+    except MALFORMED:
         raise InputError(str(path / "world.yaml"), "size_m, start", "values missing", "a reef world") from None
     return str(world.get("name", path.name)), (width, height), start
 

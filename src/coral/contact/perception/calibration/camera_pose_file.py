@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from coral.config import read_yaml
 from coral.contact.scene.geometry import quaternion_of, rotation_of
 from coral.contact.scene.rigid_transform import pose_matrix
-from coral.errors import InputError
+from coral.errors import MALFORMED, InputError
 
 Array = NDArray[np.float64]
 FORMAT = "coral-camera-pose/1"
@@ -69,7 +69,7 @@ def read_pose(entry: Any, where: str, field: str = "", position_key: str = "posi
     for key, count in ((position_key, 3), ("quaternion", 4)):
         try:
             found = np.asarray(entry[key], float)
-        except (TypeError, KeyError, ValueError, OverflowError):
+        except MALFORMED:
             found = np.empty(0)
         if found.shape != (count,) or not np.isfinite(found).all():
             raise InputError(where, f"{prefix}{key}", "missing or broken", f"{count} finite numbers")

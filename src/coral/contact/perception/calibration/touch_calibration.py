@@ -13,7 +13,7 @@ from coral.config import read_yaml
 from coral.contact.perception.calibration.wrong_entry import find_wrong_entry
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.scene.rigid_transform import pose_matrix
-from coral.errors import InputError
+from coral.errors import MALFORMED, InputError
 
 Array = NDArray[np.float64]
 LEAST, MOST = 4, 100
@@ -107,7 +107,7 @@ def read_touches(path: Path) -> list[Touch]:
         for key, count in (("pixel", 2), ("touched_m", 3)):
             try:
                 found_numbers = np.asarray(entry[key], float)
-            except (TypeError, KeyError, ValueError, OverflowError):
+            except MALFORMED:
                 found_numbers = np.empty(0)
             if found_numbers.shape != (count,) or not np.isfinite(found_numbers).all():
                 raise InputError(str(path), f"touches[{k}].{key}", "missing or broken", f"{count} finite numbers")

@@ -13,7 +13,7 @@ import numpy as np
 
 from coral.contact.scene.geometry import conjugate, multiply, rotate, to_rotvec
 from coral.contact.scene.observation import BodyState, Truth
-from coral.errors import InputError
+from coral.errors import MALFORMED, InputError
 
 SMOOTHING_S = 0.1
 """Time constant of the velocity, which is a difference of noisy poses."""
@@ -133,7 +133,7 @@ def parse_poses(data: bytes) -> ToldPoses | None:
         told = {str(name): (_frame(value), _pose(value)) for name, value in json.loads(data)["objects"].items()}
         seen, held = ({name: pose for name, (frame, pose) in told.items() if frame == one} for one in FRAMES)
         return ToldPoses(seen, held)
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
+    except MALFORMED:
         return None
 
 
@@ -180,7 +180,7 @@ def parse_state(data: bytes) -> Truth | None:
         objects = {str(name): _pose(value) for name, value in message["objects"].items()}
         time_s, opening_m = float(message["time_s"]), float(message["opening_m"])
         return Truth(time_s, _pose(message["tool"]), opening_m, objects, (), contacts_known=False)
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
+    except MALFORMED:
         return None
 
 
