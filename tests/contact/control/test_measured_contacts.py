@@ -81,3 +81,15 @@ def test_a_hand_beside_an_object_is_not_inside_and_closed_fingers_in_its_middle_
     half = min(one.sizes["box"]) / 2
     deep = sunk_into(one.world, observed(one, (0, 0, 0.0), opening=0.0))["box"]
     assert 0.5 * half < deep < 2.0 * half + 0.02
+
+
+def test_conditions_read_what_the_palm_touches_and_what_the_hand_does_to_the_table(one):
+    now = observed(one, (0, 0, 0.2), force=(0.0, 0.0, 7.0))
+    state = one.world.present(one.now)
+    found = with_measured_contacts(state, now, {"left": ("table",), "right": (), "hand": ()})
+    assert (found.table_hand_contact, found.table_palm_contact, found.box_hand_contact) == (1.0, 0.0, 0.0)
+    np.testing.assert_array_equal(found.table_hand_force[0, 0], [0.0, 0.0, -7.0])
+    palm = with_measured_contacts(state, now, {"left": (), "right": (), "hand": ("box",)})
+    assert (palm.box_palm_contact, palm.table_hand_contact) == (1.0, 0.0)
+    assert not palm.table_hand_force.any()
+    assert palm.box_hand_clearance[0, 0] == state.box_hand_clearance[0, 0]

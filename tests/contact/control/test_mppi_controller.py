@@ -9,6 +9,7 @@ from contact_bench import make_trial, seen
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M
 from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.control.prediction import state_after
 from coral.contact.cost.stages import Guide, Progress, Stage, Strategy
 from coral.contact.scene.geometry import angle_between
 from coral.contact.scene.prior_beliefs import stated_beliefs
@@ -169,3 +170,30 @@ def test_stages_follow_each_other_and_fall_back():
     said["lost"] = True
     assert progress.update(None)
     assert progress.stage.name == "first"
+
+
+DIVE = Stage("dive", lambda state: {"down": np.abs(state.ee_pos[..., 2] + 0.05)})
+
+
+def pressed_n(stage):
+    """How hard the planned hand presses on the table once it is there, N."""
+    trial = make_trial()
+    now = seen(trial, tool=(-0.15, -0.15, 0.03), opening_m=0.02)
+    world = PlanningWorld(trial, stated_beliefs(trial), now, PlanningCfg(threads=1))
+    planner = Controller(world, replace(CFG, mppi=KnotMppiCfg(samples=48, knots=3)), np.random.default_rng(0))
+    for step in range(12):
+        plan = planner.plan(now, stage, step)
+        now = state_after(world, now, plan.targets[:2], step)
+        planner.executed(plan.targets[1], 2)
+    world.close()
+    return float(np.linalg.norm(plan.expected_force, axis=-1).mean())
+
+
+def test_a_stage_that_keeps_off_does_not_press_hard_on_the_table():
+    assert pressed_n(DIVE) > 20.0
+    assert pressed_n(replace(DIVE, keeps_off=True)) < 15.0
+
+
+def test_keeping_off_changes_nothing_where_nothing_is_pressed():
+    free, kept = (replanned(*controller(seed=2), 2, replace(REACH, keeps_off=off))[-1] for off in (False, True))
+    assert np.array_equal(free.update.knots, kept.update.knots)

@@ -37,7 +37,8 @@ def test_an_endless_table_is_a_plane_of_the_same_height(model):
 
 def test_there_is_one_sensor_for_each_pair_that_may_touch(model):
     names = {model.sensor(k).name for k in range(model.nsensor)}
-    hand = {f"{part}/{name}" for part in ("hand", "left", "right") for name in ("box", "tin")}
+    hand = {f"{part}/{name}" for part in ("hand", "palm", "left", "right") for name in ("box", "tin")}
+    hand |= {f"{part}/{name}" for part in ("hand", "palm") for name in ("table", "wall")}
     scene = {"box/table", "box/wall", "tin/table", "tin/wall", "box/tin"}
     assert {name for name in names if "/" in name} == hand | scene
 

@@ -318,3 +318,44 @@ def test_a_drawers_slide_is_where_it_was_first_seen():
     planner = PlanningWorld(trial, LIGHT, first, CFG)
     moved = replace(first, objects={"box": body((0.04, 0.02, 0.03))})
     assert planner.present(moved).box_pos[0, 0] == pytest.approx([0.04, 0.01, 0.03], abs=1e-4)
+
+
+def test_a_stage_begins_now_unless_it_is_told_when():
+    trial = make_trial()
+    began = seen(trial, tool=(0.1, 0.0, 0.2), box=body((0.02, 0.0, 0.03), (0, 0, 30)))
+    now = replace(seen(trial), time_s=3.0)
+    plan = controls(np.tile([0, 0, 0.3], (1, 3, 1)))
+    planner = world(trial)
+    alone, _ = planner.rollout(now, plan)
+    assert alone.stage_time[0] == pytest.approx([0.02, 0.04, 0.06])
+    assert alone.box_stage_pos[0, 0] == pytest.approx(now.objects["box"].position)
+    context, _ = planner.rollout(now, plan, since=replace(began, time_s=2.0))
+    assert context.stage_time[0] == pytest.approx([1.02, 1.04, 1.06])
+    assert context.ee_stage_pos[0, 0] == pytest.approx([0.1, 0.0, 0.2])
+    assert context.box_stage_pos[0, 0] == pytest.approx([0.02, 0.0, 0.03])
+    assert context.box_stage_quat[0, 0] == pytest.approx(began.objects["box"].quaternion)
+    assert context.box_init_pos[0, 0] == pytest.approx(planner._start.objects["box"].position)
+
+
+def test_fingers_pressed_on_the_table_touch_it_and_the_palm_does_not():
+    trial = make_trial()
+    now = seen(trial, tool=(-0.15, -0.15, 0.012), opening_m=0.02)
+    down = controls(np.tile([-0.15, -0.15, -0.03], (1, 12, 1)))
+    context, _ = world(trial).rollout(now, down)
+    assert context.table_hand_contact[0, -1]
+    assert not context.table_palm_contact.any()
+    assert context.table_hand_force[0, -1, 2] < -5.0  # the hand pushes down
+    assert context.table_hand_force[0, -1, 2] == pytest.approx(-context.ee_force[0, -1, 2], rel=1e-6)
+    assert context.table_hand_clearance[0, -1] == 0.0
+    assert not context.wall_hand_contact.any()
+
+
+def test_a_palm_pressed_on_the_wall_touches_it():
+    trial = make_trial()
+    level = np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0])  # the fingers point away from the wall
+    now = seen(trial, tool=(0.14, 0.0, 0.3), opening_m=0.02)
+    now = replace(now, tool=replace(now.tool, quaternion=level, position=np.array([0.12, 0.0, 0.15])))
+    toward = controls(np.tile([0.17, 0.0, 0.15], (1, 25, 1)), quaternion=level)
+    context, _ = world(trial).rollout(now, toward)
+    assert context.wall_palm_contact[0, -1]
+    assert context.wall_hand_contact[0, -1]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from contact_bench import body, make_trial, plain, seen
 
-from coral.contact.control.quantities import constants, task_schema_of
+from coral.contact.control.quantities import constants, stage_constants, task_schema_of
 from coral.contact.scene.trial import PhysicalParameters
 
 TIN = {"name": "tin", "parts": [{"size": [0.04] * 3}], "mass_kg": 0.2, "friction": 0.5, "x": 0, "y": 0.2}
@@ -21,7 +21,7 @@ def trial():
 
 def test_every_constant_of_the_schema_has_a_value_of_its_size(trial):
     schema = task_schema_of(trial.task)
-    found = constants(trial, seen(trial), BELIEFS, 6)
+    found = constants(trial, seen(trial), BELIEFS, 6) | stage_constants(seen(trial))
     assert set(found) == {name for name, quantity in schema.items() if quantity.constant}
     assert {name: value.shape[2:] for name, value in found.items()} == {
         name: (schema[name].size,) if schema[name].size else () for name in found
@@ -53,7 +53,7 @@ def test_the_tables_corners_places_fixtures_and_numbers_are_those_of_the_task(tr
 def test_objects_have_contacts_with_each_other_and_with_what_does_not_move(trial):
     schema = task_schema_of(trial.task)
     contacts = {name for name in schema if name.startswith("box_") and name.endswith("_contact")}
-    parts = ("hand", "left", "right", "table", "wall", "tin")
+    parts = ("hand", "palm", "left", "right", "table", "wall", "tin")
     assert contacts == {f"box_{other}_contact" for other in parts}
     assert "box_corner_pos" in schema
     assert "tin_corner_pos" not in schema

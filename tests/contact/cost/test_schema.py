@@ -1,6 +1,6 @@
 """The names that a cost may read."""
 
-from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
+from coral.contact.cost.schema import HAND, hand_quantities, object_quantities, scenery_quantities
 
 
 def test_an_object_has_its_pose_points_and_contacts():
@@ -12,10 +12,17 @@ def test_an_object_has_its_pose_points_and_contacts():
     assert not names["box_vel"].constant
 
 
-def test_scenery_is_constant():
+def test_scenery_is_constant_and_what_the_hand_does_to_it_is_not():
     names = scenery_quantities(["wall"], ["goal"], ["lift"])
-    assert {"wall_pos", "wall_size", "goal_pos", "lift", "table_min", "table_max"} == names.keys()
-    assert all(quantity.constant for quantity in names.values())
+    still = {"wall_pos", "wall_size", "goal_pos", "lift", "table_min", "table_max"}
+    assert {name for name, quantity in names.items() if quantity.constant} == still
+    assert names.keys() - still == hand_quantities("table").keys() | hand_quantities("wall").keys()
+
+
+def test_two_things_have_a_contact_and_a_clearance():
+    names = object_quantities("box", [], ["table"], ["tin"])
+    assert names["box_tin_contact"].truth
+    assert (names["box_tin_clearance"].unit, names["box_table_clearance"].size) == ("m", 0)
 
 
 def test_no_name_of_the_hand_is_an_objects_too():

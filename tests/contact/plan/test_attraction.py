@@ -61,3 +61,13 @@ def test_terms_of_one_number_count_in_every_state():
 def test_directions_are_unit_vectors_all_around():
     np.testing.assert_allclose(np.linalg.norm(DIRECTIONS, axis=1), 1.0)
     np.testing.assert_allclose(DIRECTIONS.sum(axis=0), 0.0, atol=1e-12)
+
+
+def test_clearances_follow_the_hand_downhill(scene):
+    """A cost of the clearance alone leads the hand to the box."""
+    one = scene("pick-box")
+    cost = CostProgram("def state_cost(self):\n    return 5.0 * self.box_hand_clearance", one.world.schema, "near")
+    values = at_rest(one.world.present(one.now))
+    found = follow_cost(cost, values)
+    assert found.reached.max() < 0.02
+    assert found.begun.max() > 0.5

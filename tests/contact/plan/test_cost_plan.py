@@ -85,3 +85,12 @@ def test_a_region_guides_the_stages_it_is_for(scene):
     now = one.world.present(one.now)
     np.testing.assert_allclose(way.points(now), [one.now.tool.position + np.array([0.0, 0.0, 0.1])])
     assert way.opening_m == 0.03
+
+
+def test_the_hand_keeps_off_table_and_fixtures_unless_the_cost_says_what_to_do_there(scene):
+    one = scene("flip-wall")
+    press = "def state_cost(self):\n    return abs(norm(self.wall_hand_force) - 5.0)"
+    inner = "def state_cost(self):\n    return 1.0 * self.box_wall_contact + self.box_hand_contact + self.ee_pos[0]"
+    plan = PlanAnswer(stages=[stage(code=press, done="self.time > 1"), stage(name="b", code=inner)])
+    made = make_strategy("x", plan, None, one.world.schema, one.sizes)
+    assert [each.keeps_off for each in made.stages] == [False, True]

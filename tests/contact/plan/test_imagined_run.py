@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, make_strategy
@@ -35,3 +36,17 @@ def test_the_plan_is_followed_from_the_present_state(scene):
 def test_a_cost_that_fails_ends_the_run(scene):
     one = scene("pick-box")
     assert len(moments(one, BAD, "self.ee_pos[2] > 0.34")) < len(moments(one))
+
+
+def test_each_stage_counts_its_own_time(scene):
+    """The second stage ends 0.3 s after it began, whenever that was."""
+    one = scene("pick-box")
+    stages = [
+        StageAnswer(name="rise", code=UP, done="self.ee_pos[2] > self.ee_stage_pos[2] + 0.01"),
+        StageAnswer(name="wait", code=UP, done="self.stage_time > 0.3"),
+        StageAnswer(name="stay", code=UP),
+    ]
+    plan = make_strategy("x", PlanAnswer(stages=stages), None, one.world.schema, one.sizes)
+    changes = [m.now.time_s for m in imagine(one.world, plan, one.now, CFG) if m.stage != m.next_stage]
+    assert len(changes) == 2
+    assert changes[1] - changes[0] == pytest.approx(0.32)

@@ -8,7 +8,7 @@ from contact_bench import body, make_trial, plain, seen
 
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.cost.context import Quantity
-from coral.contact.cost.schema import object_quantities
+from coral.contact.cost.schema import object_quantities, scenery_quantities
 from coral.contact.scene.trial import PhysicalParameters, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import interface_text, scene_facts
@@ -98,21 +98,31 @@ def test_the_interface_names_every_quantity():
     schema = task_schema_of(task)
     text = interface_text(schema)
     named = set(re.findall(r"self\.(\w+)", text))
-    for item in task.objects:
-        named |= {name.replace("NAME", item.name) for name in named if name.startswith("NAME_")}
+    objects = [item.name for item in task.objects]
+    things = [*objects, *task.things]
+    assert f"For each of {', '.join(things)}:" in text
+    for thing in things:
+        named |= {name.replace("NAME", thing) for name in named if name.startswith("NAME_") and "OTHER" not in name}
+        named |= {
+            name.replace("NAME", thing).replace("OTHER", other) for name in named if "OTHER" in name for other in things
+        }
     assert set(schema) <= named
-    assert {name for name in named if "NAME" not in name} <= set(schema)
+    assert "self.can_table_contact" in text
+    written = set(re.findall(r"self\.(\w+)", text))
+    assert {name for name in written if "NAME" not in name} <= set(schema)
 
 
 def test_an_object_whose_name_begins_like_another_keeps_its_own_quantities():
     schema = {
         **object_quantities("box", [], ["table"], ["box_lid"]),
         **object_quantities("box_lid", ["knob"], ["table"]),
+        **scenery_quantities(),
     }
     text = interface_text(schema)
     assert "For each of box, box_lid" in text
     assert "self.box_lid_knob_pos" in text
-    assert "self.box_box_lid_contact" in text
+    assert "self.NAME_OTHER_contact" in text
+    assert "For each of box, box_lid, table:" in text
 
 
 def test_the_interface_tells_the_kind_and_the_unit_of_a_quantity():

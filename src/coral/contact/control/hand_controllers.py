@@ -18,7 +18,7 @@ from coral.plugins import named_plugin
 class HandController(Protocol):
     """Interface of a controller of the hand; `Controller` is the one by MPPI."""
 
-    def plan(self, now: Observation, stage: Stage, step: int) -> HandPlan:
+    def plan(self, now: Observation, stage: Stage, step: int, since: Observation | None = None) -> HandPlan:
         """Plan from the measured state; see `Controller.plan`."""
         ...
 

@@ -19,6 +19,12 @@ SQUEEZE_M = -0.04
 """Smallest commanded opening: below zero, so that thin objects are held with the fingers' full force."""
 FINGER_KG = 0.05
 FLANGE_TO_TOOL_M = 0.1034
+PALM_HALF_M, PALM_UP_M = (0.0315, 0.102, 0.033), -0.0704
+"""Half of the palm's extents along the tool's axes, and its middle along the tool's z axis."""
+FINGER_HALF_M, FINGER_UP_M = (0.010, 0.006, 0.026), -0.018
+"""The same of a finger."""
+FINGER_OUT_M = 0.006
+"""Distance of a finger's middle from its pad, along the tool's y axis."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,8 +67,8 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
     hand.add_geom(
         name="palm",
         type=box,
-        size=[0.0315, 0.102, 0.033],
-        pos=[0, 0, -0.0704],
+        size=PALM_HALF_M,
+        pos=[0, 0, PALM_UP_M],
         mass=0,
         friction=[0.5, TORSION, ROLLING],
         priority=FINGER_PRIORITY,
@@ -94,8 +100,8 @@ def add_hand(spec: mujoco.MjSpec, cfg: HandCfg, condim: int = 4, wrist: bool = T
         finger.add_geom(
             name=f"{name}_finger",
             type=box,
-            size=[0.010, 0.006, 0.026],
-            pos=[0, side * 0.006, -0.018],
+            size=FINGER_HALF_M,
+            pos=[0, side * FINGER_OUT_M, FINGER_UP_M],
             mass=FINGER_KG,
             rgba=[0.25, 0.27, 0.3, 1],
             **rubber,

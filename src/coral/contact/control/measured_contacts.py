@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from coral.contact.control.planning_world import PlanningWorld
-from coral.contact.cost.context import Array, Context, Lazy
+from coral.contact.cost.context import Context, Lazy, Value
 from coral.contact.scene.geom_gap import geom_gap
 from coral.contact.scene.observation import Observation
 
@@ -90,7 +90,7 @@ def with_measured_contacts(state: Context, now: Observation, touched: dict[str, 
         now: The measured state.
         touched: From `touched_by`.
     """
-    values: dict[str, Array] = {
+    values: dict[str, Value] = {
         "ee_force": now.wrench[None, None, :3],
         "ee_torque": now.wrench[None, None, 3:],
     }
@@ -98,6 +98,8 @@ def with_measured_contacts(state: Context, now: Observation, touched: dict[str, 
     for name in now.objects:
         for part in ("left", "right"):
             values[f"{name}_{part}_contact"] = np.full((1, 1), float(name in touched[part]))
+    for name in (key.removesuffix("_hand_contact") for key in state.names() if key.endswith("_hand_contact")):
+        values[f"{name}_palm_contact"] = np.full((1, 1), float(name in touched["hand"]))
         any_part = any(name in names for names in touched.values())
         values[f"{name}_hand_contact"] = np.full((1, 1), float(any_part))
         if not any_part:
@@ -108,5 +110,5 @@ def with_measured_contacts(state: Context, now: Observation, touched: dict[str, 
     return Context(Lazy(makers), state.shape)
 
 
-def _value_of(state: Context, values: dict[str, Array], name: str) -> Array:
-    return values[name] if name in values else state[name]
+def _value_of(state: Context, values: dict[str, Value], name: str) -> Value:
+    return values[name] if name in values else state.source(name)

@@ -65,6 +65,11 @@ class ControllerCfg:
     """Weight of the last state (phi of Eq. 4) relative to the mean over the horizon."""
     risk: RiskCfg = field(default_factory=RiskCfg)
     """Risk measure over several beliefs."""
+    press_free_n: NonNegative = 10.0
+    """Force of the hand on table and fixtures that costs nothing, in stages that keep off these."""
+    press_weight: NonNegative = 1.0
+    """What 10 N more cost there, in standard deviations of the samples' costs, so that it means the same for every
+    cost: among samples that are equally good otherwise, the ones that do not press win. 0: nothing."""
 
     def __post_init__(self) -> None:
         """Check that the corners make a box."""
@@ -141,13 +146,14 @@ class Controller:
         )
         self.mppi.knots[:] = np.concatenate([now.tool.position, np.zeros(3), [now.opening_m]])
 
-    def plan(self, now: Observation, stage: Stage, step: int) -> HandPlan:
+    def plan(self, now: Observation, stage: Stage, step: int, since: Observation | None = None) -> HandPlan:
         """Rehearse and improve the plan from the measured state.
 
         Args:
             now: The latest observation.
             stage: The active stage.
             step: Control steps since the episode began.
+            since: The observation with which the stage began; None if it begins now.
 
         Raises:
             CostError: The stage's cost cannot be evaluated.
@@ -162,17 +168,18 @@ class Controller:
 
         def evaluate(knots: Array) -> Array:
             controls = self._controls(knots, start.quaternion, stage.stiffness_n_m)
-            context, sane = self.world.rollout(now, controls, step)
+            context, sane = self.world.rollout(now, controls, step, since)
             terms = self.weights.weigh(stage.name, stage.cost(context))
             rehearsed[:] = [(context, sane, terms, controls)]
             each = self._total(terms, context.shape)
             each[~sane] = np.inf
-            return risk(each.reshape(len(self.world.models), -1), self.cfg.risk)
+            costs = risk(each.reshape(len(self.world.models), -1), self.cfg.risk)
+            return costs + self._pressing(context, costs) if stage.keeps_off else costs
 
         guides = stage.guides
         propose = None
         if guides and self.cfg.guided > 0:
-            present = self.world.present(now, step)
+            present = self.world.present(now, step, since=since)
             aims = [
                 (guide, guide.points(present), guide.quaternion(present) if guide.quaternion else None)
                 for guide in guides
@@ -226,6 +233,15 @@ class Controller:
         for term in terms.values():
             total = total + term
         return np.asarray(total.mean(axis=1) + self.cfg.terminal * total[:, -1])
+
+    def _pressing(self, context: Context, costs: Array) -> Array:
+        """Compute what each sample pays for pressing the hand on table and fixtures, Shape=(K,)."""
+        finite = np.isfinite(costs)
+        forces = [np.linalg.norm(context[f"{name}_hand_force"], axis=-1) for name in self.world.fixed_names]
+        excess = np.maximum(np.sum(forces, axis=0) - self.cfg.press_free_n, 0.0) / 10.0
+        each = excess.mean(axis=1).reshape(len(self.world.models), -1).mean(axis=0)
+        spread = float(np.std(costs[finite])) if finite.any() else 0.0
+        return np.asarray(self.cfg.press_weight * spread * each)
 
     def _bounded_start(self, now: Observation, target: HandTarget) -> HandTarget:
         """Return the present target, clipped to the allowed lead over the hand."""

@@ -59,7 +59,14 @@ class EffortProbe:
         )
 
 
-def probe_effort(controller: Controller, now: Observation, stage: Stage, step: int, cfg: EffortCfg) -> EffortProbe:
+def probe_effort(
+    controller: Controller,
+    now: Observation,
+    stage: Stage,
+    step: int,
+    cfg: EffortCfg,
+    since: Observation | None = None,
+) -> EffortProbe:
     """Plan one moment several times with the present number of samples, and with more; neither changes the controller.
 
     Both go on from the present plan, so that more samples alone make the difference.
@@ -70,6 +77,7 @@ def probe_effort(controller: Controller, now: Observation, stage: Stage, step: i
         stage: The active stage.
         step: Control steps since the episode began.
         cfg: Effort.
+        since: The observation with which the stage began; None if it begins now.
 
     Raises:
         CostError: The stage's cost cannot be evaluated.
@@ -78,7 +86,7 @@ def probe_effort(controller: Controller, now: Observation, stage: Stage, step: i
     found: list[HandPlan] = []
     for count in (samples, cfg.factor * samples):
         other = controller.with_samples(count, np.random.default_rng(SEED))
-        plans = [other.plan(now, stage, step) for _ in range(cfg.plans)]
+        plans = [other.plan(now, stage, step, since) for _ in range(cfg.plans)]
         found.append(min((plan for plan in plans if plan.update.ok), key=lambda plan: plan.cost, default=plans[-1]))
     present, better = found
     whole = sum(abs(value) for value in present.terms.values())

@@ -97,8 +97,12 @@ def _add_sensors(spec: mujoco.MjSpec, trial: Trial) -> None:
             for kind, sensor in MOTION.items():
                 spec.add_sensor(name=pair(item.name, kind), type=sensor, objtype=subtree, objname=item.name)
         contact(pair("hand", item.name), (subtree, "hand"), (subtree, item.name), FOUND | FORCE)
+        contact(pair("palm", item.name), (body, "hand"), (subtree, item.name), FOUND)
         for side in ("left", "right"):
             contact(pair(side, item.name), (body, side), (body, item.name), FOUND)
+    for thing in trial.task.things:
+        contact(pair("hand", thing), (subtree, "hand"), (geom, thing), FOUND | FORCE)
+        contact(pair("palm", thing), (body, "hand"), (geom, thing), FOUND)
     for name, other in contact_pairs(trial):
         if other in fixed or name < other:  # a pair of objects has one sensor
             contact(pair(name, other), (body, name), (geom if other in fixed else body, other), FOUND)

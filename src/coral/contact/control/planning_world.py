@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from coral.config import NonNegative, Positive, TimeStep, whole_steps
+from coral.contact.control.clearance import clearances
 from coral.contact.control.hand_model import HandCfg, set_stiffness
 from coral.contact.control.planning_model import MOTION, Index, build_model, pair
-from coral.contact.control.quantities import constants, task_schema_of
+from coral.contact.control.quantities import constants, stage_constants, task_schema_of
 from coral.contact.control.rollouts import FULL, SLEEP, Rollouts, RolloutStart
 from coral.contact.control.uncertainty import UncertaintyCfg, sample_beliefs
 from coral.contact.control.warp_rollouts import WarpRollouts
-from coral.contact.cost.context import Context, Lazy, Quantity
+from coral.contact.cost.context import Context, Lazy, Quantity, Value
 from coral.contact.scene.geometry import multiply, rotate
 from coral.contact.scene.joint_motion import joint_speed
 from coral.contact.scene.mujoco_scene import contact_pairs
@@ -127,7 +128,7 @@ class PlanningWorld:
         )
         self.models = self._build(endless=False)
         self._endless: list[mujoco.MjModel] = []
-        self._fixed: dict[int, Mapping[str, Callable[[], Array]]] = {}
+        self._fixed: dict[int, Mapping[str, Callable[[], Value]]] = {}
         self._index = Index(self.models[0], self._names)
         self._last: tuple[Observation, Array] | None = None
 
@@ -147,6 +148,11 @@ class PlanningWorld:
         """Return the names of the objects."""
         return tuple(self._names)
 
+    @property
+    def fixed_names(self) -> tuple[str, ...]:
+        """Return the names of the table and the fixtures."""
+        return self._trial.task.things
+
     def close(self) -> None:
         """Stop the rollout's threads."""
         self._rollouts.close()
@@ -156,13 +162,16 @@ class PlanningWorld:
         """Return the quantities that a cost can read here."""
         return task_schema_of(self._trial.task)
 
-    def rollout(self, now: Observation, controls: ControlSequences, step: int = 0) -> tuple[Context, NDArray[np.bool_]]:
+    def rollout(
+        self, now: Observation, controls: ControlSequences, step: int = 0, since: Observation | None = None
+    ) -> tuple[Context, NDArray[np.bool_]]:
         """Rehearse K sequences from the present state under each belief.
 
         Args:
             now: The measured state.
             controls: Control sequences of the rehearsals.
             step: Control steps since the episode began.
+            since: The observation with which the active stage began; None if it begins now.
 
         Returns:
             The states after each control step, with K = beliefs x sequences in that order, and which rehearsals are
@@ -187,16 +196,19 @@ class PlanningWorld:
             self._substeps,
             partial(_repair_divergence, self._index.speeds, initial, self.cfg.step_s),
         )
-        values = self._values(rolled.states, rolled.sensors, controls, now, step)
+        values = self._values(rolled.states, rolled.sensors, controls, now, step, since or now)
         return Context(values, (total, horizon)), rolled.sane
 
-    def present(self, now: Observation, step: int = 0, opening_m: float | None = None) -> Context:
+    def present(
+        self, now: Observation, step: int = 0, opening_m: float | None = None, since: Observation | None = None
+    ) -> Context:
         """Return the measured state as a batch of one; contacts are the first belief's after one still step.
 
         Args:
             now: The measured state.
             step: Control steps since the episode began.
             opening_m: The commanded opening; by default the measured one.
+            since: The observation with which the active stage began; None if it begins now.
         """
         still = ControlSequences(
             now.tool.position[None, None],
@@ -204,7 +216,7 @@ class PlanningWorld:
             np.full((1, 1), now.opening_m if opening_m is None else opening_m),
             self.cfg.hand.stiffness_n_m,
         )
-        context, _ = self.rollout(now, still, step)
+        context, _ = self.rollout(now, still, step, since)
         return context.first() if len(self.models) > 1 else context
 
     def placed(self, now: Observation) -> tuple[mujoco.MjModel, mujoco.MjData]:
@@ -241,8 +253,14 @@ class PlanningWorld:
         return state
 
     def _values(
-        self, states: Array, sensors: Array, controls: ControlSequences, now: Observation, step: int
-    ) -> Mapping[str, Array]:
+        self,
+        states: Array,
+        sensors: Array,
+        controls: ControlSequences,
+        now: Observation,
+        step: int,
+        since: Observation,
+    ) -> Mapping[str, Value]:
         index, horizon = self._index, states.shape[1]
         qpos, qvel = states[..., 1 : 1 + index.nq], states[..., 1 + index.nq : 1 + index.nq + index.nv]
 
@@ -266,13 +284,15 @@ class PlanningWorld:
             lever = sensed("hand_anything", PLACE) - sensed("ee_pos")
             return np.asarray(-sensed("hand_anything", TORQUE) - np.cross(lever, sensed("hand_anything", FORCE)))
 
-        makers: dict[str, Callable[[], Array]] = {
+        clock = (now.time_s + self.cfg.step_s * np.arange(1, horizon + 1))[None]
+        makers: dict[str, Callable[[], Value]] = {
             **{name: partial(sensed, name) for name in ("ee_pos", "ee_quat", "ee_vel", "ee_angvel")},
             "gripper_opening": lambda: qpos[..., index.left] + qpos[..., index.right],
             "gripper_target": lambda: np.tile(controls.opening, (len(self.models), 1)),
             "ee_force": lambda: -sensed("hand_anything", FORCE),
             "ee_torque": wrung,
-            "time": lambda: (now.time_s + self.cfg.step_s * np.arange(1, horizon + 1))[None],
+            "time": lambda: clock,
+            "stage_time": lambda: clock - since.time_s,
             "current_step": lambda: (step + np.arange(1.0, horizon + 1))[None],
             "last_action": lambda: _action(controls, len(self.models), self.cfg.step_s),
         }
@@ -285,21 +305,25 @@ class PlanningWorld:
                 makers[f"{name}_angvel"] = partial(spin, name)
             else:
                 makers |= {f"{name}_{kind}": partial(sensed, pair(name, kind)) for kind in MOTION}
-            makers[f"{name}_hand_contact"] = partial(touches, pair("hand", name))
-            makers[f"{name}_hand_force"] = partial(sensed, pair("hand", name), FORCE)
             for side in ("left", "right"):
                 makers[f"{name}_{side}_contact"] = partial(touches, pair(side, name))
             for point, local in self._trial.task.object(name).points.items():
                 offset = np.asarray(local) * self._trial.objects[name].scale
                 makers[f"{name}_{point}_pos"] = partial(placed, name, offset)
+        for name in (*self._names, *self._trial.task.things):
+            makers[f"{name}_hand_contact"] = partial(touches, pair("hand", name))
+            makers[f"{name}_palm_contact"] = partial(touches, pair("palm", name))
+            makers[f"{name}_hand_force"] = partial(sensed, pair("hand", name), FORCE)
         for name, other in contact_pairs(self._trial):
             shared = pair(name, other) if pair(name, other) in index.sensor else pair(other, name)
             makers[f"{name}_{other}_contact"] = partial(touches, shared)
-        return Lazy({**makers, **self._constants(len(states))})
+        stage = {name: partial(_identity, value) for name, value in stage_constants(since).items()}
+        return Lazy({**makers, **self._constants(len(states)), **stage})
 
-    def _constants(self, total: int) -> Mapping[str, Callable[[], Array]]:
+    def _constants(self, total: int) -> Mapping[str, Callable[[], Value]]:
         if total not in self._fixed:
-            found = constants(self._trial, self._start, self.beliefs, total)
+            found: dict[str, Value] = {**clearances(self._trial)}
+            found |= constants(self._trial, self._start, self.beliefs, total)
             self._fixed[total] = {name: partial(_identity, value) for name, value in found.items()}
         return self._fixed[total]
 
@@ -318,7 +342,7 @@ def _part(values: Array, part: slice) -> Array:
     return values[..., part]
 
 
-def _identity(value: Array) -> Array:
+def _identity(value: Value) -> Value:
     return value
 
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 def constants(
     trial: Trial, start: Observation, beliefs: Sequence[Mapping[str, PhysicalParameters]], total: int
 ) -> dict[str, Array]:
-    """Return the values constant in a rollout: sizes, beliefs, initial poses, places and numbers of the task."""
+    """Return the values constant in an episode: sizes, beliefs, initial poses, places and numbers of the task."""
     task = trial.task
     found: dict[str, Array] = {}
     for item in task.objects:
@@ -41,6 +41,19 @@ def constants(
         found[f"{name}_pos"] = np.asarray(place)[None, None]
     for name, number in task.numbers.items():
         found[name] = np.full((1, 1), number)
+    return found
+
+
+def stage_constants(began: Observation) -> dict[str, Array]:
+    """Return the values constant in a stage: where hand and objects were when it began.
+
+    Args:
+        began: The observation with which it began.
+    """
+    found: dict[str, Array] = {"ee_stage_pos": began.tool.position[None, None]}
+    for name, body in began.objects.items():
+        found[f"{name}_stage_pos"] = body.position[None, None]
+        found[f"{name}_stage_quat"] = body.quaternion[None, None]
     return found
 
 

@@ -41,14 +41,25 @@ class Quantity:
 Schema = Mapping[str, Quantity]
 
 
-class Lazy(Mapping[str, Array]):
+@dataclass(frozen=True, eq=False)
+class Derived:
+    """A quantity that follows from others of the same state, so that it is right in a state that was changed, too."""
+
+    compute: Callable[[Context], Array]
+    """Function of a batch of states, Shape=(K, H) or (1, 1)."""
+
+
+Value = Array | Derived
+
+
+class Lazy(Mapping[str, Value]):
     """Values computed at first access: a cost reads only a few of the available names."""
 
-    def __init__(self, makers: Mapping[str, Callable[[], Array]]) -> None:
+    def __init__(self, makers: Mapping[str, Callable[[], Value]]) -> None:
         self._makers = makers
-        self._made: dict[str, Array] = {}
+        self._made: dict[str, Value] = {}
 
-    def __getitem__(self, name: str) -> Array:
+    def __getitem__(self, name: str) -> Value:
         if name not in self._made:
             self._made[name] = self._makers[name]()
         return self._made[name]
@@ -66,17 +77,27 @@ class Lazy(Mapping[str, Array]):
 class Context:
     """A batch of states with named quantities; `state.box_pos` reads one."""
 
-    def __init__(self, values: Mapping[str, Array], shape: tuple[int, int]) -> None:
+    def __init__(self, values: Mapping[str, Value], shape: tuple[int, int]) -> None:
         self._values = values
+        self._derived: dict[str, Array] = {}
         self.shape = shape
 
     def __getattr__(self, name: str) -> Array:
         try:
-            return self._values[name]
+            return self[name]
         except KeyError:
             raise AttributeError(name) from None
 
     def __getitem__(self, name: str) -> Array:
+        value = self._values[name]
+        if not isinstance(value, Derived):
+            return value
+        if name not in self._derived:
+            self._derived[name] = value.compute(self)
+        return self._derived[name]
+
+    def source(self, name: str) -> Value:
+        """Return a value for another batch: one that is derived stays so, and follows that batch."""
         return self._values[name]
 
     def __contains__(self, name: object) -> bool:
@@ -90,8 +111,9 @@ class Context:
         """Return the first state of the first sequence, as a batch of one."""
         return Context(Lazy({name: partial(self._first_value, name) for name in self._values}), (1, 1))
 
-    def _first_value(self, name: str) -> Array:
-        return self._values[name][:1, :1]
+    def _first_value(self, name: str) -> Value:
+        value = self._values[name]
+        return value if isinstance(value, Derived) else value[:1, :1]
 
 
 class Cost(Protocol):

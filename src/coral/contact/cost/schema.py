@@ -17,7 +17,9 @@ HAND: Schema = {
     "gripper_target": Quantity(0, "m", "commanded distance between the finger pads; below gripper_opening it squeezes"),
     "ee_force": Quantity(3, "N", "force that everything touched exerts on the hand, world axes"),
     "ee_torque": Quantity(3, "N m", "torque that everything touched exerts on the hand about ee_pos, world axes"),
+    "ee_stage_pos": Quantity(3, "m", "ee_pos when the active stage began", constant=True),
     "time": Quantity(0, "s", "time since the episode began"),
+    "stage_time": Quantity(0, "s", "time since the active stage began"),
     "current_step": Quantity(0, "", "control steps since the episode began"),
     "last_action": Quantity(
         7, "", "what is commanded over this step: hand velocity (m/s), angular velocity (rad/s), opening speed (m/s)"
@@ -43,11 +45,12 @@ def object_quantities(
         f"{name}_angvel": Quantity(3, "rad/s", f"angular velocity of the {name}, world axes"),
         f"{name}_init_pos": Quantity(3, "m", f"{name}_pos when the episode began", constant=True),
         f"{name}_init_quat": Quantity(4, "", f"{name}_quat when the episode began", constant=True),
+        f"{name}_stage_pos": Quantity(3, "m", f"{name}_pos when the active stage began", constant=True),
+        f"{name}_stage_quat": Quantity(4, "", f"{name}_quat when the active stage began", constant=True),
         f"{name}_size": Quantity(3, "m", f"full extents of the {name} along its own axes", constant=True),
         f"{name}_mass": Quantity(0, "kg", f"believed mass of the {name}", constant=True),
         f"{name}_friction": Quantity(0, "", f"believed friction coefficient of the {name}", constant=True),
-        f"{name}_hand_force": Quantity(3, "N", f"net contact force of the hand on the {name}, world axes"),
-        f"{name}_hand_contact": Quantity(0, "", f"whether the hand touches the {name}", truth=True),
+        **hand_quantities(name),
         f"{name}_left_contact": Quantity(0, "", f"whether the left finger touches the {name}", truth=True),
         f"{name}_right_contact": Quantity(0, "", f"whether the right finger touches the {name}", truth=True),
     }
@@ -55,7 +58,23 @@ def object_quantities(
         found[f"{name}_{point}_pos"] = Quantity(3, "m", f"the {point} of the {name}")
     for thing in (*fixtures, *others):
         found[f"{name}_{thing}_contact"] = Quantity(0, "", f"whether the {name} touches the {thing}", truth=True)
+    for thing in (*fixtures, *others):
+        found[f"{name}_{thing}_clearance"] = Quantity(
+            0, "m", f"shortest distance between the {name} and the {thing}, 0 where they touch"
+        )
     return found
+
+
+def hand_quantities(name: str) -> dict[str, Quantity]:
+    """Describe what the hand has to do with a thing: an object, a fixture, the table."""
+    return {
+        f"{name}_hand_force": Quantity(3, "N", f"net contact force of the hand on the {name}, world axes"),
+        f"{name}_hand_contact": Quantity(0, "", f"whether the hand touches the {name}", truth=True),
+        f"{name}_palm_contact": Quantity(0, "", f"whether palm or wrist touch the {name}", truth=True),
+        f"{name}_hand_clearance": Quantity(
+            0, "m", f"shortest distance from fingers and palm to the {name}, 0 where they touch"
+        ),
+    }
 
 
 def scenery_quantities(
@@ -65,10 +84,12 @@ def scenery_quantities(
     found = {
         "table_min": Quantity(3, "m", "corner of the table with the smallest coordinates", constant=True),
         "table_max": Quantity(3, "m", "corner of the table with the largest coordinates", constant=True),
+        **hand_quantities("table"),
     }
     for name in fixtures:
         found[f"{name}_pos"] = Quantity(3, "m", f"centre of the {name}", constant=True)
         found[f"{name}_size"] = Quantity(3, "m", f"full extents of the {name}", constant=True)
+        found |= hand_quantities(name)
     for name in places:
         found[f"{name}_pos"] = Quantity(3, "m", f"the place {name} of the task", constant=True)
     for name in numbers:

@@ -46,6 +46,8 @@ class Stage:
     sigma: float | tuple[float, float, float, float, float, float, float] = 1.0
     """Factor on the sampling noise, or one for each of the target's x, y, z, its rotation about x, y, z of the hand,
     and the opening."""
+    keeps_off: bool = False
+    """Whether samples pay for pressing the hand on table and fixtures, beside what the cost says."""
 
 
 @dataclass(frozen=True)

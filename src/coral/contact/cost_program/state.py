@@ -29,7 +29,7 @@ HANDLES = (
     "end_effector_link",
 )
 ID_ENDINGS = ("", "_id", "Id", "_uid", "_body")
-NOT_THINGS = ("hand", "left", "right")
+NOT_THINGS = ("hand", "palm", "left", "right")
 
 
 def objects_of(names: Collection[str]) -> list[str]:
@@ -40,7 +40,7 @@ def objects_of(names: Collection[str]) -> list[str]:
         if name.endswith("_quat")
         and name != "ee_quat"
         and f"{name.removesuffix('_quat')}_pos" in names
-        and not name.endswith("_init_quat")
+        and not name.endswith(("_init_quat", "_stage_quat"))
     ]
 
 

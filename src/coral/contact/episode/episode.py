@@ -140,6 +140,7 @@ class Episode:
         self.controller: HandController
         self.reactive: Reactive
         self.progress: Progress
+        self._since: Observation
 
     @property
     def stage(self) -> str:
@@ -286,7 +287,7 @@ class Episode:
 
     def _plan(self) -> HandPlan | None:
         """Plan, and pass the plan to the strategist; None if there is nothing to execute."""
-        stage = self.progress.stage
+        stage, since = self.progress.stage, self._since
         try:
             plan = self._rehearse()
         except CostError as error:
@@ -307,7 +308,17 @@ class Episode:
             plan_s = 0.0 if self._meanwhile is not None else self.latency.plan_s
             sunk_m = sunk_into(self.planner, self.now)
             report = PlanReport(
-                self.step, self.now, plan, stage.name, taken, self._touched, sunk_m, predicted, planner, plan_s
+                step=self.step,
+                now=self.now,
+                plan=plan,
+                stage=stage.name,
+                taken=taken,
+                touched=self._touched,
+                sunk_m=sunk_m,
+                next_state=predicted,
+                planner=planner,
+                plan_s=plan_s,
+                since=since,
             )
             other = self._ask_strategist(lambda: self.strategist.on_plan(report))
         except CostError as error:
@@ -344,12 +355,14 @@ class Episode:
         begun = time.perf_counter()
         start, step = self._plan_start()
         with contextlib.nullcontext() if self._meanwhile is None else self._meanwhile:
-            plan = self.controller.plan(start, stage, step)
+            plan = self.controller.plan(start, stage, step, self._since)
         if self.end_reason:  # the world ended the episode meanwhile
             return None
         opening_m = self._still.opening_m
         self._touched = touched_by(self.planner, self.now, opening_m)
-        present = self.planner.present(self.now, self.step, opening_m) if self.latency.charged else plan.now
+        present = plan.now
+        if self.latency.charged:
+            present = self.planner.present(self.now, self.step, opening_m, self._since)
         changed = self.progress.update(with_measured_contacts(present, self.now, self._touched))
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
         self.latest_plan = plan
@@ -377,6 +390,7 @@ class Episode:
             self.detail = f"{self._without_plan} plans in a row had no valid rehearsal"
             return None
         if changed:
+            self._since = self.now
             self.emit("stage", before=stage.name, stage=self.stage, index=self.progress.index)
         return plan
 
@@ -486,7 +500,7 @@ class Episode:
 
     def _follow(self, strategy: Strategy) -> None:
         """Start a strategy at its first stage."""
-        self.progress = Progress(strategy)
+        self.progress, self._since = Progress(strategy), self.now
         self.reactive.reset()
         self.emit(
             "strategy",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -55,18 +56,22 @@ def total_cost(terms: Terms, shape: tuple[int, int]) -> Array:
     return np.broadcast_to(total, shape)
 
 
-def at_rest(state: Context) -> dict[str, Array]:
-    """Return the quantities of one state, a batch of one, with nothing moving and nothing touched by the hand."""
-    values = {name: np.asarray(state[name])[:1, :1] for name in state.names()}
+def at_rest(state: Context) -> dict[str, Any]:
+    """Return the quantities of one state, a batch of one, with nothing moving and nothing touched by the hand.
+
+    Derived ones stay so: clearances follow the hand to other positions.
+    """
+    first = state.first()
+    values: dict[str, Any] = {name: first.source(name) for name in first.names()}
     for name in values:
         if name in ("ee_force", "ee_torque", "last_action") or name.endswith(
-            ("_vel", "_angvel", "_hand_force", "_hand_contact", "_left_contact", "_right_contact")
+            ("_vel", "_angvel", "_hand_force", *(f"_{part}_contact" for part in ("hand", "palm", "left", "right")))
         ):
             values[name] = np.zeros_like(values[name])
     return values
 
 
-def cost_at(cost: Cost, values: dict[str, Array], positions: Array) -> Array:
+def cost_at(cost: Cost, values: dict[str, Any], positions: Array) -> Array:
     """Compute the cost with the hand at other positions.
 
     Args:
@@ -81,7 +86,7 @@ def cost_at(cost: Cost, values: dict[str, Array], positions: Array) -> Array:
     return total_cost(cost(Context({**values, "ee_pos": positions[:, None, :]}, shape)), shape)[:, 0]
 
 
-def follow_cost(cost: Cost, values: dict[str, Array]) -> Attraction:
+def follow_cost(cost: Cost, values: dict[str, Any]) -> Attraction:
     """Move the hand downhill from where it is and from around each object.
 
     Args:
@@ -97,7 +102,7 @@ def follow_cost(cost: Cost, values: dict[str, Array]) -> Attraction:
 
 
 def descend(
-    cost: Cost, values: dict[str, Array], starts: Array, strides: tuple[tuple[float, int], ...] = STRIDES
+    cost: Cost, values: dict[str, Any], starts: Array, strides: tuple[tuple[float, int], ...] = STRIDES
 ) -> tuple[Array, Array, Array]:
     """Move the hand downhill from several places.
 
@@ -126,7 +131,7 @@ def descend(
     return hand, begun, reached
 
 
-def starting_places(values: dict[str, Array]) -> Array:
+def starting_places(values: dict[str, Any]) -> Array:
     """Return where descents begin: the hand's position, and places beside and above each object, Shape=(n, 3) m."""
     places = [values["ee_pos"][0, 0]]
     for name in objects_of(values):

@@ -7,6 +7,7 @@ rise is no barrier, since a stand-off may be intended.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -38,9 +39,7 @@ TURNS: tuple[Array, ...] = tuple(
 """Orientations of the hand: the palm down and level, at several headings."""
 
 
-def gate_barriers(
-    cost: Cost, values: Mapping[str, Array], attraction: Attraction, cfg: CostCheckCfg
-) -> list[CostFault]:
+def gate_barriers(cost: Cost, values: Mapping[str, Any], attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
     """Return faults for penalties that begin near an object and keep the hand away from it (the second pitfall).
 
     Args:
@@ -79,7 +78,7 @@ def gate_barriers(
 
 
 def _wall_around(
-    cost: Cost, values: dict[str, Array], end: Array, reached: float, least: float, cfg: CostCheckCfg
+    cost: Cost, values: dict[str, Any], end: Array, reached: float, least: float, cfg: CostCheckCfg
 ) -> tuple[Array, Array, float] | None:
     """Return the places before and after a jump of the cost next to the end of a descent, and the rise; or None."""
     away = SPACING_M * np.arange(1, round(cfg.beyond_m / SPACING_M) + 1)
@@ -106,19 +105,19 @@ def _wall_around(
     return None
 
 
-def _stands_when_turned(cost: Cost, values: dict[str, Array], before: Array, after: Array, least: float) -> bool:
+def _stands_when_turned(cost: Cost, values: dict[str, Any], before: Array, after: Array, least: float) -> bool:
     """Check whether a jump is there however the hand is turned: a penalty on a bad alignment is none."""
     turned = [{**values, "ee_quat": turn[None, None]} for turn in TURNS] if "ee_quat" in values else [values]
     both = np.stack([before, after])
     return all(float(np.diff(cost_at(cost, one, both))[0]) >= least for one in turned)
 
 
-def _goes_to_object(values: Mapping[str, Array], point: Array, direction: Array) -> bool:
+def _goes_to_object(values: Mapping[str, Any], point: Array, direction: Array) -> bool:
     name, _ = nearest_object(values, point)
     return bool(name) and float((values[f"{name}_pos"][0, 0] - point) @ direction) > 0.0
 
 
-def nearest_object(values: Mapping[str, Array], point: Array) -> tuple[str, float]:
+def nearest_object(values: Mapping[str, Any], point: Array) -> tuple[str, float]:
     """Return the movable object whose bounding box is nearest to a point, and its distance (m); negative inside."""
     found = []
     for name in objects_of(values):
@@ -129,7 +128,7 @@ def nearest_object(values: Mapping[str, Array], point: Array) -> tuple[str, floa
     return (min(found)[1], min(found)[0]) if found else ("", np.inf)
 
 
-def _risen_line(cost: Cost, values: Mapping[str, Array], before: Array, after: Array) -> int:
+def _risen_line(cost: Cost, values: Mapping[str, Any], before: Array, after: Array) -> int:
     """Return the line of the term that rises most from one place to another; 0 if unknown."""
     if not isinstance(cost, Traceable):
         return 0
@@ -150,7 +149,7 @@ def touch_barriers(cost: Cost, pool: Context, attraction: Attraction, cfg: CostC
         cfg: Thresholds.
     """
     faults = []
-    values = {name: np.asarray(pool[name]) for name in pool.names()}
+    values: dict[str, Any] = {name: pool.source(name) for name in pool.names()}
     first = at_rest(pool)
     for thing in objects_of(values):
         flags = [name for part in ("hand", "left", "right") if (name := f"{thing}_{part}_contact") in values]
@@ -162,7 +161,10 @@ def touch_barriers(cost: Cost, pool: Context, attraction: Attraction, cfg: CostC
         free = np.flatnonzero(np.all([values[name][:, 0] == 0 for name in flags], axis=0))
         if len(free) < 4:
             continue
-        apart = {name: value[free] if len(value) == len(values["ee_pos"]) else value for name, value in values.items()}
+        apart = {
+            name: value[free] if isinstance(value, np.ndarray) and len(value) == len(values["ee_pos"]) else value
+            for name, value in values.items()
+        }
         shape = (len(free), 1)
         touching = {**apart, **{name: np.ones(shape) for name in flags}}
         terms = cost(Context(touching, shape))

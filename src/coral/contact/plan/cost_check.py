@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.cost.context import Array, Context, Cost, Terms
+from coral.contact.cost.context import Array, Context, Cost, Derived, Terms
 from coral.contact.cost_program.errors import CostError
 from coral.contact.plan.attraction import at_rest, follow_cost
 from coral.contact.plan.barrier_check import gate_barriers, touch_barriers
@@ -76,16 +76,17 @@ def pooled(samples: Sequence[Context], count: int) -> Context:
     for sample in samples[1:]:
         names &= set(sample.names())
     each = max(1, count // len(samples))
-    parts: dict[str, list[Array]] = {name: [] for name in names}
+    derived = {name: value for name in names if isinstance(value := samples[0].source(name), Derived)}
+    parts: dict[str, list[Array]] = {name: [] for name in names if name not in derived}
     for sample in samples:
         k, h = sample.shape
         chosen = np.unique(np.linspace(0, k * h - 1, each).astype(int))
-        for name in names:
+        for name in parts:
             values = np.asarray(sample[name], dtype=np.float64)
             full = np.broadcast_to(values, (k, h, *values.shape[2:])).reshape(k * h, 1, *values.shape[2:])
             parts[name].append(full[chosen])
     joined = {name: np.concatenate(arrays) for name, arrays in parts.items()}
-    return Context(joined, (len(next(iter(joined.values()))), 1))
+    return Context({**joined, **derived}, (len(next(iter(joined.values()))), 1))
 
 
 def _malformed_faults(terms: Terms, sample: Context) -> list[CostFault]:

@@ -14,6 +14,7 @@ from pydantic import BaseModel, Field, model_validator
 from coral.contact.cost.context import Context, Cost, Schema
 from coral.contact.cost.stages import Guide, Stage, Strategy, Test
 from coral.contact.cost_program import CostError, CostProgram
+from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.contact_regions import Array, RegionsAnswer, guide
 from coral.contact.plan.last_good_cost import LastGoodCost
 
@@ -220,9 +221,25 @@ def make_strategy(
                 None if stage.done is None else _test(stage.done),
                 None if stage.lost is None else (said.back_to, _test(stage.lost)),
                 said.noise,
+                keeps_off=not presses_by_design(said.code, schema),
             )
         )
     return Strategy(name, tuple(stages), answer.explanation)
+
+
+def presses_by_design(code: str, schema: Schema) -> bool:
+    """Check whether a cost says itself what the hand is to do to table or fixtures.
+
+    The planner keeps the hand from pressing on them otherwise.
+
+    Args:
+        code: A cost program.
+        schema: The quantities of the state.
+    """
+    fixed = {name.removesuffix("_hand_contact") for name in schema if name.endswith("_hand_contact")}
+    fixed -= set(objects_of(schema))
+    read = set(re.findall(r"\bself\.(\w+)", code))
+    return any(f"{name}_{kind}" in read for name in fixed for kind in ("hand_force", "hand_contact", "palm_contact"))
 
 
 def _test(program: Cost) -> Test:

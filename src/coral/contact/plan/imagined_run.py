@@ -64,14 +64,15 @@ def imagine(
     """
     cfg = cfg or ImaginedRunCfg()
     controller = Controller(world, cfg.controller, np.random.default_rng(SEED))
-    progress = Progress(strategy)
+    progress, since = Progress(strategy), now
     for step in range(0, round(cfg.most_s / world.cfg.step_s), cfg.replan_steps):
         stage = progress.stage
         try:
-            plan = controller.plan(now, stage, step)
+            plan = controller.plan(now, stage, step, since)
             if not plan.update.ok:
                 return
-            progress.update(plan.now)
+            if progress.update(plan.now):
+                since = now
         except CostError:
             return
         yield ImaginedMoment(now, stage.name, progress.stage.name, plan)

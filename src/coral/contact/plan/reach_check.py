@@ -7,6 +7,7 @@ never holds, though, so the author is told how deep the place lies and in what.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from coral.contact.scene.geometry import rotation_of
 TABLE = "table"
 
 
-def unreachable(cost: Cost, values: Mapping[str, Array], attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
+def unreachable(cost: Cost, values: Mapping[str, Any], attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
     """Return a note for each body inside which the cost leads the hand (the first pitfall).
 
     Args:
@@ -51,7 +52,7 @@ def unreachable(cost: Cost, values: Mapping[str, Array], attraction: Attraction,
     return notes
 
 
-def containing_body(values: Mapping[str, Array], point: Array, cfg: CostCheckCfg) -> tuple[str, float]:
+def containing_body(values: Mapping[str, Any], point: Array, cfg: CostCheckCfg) -> tuple[str, float]:
     """Return the body that keeps the fingertips from a point, and how deep the point lies in it; "" if none does.
 
     Args:
@@ -77,7 +78,7 @@ def containing_body(values: Mapping[str, Array], point: Array, cfg: CostCheckCfg
     return name, deepest
 
 
-def _line_of_target(cost: Cost, values: Mapping[str, Array], attraction: Attraction, which: Array) -> int:
+def _line_of_target(cost: Cost, values: Mapping[str, Any], attraction: Attraction, which: Array) -> int:
     """Return the line of the distance that vanishes where the cost leads the hand; 0 if none does."""
     if not isinstance(cost, Traceable):
         return 0

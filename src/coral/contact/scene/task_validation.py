@@ -6,7 +6,7 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from coral.contact.cost.schema import HAND, object_quantities
+from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
 from coral.contact.scene.condition import check_known
 from coral.contact.scene.mesh import mesh_vertices
 from coral.errors import InputError
@@ -65,13 +65,16 @@ def _check_names(task: Task, where: str) -> None:
         taken[name] = f"also {field}"
     # Costs read all quantities by flat names such as box_pos: no two may be the same.
     others = [item.name for item in task.objects]
-    found = [(key, "") for key in (*HAND, "table_min", "table_max")]
+    of_table = scenery_quantities()
+    found = [(key, "") for key in (*HAND, *of_table)]
     for index, fixture in enumerate(task.fixtures):
-        found += [(f"{fixture.name}_{key}", f"fixtures[{index}].name") for key in ("pos", "size")]
+        own = [key for key in scenery_quantities([fixture.name]) if key not in of_table]
+        found += [(key, f"fixtures[{index}].name") for key in own]
     for index, item in enumerate(task.objects):
         keys = object_quantities(item.name, item.points, task.things, [name for name in others if name != item.name])
         found += [(key, f"objects[{index}].name") for key in keys]
-        if len(keys) < len(object_quantities(item.name)) + len(item.points) + len(task.things) + len(others) - 1:
+        touched = len(task.things) + len(others) - 1  # each has a contact and a clearance
+        if len(keys) < len(object_quantities(item.name)) + len(item.points) + 2 * touched:
             raise InputError(
                 where,
                 f"objects[{index}].points",

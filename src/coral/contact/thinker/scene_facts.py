@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.cost.context import Quantity, Schema
+from coral.contact.cost.schema import hand_quantities
 from coral.contact.cost_program.state import objects_of
 from coral.contact.scene.facts import ObjectFacts, SceneFacts, goals_of
 from coral.contact.scene.observation import BodyState, Observation
@@ -92,30 +94,50 @@ def pose(body: BodyState) -> list[float]:
 def interface_text(schema: Schema) -> str:
     """Describe the names and functions that a cost may use, as text for a prompt.
 
-    What all objects have is described once. What is neither a vector nor true or false is a number.
+    What all things have is described once, and so is what two things have to do with each other. What is neither a
+    vector nor true or false is a number.
     """
     objects = objects_of(schema)
-    own = {
-        name: [key for key in schema if key.startswith(f"{name}_") and _owner(key, objects) == name] for name in objects
-    }
-    shared = [key.removeprefix(f"{name}_") for name in objects[:1] for key in own[name]]
-    shared = [suffix for suffix in shared if all(f"{name}_{suffix}" in schema for name in objects)]
-    lines = [_quantity_line(key, schema[key]) for key in schema if not _owner(key, objects)]
+    things = [*objects, *(name for name in _things(schema) if name not in objects)]
+    of_hand = [suffix for suffix in hand_quantities("") if all(f"{name}{suffix}" in schema for name in things)]
+    pairs = {
+        f"{name}_{other}_{kind}" for name in objects for other in things for kind in ("contact", "clearance")
+    } & set(schema)
+    told = pairs | {f"{name}{suffix}" for name in things for suffix in of_hand}
+    rest = [key for key in schema if key not in told]
+    own = {name: [key for key in rest if _owner(key, objects) == name] for name in objects}
+    shared = [key.removeprefix(name) for name in objects[:1] for key in own[name]]
+    shared = [suffix for suffix in shared if all(f"{name}{suffix}" in schema for name in objects)]
+    lines = _lines({key: schema[key] for key in rest if not _owner(key, objects)})
     if objects:
+        first = objects[0]
         lines.append(f"For each of {', '.join(objects)}, its name in place of NAME:")
-        lines += [
-            _quantity_line(f"NAME_{suffix}", schema[f"{objects[0]}_{suffix}"])
-            .replace(f"the {objects[0]}", "the object")
-            .replace(f"{objects[0]}_", "NAME_")
-            for suffix in shared
-        ]
+        lines += _lines({f"NAME{suffix}": _general(schema[f"{first}{suffix}"], first, "object") for suffix in shared})
+    if things and of_hand:
+        lines.append(f"For each of {', '.join(things)}:")
+        lines += _lines(
+            {f"NAME{suffix}": _general(schema[f"{things[0]}{suffix}"], things[0], "thing") for suffix in of_hand}
+        )
+    if pairs:
+        some = next(key for key in schema if key in pairs).rsplit("_", 1)[0]
+        lines.append(
+            "For an object NAME and any of these OTHER, such as "
+            f"self.{some}_contact: self.NAME_OTHER_contact (true or false): whether they touch; "
+            "self.NAME_OTHER_clearance (m): shortest distance, 0 where they touch"
+        )
     for name in objects:
-        rest = [key for key in own[name] if key.removeprefix(f"{name}_") not in shared]
-        contacts = [key for key in rest if schema[key].truth]
-        lines += [_quantity_line(key, schema[key]) for key in rest if key not in contacts]
-        if contacts:
-            lines.append(f"- {', '.join(f'self.{key}' for key in contacts)} (true or false): whether the two touch")
+        lines += _lines({key: schema[key] for key in own[name] if key.removeprefix(name) not in shared})
     return "\n".join([*lines, f"Functions: {FUNCTIONS}."])
+
+
+def _things(schema: Schema) -> list[str]:
+    """Return everything that the hand can touch: objects, table, fixtures."""
+    return [name.removesuffix("_hand_contact") for name in schema if name.endswith("_hand_contact")]
+
+
+def _general(quantity: Quantity, name: str, kind: str) -> Quantity:
+    """Describe a quantity of any thing of a kind in place of one of this name."""
+    return replace(quantity, text=quantity.text.replace(f"the {name}", f"the {kind}").replace(f"{name}_", "NAME_"))
 
 
 def _owner(name: str, objects: Sequence[str]) -> str:
@@ -123,10 +145,22 @@ def _owner(name: str, objects: Sequence[str]) -> str:
     return max((thing for thing in objects if name.startswith(f"{thing}_")), key=len, default="")
 
 
-def _quantity_line(name: str, quantity: Quantity) -> str:
-    size = f"vector of {quantity.size}" if quantity.size else ("true or false" if quantity.truth else "")
-    about = ", ".join(part for part in (size, quantity.unit) if part)
-    return f"- self.{name}{f' ({about})' if about else ''}: {quantity.text}"
+def _lines(quantities: Schema) -> list[str]:
+    """Describe quantities, a line each; the pose at some moment, and what the two fingers touch, have one line."""
+    lines: list[str] = []
+    for name, quantity in quantities.items():
+        size = f"vector of {quantity.size}" if quantity.size else ("true or false" if quantity.truth else "")
+        about = ", ".join(part for part in (size, quantity.unit) if part)
+        shown = f"self.{name}{f' ({about})' if about else ''}"
+        if name.endswith(("_init_quat", "_stage_quat")) and name.replace("_quat", "_pos") in quantities:
+            lines[-1] = f"{lines[-1]}; {shown}"
+        elif name.endswith("_right_contact") and name.replace("_right", "_left") in quantities:
+            lines[-1] = (
+                lines[-1].replace(" (", f", self.{name} (", 1).replace("the left finger touches", "that finger touches")
+            )
+        else:
+            lines.append(f"- {shown}: {quantity.text}")
+    return lines
 
 
 def _round(values: Any) -> list[float]:

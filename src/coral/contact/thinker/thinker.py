@@ -334,7 +334,7 @@ class Thinker:
             return False
         stage = next(one for one in self._attempt.stages if one.name == report.stage)
         try:
-            found = probe_effort(report.planner, report.now, stage, report.step, cfg)
+            found = probe_effort(report.planner, report.now, stage, report.step, cfg, report.since)
         except CostError:
             return False  # a repair is due
         if report.plan_s and not self.asker.clock.thinking.go_on(found.plans * report.plan_s):
