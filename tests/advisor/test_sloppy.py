@@ -97,3 +97,35 @@ def test_a_mistake_stays_with_its_kinds_of_question_and_is_not_logged_when_it_is
 def test_it_is_still_its_inner_advisor():
     advisor = SloppyAdvisor(Right(), Rates(level=0.5), np.random.default_rng(0), MISTAKES)
     assert (advisor.name, advisor.latency, source_of(advisor)) == ("sloppy:0.5:right", "0", "recording")
+
+
+class Both(BaseModel):
+    left: int = 0
+    right: int = 0
+
+
+def spoil(side):
+    return lambda question, right, earlier, rng: {**right, side: 1}
+
+
+def test_each_part_of_an_answer_errs_on_its_own():
+    """A question that asks for two things has as many chances of error as two questions."""
+
+    class Sure(Right):
+        async def answer(self, question, rejections):
+            return Reply(value=Both(), raw=Both().model_dump_json())
+
+    both = tuple(
+        Mistake(name=side, what="", found_in="", questions=("both",), err=spoil(side), part=side)
+        for side in ("left", "right")
+    )
+    advisor = SloppyAdvisor(Sure(), Rates(level=0.4), np.random.default_rng(0), both)
+    question = Question(kind="both", prompt="", answer_type=Both, facts={})
+
+    async def run():
+        return [await advisor.answer(question, ()) for _ in range(2000)]
+
+    counts = Counter((reply.value.left, reply.value.right) for reply in asyncio.run(run()))
+    expected = {(0, 0): 0.36, (1, 0): 0.24, (0, 1): 0.24, (1, 1): 0.16}
+    assert {key: count / 2000 for key, count in counts.items()} == pytest.approx(expected, abs=0.03)
+    assert parse_rates("left=0.7+right=0.8", both) == Rates(each={"left": 0.7, "right": 0.8})

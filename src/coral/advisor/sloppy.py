@@ -56,14 +56,17 @@ class Mistake:
     questions: tuple[str, ...]
     """Kinds of question in which it can happen."""
     err: Err
+    part: str = ""
+    """The part of an answer that it spoils: a question that asks for several things at once has as many chances of
+    error as questions that ask for one each."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rates:
-    """Error rates; an answer has at most one mistake."""
+    """Error rates; a part of an answer has at most one mistake, and most answers have one part."""
 
     level: float | None = None
-    """Probability of a wrong answer to any question, divided equally among the mistakes possible there."""
+    """Probability that a part of any answer is wrong, divided equally among the mistakes possible there."""
     each: Mapping[str, float] = field(default_factory=dict)
     """Else the probability of each mistake, in answers to the questions in which it can happen."""
 
@@ -91,15 +94,16 @@ def parse_rates(text: str, mistakes: Sequence[Mistake], where: str = "--advisor"
             found = repr(name) if name not in known else f"{name!r} twice"
             raise InputError(where, "sloppy", found, f"one of {', '.join(known)}{nearest(name, known)}")
         each[name] = _probability(rate, name, where)
-    for kind in sorted({kind for mistake in mistakes for kind in mistake.questions}):
-        total = sum(rate for name, rate in each.items() if kind in known[name].questions)
+    for kind, part in sorted({(kind, mistake.part) for mistake in mistakes for kind in mistake.questions}):
+        spoil = [name for name, mistake in known.items() if kind in mistake.questions and mistake.part == part]
+        total = sum(rate for name, rate in each.items() if name in spoil)
         if total > 1.0 + 1e-9:
             raise InputError(where, "sloppy", f"rates that sum to {total:g} for {kind} questions", "at most 1")
     return Rates(each=each)
 
 
 class SloppyAdvisor:
-    """Passes on another advisor's answers, and puts a plausible error into some of them.
+    """Passes on another advisor's answers, and puts a plausible error into some of them, or into parts of them.
 
     The error is recorded among the faults of the answer's usage, such as `sloppy-mirrored`, in `attempts.jsonl` and in
     the event of its verdict; no decision uses it. An error that is impossible in an answer is neither made nor logged.
@@ -142,10 +146,15 @@ class SloppyAdvisor:
         able = [mistake for mistake in self._mistakes if question.kind in mistake.questions]
         chance, seed = float(self._rng.random()), int(self._rng.integers(2**63))
         rng = np.random.default_rng(seed)
-        return self._answer(question, rejections, self._choose_mistakes(able, chance, rng), rng)
+        parts = [[one for one in able if one.part == part] for part in dict.fromkeys(one.part for one in able)]
+        chosen = [
+            self._choose_mistakes(each, chance if first else float(rng.random()), rng)
+            for first, each in zip((True, *(False,) * len(parts)), parts, strict=False)
+        ]
+        return self._answer(question, rejections, chosen, rng)
 
     def _choose_mistakes(self, able: Sequence[Mistake], chance: float, rng: np.random.Generator) -> list[Mistake]:
-        """Return the mistakes to try in turn, of those possible for a question; none for a right answer."""
+        """Return the mistakes to try in turn, of those possible in a part of an answer; none for a right one."""
         if self._rates.level is not None:
             return [able[k] for k in rng.permutation(len(able))] if chance < self._rates.level else []
         below = 0.0
@@ -156,22 +165,32 @@ class SloppyAdvisor:
         return []
 
     async def _answer(
-        self, question: Question[A], rejections: Sequence[Rejection], tried: Sequence[Mistake], rng: np.random.Generator
+        self,
+        question: Question[A],
+        rejections: Sequence[Rejection],
+        tried: Sequence[Sequence[Mistake]],
+        rng: np.random.Generator,
     ) -> Reply[A]:
         reply = await self.inner.answer(question, rejections)
         right = reply.value.model_dump(mode="json")
         past = self._past.setdefault(question.kind, deque(maxlen=KEPT))
         earlier = tuple(past)
         past.append(Earlier(at_s=question.asked_at_s, answer=right))
-        for mistake in tried:
-            wrong = mistake.err(question, dict(right), earlier, rng)
-            if wrong is None or wrong == right:
-                continue
-            usage = dataclasses.replace(reply.usage, faults=(*reply.usage.faults, f"sloppy-{mistake.name}"))
-            text = json.dumps(wrong)
-            value = parse_answer(text, question.answer_type, usage)
-            return Reply(value=value, raw=text, usage=usage, latency_s=reply.latency_s)
-        return reply
+        given, faults = right, list(reply.usage.faults)
+        for part in tried:
+            for mistake in part:
+                wrong = mistake.err(question, dict(given), earlier, rng)
+                if wrong is None or wrong == given:
+                    continue
+                given = wrong
+                faults.append(f"sloppy-{mistake.name}")
+                break
+        if given is right:
+            return reply
+        usage = dataclasses.replace(reply.usage, faults=tuple(faults))
+        text = json.dumps(given)
+        value = parse_answer(text, question.answer_type, usage)
+        return Reply(value=value, raw=text, usage=usage, latency_s=reply.latency_s)
 
 
 def make_sloppy(name: str, rest: str, setting: Setting) -> SloppyAdvisor:

@@ -159,6 +159,7 @@ CONTACT_MISTAKES = (
         what="a term of a cost has the wrong sign",
         found_in="",
         questions=PLANS,
+        part="plan",
         err=_change_one_stage(edit.flip_sign),
     ),
     Mistake(
@@ -166,6 +167,7 @@ CONTACT_MISTAKES = (
         what="a term's weight is off by ten",
         found_in="",
         questions=PLANS,
+        part="plan",
         err=_change_one_stage(edit.scale_term),
     ),
     Mistake(
@@ -173,6 +175,7 @@ CONTACT_MISTAKES = (
         what="a term is missing from a cost",
         found_in="",
         questions=PLANS,
+        part="plan",
         err=_change_one_stage(edit.drop_term),
     ),
     Mistake(
@@ -180,6 +183,7 @@ CONTACT_MISTAKES = (
         what="one object is taken for another in the plan",
         found_in="",
         questions=PLANS,
+        part="plan",
         err=_mistake_object,
     ),
     Mistake(
@@ -188,6 +192,7 @@ CONTACT_MISTAKES = (
         found_in="What's “up” with vision-language models?, arXiv:2310.19785: models fail on basic spatial relations, "
         "left of and right of among them",
         questions=PLANS,
+        part="plan",
         err=_mirror,
     ),
     Mistake(
@@ -195,6 +200,7 @@ CONTACT_MISTAKES = (
         what="a place in a cost is off by 3 to 8 cm",
         found_in="Q-Spatial Bench, arXiv:2409.09788: distances are hard to tell for all models that were tried",
         questions=PLANS,
+        part="plan",
         err=_change_one_stage(lambda code, rng: edit.shift_place(code, rng, OFF_M)),
     ),
     Mistake(
@@ -202,6 +208,7 @@ CONTACT_MISTAKES = (
         what="the condition on which a phase ends never comes true",
         found_in="",
         questions=PLANS,
+        part="plan",
         err=_tighten_condition,
     ),
     Mistake(
@@ -209,6 +216,7 @@ CONTACT_MISTAKES = (
         what="the phase that closes the fingers is left out: the lift comes before a grasp",
         found_in="",
         questions=PLANS,
+        part="plan",
         err=_lift_early,
     ),
     Mistake(
@@ -217,6 +225,7 @@ CONTACT_MISTAKES = (
         found_in="CoRAL (manipulation), limitations: a misjudged material makes the estimate of an object's "
         "mass grossly wrong",
         questions=PARAMETERS,
+        part="parameters",
         err=_misjudge,
     ),
     Mistake(
@@ -224,6 +233,7 @@ CONTACT_MISTAKES = (
         what="contact regions lie on the wrong face of an object",
         found_in="",
         questions=REGIONS,
+        part="regions",
         err=_move_face,
     ),
 )
