@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator
@@ -118,9 +118,9 @@ class MemoryCfg(ScaleLimits):
     a paraphrase may share no word."""
     candidates: Count = 3
     """Maximum number of remembered plans that are adapted and checked."""
-    rehearsed: Count = 2
-    """Number of plans that pass the checks and are rehearsed, of which the best is followed: of each remembered plan,
-    with lengths computed anew and, if that changes it, with lengths as they were. 1 follows the first without one."""
+    rehearsed: Annotated[int, Field(ge=0)] = 6
+    """Maximum number of plans that are rehearsed: of each remembered plan, with lengths computed anew and, if that
+    changes it, with lengths as they were. 0 follows the first that passes its checks without a rehearsal."""
     failures: Count = 3
     """A plan that failed so often without ever succeeding again is no longer offered."""
 
