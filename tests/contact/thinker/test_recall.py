@@ -94,6 +94,21 @@ def test_a_plan_that_its_rehearsal_refuses_gives_way_to_the_next_however_far_it_
     assert [fields["refused"] for fields in told] == ["it breaks", ""]
 
 
+@pytest.mark.parametrize(
+    ("repairs", "outcome", "followed"), [(0, BETTER, True), (2, BETTER, False), (2, THROUGH, True), (2, GOOD, True)]
+)
+def test_a_repair_has_to_come_through_all_its_stages(scene, memory, monkeypatch, repairs, outcome, followed):
+    """A plan that finished a trial was never followed from the beginning; its rehearsal is the only proof."""
+    one = scene("pick-box", 0)
+    number = memory.add(experience(one, repairs=repairs))
+    monkeypatch.setattr("coral.contact.thinker.recall.rehearse_recalled", lambda *_: RecallRehearsal(outcome, 2.5, ""))
+    chosen, told, _ = choose(one, memory)
+    assert (chosen is not None) is followed
+    assert ("from the beginning it came through 60 %" in told[0]["refused"]) is not followed
+    memory.used(number, True)  # now it has been
+    assert choose(one, memory)[0] is not None
+
+
 def test_if_all_are_refused_none_is_followed(scene, memory):
     memory.add(experience(scene("pick-box", 0)))
     chosen, told, _ = choose(scene("pick-box", 2), memory, [(BETTER, "it breaks"), (BAD, "it falls back")])

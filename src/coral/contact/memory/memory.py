@@ -87,6 +87,11 @@ class Stored:
     """Embedding of the instruction, Shape=(n,); vectors of different embedders are not comparable."""
 
     @property
+    def proven(self) -> bool:
+        """Return whether its plan has led from the beginning of a trial to success; a repair only finished one."""
+        return bool(self.helped) or not self.experience.provenance.get("repairs")
+
+    @property
     def success_rate(self) -> float:
         """Return the expected share of its uses that succeed, counting its first success (rule of succession)."""
         return (self.helped + 2) / (self.used + 3)

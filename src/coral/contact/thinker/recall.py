@@ -144,7 +144,12 @@ class Recall:
     def _rehearse(self, one: RecalledPlan, first: Observation) -> RecalledPlan:
         assert one.strategy is not None
         found = rehearse_recalled(self._world, self._trial, one.strategy, one.plan.names, first, self._cfg.outer)
-        refusal = Rejection(code="rehearsal", reason=found.refusal) if found.refusal else None
+        reason = found.refusal
+        if not reason and found.outcome.stages < 1.0 and not one.match.stored.proven:
+            reason = "it finished a trial that another plan had begun, and rehearsed from the beginning it came " + (
+                f"through {100 * found.outcome.stages:.0f} % of its stages"
+            )
+        refusal = Rejection(code="rehearsal", reason=reason) if reason else None
         return replace(one, refusal=refusal, outcome=found.outcome, rehearsed_s=found.length_s)
 
     def _strategy(self, one: RecalledPlan) -> Strategy:
