@@ -212,7 +212,8 @@ class Memory:
 
         The goals have to be of the same kinds, directions and manner; the instructions must not contradict each other;
         sizes, masses, heights and places may differ within limits, but what had to fit the hand still has to. Of those
-        that are left, similar wording, success in earlier uses and similar numbers come first.
+        that are left, similar wording, success in earlier uses and similar numbers come first; repairs that never led
+        from the beginning to success come after those that did.
 
         Args:
             facts: The scene (`scene_facts`).
@@ -227,12 +228,13 @@ class Memory:
             if match is not None:
                 found.append(match)
 
-        def rank(match: Match) -> tuple[bool, float, int]:
+        def rank(match: Match) -> tuple[bool, bool, float, int]:
             stored = match.stored
-            # A plan that failed more often than it helped comes after all others.
+            # A plan that failed more often than it helped comes after all others, before them a repair that was never
+            # followed from the beginning.
             failed = stored.used - stored.helped > stored.helped
             score = match.similarity + stored.success_rate - 0.5 * match.distance - 0.2 * len(match.goals.missing)
-            return (failed, -score, -stored.id)
+            return (failed, not stored.proven, -score, -stored.id)
 
         return sorted(found, key=rank)[: self.cfg.candidates if most is None else most]
 
