@@ -43,7 +43,7 @@ def rehearse_recalled(
 
     That is when it succeeds, when it breaks something for good, when it has fallen back to an earlier stage twice, when
     the outer loop would call it stuck, or at the task's time limit. Refused is a plan that breaks something or falls
-    back twice, one of several stages that never leaves its first, and one that comes to its last stage without a
+    back twice, one of several stages that never leaves its first, and one of a single stage that never meets a
     condition of success more than at the beginning. Less is no evidence against a plan: under wrong masses and
     frictions, or with so few samples, a good one may end without success in imagination.
 
@@ -76,6 +76,6 @@ def _refusal(judge: ImaginedJudge, monitor: ProgressMonitor, count: int) -> str:
         return f"rehearsed, it fell back to an earlier stage {MOST_RETURNS} times"
     if begun == 1 < count:
         return f"rehearsed, it never left its first stage, {monitor.stage!r}"
-    if begun == count and not judge.gained:
-        return "rehearsed, it came to its last stage and met no condition of success that was not met before"
+    if count == 1 and not judge.gained:
+        return "rehearsed, it met no condition of success that was not met before"
     return ""
