@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from contact_bench import body, make_trial, plain, touch, truth
 
+from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.observation import HandForce, Truth
 
 
@@ -239,3 +240,26 @@ def test_an_object_that_slides_on_after_a_push_was_slid_only_for_a_moment():
     states = [(0.02 * k, body((0.004 * k, 0, 0.03)), touch("box", "table")) for k in range(60)]
     states[0] = (*states[0], touch("box", "hand"))
     assert not shown(judge, *states)
+
+
+def test_only_conditions_that_cannot_be_mended_break_for_good():
+    kinds = [*BaseCondition.__subclasses__()]
+    good = {one.model_fields["kind"].default for one in kinds if one.breaks_for_good}
+    assert good >= {"peak-force", "speed-limit", "kept-level", "kept-touching", "never-touched"}
+    assert not good & {"slid", "steady-force", "touched-while-turning", "at", "lifted", "still"}
+    assert {one.model_fields["kind"].default for one in kinds if one.reads_forces} >= {"peak-force", "steady-force"}
+
+
+@pytest.mark.parametrize(
+    ("condition", "breach"),
+    [
+        ({"kind": "peak-force", "newtons": 5.0}, (body(), touch("hand", "box", (9, 0, 0)))),
+        ({"kind": "kept-level"}, (body(rpy_deg=(0, 60, 0)),)),
+        ({"kind": "never-touched", "thing": "wall"}, (body(), touch("box", "wall"))),
+    ],
+)
+def test_what_breaks_for_good_never_holds_again(condition, breach):
+    judge = watch(object="box", **condition)
+    assert shown(judge, (0.0, body()))
+    assert not shown(judge, (0.1, *breach))
+    assert not shown(judge, *((0.2 + 0.1 * k, body()) for k in range(20)))

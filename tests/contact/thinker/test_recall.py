@@ -1,11 +1,13 @@
 """The choice among remembered plans."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from experiences import experience
 
+from coral.advisor.question import Rejection
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import Memory, MemoryCfg
@@ -15,9 +17,11 @@ from coral.contact.rules.answers import RULES
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.recall import Recall, adaptations
+from coral.contact.thinker.recall_rehearsal import RecallRehearsal
 from coral.contact.thinker.think_cfg import ThinkCfg
 
-BAD, GOOD = ImaginedOutcome(False, 0.3, 0.5, 1.0), ImaginedOutcome(True, 1.0, 1.0, 1.0)
+BAD, BETTER = ImaginedOutcome(False, 0.3, 0.5, 1.0), ImaginedOutcome(False, 0.6, 0.5, 1.0)
+GOOD, THROUGH = ImaginedOutcome(True, 1.0, 1.0, 1.0), ImaginedOutcome(False, 1.0, 0.8, 1.0)
 
 
 @pytest.fixture
@@ -37,7 +41,9 @@ def choose(one, memory, outcomes=(), **cfg):
 
     def rehearse(plan, first):
         rehearsed.append(plan)
-        return left.pop(0)
+        outcome, refusal = left.pop(0)
+        why = Rejection(code="rehearsal", reason=refusal) if refusal else None
+        return replace(plan, outcome=outcome, refusal=why, rehearsed_s=3.0)
 
     if outcomes:
         recall._rehearse = rehearse
@@ -52,29 +58,87 @@ def test_each_plan_is_adapted_in_two_ways_if_they_differ(scene, memory):
     assert [each.scaled for each in adaptations(memory, other.facts)] == [True, False]
 
 
-@pytest.mark.parametrize(("outcomes", "scaled"), [([BAD, GOOD], False), ([GOOD, BAD], True), ([GOOD, GOOD], True)])
+def test_equal_plans_are_adapted_once(scene, memory):
+    one = scene("pick-box", 0)
+    memory.add(experience(one))
+    memory.add(experience(one, seed=1))
+    assert len(memory.find(one.facts)) == 2
+    assert len(list(adaptations(memory, one.facts))) == 1
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "scaled"), [([BAD, GOOD], False), ([BAD, BAD], True), ([BAD, BETTER], False), ([BETTER, BAD], True)]
+)
 def test_the_one_that_came_further_is_followed_and_the_other_is_told_of(scene, memory, outcomes, scaled):
     memory.add(experience(scene("pick-box", 0)))
-    chosen, told, rehearsed = choose(scene("pick-box", 2), memory, outcomes)
+    chosen, told, rehearsed = choose(scene("pick-box", 2), memory, [(one, "") for one in outcomes])
     assert len(rehearsed) == 2
     assert chosen.scaled is scaled
-    assert chosen.outcome == GOOD
+    assert chosen.outcome == max(outcomes)
     assert [bool(fields["refused"]) for fields in told] == [not scaled, scaled]
     assert [fields.get("source") for fields in told].count("memory") == 1
 
 
-def test_one_alone_is_not_rehearsed(scene, memory):
+@pytest.mark.parametrize("outcome", [GOOD, THROUGH])
+def test_after_one_that_comes_through_all_stages_nothing_more_is_rehearsed(scene, memory, outcome):
+    memory.add(experience(scene("pick-box", 0)))
+    chosen, told, rehearsed = choose(scene("pick-box", 2), memory, [(outcome, "")])
+    assert (chosen.scaled, len(told), len(rehearsed)) == (True, 1, 1)
+    assert told[0]["rehearsed_s"] == 3.0
+
+
+def test_a_plan_that_its_rehearsal_refuses_gives_way_to_the_next_however_far_it_came(scene, memory):
+    memory.add(experience(scene("pick-box", 0)))
+    chosen, told, _ = choose(scene("pick-box", 2), memory, [(BETTER, "it breaks"), (BAD, "")])
+    assert chosen.scaled is False
+    assert [fields["refused"] for fields in told] == ["it breaks", ""]
+
+
+@pytest.mark.parametrize(
+    ("repairs", "outcome", "followed"), [(0, BETTER, True), (2, BETTER, False), (2, THROUGH, True), (2, GOOD, True)]
+)
+def test_a_repair_has_to_come_through_all_its_stages(scene, memory, monkeypatch, repairs, outcome, followed):
+    """A plan that finished a trial was never followed from the beginning; its rehearsal is the only proof."""
     one = scene("pick-box", 0)
-    memory.add(experience(one))
-    chosen, told, rehearsed = choose(one, memory)
-    assert (chosen.match.stored.id, rehearsed) == (1, [])
-    assert [(fields["refused"], fields["outcome"]) for fields in told] == [("", None)]
+    number = memory.add(experience(one, repairs=repairs))
+    monkeypatch.setattr("coral.contact.thinker.recall.rehearse_recalled", lambda *_: RecallRehearsal(outcome, 2.5, ""))
+    chosen, told, _ = choose(one, memory)
+    assert (chosen is not None) is followed
+    assert ("from the beginning it came through 60 %" in told[0]["refused"]) is not followed
+    memory.used(number, True)  # now it has been
+    assert choose(one, memory)[0] is not None
+
+
+def test_if_all_are_refused_none_is_followed(scene, memory):
+    memory.add(experience(scene("pick-box", 0)))
+    chosen, told, _ = choose(scene("pick-box", 2), memory, [(BETTER, "it breaks"), (BAD, "it falls back")])
+    assert chosen is None
+    assert [fields["refused"] for fields in told] == ["it breaks", "it falls back"]
+    assert not any("source" in fields for fields in told)
+
+
+def test_no_more_are_rehearsed_than_allowed(scene, memory):
+    memory.add(experience(scene("pick-box", 0)))
+    chosen, told, rehearsed = choose(scene("pick-box", 2), memory, [(BAD, "")], rehearsed=1)
+    assert (chosen.scaled, len(told), len(rehearsed)) == (True, 1, 1)
 
 
 def test_without_rehearsals_the_first_that_passes_is_followed(scene, memory):
     memory.add(experience(scene("pick-box", 0)))
-    chosen, told, rehearsed = choose(scene("pick-box", 2), memory, rehearsed=1)
+    chosen, told, rehearsed = choose(scene("pick-box", 2), memory, rehearsed=0)
     assert (chosen.scaled, len(told), rehearsed) == (True, 1, [])
+    assert (told[0]["refused"], told[0]["outcome"]) == ("", None)
+
+
+def test_regions_on_a_wrong_face_do_not_refuse_a_plan_whose_rehearsal_succeeds(scene, memory, monkeypatch):
+    """Guided there, the first stage gains nothing in a second; the other samples still find the way."""
+    monkeypatch.setattr("coral.contact.thinker.recall.rehearsed_gain", lambda *_: -3.0)
+    one = scene("pick-box", 0)
+    memory.add(experience(one))
+    assert choose(one, memory, [(GOOD, "")])[0] is not None
+    chosen, told, _ = choose(one, memory, rehearsed=0)
+    assert chosen is None
+    assert told[0]["refused"] == "rehearsed, it lowers the cost by -300 %"
 
 
 def test_a_plan_that_cannot_be_used_is_refused_with_the_reason(scene, memory):
@@ -95,12 +159,12 @@ def test_a_rehearsal_follows_the_plan_in_the_planning_world(scene, memory, monke
     memory.add(experience(scene("pick-box", 0)))
     followed = []
 
-    def watch(world, strategy, now):
+    def watch(world, trial, strategy, names, first, cfg):
         followed.append([(stage.name, bool(stage.guides)) for stage in strategy.stages])
-        return []
+        return RecallRehearsal(BAD, 2.5, "")
 
-    monkeypatch.setattr("coral.contact.thinker.recall.imagine", watch)
+    monkeypatch.setattr("coral.contact.thinker.recall.rehearse_recalled", watch)
     chosen, told, _ = choose(scene("pick-box", 2), memory)
     assert followed == [[("reach", True), ("close", False), ("lift", True)]] * 2
-    assert chosen.outcome == ImaginedOutcome(False, 0.0, 0.0, 0.0)
-    assert [fields["outcome"]["stages"] for fields in told] == [0.0, 0.0]
+    assert chosen.outcome == BAD
+    assert [(fields["outcome"]["stages"], fields["rehearsed_s"]) for fields in told] == [(0.3, 2.5)] * 2

@@ -12,7 +12,7 @@ from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress
 from coral.contact.cost_program import CostError, CostWorker
 from coral.contact.memory.embedding import HashedWords
-from coral.contact.memory.memory import Memory
+from coral.contact.memory.memory import Memory, MemoryCfg
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process
 from coral.contact.rules.answers import RULES
 from coral.contact.scene.observation import HandTarget, Transition
@@ -30,11 +30,11 @@ from coral.errors import InputError
 from coral.mppi.knots import Update
 
 
-def thinker(one, advisor=None, memory=None, given=None, **cfg):
+def thinker(one, advisor=None, memory=None, given=None, rehearsed=0, **cfg):
     told = []
     strategist = Thinker(
         Asker(advisor or RuleAdvisor(RULES)),
-        ThinkCfg(**cfg),
+        ThinkCfg(memory=MemoryCfg(rehearsed=rehearsed), **cfg),
         np.random.default_rng(0),
         RULES,
         memory,
@@ -226,7 +226,7 @@ def confining(one, memory, **cfg):
 
     strategist = Thinker(
         Asker(RuleAdvisor(RULES)),
-        ThinkCfg(**cfg),
+        ThinkCfg(memory=MemoryCfg(rehearsed=0), **cfg),
         np.random.default_rng(0),
         RULES,
         memory,
@@ -264,8 +264,9 @@ def test_repairs_of_what_is_remembered_are_confined_too(remembering):
 
 def test_what_is_remembered_is_rehearsed_without_regions_too(remembering):
     one, memory = remembering
-    strategist, told = thinker(one, memory=memory, regions=False)
+    strategist, told = thinker(one, memory=memory, regions=False, rehearsed=1)
     strategist.begin(one.trial, one.now, one.world)
+    assert [fields["outcome"]["succeeded"] for event, fields in told if event == "recall"] == [1]
     assert [0.05 < fields["gain"] < 1 for event, fields in told if event == "recall"] == [True]
     assert strategist.counts.memory_hit
     strategist.on_end("timeout")

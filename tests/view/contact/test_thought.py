@@ -120,11 +120,12 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
                 "distance": 0.2,
                 "lengths": "computed anew",
                 "gain": 0.12,
+                "rehearsed_s": 11.6,
                 "outcome": {"succeeded": False, "stages": 0.5, "conditions": 0.25, "spare_s": 1.0},
                 "refused": "",
             },
             "Memory 3 was used",
-            "its lengths are computed anew; the best rehearsal lowers the cost by 12 %; rehearsed for six seconds, it "
+            "its lengths are computed anew; the best rehearsal lowers the cost by 12 %; rehearsed for 12 s, it "
             "came through 50 % of its stages",
         ),
         (

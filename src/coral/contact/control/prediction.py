@@ -20,8 +20,19 @@ def state_after(world: PlanningWorld, now: Observation, targets: Sequence[HandTa
         targets: One for each control step, all of one stiffness; none: the present state.
         step: Control steps since the episode began.
     """
-    if not targets:
-        return now
+    states = states_under(world, now, targets, step) if targets else None
+    return now if states is None else observation_of(states, now)
+
+
+def states_under(world: PlanningWorld, now: Observation, targets: Sequence[HandTarget], step: int) -> Context | None:
+    """Return the state after each control step in which the hand follows a target, Shape=(1, n); None if it diverges.
+
+    Args:
+        world: The planning world.
+        now: The measured state.
+        targets: One for each control step, n of them, all of one stiffness.
+        step: Control steps since the episode began.
+    """
     controls = ControlSequences(
         np.array([target.position for target in targets])[None],
         np.array([target.quaternion for target in targets])[None],
@@ -29,28 +40,29 @@ def state_after(world: PlanningWorld, now: Observation, targets: Sequence[HandTa
         targets[0].stiffness,
     )
     states, sane = world.rollout(now, controls, step)
-    return observation_of(states, now) if sane[0] else now
+    return states if sane[0] else None
 
 
-def observation_of(states: Context, like: Observation) -> Observation:
-    """Return the last state of the first sequence as an observation.
+def observation_of(states: Context, like: Observation, index: int = -1) -> Observation:
+    """Return a state of the first sequence as an observation.
 
     Args:
         states: Rolled-out states.
         like: An observation of the same objects.
+        index: Index of the state in the sequence; by default the last.
     """
 
-    def last(name: str) -> Array:
-        value: Array = np.asarray(states[name])[0, -1]
+    def at(name: str) -> Array:
+        value: Array = np.asarray(states[name])[0, index]
         return value
 
     def body(name: str, turn: str = "angvel") -> BodyState:
-        return BodyState(last(f"{name}_pos"), last(f"{name}_quat"), last(f"{name}_vel"), last(f"{name}_{turn}"))
+        return BodyState(at(f"{name}_pos"), at(f"{name}_quat"), at(f"{name}_vel"), at(f"{name}_{turn}"))
 
     return Observation(
-        time_s=float(np.asarray(states["time"])[0, -1]),
+        time_s=float(at("time")),
         tool=body("ee"),
-        opening_m=float(np.clip(last("gripper_opening"), 0.0, None)),
-        wrench=np.concatenate([last("ee_force"), last("ee_torque")]),
+        opening_m=float(np.clip(at("gripper_opening"), 0.0, None)),
+        wrench=np.concatenate([at("ee_force"), at("ee_torque")]),
         objects={name: body(name) for name in like.objects},
     )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator
@@ -87,6 +87,11 @@ class Stored:
     """Embedding of the instruction, Shape=(n,); vectors of different embedders are not comparable."""
 
     @property
+    def proven(self) -> bool:
+        """Return whether its plan has led from the beginning of a trial to success; a repair only finished one."""
+        return bool(self.helped) or not self.experience.provenance.get("repairs")
+
+    @property
     def success_rate(self) -> float:
         """Return the expected share of its uses that succeed, counting its first success (rule of succession)."""
         return (self.helped + 2) / (self.used + 3)
@@ -118,9 +123,9 @@ class MemoryCfg(ScaleLimits):
     a paraphrase may share no word."""
     candidates: Count = 3
     """Maximum number of remembered plans that are adapted and checked."""
-    rehearsed: Count = 2
-    """Number of plans that pass the checks and are rehearsed, of which the best is followed: of each remembered plan,
-    with lengths computed anew and, if that changes it, with lengths as they were. 1 follows the first without one."""
+    rehearsed: Annotated[int, Field(ge=0)] = 6
+    """Maximum number of plans that are rehearsed: of each remembered plan, with lengths computed anew and, if that
+    changes it, with lengths as they were. 0 follows the first that passes its checks without a rehearsal."""
     failures: Count = 3
     """A plan that failed so often without ever succeeding again is no longer offered."""
 
@@ -207,7 +212,8 @@ class Memory:
 
         The goals have to be of the same kinds, directions and manner; the instructions must not contradict each other;
         sizes, masses, heights and places may differ within limits, but what had to fit the hand still has to. Of those
-        that are left, similar wording, success in earlier uses and similar numbers come first.
+        that are left, similar wording, success in earlier uses and similar numbers come first; repairs that never led
+        from the beginning to success come after those that did.
 
         Args:
             facts: The scene (`scene_facts`).
@@ -222,12 +228,13 @@ class Memory:
             if match is not None:
                 found.append(match)
 
-        def rank(match: Match) -> tuple[bool, float, int]:
+        def rank(match: Match) -> tuple[bool, bool, float, int]:
             stored = match.stored
-            # A plan that failed more often than it helped comes after all others.
+            # A plan that failed more often than it helped comes after all others, before them a repair that was never
+            # followed from the beginning.
             failed = stored.used - stored.helped > stored.helped
             score = match.similarity + stored.success_rate - 0.5 * match.distance - 0.2 * len(match.goals.missing)
-            return (failed, -score, -stored.id)
+            return (failed, not stored.proven, -score, -stored.id)
 
         return sorted(found, key=rank)[: self.cfg.candidates if most is None else most]
 

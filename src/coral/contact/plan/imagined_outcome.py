@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coral.contact.control.prediction import observation_of
+from coral.contact.cost.context import Context
 from coral.contact.plan.imagined_run import ImaginedMoment
 from coral.contact.scene.condition import HAND_PARTS
 from coral.contact.scene.judge import Judge
@@ -25,42 +27,106 @@ class ImaginedOutcome:
     conditions: float
     """Share of the conditions that hold at the end. It counts after the stages: some hold while nothing is done."""
     spare_s: float
-    """Time that was left when the last of these stages began; after a success, time that was left then (s)."""
+    """Time that the task's limit leaves after the begin of the last of these stages, or after the success (s)."""
 
 
-def imagined_outcome(trial: Trial, moments: Sequence[ImaginedMoment], names: Sequence[str]) -> ImaginedOutcome:
-    """Judge a rehearsal by the conditions of the task file.
+class ImaginedJudge:
+    """Judges a rehearsal while it goes on, by the conditions of the task file.
 
-    The judge sees what the planning world imagined from the perceived scene: nothing true, and forces only as contacts.
+    It sees what the planning world imagines from the perceived scene under believed masses and frictions: nothing true.
 
     Args:
         trial: The trial as the robot perceives it.
-        moments: The rehearsal.
         names: The plan's stages in order.
     """
-    if not moments:
-        return ImaginedOutcome(False, 0.0, 0.0, 0.0)
-    judge, end_s = Judge(trial), moments[-1].now.time_s
-    furthest, since_s = 0, moments[0].now.time_s
-    for moment in moments:
-        if judge.success(imagined_truth(trial, moment)):
-            return ImaginedOutcome(True, 1.0, 1.0, end_s - moment.now.time_s)
-        index = names.index(moment.next_stage)
-        if index > furthest:
-            furthest, since_s = index, moment.now.time_s
-    held = sum(judge.holding) / len(judge.holding)
-    return ImaginedOutcome(False, (furthest + 1) / len(names), held, end_s - since_s)
+
+    def __init__(self, trial: Trial, names: Sequence[str]) -> None:
+        self._trial, self._names, self._judge = trial, tuple(names), Judge(trial)
+        self._began_s: float | None = None
+        self._since_s, self._furthest = 0.0, 0
+        self._held_first, self._held_most = 0, 0
+        self.succeeded = False
+        self.broken: tuple[str, ...] = ()
+        """What can never be mended: conditions that break for good, but for limits on forces, and objects that fell off
+        the table."""
+
+    def update(self, moment: ImaginedMoment) -> None:
+        """Judge a moment and the control steps after it; nothing changes after a success."""
+        if self.succeeded:
+            return
+        if self._began_s is None:
+            self._began_s = self._since_s = moment.now.time_s
+        index = self._names.index(moment.next_stage)
+        if index > self._furthest:
+            self._furthest, self._since_s = index, moment.now.time_s
+        for truth in imagined_truths(self._trial, moment):
+            if self._judge.success(truth):
+                self.succeeded, self._since_s = True, truth.time_s
+                return
+            held = sum(self._judge.holding)
+            self._held_first = self._held_first if self._held_most else held
+            self._held_most = max(self._held_most, held)
+            self.broken = self._broken(truth)
+            if self.broken:
+                return
+
+    def _broken(self, truth: Truth) -> tuple[str, ...]:
+        # Blows are coarser here than in a world: good plans too break a limit on them, so it only counts among the
+        # conditions.
+        found = [
+            f"{one.kind} of {one.object}"
+            for one, holds in zip(self._trial.task.success.conditions, self._judge.holding, strict=True)
+            if one.breaks_for_good and not one.reads_forces and not holds
+        ]
+        failure = self._judge.failure(truth) or ""
+        # Real bodies do not pass through each other; coarse steps of the planning world let them.
+        return (*found, *([failure] if failure and not failure.startswith("tunnelling") else []))
+
+    @property
+    def gained(self) -> bool:
+        """Return whether more conditions held at some time than at the beginning."""
+        return self._held_most > self._held_first
+
+    @property
+    def outcome(self) -> ImaginedOutcome:
+        """Return how far the rehearsal has come."""
+        if self._began_s is None:
+            return ImaginedOutcome(False, 0.0, 0.0, 0.0)
+        spare_s = self._began_s + self._trial.task.time_limit_s - self._since_s
+        if self.succeeded:
+            return ImaginedOutcome(True, 1.0, 1.0, spare_s)
+        holding = self._judge.holding
+        share = sum(holding) / len(holding) if holding else 0.0
+        return ImaginedOutcome(False, (self._furthest + 1) / len(self._names), share, spare_s)
 
 
-def imagined_truth(trial: Trial, moment: ImaginedMoment) -> Truth:
-    """Return an imagined state in the form in which the judge reads true ones; contacts have no force."""
-    state, now = moment.plan.now, moment.now
+def imagined_truths(trial: Trial, moment: ImaginedMoment) -> list[Truth]:
+    """Return the states after a moment, one for each control step, in the form in which the judge reads true ones.
+
+    The hand's force on an object is that of the last physics step of each control step (10 ms of 20 by default), under
+    the believed mass and friction. A world averages over all its physics steps (2 ms). So here a blow is either missed
+    or counts as if it lasted for the whole control step, contacts chatter more, and a peak within a control step is
+    unknown. Contacts between other things have no force.
+
+    Args:
+        trial: The trial as the robot perceives it.
+        moment: A moment of the rehearsal.
+    """
+    states = moment.after
+    return [] if states is None else [_truth_at(trial, moment, states, k) for k in range(states.shape[1])]
+
+
+def _truth_at(trial: Trial, moment: ImaginedMoment, states: Context, index: int) -> Truth:
+    now = observation_of(states, moment.now, index)
     things = (*HAND_PARTS, *trial.task.things, *now.objects)
     contacts = []
     for name, body in now.objects.items():
         for other in things:
             key = f"{name}_{other}_contact"
-            if key in state and bool(np.asarray(state[key]).any()):
+            if key in states and bool(np.asarray(states[key])[0, index]):
                 first, second = sorted((name, other))
-                contacts.append(Contact(first, second, np.zeros(3), body.position))
+                force = np.zeros(3)
+                if other == "hand":  # the sensor's force is that of all parts of the hand
+                    force = np.asarray(states[f"{name}_hand_force"])[0, index] * (1.0 if second == name else -1.0)
+                contacts.append(Contact(first, second, force, body.position))
     return Truth(now.time_s, now.tool, now.opening_m, now.objects, tuple(contacts))

@@ -10,7 +10,8 @@ import numpy as np
 from coral.config import Count, Positive
 from coral.contact.control.mppi_controller import Controller, ControllerCfg, HandPlan
 from coral.contact.control.planning_world import PlanningWorld
-from coral.contact.control.prediction import state_after
+from coral.contact.control.prediction import observation_of, states_under
+from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress, Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.scene.observation import Observation
@@ -47,6 +48,8 @@ class ImaginedMoment:
     """The active stage after the conditions were tested: the same one, the next one, or one that it falls back to."""
     plan: HandPlan
     """The plan; its `now` holds the quantities of the state, the contacts too."""
+    after: Context | None = None
+    """The states after each control step until the next moment, Shape=(1, n); None if this motion diverges."""
 
 
 def imagine(
@@ -75,6 +78,7 @@ def imagine(
                 since = now
         except CostError:
             return
-        yield ImaginedMoment(now, stage.name, progress.stage.name, plan)
-        now = state_after(world, now, plan.targets[: cfg.replan_steps], step)
+        after = states_under(world, now, plan.targets[: cfg.replan_steps], step)
+        yield ImaginedMoment(now, stage.name, progress.stage.name, plan, after)
+        now = now if after is None else observation_of(after, now)
         controller.executed(plan.targets[cfg.replan_steps - 1], cfg.replan_steps)

@@ -36,6 +36,10 @@ class BaseCondition(BaseModel):
 
     needs_poses_only: ClassVar[bool] = False
     """Whether poses and velocities decide the condition. If not, it reads contacts, which no robot measures."""
+    breaks_for_good: ClassVar[bool] = False
+    """Whether the condition can never hold again once it has not held."""
+    reads_forces: ClassVar[bool] = False
+    """Whether it depends on how hard things touch, not only on whether they do."""
 
     @property
     def reads_contacts(self) -> bool:

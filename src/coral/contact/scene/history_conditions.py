@@ -74,6 +74,7 @@ class SteadyForce(BaseCondition):
     that average to `newtons` are no steady force.
     """
 
+    reads_forces: ClassVar[bool] = True
     kind: Literal["steady-force"] = "steady-force"
     newtons: float = Field(gt=0, le=200, strict=True)
     tolerance: float = Field(default=0.4, gt=0, lt=1, strict=True)
@@ -118,6 +119,8 @@ class PeakForce(BaseCondition):
     the window makes it a limit on blows rather than on their sharpness, which depends on the stiffness of contacts.
     """
 
+    breaks_for_good: ClassVar[bool] = True
+    reads_forces: ClassVar[bool] = True
     kind: Literal["peak-force"] = "peak-force"
     newtons: float = Field(gt=0, le=500, strict=True)
     window_s: float = Field(default=0.0, ge=0, le=2, strict=True)
@@ -154,6 +157,7 @@ class SpeedLimit(BaseCondition):
     """The object never moved faster than `speed_m_s`."""
 
     needs_poses_only: ClassVar[bool] = True
+    breaks_for_good: ClassVar[bool] = True
     kind: Literal["speed-limit"] = "speed-limit"
     speed_m_s: float = Field(gt=0, le=10, strict=True)
 
@@ -173,6 +177,7 @@ class KeptLevel(BaseCondition):
     """The object's `axis` never left its initial direction by more than `tolerance_deg`, as of a full cup."""
 
     needs_poses_only: ClassVar[bool] = True
+    breaks_for_good: ClassVar[bool] = True
     kind: Literal["kept-level"] = "kept-level"
     axis: Axis = "z"
     tolerance_deg: float = Field(default=15, gt=0, le=180, strict=True)
@@ -197,6 +202,7 @@ class KeptTouching(BaseCondition):
     A pushed object chatters on the table, so shorter breaks count as touching.
     """
 
+    breaks_for_good: ClassVar[bool] = True
     kind: Literal["kept-touching"] = "kept-touching"
     thing: str = "table"
     for_s: float = Field(default=0.2, ge=0, le=10, strict=True)
@@ -219,6 +225,7 @@ class KeptTouching(BaseCondition):
 class NeverTouched(BaseCondition):
     """The object was never touched by `thing`: the table, a fixture, another object, "hand", or "robot" (the arm)."""
 
+    breaks_for_good: ClassVar[bool] = True
     kind: Literal["never-touched"] = "never-touched"
     thing: str = "hand"
 

@@ -1,4 +1,4 @@
-"""Choice of a remembered plan: adapted in two ways, checked like any answer, and rehearsed in the planning world."""
+"""Choice of a remembered plan: adapted in two ways, checked like any answer, and rehearsed."""
 
 from __future__ import annotations
 
@@ -15,14 +15,17 @@ from coral.contact.memory.adaptation import adapt
 from coral.contact.memory.memory import Match, Memory
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, make_strategy
-from coral.contact.plan.imagined_outcome import ImaginedOutcome, imagined_outcome
-from coral.contact.plan.imagined_run import imagine
+from coral.contact.plan.imagined_outcome import ImaginedOutcome
 from coral.contact.plan.rehearsal import rehearsed_gain
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.questions import Questions
+from coral.contact.thinker.recall_rehearsal import rehearse_recalled
 from coral.contact.thinker.think_cfg import ThinkCfg
+
+NOTHING = ImaginedOutcome(False, 0.0, 0.0, 0.0)
+"""Outcome of a plan that was not rehearsed."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,8 @@ class RecalledPlan:
     """Share by which the best rehearsed motion lowers the cost of its first stage."""
     outcome: ImaginedOutcome | None = None
     """How far it came in its rehearsal; None if there was none."""
+    rehearsed_s: float = 0.0
+    """Imagined time of its rehearsal."""
     strategy: Strategy | None = field(default=None, compare=False, repr=False)
     """What the planner would follow; None before it passed the checks of its programs."""
 
@@ -70,28 +75,31 @@ class Recall:
         self._cfg, self._rng, self._load = cfg, rng, load
 
     def choose(self, memory: Memory, first: Observation, emit: Callable[..., None]) -> RecalledPlan | None:
-        """Return the plan to follow; None if no remembered plan passes its checks. Report each as a `recall` event.
+        """Return the plan to follow; None if no remembered plan may be followed. Report each as a `recall` event.
+
+        The first that succeeds in its rehearsal, or comes through all its stages there without being refused, is
+        followed: under guessed masses and frictions, a rehearsal tells no more. If none does, it is the one that came
+        furthest of those that are not refused.
 
         Args:
             memory: The memory.
             first: The first observation.
             emit: The run's log.
         """
+        most, rehearsals = self._cfg.memory.rehearsed, 0
         tried: list[RecalledPlan] = []
-        passed: list[RecalledPlan] = []
         for adapted in adaptations(memory, self._questions.facts):
-            checked = self._check(adapted, first)
-            tried.append(checked)
-            passed += [checked] if checked.refusal is None else []
-            if len(passed) == self._cfg.memory.rehearsed:
+            one = self._check(adapted, first)
+            if one.refusal is None and most:
+                if rehearsals == most:
+                    break
+                one, rehearsals = self._rehearse(one, first), rehearsals + 1
+            tried.append(one)
+            if one.refusal is None and (one.outcome is None or one.outcome.stages == 1.0):
                 break
-        chosen = None
-        if passed:
-            rated = passed if len(passed) == 1 else [replace(one, outcome=self._rehearse(one, first)) for one in passed]
-            # Of equal ones the first: the better match, and lengths computed anew.
-            chosen = max(rated, key=lambda one: one.outcome or ImaginedOutcome(False, 0.0, 0.0, 0.0))
-            for one in rated:
-                tried[next(k for k, each in enumerate(tried) if each.plan is one.plan)] = one
+        passed = [one for one in tried if one.refusal is None]
+        # Of equal ones the first: the better match, and lengths computed anew.
+        chosen = max(passed, key=lambda one: one.outcome or NOTHING, default=None)
         for one in tried:
             self._report(one, one is chosen, memory, emit)
         return chosen
@@ -111,6 +119,7 @@ class Recall:
             helped=stored.helped,
             lengths="computed anew" if one.scaled else "as they were",
             gain=round(one.gain, 4),
+            rehearsed_s=one.rehearsed_s,
             outcome=None if one.outcome is None else {key: round(v, 3) for key, v in asdict(one.outcome).items()},
             refused=refused,
             **({"decided": "plan", "source": "memory"} if chosen else {}),
@@ -127,14 +136,21 @@ class Recall:
                 gain = rehearsed_gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
             except CostError as error:
                 refusal = Rejection(code=error.code, reason=str(error))
-        if refusal is None and gain < self._cfg.least_gain:
+        # Where regions lead nowhere the samples that they do not guide may still: a whole rehearsal tells more.
+        if refusal is None and not self._cfg.memory.rehearsed and gain < self._cfg.least_gain:
             refusal = Rejection(code="rehearsal", reason=f"rehearsed, it lowers the cost by {100 * gain:.0f} %")
         return replace(one, refusal=refusal, gain=gain, strategy=strategy)
 
-    def _rehearse(self, one: RecalledPlan, first: Observation) -> ImaginedOutcome:
+    def _rehearse(self, one: RecalledPlan, first: Observation) -> RecalledPlan:
         assert one.strategy is not None
-        moments = list(imagine(self._world, one.strategy, first))
-        return imagined_outcome(self._trial, moments, one.plan.names)
+        found = rehearse_recalled(self._world, self._trial, one.strategy, one.plan.names, first, self._cfg.outer)
+        reason = found.refusal
+        if not reason and found.outcome.stages < 1.0 and not one.match.stored.proven:
+            reason = "it finished a trial that another plan had begun, and rehearsed from the beginning it came " + (
+                f"through {100 * found.outcome.stages:.0f} % of its stages"
+            )
+        refusal = Rejection(code="rehearsal", reason=reason) if reason else None
+        return replace(one, refusal=refusal, outcome=found.outcome, rehearsed_s=found.length_s)
 
     def _strategy(self, one: RecalledPlan) -> Strategy:
         regions = one.regions if self._cfg.regions else None
@@ -144,11 +160,14 @@ class Recall:
 
 
 def adaptations(memory: Memory, facts: SceneFacts) -> Iterator[RecalledPlan]:
-    """Yield the remembered plans that match, the best first: each with its lengths computed anew, then as they were."""
+    """Yield the remembered plans that match, the best first: each with its lengths computed anew, then as they were.
+
+    One author writes the same plan more than once: equal ones are yielded once.
+    """
+    seen: list[tuple[PlanAnswer, RegionsAnswer]] = []
     for match in memory.find(facts):
-        held = match.stored.experience
-        plan, regions = adapt(held, facts, match.goals)
-        yield RecalledPlan(match, plan, regions, scaled=True)
-        other, _ = adapt(held, facts, match.goals, scaled=False)
-        if other != plan:
-            yield RecalledPlan(match, other, regions, scaled=False)
+        for scaled in (True, False):
+            plan, regions = adapt(match.stored.experience, facts, match.goals, scaled)
+            if (plan, regions) not in seen:
+                seen.append((plan, regions))
+                yield RecalledPlan(match, plan, regions, scaled)

@@ -200,7 +200,8 @@ def _recall(event: Record) -> ThoughtPart:
         known += f"; its lengths are {event['lengths']}"
     outcome = event.get("outcome")
     if outcome:
-        gain += "; rehearsed for six seconds, it " + (
+        span = f" for {float(event['rehearsed_s']):.0f} s" if "rehearsed_s" in event else ""
+        gain += f"; rehearsed{span}, it " + (
             "succeeded"
             if outcome["succeeded"]
             else f"came through {100 * float(outcome['stages']):.0f} % of its stages"
