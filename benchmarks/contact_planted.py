@@ -28,8 +28,8 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
+from coral.contact.plan.stage_end import stage_ends
 from coral.contact.rules.composition import compose
-from coral.contact.rules.program_edits import tighten
 from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.observation import BodyState, HandTarget, Observation
 from coral.contact.scene.prior_beliefs import stated_beliefs
@@ -76,15 +76,40 @@ def first_cost(text: str) -> PlanEdit:
     return edit
 
 
-def tightened(index: int) -> PlanEdit:
-    """Make the condition that ends a stage one that nothing fulfils."""
+def also_done(name: str, text: str) -> PlanEdit:
+    """Add a comparison that nothing fulfils to the condition that ends a stage; `{name}` is the object."""
 
-    def edit(plan: PlanAnswer, name: str) -> PlanAnswer:
-        stages = list(plan.stages)
-        stages[index] = stages[index].model_copy(update={"done": tighten(stages[index].done)})
-        return plan.model_copy(update={"stages": stages})
+    def edit(plan: PlanAnswer, thing: str) -> PlanAnswer:
+        return _with_done(plan, name, lambda done: f"{done} and {text.format(name=thing)}")
 
     return edit
+
+
+def far_done(plan: PlanAnswer, name: str) -> PlanAnswer:
+    """Turn the sign of the distance that ends the reach: it ends where the cost never leads."""
+    return _with_done(plan, "reach", lambda done: done.replace("< 0.012", "> 0.4", 1))
+
+
+def beside_the_goal(plan: PlanAnswer, name: str) -> PlanAnswer:
+    """Let the cost and the samples that push the object lead it 8 cm beside the goal."""
+
+    def off(text: str) -> str:
+        return text.replace("self.goal_pos", "(self.goal_pos + np.array([0.0, 0.08, 0.0]))")
+
+    stages = [
+        stage.model_copy(update={"code": off(stage.code), "toward": off(stage.toward)})
+        if stage.name == "push"
+        else stage
+        for stage in plan.stages
+    ]
+    return plan.model_copy(update={"stages": stages})
+
+
+def _with_done(plan: PlanAnswer, name: str, change: Callable[[str], str]) -> PlanAnswer:
+    stages = [
+        stage.model_copy(update={"done": change(stage.done)}) if stage.name == name else stage for stage in plan.stages
+    ]
+    return plan.model_copy(update={"stages": stages})
 
 
 def open_fingers(plan: PlanAnswer, name: str) -> PlanAnswer:
@@ -115,8 +140,19 @@ FAULTS: dict[str, Fault] = {
     "beyond the workspace": Fault(
         "pick-box", ("settled", "out-of-reach"), first_cost("10.0 * norm(self.ee_pos - np.array([0.9, 0.0, 0.3]))")
     ),
-    "grasp never done": Fault("pick-box", ("settled",), tightened(0)),
-    "push never done": Fault("push-force", ("settled",), tightened(1)),
+    "end below the table": Fault(
+        "pick-box", ("stage-never-ends",), also_done("reach", "self.{name}_pos[2] < 0.5 * self.{name}_size[2] - 0.002")
+    ),
+    "grip too narrow": Fault(
+        "pick-box",
+        ("stage-never-ends",),
+        also_done("close", "self.gripper_opening < min(self.{name}_size[0], self.{name}_size[1]) - 0.005"),
+    ),
+    "waits for the box to rise": Fault(
+        "pick-box", ("stage-never-ends",), also_done("reach", "not self.{name}_table_contact")
+    ),
+    "end with a wrong sign": Fault("pick-box", ("stage-never-ends",), far_done),
+    "pushed beside the goal": Fault("push-force", ("settled",), beside_the_goal),
     "pressed on the table": Fault(
         "push-force",
         ("blocked",),
@@ -172,7 +208,8 @@ class PlantedStrategist(FixedStrategist):
         regions = RegionsAnswer({}) if self._fault.plan is open_fingers else made.regions
         plan = self._fault.plan(made.plan, self._name)
         strategy = make_strategy("planted", plan, regions, world.schema, sizes)
-        self._monitor = ProgressMonitor(OuterCfg(), tuple(stage.name for stage in strategy.stages))
+        names, ends = tuple(stage.name for stage in strategy.stages), stage_ends(plan, world.schema)
+        self._monitor = ProgressMonitor(OuterCfg(), names, ends)
         return strategy
 
     def on_plan(self, report: PlanReport) -> Strategy | None:

@@ -131,6 +131,7 @@ class Episode:
         self._without_plan = 0
         self._taken: list[Transition] = []
         self._touched: dict[str, tuple[str, ...]] = {}
+        self._present: Context | None = None
         self._wall = 0.0
         self._late: InputError | RunError | None = None
         self._before_s, self._thought_s = 0.0, 0.0
@@ -307,7 +308,17 @@ class Episode:
             plan_s = 0.0 if self._meanwhile is not None else self.latency.plan_s
             sunk_m = sunk_into(self.planner, self.now)
             report = PlanReport(
-                self.step, self.now, plan, stage.name, taken, self._touched, sunk_m, predicted, planner, plan_s
+                self.step,
+                self.now,
+                plan,
+                stage.name,
+                taken,
+                self._touched,
+                sunk_m,
+                predicted,
+                planner,
+                plan_s,
+                self._present,
             )
             other = self._ask_strategist(lambda: self.strategist.on_plan(report))
         except CostError as error:
@@ -350,7 +361,8 @@ class Episode:
         opening_m = self._still.opening_m
         self._touched = touched_by(self.planner, self.now, opening_m)
         present = self.planner.present(self.now, self.step, opening_m) if self.latency.charged else plan.now
-        changed = self.progress.update(with_measured_contacts(present, self.now, self._touched))
+        self._present = with_measured_contacts(present, self.now, self._touched)
+        changed = self.progress.update(self._present)
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
         self.latest_plan = plan
         self.emit(

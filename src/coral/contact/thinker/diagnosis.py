@@ -19,6 +19,7 @@ Diagnosis = Literal[
     "pose-wrong",
     "slipped",
     "settled",
+    "stage-never-ends",
     "blocked",
     "not-moved",
     "moved-otherwise",
@@ -37,7 +38,9 @@ TEXTS: Mapping[Diagnosis, str] = {
     "forces that no rehearsal expects: an object is not where it is believed to be",
     "slipped": "contact was made and lost again and again",
     "settled": "the hand stays where it was told to be, and the stage does not end there: its cost leads to a "
-    "wrong place, or the condition that ends it is wrong",
+    "wrong place",
+    "stage-never-ends": "the hand stays where it was told to be, about where the stage should end, and the stage does "
+    "not end: the condition that ends it asks for what is not reached or cannot be",
     "blocked": "the hand presses hard against what does not give way: its cost drives it in a wrong direction, or to a "
     "wrong side or place",
     "not-moved": "the hand pressed and the object hardly moved",
@@ -80,6 +83,8 @@ class HistoryRow(TypedDict):
 
 LOST_M = 0.05
 """A hand that ended so much farther from the object than it was went away from it."""
+AT_OBJECT_M = 0.02
+"""A hand within this distance of the object's bounding box is at the object."""
 BEHIND_M = 0.02
 """A hand at rest that is so far behind its commands is held back."""
 UNEXPLAINED = 0.5
@@ -119,8 +124,11 @@ def diagnose(
         return "pose-wrong"
     if evidence is not None and evidence.at_edge >= MOSTLY and not evidence.touched and not evidence.felt:
         return "led-away" if evidence.largest_value < 0.0 else "out-of-reach"
-    if _is_settled(steps) and not _presses_in_vain(evidence):
-        return "settled"
+    if _is_settled(steps):
+        if evidence is not None and _ends_wrongly(evidence):
+            return "stage-never-ends"
+        if not _presses_in_vain(evidence):
+            return "settled"
     if _blocked(steps, name):
         return "blocked"
     felt = np.array([np.linalg.norm(step.after.wrench[:3]) for step in steps])
@@ -170,6 +178,17 @@ def _meets_the_unrehearsed(evidence: Evidence) -> bool:
     """Check whether the hand feels what no rehearsal expects, and not by holding what is heavier than believed."""
     unrehearsed = evidence.unrehearsed_n > max(UNREHEARSED_N, OF_REHEARSED * evidence.rehearsed_n)
     return evidence.felt >= FELT_PLANS and evidence.touched < ALWAYS and unrehearsed
+
+
+def _ends_wrongly(evidence: Evidence) -> bool:
+    """Check whether the cost has led where the stage should end, and only the stage's end does not hold.
+
+    So it is if the end is missed by no more than a planner leaves, if only a contact is missing where the hand or the
+    object should be, or if a cost, not a reward, has led the hand to the object and away from the end.
+    """
+    end = evidence.end
+    at_object = evidence.last_m < AT_OBJECT_M and evidence.largest_value >= 0.0
+    return end.misses_by_little or end.lacks_only_a_contact or (at_object and end.recedes(LOST_M))
 
 
 def _presses_in_vain(evidence: Evidence | None) -> bool:

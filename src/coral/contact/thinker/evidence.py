@@ -9,6 +9,7 @@ import numpy as np
 
 from coral.contact.scene.geometry import conjugate, multiply, rotation_of, to_rotvec
 from coral.contact.scene.observation import Array, BodyState, Transition
+from coral.contact.thinker.end_evidence import EndEvidence, collect_end
 from coral.contact.thinker.plan_note import PlanNote
 
 FELT_N = 1.0
@@ -72,6 +73,8 @@ class Evidence:
     """Its share of the sum of all terms' magnitudes."""
     largest_value: float
     """Its value."""
+    end: EndEvidence
+    """What became of the end of the stage."""
 
     def sentences(self) -> list[str]:
         """Return the evidence in sentences, for prompts and events."""
@@ -105,7 +108,7 @@ class Evidence:
             told.append("At the end its targets stood at the edge of its workspace.")
         if self.largest_term:
             told.append(f"The term {self.largest_term!r} makes up {100 * self.largest_share:.0f} % of the cost.")
-        return told
+        return told + self.end.sentences()
 
 
 def collect_evidence(
@@ -165,6 +168,7 @@ def collect_evidence(
         largest_term=largest,
         largest_share=abs(terms[largest]) / whole if whole else 0.0,
         largest_value=terms.get(largest, 0.0),
+        end=collect_end(notes),
     )
 
 

@@ -9,6 +9,7 @@ from math import exp
 import numpy as np
 
 from coral.config import Count, Fraction, NonNegative, Positive
+from coral.contact.plan.stage_end import StageEnd
 from coral.contact.scene.observation import Array, Transition
 from coral.contact.thinker.plan_note import PlanNote, note_of
 from coral.contact.thinker.strategist import PlanReport
@@ -49,6 +50,8 @@ class ProgressMonitor:
     """Thresholds."""
     order: tuple[str, ...]
     """Names of the stages, in order."""
+    ends: Mapping[str, StageEnd] = field(default_factory=dict)
+    """Their ends by name, where known."""
     attempts: int = 0
     """Attempts since the last progress."""
     returns: int = 0
@@ -127,7 +130,7 @@ class ProgressMonitor:
     def _remember(self, report: PlanReport) -> None:
         self.steps += report.taken
         self.costs.append((report.now.time_s, report.plan.cost))
-        self.notes.append(note_of(report))
+        self.notes.append(note_of(report, self.ends.get(report.stage)))
         self._add_surprises(report)
         horizon = report.now.time_s - self.cfg.history_s
         while self.steps and self.steps[0].before.time_s < horizon:

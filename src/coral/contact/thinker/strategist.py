@@ -54,6 +54,8 @@ class PlanReport:
     """The planner, which may be given more samples; None if it is not ours."""
     plan_s: float = 0.0
     """Simulated time (s) that passes while it plans; 0 if the world stands still, or goes on by itself."""
+    present: Context | None = None
+    """The measured state as the conditions of the stage read it, a batch of one."""
 
 
 class NoStrategy(RuntimeError):

@@ -23,6 +23,7 @@ from coral.contact.perception.scene_labels import PictureLabels, label_picture
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
 from coral.contact.plan.last_good_cost import LastGoodCost
+from coral.contact.plan.stage_end import stage_ends
 from coral.contact.scene.observation import BodyState, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker, EpisodeOver
@@ -148,7 +149,7 @@ class Thinker:
         self._questions = Questions(self.asker, trial, world, self.cfg, self._load, self._fallback, self._emit)
         self._questions.update_facts(first, believed=False)
         strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
-        self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+        self._monitor = self._new_monitor()
         return strategy
 
     def _ask_all(self, first: Observation) -> Strategy:
@@ -253,6 +254,10 @@ class Thinker:
         )
         return self._attempt
 
+    def _new_monitor(self) -> ProgressMonitor:
+        ends = stage_ends(self._plan, self._world.schema, self._load)
+        return ProgressMonitor(self.cfg.outer, tuple(self._plan.names), ends)
+
     def _new_last_good(self) -> LastGoodCost:
         def note_failure(cost: Cost, error: CostError) -> None:
             self._failure = self._failure or error
@@ -264,7 +269,7 @@ class Thinker:
             strategy = self._strategy(f"repair {self._repairs}")
         except CostError as error:
             raise RunError(f"the repaired plan cannot be made: {error}") from None
-        self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+        self._monitor = self._new_monitor()
         return strategy
 
     def _replan(self, now: Observation, otherwise: Callable[[], PlanAnswer], error: str = "") -> None:
@@ -321,7 +326,7 @@ class Thinker:
         self._questions.update_facts(now)
         if corrected and kind == "moved-otherwise":
             # The plan was right, the world model was not: continue the stage with the corrected model.
-            self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+            self._monitor = self._new_monitor()
             return None
         self._questions.diagnoses.append(kind)
         self._replan(now, lambda: self._questions.keep_plan(self._plan))
@@ -355,7 +360,7 @@ class Thinker:
         if weak:
             self._harder += 1
             report.planner.adopt(found.stronger)
-            self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+            self._monitor = self._new_monitor()
         return weak
 
     def _correct(self, name: str, now: Observation) -> bool:
