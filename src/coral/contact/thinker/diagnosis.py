@@ -7,6 +7,7 @@ from typing import Any, Literal, TypedDict
 
 import numpy as np
 
+from coral.contact.plan.stage_end import TRUTH
 from coral.contact.scene.observation import Transition
 from coral.contact.thinker.evidence import MOSTLY, Evidence
 from coral.contact.thinker.plan_note import PlanNote
@@ -20,6 +21,7 @@ Diagnosis = Literal[
     "slipped",
     "settled",
     "stage-never-ends",
+    "not-gripped",
     "blocked",
     "not-moved",
     "moved-otherwise",
@@ -28,7 +30,7 @@ Diagnosis = Literal[
 ]
 TEXTS: Mapping[Diagnosis, str] = {
     "cost-error": "the cost could not be evaluated",
-    "not-reached": "the hand never touched the object, and felt nothing that held it back: its cost does not lead it "
+    "not-reached": "the hand does not touch the object, and feels nothing that holds it back: its cost does not lead it "
     "there, or the way in is wrong",
     "led-away": "the hand never touched the object and went away from it: a term of the cost has the wrong sign, or "
     "rewards the distance",
@@ -41,6 +43,8 @@ TEXTS: Mapping[Diagnosis, str] = {
     "wrong place",
     "stage-never-ends": "the hand stays where it was told to be, about where the stage should end, and the stage does "
     "not end: the condition that ends it asks for what is not reached or cannot be",
+    "not-gripped": "the hand stands round the object with open fingers, which were never told to close on it: if it has "
+    "to be held, a term or a stage that closes them is missing",
     "blocked": "the hand presses hard against what does not give way: its cost drives it in a wrong direction, or to a "
     "wrong side or place",
     "not-moved": "the hand pressed and the object hardly moved",
@@ -96,6 +100,12 @@ OF_REHEARSED = 3.0
 """It also is so many times what was rehearsed: else the hand pushes what it means to push, and that is heavier."""
 ALWAYS = 0.95
 """Share of the plans from which an object counts as touched all the time."""
+FELT_NOTHING_N = 0.5
+"""A hand that feels less touches nothing."""
+BRUSHED = 0.1
+"""A hand that touched the object at a smaller share of the plans brushed it."""
+CLOSED = 0.05
+"""Share of the time for which fingers must have been told to close on something, to have tried it."""
 FELT_PLANS = 0.2
 """Share of the plans at which a force must have been felt to doubt a pose."""
 SUNK_PLANS = 0.05
@@ -124,6 +134,8 @@ def diagnose(
         return "pose-wrong"
     if evidence is not None and evidence.at_edge >= MOSTLY and not evidence.touched and not evidence.felt:
         return "led-away" if evidence.largest_value < 0.0 else "out-of-reach"
+    if evidence is not None and _never_closed(evidence):
+        return "not-gripped"
     if _is_settled(steps):
         if evidence is not None and _ends_wrongly(evidence):
             return "stage-never-ends"
@@ -135,7 +147,7 @@ def diagnose(
     moved = float(np.linalg.norm(steps[-1].after.objects[name].position - steps[0].before.objects[name].position))
     if surprise_m > 0.03:
         return "moved-otherwise"
-    if felt.max() < 0.5:
+    if felt.max() < FELT_NOTHING_N or (evidence is not None and _only_brushed(steps, evidence)):
         if evidence is not None and not evidence.touched:
             if evidence.last_m > evidence.first_m + LOST_M:
                 return "led-away"
@@ -191,6 +203,20 @@ def _ends_wrongly(evidence: Evidence) -> bool:
     return end.misses_by_little or end.lacks_only_a_contact or (at_object and end.recedes(LOST_M))
 
 
+def _never_closed(evidence: Evidence) -> bool:
+    """Check whether open fingers stand on both sides of the object, and close neither now nor for the stage to end."""
+    end = evidence.end
+    waits = bool(end.parts) and not all(part.part.unit == TRUTH for part in end.unmet)
+    return evidence.around >= MOSTLY and evidence.closing < CLOSED and not waits and not end.lacks_only_a_contact
+
+
+def _only_brushed(steps: Sequence[Transition], evidence: Evidence) -> bool:
+    """Check whether the hand hardly touched the object, and has felt nothing for a while."""
+    end_s = steps[-1].after.time_s
+    late = [np.linalg.norm(step.after.wrench[:3]) for step in steps if step.after.time_s > end_s - REST_S]
+    return evidence.touched < BRUSHED and evidence.last_m > AT_OBJECT_M and max(late) < FELT_NOTHING_N
+
+
 def _presses_in_vain(evidence: Evidence | None) -> bool:
     """Check whether the hand has pressed on the object for most of the record, and it hardly moved."""
     return evidence is not None and (
@@ -212,14 +238,14 @@ def _is_held_back(steps: Sequence[Transition]) -> bool:
 
 
 def _blocked(steps: Sequence[Transition], name: str) -> bool:
-    """Whether the hand has pressed hard in one direction for a while, and the object lies still."""
+    """Whether the hand has pressed hard in one direction for a while, and it or the object does not move."""
     end = steps[-1].after
     last = [step for step in steps if step.after.time_s > end.time_s - REST_S]
     if end.time_s - steps[0].before.time_s < REST_S - 1e-9:
         return False
     force = np.mean([step.after.wrench[:3] for step in last], axis=0)
     moved = np.linalg.norm(end.objects[name].position - last[0].before.objects[name].position)
-    return bool(np.linalg.norm(force) > BLOCKED_N and moved < STILL_M)
+    return bool(np.linalg.norm(force) > BLOCKED_N and (moved < STILL_M or _is_held_back(steps)))
 
 
 def recent(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from coral.contact.plan.stage_end import TRUTH, UNKNOWN, EndPart
+from coral.contact.plan.stage_end import TRUTH, UNKNOWN, EndPart, PartReading
 from coral.contact.thinker.plan_note import PlanNote
 
 END_S = 2.0
@@ -33,7 +33,7 @@ class PartEvidence:
     bound: float
     """Its right side at the end, likewise."""
     first_missing: float
-    """How far it was from holding at the beginning of the record."""
+    """How far it was from holding when the stage began."""
     missing: float
     """How far it is now, the median of the last plans."""
 
@@ -84,7 +84,7 @@ class EndEvidence:
         return placed and bool(self.unmet) and all(part.part.unit == TRUTH for part in self.unmet)
 
     def recedes(self, by_m: float) -> bool:
-        """Return whether all the lengths that do not hold are farther from holding than at the beginning.
+        """Return whether all the lengths that do not hold are farther from holding than when the stage began.
 
         Args:
             by_m: By how much, at least.
@@ -106,11 +106,14 @@ class EndEvidence:
         return [f"Stage {self.stage!r} ends when {told}{others}."]
 
 
-def collect_end(notes: Sequence[PlanNote]) -> EndEvidence:
+def collect_end(
+    notes: Sequence[PlanNote], first: Mapping[str, tuple[PartReading, ...]] | None = None
+) -> EndEvidence:
     """Collect what became of the end of the last stage.
 
     Args:
         notes: Notes about the plans of the record.
+        first: The comparisons as they were when each stage began; by default at the beginning of the record.
     """
     if not notes:
         return EndEvidence("", ())
@@ -119,6 +122,7 @@ def collect_end(notes: Sequence[PlanNote]) -> EndEvidence:
     late = [note.end for note in notes if note.stage == stage and note.end and note.time_s > notes[-1].time_s - END_S]
     if not late:
         return EndEvidence(stage, ())
+    began = (first or {}).get(stage, readings[0])
     parts = []
     for k, reading in enumerate(late[-1]):
         best = min((each[k] for each in readings), key=lambda one: one.missing)
@@ -129,7 +133,7 @@ def collect_end(notes: Sequence[PlanNote]) -> EndEvidence:
                 best=best.left,
                 now=float(np.median([each[k].left for each in late])),
                 bound=float(np.median([each[k].right for each in late])),
-                first_missing=readings[0][k].missing,
+                first_missing=began[k].missing,
                 missing=float(np.median([each[k].missing for each in late])),
             )
         )

@@ -43,7 +43,9 @@ from coral.errors import RunError
 
 TELL_NOTHING: frozenset[Diagnosis] = frozenset({"led-away", "out-of-reach", "pose-wrong", "not-reached"})
 """Diagnoses whose history tells nothing about mass and friction: nothing was pushed, or not where it was believed."""
-PLANNER_MAY_BE_WEAK: frozenset[Diagnosis] = frozenset({"settled", "not-reached", "blocked", "not-moved", "no-progress"})
+PLANNER_MAY_BE_WEAK: frozenset[Diagnosis] = frozenset(
+    {"settled", "stage-never-ends", "not-gripped", "not-reached", "blocked", "not-moved", "no-progress"}
+)
 """Diagnoses that a planner too weak for its cost brings about as well; of the others the record names another cause."""
 
 
@@ -300,7 +302,7 @@ class Thinker:
         name = most_informative_object(monitor.steps) or next(iter(self._questions.sizes))
         surprise_m = monitor.surprise_m.get(name, 0.0)
         found = (
-            collect_evidence(monitor.steps, monitor.notes, name, self._questions.sizes[name], surprise_m)
+            collect_evidence(monitor.steps, monitor.notes, name, self._questions.sizes[name], surprise_m, monitor.first_ends)
             if monitor.steps
             else None
         )
