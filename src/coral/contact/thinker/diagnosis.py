@@ -61,6 +61,8 @@ AHEAD_M = 0.01
 """A command within this distance of the hand counts as reached."""
 STILL_M = 0.004
 """An object that moved no further hardly moved."""
+YIELDS_M = 0.02
+"""One that moved no further under a hand at rest only slips away: it turns on the spot under what presses on it."""
 BLOCKED_N = 20.0
 """More than friction takes to push anything that the hand could lift, and half of what it yields to."""
 
@@ -238,14 +240,15 @@ def _is_held_back(steps: Sequence[Transition]) -> bool:
 
 
 def _blocked(steps: Sequence[Transition], name: str) -> bool:
-    """Whether the hand has pressed hard in one direction for a while, and it or the object does not move."""
+    """Whether the hand has pressed hard in one direction for a while, and the object hardly yields."""
     end = steps[-1].after
     last = [step for step in steps if step.after.time_s > end.time_s - REST_S]
     if end.time_s - steps[0].before.time_s < REST_S - 1e-9:
         return False
     force = np.mean([step.after.wrench[:3] for step in last], axis=0)
     moved = np.linalg.norm(end.objects[name].position - last[0].before.objects[name].position)
-    return bool(np.linalg.norm(force) > BLOCKED_N and (moved < STILL_M or _is_held_back(steps)))
+    lies = moved < (YIELDS_M if _is_held_back(steps) else STILL_M)
+    return bool(np.linalg.norm(force) > BLOCKED_N and lies)
 
 
 def recent(
