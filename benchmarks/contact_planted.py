@@ -308,11 +308,14 @@ def summary(results: Sequence[tuple[Fault, PlantedResult]]) -> list[str]:
     always = Counter(name for fault, _ in judged for name in fault.right)
     sound = [found for fault, found in judged if not (any(fault.shift_m) or fault.turn_rad)]
     blamed = sum(found.diagnosis == "pose-wrong" for found in sound)
+    sound_ends = [found for fault, found in judged if "stage-never-ends" not in fault.right]
+    doubted = sum(found.diagnosis == "stage-never-ends" for found in sound_ends)
     times = [found.time_s for _, found in judged if found.diagnosis]
     lines = [
         f"right: {_share(right, len(judged))}, 95 % interval {100 * low:.0f} to {100 * high:.0f} %",
         *(f"always saying {name}: {_share(count, len(judged))}" for name, count in always.most_common(1)),
         f"a pose blamed that was right: {_share(blamed, len(sound))}",
+        f"the end of a stage blamed that was right: {_share(doubted, len(sound_ends))}",
     ]
     if times:
         lines.append(f"noticed after {min(times):.1f} to {max(times):.1f} s, median {median(times):.1f} s")

@@ -51,5 +51,6 @@ def test_the_summary_counts_what_did_not_succeed_and_blames_of_right_poses():
     assert lines[1:] == [
         "always saying led-away: 2 of 4 (50 %)",
         "a pose blamed that was right: 1 of 2 (50 %)",
+        "the end of a stage blamed that was right: 0 of 4 (0 %)",
         "noticed after 4.0 to 9.0 s, median 6.0 s",
     ]

@@ -92,7 +92,7 @@ def test_all_parts_hold_exactly_where_the_condition_does(one):
     place = one.now.objects["box"].position
     for bound in np.linspace(-0.1, 0.1, 5):
         text = f"0.0 < self.box_pos[0] + {bound} and not self.box_pos[1] >= {bound} and self.box_pos[2] != {bound}"
-        holds = 0.0 < place[0] + bound and not place[1] >= bound
+        holds = place[0] + bound > 0.0 and not place[1] >= bound
         assert all(reading.holds for reading in read(one, text)) == holds
 
 

@@ -42,8 +42,8 @@ def test_a_contact_is_true_or_false_and_a_bound_that_is_no_number_has_its_value(
     (told,) = collect_end(resting(touch=0.0, lower=0.031, other=0.0)).sentences()
     assert told == (
         "Stage 'reach' ends when `self.box_left_contact`, which is false now; and `self.box_pos[2] < 0.5 * "
-        "self.box_size[2]`: 0.031 m at best, 0.031 m now against 0.03 m; and `a or b`, which does not hold; none of its "
-        "three parts holds."
+        "self.box_size[2]`: 0.031 m at best, 0.031 m now against 0.03 m; and `a or b`, which does not hold; none of "
+        "its three parts holds."
     )
     assert collect_end(resting(near=0.02)).sentences()[0].endswith("0.02 m now.")
     assert collect_end(resting(near=0.02, touch=1.0)).sentences()[0].endswith("the other of its two parts holds.")

@@ -63,13 +63,15 @@ def test_open_fingers_round_the_object_and_closing_are_told():
     steps = history(200, box=BOX, tool=BOX)
     found = evidence(steps)
     assert (found.around, found.closing) == (1.0, 0.0)
-    told = "At the end it was round the box with open fingers; they were told to close on something for 0 % of the time."
+    told = (
+        "At the end it was round the box with open fingers; they were told to close on something for 0 % of the time."
+    )
     assert told in found.sentences()
     closing = [replace(step, command=replace(step.command, opening_m=0.07)) for step in steps[:50]] + steps[50:]
     assert evidence(closing).closing == 0.25
     narrow = [replace(step, after=replace(step.after, opening_m=0.05)) for step in steps]
     assert evidence(narrow).around == 0.0  # fingers beside each other on top of it are not round it
-    assert evidence(history(200, box=BOX, tool=lambda k: np.array(BOX) + [0, 0, 0.04 * (k > 50)])).around == 0.0
+    assert evidence(history(200, box=BOX, tool=lambda k: (0.0, 0.0, 0.03 + 0.04 * (k > 50)))).around == 0.0
 
 
 def test_the_end_of_the_stage_is_told():

@@ -1,8 +1,8 @@
 """The end of a stage as comparisons: which of them hold in a state, and how far the others are from holding.
 
-A condition such as `norm(self.ee_pos - self.box_pos) < 0.02 and self.box_left_contact` holds or does not; its parts tell
-why. The text is only taken apart here. The sides of the comparisons are evaluated as one small program, by the same
-interpreter as the condition itself, in the confined process if that is where the condition runs.
+A condition such as `norm(self.ee_pos - self.box_pos) < 0.02 and self.box_left_contact` holds or does not; its parts
+tell why. The text is only taken apart here. The sides of the comparisons are evaluated as one small program, by the
+same interpreter as the condition itself, in the confined process if that is where the condition runs.
 """
 
 from __future__ import annotations
@@ -190,9 +190,9 @@ def _single(node: ast.expr, schema: Schema, negated: bool) -> EndPart:
 def _unit(node: ast.expr, schema: Schema) -> str:
     """Return the unit of the quantities that a comparison reads, if it is one: directions and shares have none."""
     names = [
-        each.attr if isinstance(each, ast.Attribute) else each.value
+        each.attr if isinstance(each, ast.Attribute) else str(each.value)
         for each in ast.walk(node)
-        if isinstance(each, ast.Attribute) or (isinstance(each, ast.Constant) and isinstance(each.value, str))
+        if isinstance(each, ast.Attribute | ast.Constant)
     ]
     read = [schema[name] for name in names if name in schema]
     if read and all(quantity.truth for quantity in read):

@@ -8,7 +8,7 @@ from dataclasses import replace
 from coral.contact.rules.scene_reading import SkillAdjustment
 
 LOOSE = 1.5
-"""Factor on the ends of reaches: 1.8 cm in place of 1.2, about what the planner leaves. Once: then another side is tried."""
+"""Factor on the ends of reaches: 1.8 cm in place of 1.2, about what the planner leaves. Next, another side is tried."""
 
 
 def adjustment_after(diagnoses: Sequence[str]) -> SkillAdjustment:

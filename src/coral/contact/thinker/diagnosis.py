@@ -30,8 +30,8 @@ Diagnosis = Literal[
 ]
 TEXTS: Mapping[Diagnosis, str] = {
     "cost-error": "the cost could not be evaluated",
-    "not-reached": "the hand does not touch the object, and feels nothing that holds it back: its cost does not lead it "
-    "there, or the way in is wrong",
+    "not-reached": "the hand does not touch the object, and feels nothing that holds it back: its cost does not lead "
+    "it there, or the way in is wrong",
     "led-away": "the hand never touched the object and went away from it: a term of the cost has the wrong sign, or "
     "rewards the distance",
     "out-of-reach": "the hand stands at the edge of its workspace, or behind its commands although it feels nothing: "
@@ -43,8 +43,8 @@ TEXTS: Mapping[Diagnosis, str] = {
     "wrong place",
     "stage-never-ends": "the hand stays where it was told to be, about where the stage should end, and the stage does "
     "not end: the condition that ends it asks for what is not reached or cannot be",
-    "not-gripped": "the hand stands round the object with open fingers, which were never told to close on it: if it has "
-    "to be held, a term or a stage that closes them is missing",
+    "not-gripped": "the hand stands round the object with open fingers, which were never told to close on it: if it "
+    "has to be held, a term or a stage that closes them is missing",
     "blocked": "the hand presses hard against what does not give way: its cost drives it in a wrong direction, or to a "
     "wrong side or place",
     "not-moved": "the hand pressed and the object hardly moved",
@@ -216,7 +216,7 @@ def _only_brushed(steps: Sequence[Transition], evidence: Evidence) -> bool:
     """Check whether the hand hardly touched the object, and has felt nothing for a while."""
     end_s = steps[-1].after.time_s
     late = [np.linalg.norm(step.after.wrench[:3]) for step in steps if step.after.time_s > end_s - REST_S]
-    return evidence.touched < BRUSHED and evidence.last_m > AT_OBJECT_M and max(late) < FELT_NOTHING_N
+    return evidence.touched < BRUSHED and evidence.last_m > AT_OBJECT_M and bool(max(late) < FELT_NOTHING_N)
 
 
 def _presses_in_vain(evidence: Evidence | None) -> bool:

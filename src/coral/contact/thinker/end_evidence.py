@@ -106,9 +106,7 @@ class EndEvidence:
         return [f"Stage {self.stage!r} ends when {told}{others}."]
 
 
-def collect_end(
-    notes: Sequence[PlanNote], first: Mapping[str, tuple[PartReading, ...]] | None = None
-) -> EndEvidence:
+def collect_end(notes: Sequence[PlanNote], first: Mapping[str, tuple[PartReading, ...]] | None = None) -> EndEvidence:
     """Collect what became of the end of the last stage.
 
     Args:

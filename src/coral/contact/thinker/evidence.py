@@ -70,8 +70,8 @@ class Evidence:
     at_edge: float
     """Share of the last targets at the edge of the workspace or of the arm's reach."""
     around: float
-    """Share of the last steps at which the tool, midway between the fingertips, was inside the object's bounding box and
-    the fingers were wider apart than its smallest extent."""
+    """Share of the last steps at which the tool, midway between the fingertips, was inside the object's bounding box
+    and the fingers were wider apart than its smallest extent."""
     closing: float
     """Share of the steps at which the fingers were told to close on something: 3 mm below their opening."""
     surprise_m: float

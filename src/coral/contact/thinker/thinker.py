@@ -302,7 +302,9 @@ class Thinker:
         name = most_informative_object(monitor.steps) or next(iter(self._questions.sizes))
         surprise_m = monitor.surprise_m.get(name, 0.0)
         found = (
-            collect_evidence(monitor.steps, monitor.notes, name, self._questions.sizes[name], surprise_m, monitor.first_ends)
+            collect_evidence(
+                monitor.steps, monitor.notes, name, self._questions.sizes[name], surprise_m, monitor.first_ends
+            )
             if monitor.steps
             else None
         )
