@@ -138,8 +138,8 @@ FAULTS: dict[str, Fault] = {
     "beyond the workspace": Fault(
         "pick-box", ("settled", "out-of-reach"), first_cost("10.0 * norm(self.ee_pos - np.array([0.9, 0.0, 0.3]))")
     ),
-    "end below the table": Fault(
-        "pick-box", ("stage-never-ends",), also_done("reach", "self.{name}_pos[2] < 0.5 * self.{name}_size[2] - 0.002")
+    "end below the mat": Fault(
+        "pick-clutter", ("stage-never-ends",), also_done("lower", "self.{name}_pos[2] < 0.5 * self.{name}_size[2]")
     ),
     "end at one height exactly": Fault(
         "push-force",

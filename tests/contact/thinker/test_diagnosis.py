@@ -5,7 +5,7 @@ import pytest
 from histories import TOOL, history, sliding
 
 from coral.contact.plan.stage_end import EndPart, PartReading
-from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent
+from coral.contact.thinker.diagnosis import TEXTS, diagnose
 from coral.contact.thinker.evidence import collect_evidence
 from coral.contact.thinker.plan_note import PlanNote
 
@@ -213,6 +213,11 @@ def test_an_object_at_rest_under_the_hand_has_arrived_if_the_end_is_near():
     steps = history(110, box=BOX, force=(3.0, 0.0, 0.0))
     pressed = [replace(note, touched={"left": ("box",)}) for note in ending(steps, (NEAR, 0.02, 0.012))]
     assert judged(steps, pressed) == "stage-never-ends"
+    held_up = history(110, box=BOX, force=(0.0, 0.0, 30.0), told=AHEAD)  # it presses the object on what it lies on
+    pressed = [replace(note, touched={"left": ("box",)}) for note in ending(held_up, (NEAR, 0.02, 0.012))]
+    assert judged(held_up, pressed) == "stage-never-ends"
+    going = history(110, box=BOX, tool=moving)
+    assert judged(going, ending(going, (NEAR, 0.02, 0.012))) == "not-reached"
     far = [replace(note, touched={"left": ("box",)}) for note in ending(steps, (NEAR, 0.2, 0.012))]
     assert judged(steps, far) == "not-moved"
 
@@ -252,33 +257,3 @@ def test_a_hand_that_brushed_the_object_on_its_way_has_not_reached_it():
 
 def test_no_diagnosis_claims_an_obstacle_that_was_not_felt():
     assert "in its way" not in TEXTS["not-reached"]
-
-
-def test_rows_carry_the_cost_of_their_own_plan():
-    steps = history(5, period_s=0.1, box=BOX)
-    rows = recent(steps, [(0.0, 9.0), (0.2, 7.0), (0.4, 5.0)], "box")
-    assert [row["cost"] for row in rows] == [9.0, 9.0, 7.0, 7.0, 5.0]
-
-
-def test_before_the_first_plan_its_cost_is_shown_and_without_one_none():
-    steps = history(2, period_s=0.1, box=BOX)
-    assert [row["cost"] for row in recent(steps, [(0.1, 4.0)], "box")] == [4.0, 4.0]
-    assert [row["cost"] for row in recent(steps, [], "box")] == [None, None]
-
-
-def test_a_row_tells_what_was_commanded_and_what_came_of_it():
-    (row,) = recent(history(1, box=sliding(2.0), told=AHEAD, force=(0.0, 1.234, 0.0)), [], "box")
-    assert row["time_s"] == 0.02
-    assert row["object_pos"] == [0.002, 0.0, 0.03]
-    assert row["object_moved_mm"] == 2.0
-    assert row["hand_pos"] == list(TOOL)
-    assert row["hand_told_to"] == list(AHEAD)
-    assert row["opening_told_m"] == 0.08
-    assert row["force_on_hand_n"] == [0.0, 1.23, 0.0]
-
-
-def test_rows_are_spread_over_the_stretch_from_its_first_to_its_last_step():
-    rows = recent(history(100, box=BOX), [], "box", most=3)
-    np.testing.assert_allclose([row["time_s"] for row in rows], [0.02, 1.0, 2.0])
-    assert len(recent(history(2, box=BOX), [], "box", most=5)) == 2
-    assert recent([], [], "box") == []

@@ -63,9 +63,7 @@ def test_open_fingers_round_the_object_and_closing_are_told():
     steps = history(200, box=BOX, tool=BOX)
     found = evidence(steps)
     assert (found.around, found.closing) == (1.0, 0.0)
-    told = (
-        "At the end it was round the box with open fingers; they were told to close on something for 0 % of the time."
-    )
+    told = "At the end the box was between the fingers, which were told to close on something for 0 % of the time."
     assert told in found.sentences()
     closing = [replace(step, command=replace(step.command, opening_m=0.07)) for step in steps[:50]] + steps[50:]
     assert evidence(closing).closing == 0.25

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, TypedDict
+from typing import Literal
 
 import numpy as np
 
 from coral.contact.plan.stage_end import TRUTH
 from coral.contact.scene.observation import Transition
 from coral.contact.thinker.evidence import MOSTLY, Evidence
-from coral.contact.thinker.plan_note import PlanNote
 
 Diagnosis = Literal[
     "cost-error",
@@ -67,26 +66,6 @@ BLOCKED_N = 20.0
 """More than friction takes to push anything that the hand could lift, and half of what it yields to."""
 
 
-class HistoryRow(TypedDict):
-    """One control step as prompts and events show it: metres, newtons, world frame, quaternions (w, x, y, z).
-
-    `touches` names what the fingers ("left", "right") and the palm ("hand") touch, as measured; a `cost` of None is
-    unknown.
-    """
-
-    time_s: float
-    object_pos: list[float]
-    object_quat: list[float]
-    object_moved_mm: float
-    hand_pos: list[float]
-    hand_quat: list[float]
-    hand_told_to: list[float]
-    opening_told_m: float
-    force_on_hand_n: list[float]
-    touches: list[str]
-    cost: float | None
-
-
 LOST_M = 0.05
 """A hand that ended so much farther from the object than it was went away from it."""
 AT_OBJECT_M = 0.02
@@ -138,6 +117,8 @@ def diagnose(
         return "led-away" if evidence.largest_value < 0.0 else "out-of-reach"
     if evidence is not None and _never_closed(evidence):
         return "not-gripped"
+    if evidence is not None and evidence.end.misses_by_little and _rests(_late(steps)):
+        return "stage-never-ends"  # it may press on what keeps it from the last millimetres
     if _is_settled(steps):
         if evidence is not None and _ends_wrongly(evidence):
             return "stage-never-ends"
@@ -161,25 +142,38 @@ def diagnose(
     return "no-progress"
 
 
+def _late(steps: Sequence[Transition]) -> Sequence[Transition]:
+    """Return the steps of the last `REST_S`; none if the record is shorter."""
+    end_s = steps[-1].after.time_s
+    if end_s - steps[0].before.time_s < REST_S - 1e-9:
+        return ()
+    return [step for step in steps if step.after.time_s > end_s - REST_S]
+
+
 def _is_settled(steps: Sequence[Transition]) -> bool:
     """Check whether hand and objects stay where they are, if they wander, and the hand is where its commands are.
 
     A blocked hand, or one that holds something too heavy, stays behind its commands and is not settled.
     """
-    end_s = steps[-1].after.time_s
-    last = [step for step in steps if step.after.time_s > end_s - REST_S]
-    if end_s - steps[0].before.time_s < REST_S - 1e-9:
+    last = _late(steps)
+    if not _rests(last):
         return False
-    earlier = [step.after.time_s <= end_s - REST_S / 2 for step in last]
+    # Commands of a sampling planner wander about the hand: only what is left in the mean leads it anywhere.
+    ahead = np.mean([step.command.position - step.after.tool.position for step in last], axis=0)
+    return bool(np.linalg.norm(ahead) < AHEAD_M)
+
+
+def _rests(last: Sequence[Transition]) -> bool:
+    """Check whether hand and objects stay where they are in the mean of the first and the second half of some steps."""
+    middle_s = last[-1].after.time_s - REST_S / 2 if last else 0.0
+    earlier = [step.after.time_s <= middle_s for step in last]
     if all(earlier) or not any(earlier):
         return False
     places = np.array(
         [[step.after.tool.position, *(body.position for body in step.after.objects.values())] for step in last]
     )
     drift = places[np.logical_not(earlier)].mean(axis=0) - places[earlier].mean(axis=0)
-    # Commands of a sampling planner wander about the hand: only what is left in the mean leads it anywhere.
-    ahead = np.mean([step.command.position - step.after.tool.position for step in last], axis=0)
-    return bool(np.linalg.norm(drift, axis=1).max() < REST_M and np.linalg.norm(ahead) < AHEAD_M)
+    return bool(np.linalg.norm(drift, axis=1).max() < REST_M)
 
 
 def _contradicts_the_pose(evidence: Evidence) -> bool:
@@ -195,14 +189,14 @@ def _meets_the_unrehearsed(evidence: Evidence) -> bool:
 
 
 def _ends_wrongly(evidence: Evidence) -> bool:
-    """Check whether the cost has led where the stage should end, and only the stage's end does not hold.
+    """Check whether the cost has led where it should, and only the stage's end does not hold.
 
-    So it is if the end is missed by no more than a planner leaves, if only a contact is missing where the hand or the
-    object should be, or if a cost, not a reward, has led the hand to the object and away from the end.
+    So it is if only a contact is missing where the hand or the object should be, or if a cost, not a reward, has led
+    the hand to the object and away from the end.
     """
     end = evidence.end
     at_object = evidence.last_m < AT_OBJECT_M and evidence.largest_value >= 0.0
-    return end.misses_by_little or end.lacks_only_a_contact or (at_object and end.recedes(LOST_M))
+    return end.lacks_only_a_contact or (at_object and end.recedes(LOST_M))
 
 
 def _never_closed(evidence: Evidence) -> bool:
@@ -228,9 +222,8 @@ def _presses_in_vain(evidence: Evidence | None) -> bool:
 
 def _is_held_back(steps: Sequence[Transition]) -> bool:
     """Check whether the hand has stood still behind its commands for a while."""
-    end_s = steps[-1].after.time_s
-    last = [step for step in steps if step.after.time_s > end_s - REST_S]
-    if end_s - steps[0].before.time_s < REST_S - 1e-9:
+    last = _late(steps)
+    if not last:
         return False
     places = np.array([step.after.tool.position for step in last])
     behind = np.mean([step.command.position - step.after.tool.position for step in last], axis=0)
@@ -241,88 +234,10 @@ def _is_held_back(steps: Sequence[Transition]) -> bool:
 
 def _blocked(steps: Sequence[Transition], name: str) -> bool:
     """Whether the hand has pressed hard in one direction for a while, and the object hardly yields."""
-    end = steps[-1].after
-    last = [step for step in steps if step.after.time_s > end.time_s - REST_S]
-    if end.time_s - steps[0].before.time_s < REST_S - 1e-9:
+    end, last = steps[-1].after, _late(steps)
+    if not last:
         return False
     force = np.mean([step.after.wrench[:3] for step in last], axis=0)
     moved = np.linalg.norm(end.objects[name].position - last[0].before.objects[name].position)
     lies = moved < (YIELDS_M if _is_held_back(steps) else STILL_M)
     return bool(np.linalg.norm(force) > BLOCKED_N and lies)
-
-
-def recent(
-    steps: Sequence[Transition],
-    costs: Sequence[tuple[float, float]],
-    name: str,
-    most: int = 5,
-    notes: Sequence[PlanNote] = (),
-) -> list[HistoryRow]:
-    """Summarise the latest history in a few rows, as the prompts show it (the paper's last five steps).
-
-    Args:
-        steps: Control steps.
-        costs: Costs of plans, each after the time of the plan.
-        name: The object to report.
-        most: Maximum number of rows.
-        notes: Notes about the plans, each after the time of the plan.
-    """
-    if not steps:
-        return []
-    chosen = np.unique(np.linspace(0, len(steps) - 1, most).astype(int))
-    rows: list[HistoryRow] = []
-    for index in chosen:
-        step = steps[int(index)]
-        body, before = step.after.objects[name], step.before.objects[name]
-        rows.append(
-            {
-                "time_s": round(step.after.time_s, 2),
-                "object_pos": [round(float(v), 4) for v in body.position],
-                "object_quat": [round(float(v), 3) for v in body.quaternion],
-                "object_moved_mm": round(1e3 * float(np.linalg.norm(body.position - before.position)), 2),
-                "hand_pos": [round(float(v), 4) for v in step.after.tool.position],
-                "hand_quat": [round(float(v), 3) for v in step.after.tool.quaternion],
-                "hand_told_to": [round(float(v), 4) for v in step.command.position],
-                "opening_told_m": round(step.command.opening_m, 4),
-                "force_on_hand_n": [round(float(v), 2) for v in step.after.wrench[:3]],
-                "touches": _touches_at(notes, step.after.time_s),
-                "cost": _cost_at(costs, step.before.time_s),
-            }
-        )
-    return rows
-
-
-def _cost_at(costs: Sequence[tuple[float, float]], time_s: float) -> float | None:
-    """Return the cost of the latest plan made by that time."""
-    made = [cost for when, cost in costs if when <= time_s + 1e-9] or [cost for _, cost in costs[:1]]
-    return round(made[-1], 4) if made else None
-
-
-def _touches_at(notes: Sequence[PlanNote], time_s: float) -> list[str]:
-    """Return what was touched at the latest plan made by that time, as "part on thing"."""
-    made = [note for note in notes if note.time_s <= time_s + 1e-9]
-    return [f"{part} on {name}" for part, names in made[-1].touched.items() for name in names] if made else []
-
-
-def recent_terms(notes: Sequence[PlanNote], most: int = 5, largest: int = 6) -> list[dict[str, Any]]:
-    """Show which terms held the cost up over time.
-
-    Args:
-        notes: Notes about the plans.
-        most: Maximum number of rows.
-        largest: Maximum number of terms in a row, the largest ones.
-    """
-    if not notes:
-        return []
-    rows = []
-    for index in np.unique(np.linspace(0, len(notes) - 1, most).astype(int)):
-        note = notes[int(index)]
-        terms = sorted(note.terms.items(), key=lambda item: -abs(item[1]))[:largest]
-        rows.append(
-            {
-                "time_s": round(note.time_s, 2),
-                "stage": note.stage,
-                "terms": {name: float(f"{value:.3g}") for name, value in terms},
-            }
-        )
-    return rows

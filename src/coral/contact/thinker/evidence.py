@@ -115,7 +115,7 @@ class Evidence:
             )
         if self.around >= MOSTLY:
             told.append(
-                f"At the end it was round the {self.name} with open fingers; they were told to close on something for "
+                f"At the end the {self.name} was between the fingers, which were told to close on something for "
                 f"{100 * self.closing:.0f} % of the time."
             )
         if self.at_edge >= MOSTLY:

@@ -29,8 +29,9 @@ from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker, EpisodeOver
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
 from coral.contact.thinker.correction_schedule import CorrectionSchedule
-from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose, recent, recent_terms
+from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose
 from coral.contact.thinker.evidence import collect_evidence
+from coral.contact.thinker.history_rows import recent, recent_terms
 from coral.contact.thinker.pose_question import ask_poses
 from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
