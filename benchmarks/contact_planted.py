@@ -1,6 +1,6 @@
 """How often the outer loop's diagnosis names a fault that was planted, kind by kind, in the hand world.
 
-    python benchmarks/contact_planted.py --episodes 10 --first-seed 500      # some 5 minutes on one free core
+    python benchmarks/contact_planted.py --episodes 10 --first-seed 1000     # some 15 minutes on one free core
 
 The rules' plan is followed with one fault in its cost, in a condition, in the world or in the believed pose, with few
 samples, until the outer loop notices that nothing moves on. Its first diagnosis is right if it is one of those that
@@ -330,7 +330,7 @@ def main() -> None:
     """Print a row for each kind: right, wrong, not noticed, succeeded in spite of it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--episodes", type=int, default=10, help="episodes of each kind")
-    parser.add_argument("--first-seed", type=int, default=500, help="development used seeds below 500")
+    parser.add_argument("--first-seed", type=int, default=1000, help="development used seeds below 1000")
     parser.add_argument("--latency", default="fixed:0.02", help="what a plan takes of the world's time; 0: nothing")
     parser.add_argument("--kinds", default=",".join(FAULTS))
     parser.add_argument("--json", action="store_true", help="print one object for each episode")

@@ -174,9 +174,13 @@ TOUCH = EndPart("self.box_left_contact", "holds", "truth", "self.box_left_contac
 
 
 def ending(steps, *parts, terms=None):
-    """Notes about plans of a stage whose end has these parts: comparison, left and right side."""
+    """Notes about plans of a stage whose end has these parts: comparison, left and right side.
+
+    When the stage began, the left side was ten times as large.
+    """
     end = tuple(PartReading(*one) for one in parts)
-    return [replace(note, end=end, terms=terms or {}) for note in plans(steps)]
+    far = tuple(PartReading(part, 10.0 * left, right) for part, left, right in parts)
+    return [replace(note, end=end if k else far, terms=terms or {}) for k, note in enumerate(plans(steps))]
 
 
 def test_a_hand_at_rest_just_short_of_the_stages_end_tells_of_a_wrong_end_and_farther_off_of_a_wrong_cost():

@@ -70,7 +70,7 @@ def test_parts_that_hold_in_turn_are_told():
     [
         ({"near": 0.026}, True),
         ({"near": 0.028}, False),
-        ({"near": 0.02, "square": 0.08}, True),
+        ({"near": 0.02, "square": 0.07}, True),
         ({"near": 0.02, "square": 0.5}, False),
         ({"near": 0.02, "touch": 0.0}, False),
         ({"near": 0.02, "touch": 1.0}, True),
@@ -78,7 +78,15 @@ def test_parts_that_hold_in_turn_are_told():
     ],
 )
 def test_an_end_is_missed_by_little_if_each_of_its_parts_is(parts, little):
-    assert collect_end(resting(**parts)).misses_by_little == little
+    far = tuple(PartReading(note.part, 10.0 * note.left, note.right) for note in resting(**parts)[0].end)
+    assert collect_end(resting(**parts), {"reach": far}).misses_by_little == little
+
+
+def test_what_was_near_from_the_beginning_is_not_missed_by_little_unless_another_length_holds():
+    assert not collect_end(resting(near=0.02)).misses_by_little
+    assert collect_end(resting(near=0.02, square=0.06)).misses_by_little is False
+    assert collect_end(resting(near=0.01, lower=0.031)).misses_by_little
+    assert collect_end(resting(square=0.06)).misses_by_little
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,7 @@ def test_open_fingers_round_the_object_and_closing_are_told():
 
 def test_the_end_of_the_stage_is_told():
     near = EndPart("norm(self.off) < 0.012", "<", "m", "norm(self.off)", "0.012")
-    notes = [replace(note(0.02 * k), end=(PartReading(near, 0.02, 0.012),)) for k in range(100)]
+    notes = [replace(note(0.02 * k), end=(PartReading(near, 0.02 if k else 0.2, 0.012),)) for k in range(100)]
     found = evidence(history(100, box=BOX), notes)
     assert found.end.misses_by_little
     assert found.sentences()[-1] == "Stage 'push' ends when `norm(self.off) < 0.012`: 0.02 m at best, 0.02 m now."

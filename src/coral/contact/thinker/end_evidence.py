@@ -12,9 +12,9 @@ from coral.contact.thinker.plan_note import PlanNote
 
 END_S = 2.0
 """Time at the end of the record in which a comparison holds or does not."""
-NEAR = {"m": 0.015, "m/s": 0.03, "rad/s": 0.3, "N": 1.0, "": 0.1}
+NEAR = {"m": 0.015, "m/s": 0.03, "rad/s": 0.3, "N": 1.0, "": 0.03}
 """By unit, what misses by little. The planner stops one to two centimetres short of what it is led to, and shakes hand
-and objects by some centimetres a second; of what has no unit, such as 1 - cos, a tenth (25 degrees)."""
+and objects by some centimetres a second; of what has no unit, such as 1 - cos of an angle, 0.03 (14 degrees)."""
 COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 
 
@@ -73,15 +73,24 @@ class EndEvidence:
         return tuple(part for part in self.parts if not part.holds)
 
     @property
+    def _is_placed(self) -> bool:
+        return any(part.holds and part.part.unit == "m" for part in self.parts)
+
+    @property
     def misses_by_little(self) -> bool:
-        """Return whether the stage nearly ends: all that does not hold is a length, speed or the like just missed."""
-        return bool(self.parts) and all(part.is_near for part in self.unmet)
+        """Return whether the stage nearly ends: all that does not hold is a length, speed or the like just missed.
+
+        Lengths must have come nearer, by half since the stage began, unless another length of the end holds: an object
+        that should move a centimetre and does not move has not nearly moved.
+        """
+        lengths = [part for part in self.unmet if part.part.unit == "m"]
+        came = self._is_placed or all(part.missing <= 0.5 * part.first_missing for part in lengths)
+        return bool(self.parts) and came and all(part.is_near for part in self.unmet)
 
     @property
     def lacks_only_a_contact(self) -> bool:
         """Return whether the stage is where its end wants it to be, and only a truth value does not hold."""
-        placed = any(part.holds and part.part.unit == "m" for part in self.parts)
-        return placed and bool(self.unmet) and all(part.part.unit == TRUTH for part in self.unmet)
+        return self._is_placed and bool(self.unmet) and all(part.part.unit == TRUTH for part in self.unmet)
 
     def recedes(self, by_m: float) -> bool:
         """Return whether all the lengths that do not hold are farther from holding than when the stage began.
