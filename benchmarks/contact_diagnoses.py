@@ -22,7 +22,9 @@ PART = {
     "contact-regions": "regions",
 }
 BLAMES = {
-    "settled": ("sign", "weight", "missing-term", "wrong-object", "goal-off", "never-done"),
+    "settled": ("sign", "weight", "missing-term", "wrong-object", "goal-off"),
+    "stage-never-ends": ("never-done",),
+    "not-gripped": ("sign", "missing-term", "early-lift"),
     "blocked": ("sign", "wrong-side", "wrong-face", "goal-off"),
     "moved-otherwise": ("parameters",),
     "not-reached": ("wrong-side", "wrong-face", "goal-off"),

@@ -1,6 +1,6 @@
 """How often the outer loop's diagnosis names a fault that was planted, kind by kind, in the hand world.
 
-    python benchmarks/contact_planted.py --episodes 10 --first-seed 500      # some 5 minutes on one free core
+    python benchmarks/contact_planted.py --episodes 10 --first-seed 1000     # some 15 minutes on one free core
 
 The rules' plan is followed with one fault in its cost, in a condition, in the world or in the believed pose, with few
 samples, until the outer loop notices that nothing moves on. Its first diagnosis is right if it is one of those that
@@ -28,8 +28,8 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
+from coral.contact.plan.stage_end import stage_ends
 from coral.contact.rules.composition import compose
-from coral.contact.rules.program_edits import tighten
 from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.observation import BodyState, HandTarget, Observation
 from coral.contact.scene.prior_beliefs import stated_beliefs
@@ -76,15 +76,37 @@ def first_cost(text: str) -> PlanEdit:
     return edit
 
 
-def tightened(index: int) -> PlanEdit:
-    """Make the condition that ends a stage one that nothing fulfils."""
+def also_done(name: str, text: str) -> PlanEdit:
+    """Add a comparison that nothing fulfils to the condition that ends a stage; `{name}` is the object."""
 
-    def edit(plan: PlanAnswer, name: str) -> PlanAnswer:
-        stages = list(plan.stages)
-        stages[index] = stages[index].model_copy(update={"done": tighten(stages[index].done)})
-        return plan.model_copy(update={"stages": stages})
+    def edit(plan: PlanAnswer, thing: str) -> PlanAnswer:
+        return _with_done(plan, name, lambda done: f"{done} and {text.format(name=thing)}")
 
     return edit
+
+
+def far_done(plan: PlanAnswer, name: str) -> PlanAnswer:
+    """Turn the sign of the distance that ends the reach: it ends where the cost never leads."""
+    return _with_done(plan, "reach", lambda done: done.replace("< 0.012", "> 0.4", 1))
+
+
+def stop_above(plan: PlanAnswer, name: str) -> PlanAnswer:
+    """Let the cost of the reach lead 5 cm above where it ends, all else as it is."""
+    higher = "off = self.ee_pos - np.array([0.0, 0.0, 0.05]) - "
+    stages = [
+        stage.model_copy(update={"code": stage.code.replace("off = self.ee_pos - ", higher)})
+        if stage.name == "reach"
+        else stage
+        for stage in plan.stages
+    ]
+    return plan.model_copy(update={"stages": stages})
+
+
+def _with_done(plan: PlanAnswer, name: str, change: Callable[[str], str]) -> PlanAnswer:
+    stages = [
+        stage.model_copy(update={"done": change(stage.done)}) if stage.name == name else stage for stage in plan.stages
+    ]
+    return plan.model_copy(update={"stages": stages})
 
 
 def open_fingers(plan: PlanAnswer, name: str) -> PlanAnswer:
@@ -101,6 +123,7 @@ FAULTS: dict[str, Fault] = {
         ("settled", "not-reached"),
         first_cost("10.0 * norm(self.ee_pos - self.{name}_pos - np.array([0.0, 0.0, 0.14]))"),
     ),
+    "stops 5 cm above": Fault("pick-box", ("settled", "not-reached"), stop_above),
     "wrong sign": Fault("pick-box", ("led-away", "settled"), first_cost("-10.0 * norm(self.ee_pos - self.{name}_pos)")),
     "place off": Fault(
         "pick-box",
@@ -115,8 +138,18 @@ FAULTS: dict[str, Fault] = {
     "beyond the workspace": Fault(
         "pick-box", ("settled", "out-of-reach"), first_cost("10.0 * norm(self.ee_pos - np.array([0.9, 0.0, 0.3]))")
     ),
-    "grasp never done": Fault("pick-box", ("settled",), tightened(0)),
-    "push never done": Fault("push-force", ("settled",), tightened(1)),
+    "end below the mat": Fault(
+        "pick-clutter", ("stage-never-ends",), also_done("lower", "self.{name}_pos[2] < 0.5 * self.{name}_size[2]")
+    ),
+    "end at one height exactly": Fault(
+        "push-force",
+        ("stage-never-ends",),
+        also_done("reach", "self.ee_pos[2] == self.{name}_size[2] - 0.03"),
+    ),
+    "waits for the box to rise": Fault(
+        "pick-box", ("stage-never-ends",), also_done("reach", "not self.{name}_table_contact")
+    ),
+    "end with a wrong sign": Fault("pick-box", ("stage-never-ends",), far_done),
     "pressed on the table": Fault(
         "push-force",
         ("blocked",),
@@ -130,7 +163,7 @@ FAULTS: dict[str, Fault] = {
         ),
     ),
     "too heavy": Fault("push-force", ("not-moved", "moved-otherwise"), mass=20.0),
-    "fingers held open": Fault("pick-box", ("settled", "slipped"), open_fingers),
+    "fingers held open": Fault("pick-box", ("not-gripped", "slipped"), open_fingers),
     "too heavy to lift": Fault("pick-box", ("slipped", "not-moved", "moved-otherwise"), mass=30.0),
     "pose shifted": Fault("pick-box", ("pose-wrong",), shift_m=(0.0, 0.045, 0.0)),
     "pose turned": Fault("pick-box", ("pose-wrong",), shift_m=(0.011, 0.0, 0.0), turn_rad=0.68),
@@ -172,7 +205,8 @@ class PlantedStrategist(FixedStrategist):
         regions = RegionsAnswer({}) if self._fault.plan is open_fingers else made.regions
         plan = self._fault.plan(made.plan, self._name)
         strategy = make_strategy("planted", plan, regions, world.schema, sizes)
-        self._monitor = ProgressMonitor(OuterCfg(), tuple(stage.name for stage in strategy.stages))
+        names, ends = tuple(stage.name for stage in strategy.stages), stage_ends(plan, world.schema)
+        self._monitor = ProgressMonitor(OuterCfg(), names, ends)
         return strategy
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
@@ -180,7 +214,7 @@ class PlantedStrategist(FixedStrategist):
         monitor, name = self._monitor, self._name
         if not self.diagnosis and monitor.update(report):
             surprise_m = monitor.surprise_m.get(name, 0.0)
-            evidence = collect_evidence(monitor.steps, monitor.notes, name, self._size, surprise_m)
+            evidence = collect_evidence(monitor.steps, monitor.notes, name, self._size, surprise_m, monitor.first_ends)
             self.diagnosis = diagnose(monitor.steps, name, monitor.returns, surprise_m, evidence)
         return None
 
@@ -271,14 +305,17 @@ def summary(results: Sequence[tuple[Fault, PlantedResult]]) -> list[str]:
     judged = [(fault, found) for fault, found in results if not found.succeeded]
     right = sum(found.diagnosis in fault.right for fault, found in judged)
     low, high = wilson(right, len(judged))
-    settled = sum("settled" in fault.right for fault, _ in judged)
+    always = Counter(name for fault, _ in judged for name in fault.right)
     sound = [found for fault, found in judged if not (any(fault.shift_m) or fault.turn_rad)]
     blamed = sum(found.diagnosis == "pose-wrong" for found in sound)
+    sound_ends = [found for fault, found in judged if "stage-never-ends" not in fault.right]
+    doubted = sum(found.diagnosis == "stage-never-ends" for found in sound_ends)
     times = [found.time_s for _, found in judged if found.diagnosis]
     lines = [
         f"right: {_share(right, len(judged))}, 95 % interval {100 * low:.0f} to {100 * high:.0f} %",
-        f"always saying settled: {_share(settled, len(judged))}",
+        *(f"always saying {name}: {_share(count, len(judged))}" for name, count in always.most_common(1)),
         f"a pose blamed that was right: {_share(blamed, len(sound))}",
+        f"the end of a stage blamed that was right: {_share(doubted, len(sound_ends))}",
     ]
     if times:
         lines.append(f"noticed after {min(times):.1f} to {max(times):.1f} s, median {median(times):.1f} s")
@@ -293,7 +330,7 @@ def main() -> None:
     """Print a row for each kind: right, wrong, not noticed, succeeded in spite of it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--episodes", type=int, default=10, help="episodes of each kind")
-    parser.add_argument("--first-seed", type=int, default=500, help="development used seeds below 500")
+    parser.add_argument("--first-seed", type=int, default=1000, help="development used seeds below 1000")
     parser.add_argument("--latency", default="fixed:0.02", help="what a plan takes of the world's time; 0: nothing")
     parser.add_argument("--kinds", default=",".join(FAULTS))
     parser.add_argument("--json", action="store_true", help="print one object for each episode")

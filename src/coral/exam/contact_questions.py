@@ -28,7 +28,8 @@ from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
-from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent, recent_terms
+from coral.contact.thinker.diagnosis import TEXTS, diagnose
+from coral.contact.thinker.history_rows import recent, recent_terms
 from coral.contact.thinker.pose_question import pose_facts, pose_prompt
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt

@@ -179,6 +179,22 @@ def test_a_strategist_may_change_its_strategy(run):
     assert [e["stage"] for e in events(folder, "plan")] == ["stay"] * 3 + ["other"] * 2
 
 
+@pytest.mark.parametrize("latency", [False, True])
+def test_a_strategist_sees_the_state_that_the_conditions_read(run, latency):
+    class Watching(FixedStrategist):
+        seen = ()
+
+        def on_plan(self, report):
+            self.seen = (*self.seen, report.present)
+
+    read = []
+    stages = Strategy("two", (Stage("first", stay, until=lambda now: read.append(now)), Stage("second", stay)))
+    strategist = Watching(stages)
+    run(strategist, cfg=late() if latency else COARSE)
+    assert len(read) > 1
+    assert all(one is other for one, other in zip(read, strategist.seen, strict=True))
+
+
 def test_a_strategist_is_not_told_the_true_masses_and_frictions(run):
     class Curious(FixedStrategist):
         def begin(self, trial, first, world):

@@ -22,6 +22,14 @@ def test_a_slip_is_answered_by_a_harder_and_lower_grasp_and_a_missed_object_by_a
     assert adjustment_after(["moved-otherwise"]) == SkillAdjustment(careful=0.8)
 
 
+def test_a_stage_that_never_ends_is_answered_by_a_looser_end_once_and_then_by_another_side():
+    assert adjustment_after(["stage-never-ends"]) == SkillAdjustment(loose=1.5)
+    assert adjustment_after(["stage-never-ends"] * 2) == SkillAdjustment(loose=1.5, turn=1)
+    assert change_words(AS_IS, SkillAdjustment(loose=1.5)) == (
+        "The new one goes on from 1.5 times as far from where the hand reaches"
+    )
+
+
 def test_failures_add_up_in_their_order():
     found = adjustment_after(["not-reached", "slipped", "not-reached"])
     assert (found.turn, found.press) == (2, 1.4)

@@ -31,6 +31,15 @@ def test_the_reach_is_done_where_the_hand_is_around_the_brick_and_square_to_it(s
     assert not grasp.done("reach", ee_pos=at + np.array([0.0, 0.0, 0.02]), ee_quat=across_x)
 
 
+def test_after_a_repair_the_reach_may_be_done_from_farther_away(scene):
+    one = scene(bricks(*ALONE))
+    first, looser = Skill(one, add_grasp), Skill(one, add_grasp, adjustment=SkillAdjustment(loose=1.5))
+    at = first.thing.position + np.array([0.0, 0.0, 0.07 / 2 - 0.025 + 0.015])
+    across_x = [0.0, np.sqrt(0.5), np.sqrt(0.5), 0.0]
+    assert not first.done("reach", ee_pos=at, ee_quat=across_x)
+    assert looser.done("reach", ee_pos=at, ee_quat=across_x)
+
+
 def test_from_aside_the_way_leads_over_the_brick_first(scene):
     grasp = Skill(scene(bricks(*ALONE)), add_grasp)
     at = grasp.thing.position + np.array([0.0, 0.0, 0.01])

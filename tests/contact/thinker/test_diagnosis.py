@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from histories import TOOL, history, sliding
 
-from coral.contact.thinker.diagnosis import TEXTS, diagnose, recent
+from coral.contact.plan.stage_end import EndPart, PartReading
+from coral.contact.thinker.diagnosis import TEXTS, diagnose
 from coral.contact.thinker.evidence import collect_evidence
 from coral.contact.thinker.plan_note import PlanNote
 
@@ -15,6 +16,11 @@ AHEAD = (0.0, 0.0, 0.33)
 def moving(k):
     """A hand that never rests."""
     return (0.0, 0.0, 0.3 - 0.001 * k)
+
+
+def moving_aside(k):
+    """A hand that never rests, at the height of the object."""
+    return (-0.2 + 0.0005 * k, 0.0, 0.03)
 
 
 def felt(newtons, steps=10, box=BOX, returns=0, surprise_m=0.0, **more):
@@ -163,35 +169,95 @@ def test_commands_that_wander_about_a_hand_at_rest_lead_it_nowhere():
     assert judged(steps, plans(steps)) == "settled"
 
 
+NEAR = EndPart("norm(self.off) < 0.012", "<", "m", "norm(self.off)", "0.012")
+TOUCH = EndPart("self.box_left_contact", "holds", "truth", "self.box_left_contact", "0.5")
+
+
+def ending(steps, *parts, terms=None):
+    """Notes about plans of a stage whose end has these parts: comparison, left and right side.
+
+    When the stage began, the left side was ten times as large.
+    """
+    end = tuple(PartReading(*one) for one in parts)
+    far = tuple(PartReading(part, 10.0 * left, right) for part, left, right in parts)
+    return [replace(note, end=end if k else far, terms=terms or {}) for k, note in enumerate(plans(steps))]
+
+
+def test_a_hand_at_rest_just_short_of_the_stages_end_tells_of_a_wrong_end_and_farther_off_of_a_wrong_cost():
+    steps = history(110, box=BOX)
+    assert judged(steps, ending(steps, (NEAR, 0.02, 0.012))) == "stage-never-ends"
+    assert judged(steps, ending(steps, (NEAR, 0.05, 0.012))) == "settled"
+    assert judged(steps, ending(steps, (NEAR, 0.02, 0.012), (TOUCH, 0.0, 0.5))) == "settled"
+
+
+def test_a_stage_that_waits_only_for_a_contact_never_ends_and_one_that_is_not_there_yet_has_a_wrong_cost():
+    steps = history(110, box=BOX)
+    assert judged(steps, ending(steps, (NEAR, 0.01, 0.012), (TOUCH, 0.0, 0.5))) == "stage-never-ends"
+    assert judged(steps, ending(steps, (TOUCH, 0.0, 0.5))) == "settled"
+
+
+def test_an_end_from_which_the_cost_leads_away_to_the_object_is_wrong():
+    beside = (0.0, 0.0, 0.27)
+    steps = history(110, box=beside)
+    began = {"reach": (PartReading(NEAR, 0.1, 0.012),)}
+
+    def told(terms, box=beside):
+        steps = history(110, box=box)
+        notes = ending(steps, (NEAR, 0.4, 0.012), terms=terms)
+        found = collect_evidence(steps, notes, "box", np.full(3, 0.06), 0.0, began)
+        return diagnose(steps, "box", 0, 0.0, found)
+
+    assert told({"way": 0.1}) == "stage-never-ends"
+    assert told({"way": -9.0}) == "settled"  # a reward may have led there
+    assert told({"way": 0.1}, box=BOX) == "settled"
+    assert judged(steps, ending(steps, (NEAR, 0.4, 0.012))) == "settled"
+
+
+def test_an_object_at_rest_under_the_hand_has_arrived_if_the_end_is_near():
+    steps = history(110, box=BOX, force=(3.0, 0.0, 0.0))
+    pressed = [replace(note, touched={"left": ("box",)}) for note in ending(steps, (NEAR, 0.02, 0.012))]
+    assert judged(steps, pressed) == "stage-never-ends"
+    held_up = history(110, box=BOX, force=(0.0, 0.0, 30.0), told=AHEAD)  # it presses the object on what it lies on
+    pressed = [replace(note, touched={"left": ("box",)}) for note in ending(held_up, (NEAR, 0.02, 0.012))]
+    assert judged(held_up, pressed) == "stage-never-ends"
+    going = history(110, box=BOX, tool=moving)
+    assert judged(going, ending(going, (NEAR, 0.02, 0.012))) == "not-reached"
+    far = [replace(note, touched={"left": ("box",)}) for note in ending(steps, (NEAR, 0.2, 0.012))]
+    assert judged(steps, far) == "not-moved"
+
+
+def test_open_fingers_round_the_object_that_were_never_told_to_close_have_not_gripped_it():
+    around = history(110, box=TOOL, force=(0.0, 0.0, 30.0), told=AHEAD)
+    assert judged(around, plans(around, "box")) == "not-gripped"
+    waiting, other = ending(around, (TOUCH, 0.0, 0.5)), ending(around, (NEAR, 0.5, 0.012))
+    assert judged(around, [replace(note, touched={"hand": ("box",)}) for note in waiting]) == "not-gripped"
+    assert judged(around, [replace(note, touched={"hand": ("box",)}) for note in other]) == "blocked"
+    assert judged(around, plans(around, "box"), returns=2) == "slipped"
+    closing = [replace(step, command=replace(step.command, opening_m=0.0)) for step in around]
+    assert judged(closing, plans(closing, "box")) == "blocked"
+    beside = history(110, box=BOX, force=(0.0, 0.0, 30.0), told=AHEAD)
+    assert judged(beside, plans(beside, "box")) == "blocked"
+
+
+def test_a_hand_that_presses_hard_and_stands_is_blocked_though_the_object_slips_away_under_it():
+    slips = history(110, box=sliding(0.15), force=(0.0, 0.0, 35.0), told=AHEAD)
+    assert judged(slips, plans(slips, "box")) == "blocked"
+    goes_on = history(
+        110,
+        box=sliding(0.4),
+        force=(0.0, 0.0, 35.0),
+        tool=lambda k: (0.0004 * k, 0.0, 0.3),
+        told=lambda k: (0.0004 * k, 0.0, 0.33),
+    )
+    assert judged(goes_on, plans(goes_on, "box")) == "no-progress"
+
+
+def test_a_hand_that_brushed_the_object_on_its_way_has_not_reached_it():
+    brushed = history(150, box=BOX, tool=moving_aside, force=lambda k: (20.0 if k == 5 else 0.0, 0.0, 0.0))
+    notes = plans(brushed)
+    assert judged(brushed, [replace(notes[0], touched={"left": ("box",)}), *notes[1:]]) == "not-reached"
+    assert judged(brushed, [replace(note, touched={"left": ("box",)}) for note in notes]) == "no-progress"
+
+
 def test_no_diagnosis_claims_an_obstacle_that_was_not_felt():
     assert "in its way" not in TEXTS["not-reached"]
-
-
-def test_rows_carry_the_cost_of_their_own_plan():
-    steps = history(5, period_s=0.1, box=BOX)
-    rows = recent(steps, [(0.0, 9.0), (0.2, 7.0), (0.4, 5.0)], "box")
-    assert [row["cost"] for row in rows] == [9.0, 9.0, 7.0, 7.0, 5.0]
-
-
-def test_before_the_first_plan_its_cost_is_shown_and_without_one_none():
-    steps = history(2, period_s=0.1, box=BOX)
-    assert [row["cost"] for row in recent(steps, [(0.1, 4.0)], "box")] == [4.0, 4.0]
-    assert [row["cost"] for row in recent(steps, [], "box")] == [None, None]
-
-
-def test_a_row_tells_what_was_commanded_and_what_came_of_it():
-    (row,) = recent(history(1, box=sliding(2.0), told=AHEAD, force=(0.0, 1.234, 0.0)), [], "box")
-    assert row["time_s"] == 0.02
-    assert row["object_pos"] == [0.002, 0.0, 0.03]
-    assert row["object_moved_mm"] == 2.0
-    assert row["hand_pos"] == list(TOOL)
-    assert row["hand_told_to"] == list(AHEAD)
-    assert row["opening_told_m"] == 0.08
-    assert row["force_on_hand_n"] == [0.0, 1.23, 0.0]
-
-
-def test_rows_are_spread_over_the_stretch_from_its_first_to_its_last_step():
-    rows = recent(history(100, box=BOX), [], "box", most=3)
-    np.testing.assert_allclose([row["time_s"] for row in rows], [0.02, 1.0, 2.0])
-    assert len(recent(history(2, box=BOX), [], "box", most=5)) == 2
-    assert recent([], [], "box") == []

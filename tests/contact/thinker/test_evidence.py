@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from histories import history, sliding
 
+from coral.contact.plan.stage_end import EndPart, PartReading
 from coral.contact.thinker.evidence import collect_evidence
 from coral.contact.thinker.plan_note import PlanNote
 
@@ -56,6 +57,27 @@ def test_fingers_inside_the_object_and_targets_at_the_edge_are_told():
     assert "At 50 % of the times the hand was inside the box by the believed poses." in told
     assert "At the end its targets stood at the edge of its workspace." in told
     assert "edge" not in " ".join(evidence(history(100, box=BOX), notes).sentences())
+
+
+def test_open_fingers_round_the_object_and_closing_are_told():
+    steps = history(200, box=BOX, tool=BOX)
+    found = evidence(steps)
+    assert (found.around, found.closing) == (1.0, 0.0)
+    told = "At the end the box was between the fingers, which were told to close on something for 0 % of the time."
+    assert told in found.sentences()
+    closing = [replace(step, command=replace(step.command, opening_m=0.07)) for step in steps[:50]] + steps[50:]
+    assert evidence(closing).closing == 0.25
+    narrow = [replace(step, after=replace(step.after, opening_m=0.05)) for step in steps]
+    assert evidence(narrow).around == 0.0  # fingers beside each other on top of it are not round it
+    assert evidence(history(200, box=BOX, tool=lambda k: (0.0, 0.0, 0.03 + 0.04 * (k > 50)))).around == 0.0
+
+
+def test_the_end_of_the_stage_is_told():
+    near = EndPart("norm(self.off) < 0.012", "<", "m", "norm(self.off)", "0.012")
+    notes = [replace(note(0.02 * k), end=(PartReading(near, 0.02 if k else 0.2, 0.012),)) for k in range(100)]
+    found = evidence(history(100, box=BOX), notes)
+    assert found.end.misses_by_little
+    assert found.sentences()[-1] == "Stage 'push' ends when `norm(self.off) < 0.012`: 0.02 m at best, 0.02 m now."
 
 
 def test_a_hand_that_presses_hard_is_a_little_inside_what_it_presses_on():

@@ -65,3 +65,15 @@ def test_a_reward_without_bound_that_creeps_is_no_progress_for_ever():
     fast = [("reach", -2.0 - 0.3 * k) for k in range(40)]
     creeping = [("reach", fast[-1][1] - 0.001 * k) for k in range(960)]
     assert noticed_after(fast + creeping) == pytest.approx(0.04 * 40 + 15 * 0.2, abs=0.3)
+
+
+def test_the_first_values_of_a_stages_end_are_kept_longer_than_the_record():
+    read = iter(range(100))
+    end = SimpleNamespace(read=lambda present: (next(read),))
+    monitor = ProgressMonitor(OuterCfg(history_s=0.1), ("reach", "lift"), {"reach": end})
+    plan = SimpleNamespace(cost=1.0, terms={}, now={}, expected_force=np.zeros((10, 3)), at_edge=0.0)
+    for k in range(10):
+        monitor.update(PlanReport(k, observed(0.04 * k, 0.0), plan, "reach", (), present="measured"))
+    monitor.update(PlanReport(10, observed(0.4, 0.0), plan, "lift", (), present="measured"))
+    assert monitor.first_ends == {"reach": (0,)}
+    assert [note.end for note in monitor.notes] == [(8,), (9,), ()]

@@ -65,7 +65,7 @@ def plan_report(one, t, stage, cost, taken=()):
         0,
     )
     assert body is not None
-    return PlanReport(0, now, plan, stage, taken, next_state=plan.now)
+    return PlanReport(0, now, plan, stage, taken, next_state=plan.now, present=plan.now)
 
 
 def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):
@@ -371,9 +371,10 @@ def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):
     stuck = next(fields for event, fields in told if event == "stuck")
     assert stuck["diagnosis"] == "not-reached"
     assert stuck["history"]
+    assert stuck["evidence"][-1].startswith("Stage 'reach' ends when `norm(self.ee_pos - self.box_pos")
     repair = [fields for event, fields in told if event == "plan_answer"][-1]
     assert repair["kind"] == "cost-repair"
-    assert "never touched" in repair["explanation"]
+    assert "does not touch" in repair["explanation"]
     assert strategist.on_plan(plan_report(one, 9.0, "reach", 5.0)) is None
 
 

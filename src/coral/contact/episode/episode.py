@@ -131,6 +131,7 @@ class Episode:
         self._without_plan = 0
         self._taken: list[Transition] = []
         self._touched: dict[str, tuple[str, ...]] = {}
+        self._present: Context | None = None
         self._wall = 0.0
         self._late: InputError | RunError | None = None
         self._before_s, self._thought_s = 0.0, 0.0
@@ -319,6 +320,7 @@ class Episode:
                 planner=planner,
                 plan_s=plan_s,
                 since=since,
+                present=self._present,
             )
             other = self._ask_strategist(lambda: self.strategist.on_plan(report))
         except CostError as error:
@@ -363,7 +365,8 @@ class Episode:
         present = plan.now
         if self.latency.charged:
             present = self.planner.present(self.now, self.step, opening_m, self._since)
-        changed = self.progress.update(with_measured_contacts(present, self.now, self._touched))
+        self._present = with_measured_contacts(present, self.now, self._touched)
+        changed = self.progress.update(self._present)
         self.plan_ms.append(1e3 * (time.perf_counter() - begun))
         self.latest_plan = plan
         self.emit(

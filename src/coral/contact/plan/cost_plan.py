@@ -115,15 +115,16 @@ def in_process(source: str, schema: Schema, name: str) -> Cost:
 
 def condition(text: str) -> str:
     """Make the program that is 1 while a condition holds."""
-    return f"def state_cost(self):\n    return 1.0 * ({_flat(text)})"
+    return f"def state_cost(self):\n    return 1.0 * ({flat(text)})"
 
 
 def vector(text: str) -> str:
     """Make the program whose terms are the components of a vector."""
-    return f"def state_cost(self):\n    v = {_flat(text)}\n    return {{'x': v[0], 'y': v[1], 'z': v[2]}}"
+    return f"def state_cost(self):\n    v = {flat(text)}\n    return {{'x': v[0], 'y': v[1], 'z': v[2]}}"
 
 
-def _flat(text: str) -> str:
+def flat(text: str) -> str:
+    """Return an expression on one line, without comments."""
     return " ".join(re.sub(r"#[^\n]*", "", textwrap.dedent(text)).split())
 
 

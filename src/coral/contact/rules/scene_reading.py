@@ -31,6 +31,8 @@ class SkillAdjustment:
     """Factor on the forces of pressing, squeezing and pushing."""
     careful: float = 1.0
     """Factor on the sampling noise of stages in contact; below 1 the hand moves more carefully."""
+    loose: float = 1.0
+    """Factor on how near the hand must come, and how square, before a stage that reaches for something ends."""
 
 
 @dataclass

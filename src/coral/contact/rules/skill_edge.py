@@ -102,7 +102,8 @@ def add_overhang(draft: Draft, thing: Thing, facts: SceneFacts, lift_m: float, a
         return f"({at} + {vector(-back_m * palm + np.array([0, 0, up_m]))})"
 
     def there(goal: str, near_m: float, angle: float) -> str:
-        return f"norm(self.ee_pos - {goal}) < {near_m:g} and {turn} < {angle:g}"
+        near, square = number(near_m * adjustment.loose), number(angle * adjustment.loose)
+        return f"norm(self.ee_pos - {goal}) < {near} and {turn} < {square}"
 
     back = number(rear + 0.05)
     high = f"(self.{n}_pos - {back} * {axis_of(n, axis, sign)} + np.array([0.0, 0.0, 0.17]))"

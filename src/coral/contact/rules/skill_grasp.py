@@ -22,7 +22,8 @@ def add_grasp(draft: Draft, thing: Thing, facts: SceneFacts, adjustment: SkillAd
     depth = max(depth, 0.012 - thing.height / 2)
     head = _head(thing, depth, closing)
     n = thing.name
-    near = f"({_distance_text(thing, depth)}) < 0.012 and ({_misalignment_text(thing, closing)}) < 0.05"
+    near_m, square = number(0.012 * adjustment.loose), number(0.05 * adjustment.loose)
+    near = f"({_distance_text(thing, depth)}) < {near_m} and ({_misalignment_text(thing, closing)}) < {square}"
     draft.stages += [
         StageAnswer(
             name="reach",

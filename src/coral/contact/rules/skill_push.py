@@ -59,7 +59,8 @@ def add_reach_behind(
     draft.stages.append(
         StageAnswer(
             name="reach",
-            done=f"{here} < 0.018 and ({_misalignment_text(n, axis, sign if handed else 0.0)}) < 0.1",
+            done=f"{here} < {number(0.018 * adjustment.loose)} and "
+            f"({_misalignment_text(n, axis, sign if handed else 0.0)}) < {number(0.1 * adjustment.loose)}",
             code=behind_head(thing, axis, sign, number(height_m), handed)
             + f"""
     goal = behind - {number(gap)} * along

@@ -13,7 +13,7 @@ from coral.contact.control.uncertainty import UncertaintyCfg
 from coral.contact.scene.observation import Observation, Transition
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.diagnosis import HistoryRow
+from coral.contact.thinker.history_rows import HistoryRow
 from coral.contact.thinker.question_facts import CorrectionFacts, FittedFacts, QuestionFacts
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.force_balance import balances

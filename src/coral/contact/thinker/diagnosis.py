@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, TypedDict
+from typing import Literal
 
 import numpy as np
 
+from coral.contact.plan.stage_end import TRUTH
 from coral.contact.scene.observation import Transition
 from coral.contact.thinker.evidence import MOSTLY, Evidence
-from coral.contact.thinker.plan_note import PlanNote
 
 Diagnosis = Literal[
     "cost-error",
@@ -19,6 +19,8 @@ Diagnosis = Literal[
     "pose-wrong",
     "slipped",
     "settled",
+    "stage-never-ends",
+    "not-gripped",
     "blocked",
     "not-moved",
     "moved-otherwise",
@@ -27,8 +29,8 @@ Diagnosis = Literal[
 ]
 TEXTS: Mapping[Diagnosis, str] = {
     "cost-error": "the cost could not be evaluated",
-    "not-reached": "the hand never touched the object, and felt nothing that held it back: its cost does not lead it "
-    "there, or the way in is wrong",
+    "not-reached": "the hand does not touch the object, and feels nothing that holds it back: its cost does not lead "
+    "it there, or the way in is wrong",
     "led-away": "the hand never touched the object and went away from it: a term of the cost has the wrong sign, or "
     "rewards the distance",
     "out-of-reach": "the hand stands at the edge of its workspace, or behind its commands although it feels nothing: "
@@ -37,7 +39,11 @@ TEXTS: Mapping[Diagnosis, str] = {
     "forces that no rehearsal expects: an object is not where it is believed to be",
     "slipped": "contact was made and lost again and again",
     "settled": "the hand stays where it was told to be, and the stage does not end there: its cost leads to a "
-    "wrong place, or the condition that ends it is wrong",
+    "wrong place",
+    "stage-never-ends": "the hand stays where it was told to be, about where the stage should end, and the stage does "
+    "not end: the condition that ends it asks for what is not reached or cannot be",
+    "not-gripped": "the hand stands round the object with open fingers, which were never told to close on it: if it "
+    "has to be held, a term or a stage that closes them is missing",
     "blocked": "the hand presses hard against what does not give way: its cost drives it in a wrong direction, or to a "
     "wrong side or place",
     "not-moved": "the hand pressed and the object hardly moved",
@@ -54,32 +60,16 @@ AHEAD_M = 0.01
 """A command within this distance of the hand counts as reached."""
 STILL_M = 0.004
 """An object that moved no further hardly moved."""
+YIELDS_M = 0.02
+"""One that moved no further under a hand at rest only slips away: it turns on the spot under what presses on it."""
 BLOCKED_N = 20.0
 """More than friction takes to push anything that the hand could lift, and half of what it yields to."""
 
 
-class HistoryRow(TypedDict):
-    """One control step as prompts and events show it: metres, newtons, world frame, quaternions (w, x, y, z).
-
-    `touches` names what the fingers ("left", "right") and the palm ("hand") touch, as measured; a `cost` of None is
-    unknown.
-    """
-
-    time_s: float
-    object_pos: list[float]
-    object_quat: list[float]
-    object_moved_mm: float
-    hand_pos: list[float]
-    hand_quat: list[float]
-    hand_told_to: list[float]
-    opening_told_m: float
-    force_on_hand_n: list[float]
-    touches: list[str]
-    cost: float | None
-
-
 LOST_M = 0.05
 """A hand that ended so much farther from the object than it was went away from it."""
+AT_OBJECT_M = 0.02
+"""A hand within this distance of the object's bounding box is at the object."""
 BEHIND_M = 0.02
 """A hand at rest that is so far behind its commands is held back."""
 UNEXPLAINED = 0.5
@@ -91,6 +81,12 @@ OF_REHEARSED = 3.0
 """It also is so many times what was rehearsed: else the hand pushes what it means to push, and that is heavier."""
 ALWAYS = 0.95
 """Share of the plans from which an object counts as touched all the time."""
+FELT_NOTHING_N = 0.5
+"""A hand that feels less touches nothing."""
+BRUSHED = 0.1
+"""A hand that touched the object at a smaller share of the plans brushed it."""
+CLOSED = 0.05
+"""Share of the time for which fingers must have been told to close on something, to have tried it."""
 FELT_PLANS = 0.2
 """Share of the plans at which a force must have been felt to doubt a pose."""
 SUNK_PLANS = 0.05
@@ -119,15 +115,22 @@ def diagnose(
         return "pose-wrong"
     if evidence is not None and evidence.at_edge >= MOSTLY and not evidence.touched and not evidence.felt:
         return "led-away" if evidence.largest_value < 0.0 else "out-of-reach"
-    if _is_settled(steps) and not _presses_in_vain(evidence):
-        return "settled"
+    if evidence is not None and _never_closed(evidence):
+        return "not-gripped"
+    if evidence is not None and evidence.end.misses_by_little and _rests(_late(steps)):
+        return "stage-never-ends"  # it may press on what keeps it from the last millimetres
+    if _is_settled(steps):
+        if evidence is not None and _ends_wrongly(evidence):
+            return "stage-never-ends"
+        if not _presses_in_vain(evidence):
+            return "settled"
     if _blocked(steps, name):
         return "blocked"
     felt = np.array([np.linalg.norm(step.after.wrench[:3]) for step in steps])
     moved = float(np.linalg.norm(steps[-1].after.objects[name].position - steps[0].before.objects[name].position))
     if surprise_m > 0.03:
         return "moved-otherwise"
-    if felt.max() < 0.5:
+    if felt.max() < FELT_NOTHING_N or (evidence is not None and _only_brushed(steps, evidence)):
         if evidence is not None and not evidence.touched:
             if evidence.last_m > evidence.first_m + LOST_M:
                 return "led-away"
@@ -139,25 +142,38 @@ def diagnose(
     return "no-progress"
 
 
+def _late(steps: Sequence[Transition]) -> Sequence[Transition]:
+    """Return the steps of the last `REST_S`; none if the record is shorter."""
+    end_s = steps[-1].after.time_s
+    if end_s - steps[0].before.time_s < REST_S - 1e-9:
+        return ()
+    return [step for step in steps if step.after.time_s > end_s - REST_S]
+
+
 def _is_settled(steps: Sequence[Transition]) -> bool:
     """Check whether hand and objects stay where they are, if they wander, and the hand is where its commands are.
 
     A blocked hand, or one that holds something too heavy, stays behind its commands and is not settled.
     """
-    end_s = steps[-1].after.time_s
-    last = [step for step in steps if step.after.time_s > end_s - REST_S]
-    if end_s - steps[0].before.time_s < REST_S - 1e-9:
+    last = _late(steps)
+    if not _rests(last):
         return False
-    earlier = [step.after.time_s <= end_s - REST_S / 2 for step in last]
+    # Commands of a sampling planner wander about the hand: only what is left in the mean leads it anywhere.
+    ahead = np.mean([step.command.position - step.after.tool.position for step in last], axis=0)
+    return bool(np.linalg.norm(ahead) < AHEAD_M)
+
+
+def _rests(last: Sequence[Transition]) -> bool:
+    """Check whether hand and objects stay where they are in the mean of the first and the second half of some steps."""
+    middle_s = last[-1].after.time_s - REST_S / 2 if last else 0.0
+    earlier = [step.after.time_s <= middle_s for step in last]
     if all(earlier) or not any(earlier):
         return False
     places = np.array(
         [[step.after.tool.position, *(body.position for body in step.after.objects.values())] for step in last]
     )
     drift = places[np.logical_not(earlier)].mean(axis=0) - places[earlier].mean(axis=0)
-    # Commands of a sampling planner wander about the hand: only what is left in the mean leads it anywhere.
-    ahead = np.mean([step.command.position - step.after.tool.position for step in last], axis=0)
-    return bool(np.linalg.norm(drift, axis=1).max() < REST_M and np.linalg.norm(ahead) < AHEAD_M)
+    return bool(np.linalg.norm(drift, axis=1).max() < REST_M)
 
 
 def _contradicts_the_pose(evidence: Evidence) -> bool:
@@ -172,6 +188,31 @@ def _meets_the_unrehearsed(evidence: Evidence) -> bool:
     return evidence.felt >= FELT_PLANS and evidence.touched < ALWAYS and unrehearsed
 
 
+def _ends_wrongly(evidence: Evidence) -> bool:
+    """Check whether the cost has led where it should, and only the stage's end does not hold.
+
+    So it is if only a contact is missing where the hand or the object should be, or if a cost, not a reward, has led
+    the hand to the object and away from the end.
+    """
+    end = evidence.end
+    at_object = evidence.last_m < AT_OBJECT_M and evidence.largest_value >= 0.0
+    return end.lacks_only_a_contact or (at_object and end.recedes(LOST_M))
+
+
+def _never_closed(evidence: Evidence) -> bool:
+    """Check whether open fingers stand on both sides of the object, and close neither now nor for the stage to end."""
+    end = evidence.end
+    waits = bool(end.parts) and not all(part.part.unit == TRUTH for part in end.unmet)
+    return evidence.around >= MOSTLY and evidence.closing < CLOSED and not waits and not end.lacks_only_a_contact
+
+
+def _only_brushed(steps: Sequence[Transition], evidence: Evidence) -> bool:
+    """Check whether the hand hardly touched the object, and has felt nothing for a while."""
+    end_s = steps[-1].after.time_s
+    late = [np.linalg.norm(step.after.wrench[:3]) for step in steps if step.after.time_s > end_s - REST_S]
+    return evidence.touched < BRUSHED and evidence.last_m > AT_OBJECT_M and bool(max(late) < FELT_NOTHING_N)
+
+
 def _presses_in_vain(evidence: Evidence | None) -> bool:
     """Check whether the hand has pressed on the object for most of the record, and it hardly moved."""
     return evidence is not None and (
@@ -181,9 +222,8 @@ def _presses_in_vain(evidence: Evidence | None) -> bool:
 
 def _is_held_back(steps: Sequence[Transition]) -> bool:
     """Check whether the hand has stood still behind its commands for a while."""
-    end_s = steps[-1].after.time_s
-    last = [step for step in steps if step.after.time_s > end_s - REST_S]
-    if end_s - steps[0].before.time_s < REST_S - 1e-9:
+    last = _late(steps)
+    if not last:
         return False
     places = np.array([step.after.tool.position for step in last])
     behind = np.mean([step.command.position - step.after.tool.position for step in last], axis=0)
@@ -193,88 +233,11 @@ def _is_held_back(steps: Sequence[Transition]) -> bool:
 
 
 def _blocked(steps: Sequence[Transition], name: str) -> bool:
-    """Whether the hand has pressed hard in one direction for a while, and the object lies still."""
-    end = steps[-1].after
-    last = [step for step in steps if step.after.time_s > end.time_s - REST_S]
-    if end.time_s - steps[0].before.time_s < REST_S - 1e-9:
+    """Whether the hand has pressed hard in one direction for a while, and the object hardly yields."""
+    end, last = steps[-1].after, _late(steps)
+    if not last:
         return False
     force = np.mean([step.after.wrench[:3] for step in last], axis=0)
     moved = np.linalg.norm(end.objects[name].position - last[0].before.objects[name].position)
-    return bool(np.linalg.norm(force) > BLOCKED_N and moved < STILL_M)
-
-
-def recent(
-    steps: Sequence[Transition],
-    costs: Sequence[tuple[float, float]],
-    name: str,
-    most: int = 5,
-    notes: Sequence[PlanNote] = (),
-) -> list[HistoryRow]:
-    """Summarise the latest history in a few rows, as the prompts show it (the paper's last five steps).
-
-    Args:
-        steps: Control steps.
-        costs: Costs of plans, each after the time of the plan.
-        name: The object to report.
-        most: Maximum number of rows.
-        notes: Notes about the plans, each after the time of the plan.
-    """
-    if not steps:
-        return []
-    chosen = np.unique(np.linspace(0, len(steps) - 1, most).astype(int))
-    rows: list[HistoryRow] = []
-    for index in chosen:
-        step = steps[int(index)]
-        body, before = step.after.objects[name], step.before.objects[name]
-        rows.append(
-            {
-                "time_s": round(step.after.time_s, 2),
-                "object_pos": [round(float(v), 4) for v in body.position],
-                "object_quat": [round(float(v), 3) for v in body.quaternion],
-                "object_moved_mm": round(1e3 * float(np.linalg.norm(body.position - before.position)), 2),
-                "hand_pos": [round(float(v), 4) for v in step.after.tool.position],
-                "hand_quat": [round(float(v), 3) for v in step.after.tool.quaternion],
-                "hand_told_to": [round(float(v), 4) for v in step.command.position],
-                "opening_told_m": round(step.command.opening_m, 4),
-                "force_on_hand_n": [round(float(v), 2) for v in step.after.wrench[:3]],
-                "touches": _touches_at(notes, step.after.time_s),
-                "cost": _cost_at(costs, step.before.time_s),
-            }
-        )
-    return rows
-
-
-def _cost_at(costs: Sequence[tuple[float, float]], time_s: float) -> float | None:
-    """Return the cost of the latest plan made by that time."""
-    made = [cost for when, cost in costs if when <= time_s + 1e-9] or [cost for _, cost in costs[:1]]
-    return round(made[-1], 4) if made else None
-
-
-def _touches_at(notes: Sequence[PlanNote], time_s: float) -> list[str]:
-    """Return what was touched at the latest plan made by that time, as "part on thing"."""
-    made = [note for note in notes if note.time_s <= time_s + 1e-9]
-    return [f"{part} on {name}" for part, names in made[-1].touched.items() for name in names] if made else []
-
-
-def recent_terms(notes: Sequence[PlanNote], most: int = 5, largest: int = 6) -> list[dict[str, Any]]:
-    """Show which terms held the cost up over time.
-
-    Args:
-        notes: Notes about the plans.
-        most: Maximum number of rows.
-        largest: Maximum number of terms in a row, the largest ones.
-    """
-    if not notes:
-        return []
-    rows = []
-    for index in np.unique(np.linspace(0, len(notes) - 1, most).astype(int)):
-        note = notes[int(index)]
-        terms = sorted(note.terms.items(), key=lambda item: -abs(item[1]))[:largest]
-        rows.append(
-            {
-                "time_s": round(note.time_s, 2),
-                "stage": note.stage,
-                "terms": {name: float(f"{value:.3g}") for name, value in terms},
-            }
-        )
-    return rows
+    lies = moved < (YIELDS_M if _is_held_back(steps) else STILL_M)
+    return bool(np.linalg.norm(force) > BLOCKED_N and lies)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from coral.contact.control.measured_contacts import HELD_M
+from coral.contact.plan.stage_end import PartReading
 from coral.contact.scene.geometry import conjugate, multiply, rotation_of, to_rotvec
-from coral.contact.scene.observation import Array, BodyState, Transition
+from coral.contact.scene.observation import Array, BodyState, Observation, Transition
+from coral.contact.thinker.end_evidence import EndEvidence, collect_end
 from coral.contact.thinker.plan_note import PlanNote
 
 FELT_N = 1.0
@@ -19,8 +22,10 @@ be, or the object is not. Tracked poses are off by millimetres, and contacts giv
 was 6 to 11 mm inside boxes whose poses were right to a millimetre (measured, simulated hand)."""
 MOSTLY = 0.8
 """Share from which something is told to be so."""
+AROUND_M = 0.005
+"""A tool this far outside the bounding box still counts as inside."""
 END_S = 2.0
-"""Time at the end of the record in which targets at the edge count."""
+"""Time at the end of the record in which targets at the edge, and fingers around the object, count."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,11 @@ class Evidence:
     way."""
     at_edge: float
     """Share of the last targets at the edge of the workspace or of the arm's reach."""
+    around: float
+    """Share of the last steps at which the tool, midway between the fingertips, was inside the object's bounding box
+    and the fingers were wider apart than its smallest extent."""
+    closing: float
+    """Share of the steps at which the fingers were told to close on something: 3 mm below their opening."""
     surprise_m: float
     """Distance of the object from where plans predicted it, summed with a decay of a second."""
     largest_term: str
@@ -72,6 +82,8 @@ class Evidence:
     """Its share of the sum of all terms' magnitudes."""
     largest_value: float
     """Its value."""
+    end: EndEvidence
+    """What became of the end of the stage."""
 
     def sentences(self) -> list[str]:
         """Return the evidence in sentences, for prompts and events."""
@@ -101,15 +113,25 @@ class Evidence:
             told.append(
                 f"At {100 * self.sunk:.0f} % of the times the hand was inside the {self.name} by the believed poses."
             )
+        if self.around >= MOSTLY:
+            told.append(
+                f"At the end the {self.name} was between the fingers, which were told to close on something for "
+                f"{100 * self.closing:.0f} % of the time."
+            )
         if self.at_edge >= MOSTLY:
             told.append("At the end its targets stood at the edge of its workspace.")
         if self.largest_term:
             told.append(f"The term {self.largest_term!r} makes up {100 * self.largest_share:.0f} % of the cost.")
-        return told
+        return told + self.end.sentences()
 
 
 def collect_evidence(
-    steps: Sequence[Transition], notes: Sequence[PlanNote], name: str, size: Array, surprise_m: float
+    steps: Sequence[Transition],
+    notes: Sequence[PlanNote],
+    name: str,
+    size: Array,
+    surprise_m: float,
+    first_ends: Mapping[str, tuple[PartReading, ...]] | None = None,
 ) -> Evidence:
     """Collect what a record says.
 
@@ -119,6 +141,7 @@ def collect_evidence(
         name: The object.
         size: Full extents of its bounding box, Shape=(3,) m.
         surprise_m: See `Evidence.surprise_m`.
+        first_ends: See `collect_end`.
     """
     away = [_outside(step.after.objects[name], size, step.after.tool.position) for step in steps]
     force = [float(np.linalg.norm(step.after.wrench[:3])) for step in steps]
@@ -126,6 +149,7 @@ def collect_evidence(
     ends = np.array([step.after.time_s for step in steps])
     touched, others, felt, unexplained, sunk = 0, dict[str, int](), 0, 0, 0
     felt_n, rehearsed_n = np.zeros(3), np.zeros(3)
+    late_steps = [step for step in steps if step.after.time_s > ends[-1] - END_S]
     late = [note for note in notes if note.time_s > ends[-1] - END_S]
     for note in notes:
         things = {thing for each in note.touched.values() for thing in each}
@@ -161,11 +185,19 @@ def collect_evidence(
         lag_m=float(np.mean([np.linalg.norm(step.command.position - step.after.tool.position) for step in steps])),
         sunk=sunk / max(len(notes), 1),
         at_edge=sum(note.at_edge for note in late) / max(len(late), 1),
+        around=float(np.mean([_is_around(step.after, name, size) for step in late_steps])),
+        closing=float(np.mean([step.command.opening_m < step.after.opening_m - HELD_M for step in steps])),
         surprise_m=surprise_m,
         largest_term=largest,
         largest_share=abs(terms[largest]) / whole if whole else 0.0,
         largest_value=terms.get(largest, 0.0),
+        end=collect_end(notes, first_ends),
     )
+
+
+def _is_around(now: Observation, name: str, size: Array) -> bool:
+    inside = _outside(now.objects[name], size, now.tool.position) < AROUND_M
+    return inside and now.opening_m >= float(np.min(size))
 
 
 def _outside(body: BodyState, size: Array, point: Array) -> float:

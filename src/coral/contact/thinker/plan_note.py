@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from coral.contact.plan.stage_end import PartReading, StageEnd
+
 if TYPE_CHECKING:
     from coral.contact.thinker.strategist import PlanReport
 
@@ -33,10 +35,17 @@ class PlanNote:
     """How deep (m) the hand was inside each object by the believed poses."""
     at_edge: float = 0.0
     """Share of the plan's targets at the edge of the workspace or of the arm's reach."""
+    end: tuple[PartReading, ...] = ()
+    """The comparisons of the condition that ends the stage, in the measured state; () if unknown."""
 
 
-def note_of(report: PlanReport) -> PlanNote:
-    """Return what is kept of a report."""
+def note_of(report: PlanReport, end: StageEnd | None = None) -> PlanNote:
+    """Return what is kept of a report.
+
+    Args:
+        report: The report.
+        end: The end of its stage, if there is one.
+    """
     plan = report.plan
     x, y, z = np.mean(np.asarray(plan.expected_force)[:FORCE_STEPS], axis=0)
     return PlanNote(
@@ -47,4 +56,5 @@ def note_of(report: PlanReport) -> PlanNote:
         (float(x), float(y), float(z)),
         dict(report.sunk_m),
         plan.at_edge,
+        () if end is None or report.present is None else end.read(report.present),
     )

@@ -9,6 +9,7 @@ from math import exp
 import numpy as np
 
 from coral.config import Count, Fraction, NonNegative, Positive
+from coral.contact.plan.stage_end import PartReading, StageEnd
 from coral.contact.scene.observation import Array, Transition
 from coral.contact.thinker.plan_note import PlanNote, note_of
 from coral.contact.thinker.strategist import PlanReport
@@ -49,6 +50,8 @@ class ProgressMonitor:
     """Thresholds."""
     order: tuple[str, ...]
     """Names of the stages, in order."""
+    ends: Mapping[str, StageEnd] = field(default_factory=dict)
+    """Their ends by name, where known."""
     attempts: int = 0
     """Attempts since the last progress."""
     returns: int = 0
@@ -59,6 +62,8 @@ class ProgressMonitor:
     """Costs of the plans, each after the time of the plan."""
     notes: list[PlanNote] = field(default_factory=list)
     """Stage, terms and contacts of the plans of the last `history_s`."""
+    first_ends: dict[str, tuple[PartReading, ...]] = field(default_factory=dict)
+    """The comparisons that end a stage as they were at its first plan, by stage."""
     surprise_m: Mapping[str, float] = field(default_factory=dict)
     """By object, the distance between its position after a plan's first step and the predicted one, summed with a decay
     of `surprise_tau_s`."""
@@ -127,7 +132,10 @@ class ProgressMonitor:
     def _remember(self, report: PlanReport) -> None:
         self.steps += report.taken
         self.costs.append((report.now.time_s, report.plan.cost))
-        self.notes.append(note_of(report))
+        note = note_of(report, self.ends.get(report.stage))
+        self.notes.append(note)
+        if note.end:
+            self.first_ends.setdefault(note.stage, note.end)
         self._add_surprises(report)
         horizon = report.now.time_s - self.cfg.history_s
         while self.steps and self.steps[0].before.time_s < horizon:

@@ -56,6 +56,8 @@ class PlanReport:
     """Simulated time (s) that passes while it plans; 0 if the world stands still, or goes on by itself."""
     since: Observation | None = None
     """The observation with which the planned stage began; None if it begins now."""
+    present: Context | None = None
+    """The measured state as the conditions of the stage read it, a batch of one."""
 
 
 class NoStrategy(RuntimeError):

@@ -23,13 +23,15 @@ from coral.contact.perception.scene_labels import PictureLabels, label_picture
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
 from coral.contact.plan.last_good_cost import LastGoodCost
+from coral.contact.plan.stage_end import stage_ends
 from coral.contact.scene.observation import BodyState, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker, EpisodeOver
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
 from coral.contact.thinker.correction_schedule import CorrectionSchedule
-from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose, recent, recent_terms
+from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose
 from coral.contact.thinker.evidence import collect_evidence
+from coral.contact.thinker.history_rows import recent, recent_terms
 from coral.contact.thinker.pose_question import ask_poses
 from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
@@ -42,7 +44,9 @@ from coral.errors import RunError
 
 TELL_NOTHING: frozenset[Diagnosis] = frozenset({"led-away", "out-of-reach", "pose-wrong", "not-reached"})
 """Diagnoses whose history tells nothing about mass and friction: nothing was pushed, or not where it was believed."""
-PLANNER_MAY_BE_WEAK: frozenset[Diagnosis] = frozenset({"settled", "not-reached", "blocked", "not-moved", "no-progress"})
+PLANNER_MAY_BE_WEAK: frozenset[Diagnosis] = frozenset(
+    {"settled", "stage-never-ends", "not-gripped", "not-reached", "blocked", "not-moved", "no-progress"}
+)
 """Diagnoses that a planner too weak for its cost brings about as well; of the others the record names another cause."""
 
 
@@ -148,7 +152,7 @@ class Thinker:
         self._questions = Questions(self.asker, trial, world, self.cfg, self._load, self._fallback, self._emit)
         self._questions.update_facts(first, believed=False)
         strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
-        self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+        self._monitor = self._new_monitor()
         return strategy
 
     def _ask_all(self, first: Observation) -> Strategy:
@@ -253,6 +257,10 @@ class Thinker:
         )
         return self._attempt
 
+    def _new_monitor(self) -> ProgressMonitor:
+        ends = stage_ends(self._plan, self._world.schema, self._load)
+        return ProgressMonitor(self.cfg.outer, tuple(self._plan.names), ends)
+
     def _new_last_good(self) -> LastGoodCost:
         def note_failure(cost: Cost, error: CostError) -> None:
             self._failure = self._failure or error
@@ -264,7 +272,7 @@ class Thinker:
             strategy = self._strategy(f"repair {self._repairs}")
         except CostError as error:
             raise RunError(f"the repaired plan cannot be made: {error}") from None
-        self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+        self._monitor = self._new_monitor()
         return strategy
 
     def _replan(self, now: Observation, otherwise: Callable[[], PlanAnswer], error: str = "") -> None:
@@ -295,7 +303,9 @@ class Thinker:
         name = most_informative_object(monitor.steps) or next(iter(self._questions.sizes))
         surprise_m = monitor.surprise_m.get(name, 0.0)
         found = (
-            collect_evidence(monitor.steps, monitor.notes, name, self._questions.sizes[name], surprise_m)
+            collect_evidence(
+                monitor.steps, monitor.notes, name, self._questions.sizes[name], surprise_m, monitor.first_ends
+            )
             if monitor.steps
             else None
         )
@@ -321,7 +331,7 @@ class Thinker:
         self._questions.update_facts(now)
         if corrected and kind == "moved-otherwise":
             # The plan was right, the world model was not: continue the stage with the corrected model.
-            self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+            self._monitor = self._new_monitor()
             return None
         self._questions.diagnoses.append(kind)
         self._replan(now, lambda: self._questions.keep_plan(self._plan))
@@ -355,7 +365,7 @@ class Thinker:
         if weak:
             self._harder += 1
             report.planner.adopt(found.stronger)
-            self._monitor = ProgressMonitor(self.cfg.outer, tuple(self._plan.names))
+            self._monitor = self._new_monitor()
         return weak
 
     def _correct(self, name: str, now: Observation) -> bool:
