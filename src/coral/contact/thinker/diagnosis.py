@@ -203,6 +203,11 @@ def _blocked(steps: Sequence[Transition], name: str) -> bool:
     return bool(np.linalg.norm(force) > BLOCKED_N and moved < STILL_M)
 
 
+REPAIR_ROWS = 3
+"""Rows of the history in a question for another plan: the paper's five leave too little room for the rest in 3,000
+tokens, and the evidence is in sentences beside them."""
+
+
 def recent(
     steps: Sequence[Transition],
     costs: Sequence[tuple[float, float]],
@@ -256,7 +261,7 @@ def _touches_at(notes: Sequence[PlanNote], time_s: float) -> list[str]:
     return [f"{part} on {name}" for part, names in made[-1].touched.items() for name in names] if made else []
 
 
-def recent_terms(notes: Sequence[PlanNote], most: int = 5, largest: int = 6) -> list[dict[str, Any]]:
+def recent_terms(notes: Sequence[PlanNote], most: int = 2, largest: int = 5) -> list[dict[str, Any]]:
     """Show which terms held the cost up over time.
 
     Args:

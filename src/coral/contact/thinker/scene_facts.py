@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from coral.contact.control.hand_model import MAX_OPENING_M
-from coral.contact.cost.context import Quantity, Schema
-from coral.contact.cost_program.state import objects_of
 from coral.contact.scene.facts import ObjectFacts, SceneFacts, goals_of
 from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial, part_size
-
-FUNCTIONS = (
-    "norm(v), dot(a, b), cross(a, b), clip(x, low, high), clip01(x), sigmoid(x), near(distance, scale) = "
-    "exp(-(distance/scale)^2), quat_axis(q, 0|1|2) = that axis in the world, quat_rotate(q, v), "
-    "quat_angle(a, b), and the usual ones of np and math"
-)
 
 
 def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalParameters] | None = None) -> SceneFacts:
@@ -87,46 +79,6 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
 def pose(body: BodyState) -> list[float]:
     """Return x, y, z, qw, qx, qy, qz."""
     return [*_round(body.position), *_round(body.quaternion)]
-
-
-def interface_text(schema: Schema) -> str:
-    """Describe the names and functions that a cost may use, as text for a prompt.
-
-    What all objects have is described once. What is neither a vector nor true or false is a number.
-    """
-    objects = objects_of(schema)
-    own = {
-        name: [key for key in schema if key.startswith(f"{name}_") and _owner(key, objects) == name] for name in objects
-    }
-    shared = [key.removeprefix(f"{name}_") for name in objects[:1] for key in own[name]]
-    shared = [suffix for suffix in shared if all(f"{name}_{suffix}" in schema for name in objects)]
-    lines = [_quantity_line(key, schema[key]) for key in schema if not _owner(key, objects)]
-    if objects:
-        lines.append(f"For each of {', '.join(objects)}, its name in place of NAME:")
-        lines += [
-            _quantity_line(f"NAME_{suffix}", schema[f"{objects[0]}_{suffix}"])
-            .replace(f"the {objects[0]}", "the object")
-            .replace(f"{objects[0]}_", "NAME_")
-            for suffix in shared
-        ]
-    for name in objects:
-        rest = [key for key in own[name] if key.removeprefix(f"{name}_") not in shared]
-        contacts = [key for key in rest if schema[key].truth]
-        lines += [_quantity_line(key, schema[key]) for key in rest if key not in contacts]
-        if contacts:
-            lines.append(f"- {', '.join(f'self.{key}' for key in contacts)} (true or false): whether the two touch")
-    return "\n".join([*lines, f"Functions: {FUNCTIONS}."])
-
-
-def _owner(name: str, objects: Sequence[str]) -> str:
-    """Return the object that a quantity belongs to; "" if to none. The longest name wins: `box_lid` is not of `box`."""
-    return max((thing for thing in objects if name.startswith(f"{thing}_")), key=len, default="")
-
-
-def _quantity_line(name: str, quantity: Quantity) -> str:
-    size = f"vector of {quantity.size}" if quantity.size else ("true or false" if quantity.truth else "")
-    about = ", ".join(part for part in (size, quantity.unit) if part)
-    return f"- self.{name}{f' ({about})' if about else ''}: {quantity.text}"
 
 
 def _round(values: Any) -> list[float]:
