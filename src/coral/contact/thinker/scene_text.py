@@ -24,7 +24,7 @@ AXES = (
 )
 HAND = (
     f"The hand: two fingers, opening 0 to {MAX_OPENING_M:g} m, the left one towards the hand's y axis; ee_pos lies "
-    "between their tips, 8 mm before the ends. A finger is 2 cm wide, 1.2 cm thick (along the opening) and 4.5 cm long. "
+    "between their tips, 8 mm before the ends. A finger is 2 cm wide, 1.2 cm thick (along the opening), 4.5 cm long. "
     "The palm, 20 cm along the opening, 6 cm across and 7 cm deep, begins 4 cm behind ee_pos; a wrist 10 cm thick "
     "follows. Palm down is quat_axis(self.ee_quat, 2) = (0, 0, -1)."
 )
@@ -39,11 +39,11 @@ def planner_text(limits: PlannerLimits) -> str:
     bounds = ", ".join(f"{axis} {a:g} to {b:g}" for axis, a, b in zip("xyz", limits.low_m, limits.high_m, strict=True))
     late = f"; a plan takes {limits.late_s:.3g} s, in which the hand follows the one before" if limits.late_s else ""
     return (
-        f"The planner compares {limits.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, sees "
-        f"nothing beyond, and plans anew every {limits.replan_s:g} s{late}. The hand moves at most "
+        f"The planner compares {limits.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
+        f"sees nothing beyond, and plans anew every {limits.replan_s:g} s{late}. The hand moves at most "
         f"{limits.speed_m_s:g} m/s, turns {limits.turn_rad_s:g} rad/s, presses with {limits.press_n:g} N; its fingers "
-        f"open at {limits.opening_m_s:g} m/s. ee_pos stays within {bounds} m. The hand comes to rest 1 to 2 cm from where "
-        "a distance would be 0: let conditions allow for that."
+        f"open at {limits.opening_m_s:g} m/s. ee_pos stays within {bounds} m. The hand comes to rest 1 to 2 cm from "
+        "where a distance would be 0: let conditions allow for that."
     )
 
 
