@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from coral.contact.control.plan_latency import PlanLatency
+from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError, CostWorker
@@ -18,6 +20,7 @@ from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_st
 from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.rehearsal import sample_states
 from coral.contact.scene.observation import Observation, Transition
+from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.plan_note import PlanNote, note_of
 from coral.contact.thinker.strategist import FixedStrategist, NoStrategy, PlanReport
@@ -85,17 +88,35 @@ def episode_cfg() -> EpisodeCfg:
     return replace(cfg, controller=controller, record=replace(cfg.record, states=False, report=False))
 
 
+def scored_cfg() -> EpisodeCfg:
+    """Return the configuration of the episode that scores an answer: the time of planning is charged."""
+    cfg = episode_cfg()
+    return replace(cfg, planning=replace(cfg.planning, latency=LATENCY))
+
+
+def exam_limits() -> PlannerLimits:
+    """Return the limits of the planner that follows an answer, for its question."""
+    cfg = scored_cfg()
+    late = PlanLatency(LATENCY, cfg.planning.step_s, cfg.replan_steps, cfg.controller.horizon)
+    step_s = cfg.planning.step_s
+    return PlannerLimits.of(
+        cfg.controller, step_s, late.expected_steps() * step_s, late.plan_s, cfg.reactive.force_limit_n
+    )
+
+
+def short_task(task: Task) -> Task:
+    """Return a task with the time limit of the episode that scores an answer."""
+    return task.model_copy(update={"time_limit_s": LIMIT_S})
+
+
 def follow(
     trial: Trial, plan: FollowedPlan, load: Loader = in_process, observers: Sequence[Any] = ()
 ) -> dict[str, Any]:
     """Follow a plan to its end, the time of planning charged. Return the metrics with `detail`, the end's reason."""
-    short = trial.task.model_copy(update={"time_limit_s": LIMIT_S})
     with tempfile.TemporaryDirectory() as folder:
         strategist = PlanFollower(plan, load)
-        trial = replace(trial, task=short)
-        cfg = episode_cfg()
-        cfg = replace(cfg, planning=replace(cfg.planning, latency=LATENCY))
-        episode = Episode(trial, "hand", strategist, cfg, Path(folder) / "run", variant="exam")
+        trial = replace(trial, task=short_task(trial.task))
+        episode = Episode(trial, "hand", strategist, scored_cfg(), Path(folder) / "run", variant="exam")
         return {**episode.run(observers), "detail": episode.detail}
 
 

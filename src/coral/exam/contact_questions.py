@@ -20,7 +20,7 @@ from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advis
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.scene_labels import PictureLabels, label_picture
 from coral.contact.perception.tracked_cfg import TrackedCfg
-from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.contact_regions import RegionsAnswer, region_limits
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
 from coral.contact.rules.answers import RULES
 from coral.contact.scene.geometry import rotate
@@ -29,14 +29,14 @@ from coral.contact.scene.trial import PhysicalParameters, Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
 from coral.contact.thinker.diagnosis import TEXTS, diagnose
-from coral.contact.thinker.history_rows import recent, recent_terms
+from coral.contact.thinker.history_rows import REPAIR_ROWS, recent, recent_terms
 from coral.contact.thinker.pose_question import pose_facts, pose_prompt
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt
 from coral.contact.worlds.registry import make_world
-from coral.exam.contact_outcome import FollowedPlan, PlanFollower, episode_cfg
+from coral.exam.contact_outcome import FollowedPlan, PlanFollower, episode_cfg, exam_limits, short_task
 from coral.exam.contact_scenes import looks_like, made_of, trial_to_json
 from coral.exam.contact_touch import touches
 from coral.exam.item import ExamItem
@@ -169,9 +169,11 @@ def _poses(task: str, seed: int) -> ExamItem:
 def _regions(task: str, seed: int) -> ExamItem:
     seen = _observe(made_of(load_task(task), seed))
     facts = _plan_facts(seen)
-    facts["stages"] = _apply_rules(facts)[0].names
-    prompt = {**_shared_prompt(seen, facts), "stages": facts["stages"]}
-    return _item("contact-regions", prompt, facts, {"touches": touches(seen.trial)}, *seen.pictures)
+    plan = _apply_rules(facts)[0]
+    facts["stages"] = plan.names
+    limits = region_limits(ThinkCfg().region)
+    prompt = {**_shared_prompt(seen, facts), "plan": plan.outline(), "limits": limits}
+    return _item("contact-regions", prompt, facts, {"touches": touches(seen.trial)}, seen.labelled)
 
 
 def plan_question(task: str, seed: int) -> ExamItem:
@@ -196,8 +198,6 @@ def _unified(task: str, seed: int) -> ExamItem:
         **_shared_prompt(seen, facts),
         "places": True,
         "code": "",
-        "error": "",
-        "diagnosis": "",
     }
     key = {
         "trial": trial_to_json(seen.trial),
@@ -228,13 +228,17 @@ def _repair(task: str, seed: int) -> ExamItem | None:
         **_shared_prompt(after, facts),
         "attempts": 15,
         "stage": notes[-1].stage,
+        "object": name,
         "diagnosis": f"Diagnosis: {TEXTS[diagnosis]}.",
         "evidence": [],
         "corrected": [],
         "advice": [],
-        "history": recent(steps, felt.follower.costs, name, notes=notes),
+        "earlier": [],
+        "regions": regions.lines(),
+        "history": recent(steps, felt.follower.costs, name, REPAIR_ROWS, notes),
         "terms": recent_terms(notes),
         "code": bad.text(numbered=True),
+        "explanation": bad.explanation,
         "error": "",
     }
     return _item("cost-repair", prompt, facts, _plan_key(later, after, regions), after.labelled)
@@ -265,7 +269,7 @@ def _shared_prompt(seen: Seen, facts: Mapping[str, Any]) -> dict[str, Any]:
     """Return the part of the prompt that all questions about a plan share."""
     world = PlanningWorld(seen.trial, seen.beliefs, seen.now, PlanningCfg(), np.random.default_rng(0))
     try:
-        return world_prompt(facts, seen.trial.task, world.schema, ThinkCfg(), world.cfg.step_s)
+        return world_prompt(facts, short_task(seen.trial.task), world.schema, ThinkCfg(), exam_limits())
     finally:
         world.close()
 

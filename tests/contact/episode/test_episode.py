@@ -206,6 +206,22 @@ def test_a_strategist_is_not_told_the_true_masses_and_frictions(run):
     assert strategist.told.objects["box"].physical == prior_beliefs(strategist.told)["box"]
 
 
+def test_a_strategist_is_told_the_limits_of_this_run_s_planner(run):
+    class Author(FixedStrategist):
+        def attach_planner(self, limits):
+            self.limits = limits
+
+    author = Author(strategy())
+    controller = dataclasses.replace(COARSE.controller, horizon=8, speed_m_s=0.2)
+    planning = dataclasses.replace(COARSE.planning, latency="fixed:0.1")
+    reactive = dataclasses.replace(COARSE.reactive, force_limit_n=20.0)
+    run(author, dataclasses.replace(COARSE, controller=controller, planning=planning, reactive=reactive))
+    limits = author.limits()
+    step_s = COARSE.planning.step_s
+    assert (limits.horizon_s, limits.replan_s, limits.late_s) == pytest.approx((8 * step_s, 0.1, 0.1))
+    assert (limits.speed_m_s, limits.press_n, limits.samples) == (0.2, 20.0, COARSE.controller.mppi.samples)
+
+
 def test_commands_stay_within_the_force_limit(run):
     def away(state):
         return {"away": -10.0 * state.ee_pos[..., 0]}

@@ -1,17 +1,13 @@
 import dataclasses
 import json
-import re
 
 import numpy as np
 import pytest
 from contact_bench import body, make_trial, plain, seen
 
-from coral.contact.control.quantities import task_schema_of
-from coral.contact.cost.context import Quantity
-from coral.contact.cost.schema import object_quantities, scenery_quantities
 from coral.contact.scene.trial import PhysicalParameters, sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.thinker.scene_facts import interface_text, scene_facts
+from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.world_model.parameter_estimates import belief_prompt
 
 BOX = plain()["objects"][0]
@@ -91,51 +87,6 @@ def test_another_truth_makes_no_other_facts():
         trial.objects["box"], physical=PhysicalParameters(9.0, 1.9), pose=body(np.array([0.3, 0.3, 0.3]))
     )
     assert scene_facts(dataclasses.replace(trial, objects={"box": box}), seen(trial)) == scene_facts(trial, seen(trial))
-
-
-def test_the_interface_names_every_quantity():
-    task = load_task("pick-clutter")
-    schema = task_schema_of(task)
-    text = interface_text(schema)
-    named = set(re.findall(r"self\.(\w+)", text))
-    objects = [item.name for item in task.objects]
-    things = [*objects, *task.things]
-    assert f"For each of {', '.join(things)}:" in text
-    for thing in things:
-        named |= {name.replace("NAME", thing) for name in named if name.startswith("NAME_") and "OTHER" not in name}
-        named |= {
-            name.replace("NAME", thing).replace("OTHER", other) for name in named if "OTHER" in name for other in things
-        }
-    assert set(schema) <= named
-    assert "self.can_table_contact" in text
-    written = set(re.findall(r"self\.(\w+)", text))
-    assert {name for name in written if "NAME" not in name} <= set(schema)
-
-
-def test_an_object_whose_name_begins_like_another_keeps_its_own_quantities():
-    schema = {
-        **object_quantities("box", [], ["table"], ["box_lid"]),
-        **object_quantities("box_lid", ["knob"], ["table"]),
-        **scenery_quantities(),
-    }
-    text = interface_text(schema)
-    assert "For each of box, box_lid" in text
-    assert "self.box_lid_knob_pos" in text
-    assert "self.NAME_OTHER_contact" in text
-    assert "For each of box, box_lid, table:" in text
-
-
-def test_the_interface_tells_the_kind_and_the_unit_of_a_quantity():
-    schema = {
-        "goal_pos": Quantity(3, "m", "Its place."),
-        "lit": Quantity(0, "", "Whether it is lit.", truth=True),
-        "count": Quantity(0, "", "How many."),
-    }
-    assert interface_text(schema).splitlines()[:3] == [
-        "- self.goal_pos (vector of 3, m): Its place.",
-        "- self.lit (true or false): Whether it is lit.",
-        "- self.count: How many.",
-    ]
 
 
 def test_a_joint_is_told_with_where_it_stands():

@@ -1,9 +1,13 @@
+import dataclasses
+
 from contact_bench import make_trial, plain, seen
 
 from coral.contact.control.mppi_controller import ControllerCfg
+from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import condition_text, planner_text, scene_text
+from coral.mppi.knots import KnotMppiCfg
 
 BOX = plain()["objects"][0]
 AT = {"object": "box", "kind": "at", "place": "goal", "point": None, "tolerance_m": 0.02, "axes": "xy"}
@@ -41,7 +45,45 @@ def test_parts_are_shown_where_they_are_more_than_the_bounding_box():
     assert text(objects=[BOX | {"parts": two}]).count("part [") == 2
 
 
-def test_the_planner_tells_its_horizon_and_its_speeds():
-    said = planner_text(ControllerCfg(horizon=25, speed_m_s=0.7), 0.04)
-    for words in ("1 s ahead", "steps of 0.04 s", "0.7 m/s", "x -0.35 to 0.4"):
+def test_numbers_are_told_to_the_millimetre_and_small_ones_to_three_digits():
+    said = text({"box": PhysicalParameters(0.0123456, 0.45678)})
+    assert "believed mass 0.0123 kg, friction 0.457" in said
+
+
+def test_what_is_said_of_a_field_that_is_not_set_is_left_out():
+    lifted = {"object": "box", "kind": "lifted", "height_m": 0.05, "most_m": None}
+    assert "most_m" not in condition_text(lifted)
+    assert "With `most_m`" in condition_text({**lifted, "most_m": 0.3})
+
+
+def test_conditions_inside_a_condition_are_explained_once():
+    slid = {"object": "box", "kind": "slid", "thing": "table", "distance_m": 0.06}
+    trial = make_trial()
+    facts = scene_facts(trial, seen(trial))
+    goals = [{"object": "box", "kind": "sequence", "events": [[slid], [AT]], "for_s": 0.1}, AT]
+    said = scene_text({**facts, "goals": goals}, 0.5, 30.0)
+    assert "slid: The hand slid the object" in said
+    assert said.count("is within `tolerance_m` of a place") == 1
+
+
+def test_a_condition_on_several_objects_is_told_once():
+    trial = make_trial()
+    facts = scene_facts(trial, seen(trial))
+    said = scene_text({**facts, "goals": [AT, {**AT, "object": "cup"}, {**AT, "tolerance_m": 0.3}]}, 0.5, 30.0)
+    assert "2. The same of cup.\n3. at (object box, place goal, tolerance_m 0.3" in said
+
+
+LIMITS = PlannerLimits.of(ControllerCfg(horizon=25, speed_m_s=0.7, mppi=KnotMppiCfg(samples=64)), 0.04, 0.08)
+
+
+def test_the_planner_tells_its_horizon_its_speeds_and_its_force():
+    said = planner_text(dataclasses.replace(LIMITS, press_n=20.0))
+    for words in ("64 futures of 1 s", "anew every 0.08 s.", "0.7 m/s", "presses with 20 N", "x -0.35 to 0.4"):
         assert words in said
+
+
+def test_the_planner_tells_that_its_plans_are_late():
+    assert "follows the one before" not in planner_text(LIMITS)
+    assert "a plan takes 0.12 s, in which the hand follows" in planner_text(
+        dataclasses.replace(LIMITS, late_s=0.1200001)
+    )

@@ -2,6 +2,8 @@ import pytest
 from pydantic import ValidationError
 
 from coral.advisor.question import Rejection, Reply
+from coral.contact.control.mppi_controller import ControllerCfg
+from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.touchable_points import Scenery
 from coral.contact.rules.answers import RULES
@@ -12,6 +14,7 @@ from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.unified_question import UnifiedAnswer, ask_unified
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
 
+LIMITS = PlannerLimits.of(ControllerCfg(), 0.02, 0.04)
 CODE = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)"
 SIDE = {"center": (0.0, 0.0, 0.5), "normal": (0.0, 0.0, 1.0)}
 
@@ -37,7 +40,7 @@ def ask(scene):
 
     def run(advisor, wrong_plan=lambda answer: None, history=None, **cfg):
         facts = {**one.facts, "diagnoses": [], "contact_strategy": True}
-        shown = world_prompt(one.facts, one.trial.task, one.world.schema, ThinkCfg(), one.world.cfg.step_s)
+        shown = world_prompt(one.facts, one.trial.task, one.world.schema, ThinkCfg(), LIMITS)
         asker = Asker(advisor)
         try:
             return ask_unified(
@@ -115,5 +118,7 @@ def test_places_are_checked_only_where_they_are_asked_for(ask):
 def test_a_repair_shows_what_happened_and_the_first_question_does_not(ask):
     advisor = Varied()
     ask(advisor)
-    ask(advisor, history={"attempts": 3, "history": [], "code": "x = 1", "error": ""})
+    nothing = dict.fromkeys(("stage", "object", "diagnosis", "explanation", "error"), "")
+    none = dict.fromkeys(("evidence", "corrected", "advice", "earlier", "regions", "history", "terms"), ())
+    ask(advisor, history={**nothing, **none, "attempts": 3, "code": "x = 1"})
     assert ["x = 1" in prompt for prompt in advisor.prompts] == [False, True]

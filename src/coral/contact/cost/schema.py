@@ -16,7 +16,7 @@ HAND: Schema = {
     "gripper_opening": Quantity(0, "m", "distance between the finger pads, 0 to 0.08"),
     "gripper_target": Quantity(0, "m", "commanded distance between the finger pads; below gripper_opening it squeezes"),
     "ee_force": Quantity(3, "N", "force that everything touched exerts on the hand, world axes"),
-    "ee_torque": Quantity(3, "N m", "torque that everything touched exerts on the hand about ee_pos, world axes"),
+    "ee_torque": Quantity(3, "N m", "torque about ee_pos that everything touched exerts on the hand, world axes"),
     "ee_stage_pos": Quantity(3, "m", "ee_pos when the active stage began", constant=True),
     "time": Quantity(0, "s", "time since the episode began"),
     "stage_time": Quantity(0, "s", "time since the active stage began"),

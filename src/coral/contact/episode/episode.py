@@ -17,6 +17,7 @@ from coral.contact.control.hand_controllers import HandController, MakeHandContr
 from coral.contact.control.measured_contacts import sunk_into, touched_by, with_measured_contacts
 from coral.contact.control.mppi_controller import Controller, HandPlan
 from coral.contact.control.plan_latency import PlanLatency
+from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.prediction import state_after
 from coral.contact.control.reactive import Reactive
@@ -147,6 +148,13 @@ class Episode:
     def stage(self) -> str:
         """Return the name of the active stage."""
         return self.progress.stage.name
+
+    def planner_limits(self) -> PlannerLimits:
+        """Return what the planner can do now: it may have been given more samples, and a measured latency varies."""
+        cfg, step_s = self.cfg, self.cfg.planning.step_s
+        controller = self.controller.cfg if isinstance(self.controller, Controller) else cfg.controller
+        replan_s = self.latency.expected_steps() * step_s
+        return PlannerLimits.of(controller, step_s, replan_s, self.latency.plan_s, cfg.reactive.force_limit_n)
 
     def run(self, observers: Sequence[Observer[Episode]] = ()) -> dict[str, Any]:
         """Run to the end and return metrics and timing together.
@@ -451,6 +459,7 @@ class Episode:
         self.strategist.attach_log(self.emit)
         self.strategist.attach_camera(self.look)
         self.strategist.attach_episode(self)
+        self.strategist.attach_planner(self.planner_limits)
         self.now = self.world.reset()
         self.t = self.now.time_s
         if self.guessed is not None:

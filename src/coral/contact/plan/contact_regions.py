@@ -6,6 +6,7 @@ Regions are given in the object's own frame, so they remain valid while the obje
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -70,6 +71,18 @@ class RegionsAnswer(RootModel[dict[str, ObjectRegions]]):
         """Yield object and region, in order."""
         return [(name, region) for name, held in self.root.items() for region in held.regions]
 
+    def lines(self) -> list[str]:
+        """Return each region in words, for a prompt."""
+        return [
+            f"{name}{f', stage {region.stage}' if region.stage else ''}: {region.approach or 'touch'} "
+            f"{_numbers(region.center)}, normal {_numbers(region.normal)}, radius {region.extent:g} (its frame, m)"
+            for name, region in self.each()
+        ]
+
+
+def _numbers(vector: Sequence[float]) -> str:
+    return f"[{', '.join(f'{value:g}' for value in vector)}]"
+
 
 @dataclass(frozen=True, kw_only=True)
 class RegionCfg:
@@ -92,6 +105,13 @@ class RegionCfg:
     """Corners of the box that bounds the tool; None for the controller's workspace."""
     standoff_m: Positive = 0.08
     """Guides approach a candidate from this distance along the normal."""
+
+
+def region_limits(cfg: RegionCfg) -> str:
+    """Describe the bounds of a region in a sentence."""
+    return (
+        f"At most {cfg.most} regions for each object, {cfg.samples} points and a radius of {cfg.extent_m:g} m for each."
+    )
 
 
 def reach_box(cfg: RegionCfg, controller: ControllerCfg | None = None) -> tuple[Corner, Corner]:

@@ -47,6 +47,12 @@ class StageAnswer(BaseModel):
     stiffness: float = 600.0
     noise: float = 1.0
 
+    def settings(self) -> list[tuple[str, str]]:
+        """Return the names and values of what its author set besides programs and conditions."""
+        plain = {key: field.default for key, field in type(self).model_fields.items()}
+        values = {key: getattr(self, key) for key in ("toward", "opening", "stiffness", "noise")}
+        return [(key, f"{value}") for key, value in values.items() if value != plain[key]]
+
 
 class PlanAnswer(BaseModel):
     """The whole plan: `code` for one cost (the paper's A.8), or `stages`.
@@ -88,7 +94,8 @@ class PlanAnswer(BaseModel):
         """Return all programs as text.
 
         Args:
-            numbered: Whether to number the lines of each program, as faults count them.
+            numbered: Whether for a prompt: the lines of each program numbered, as faults count them, and all that its
+                author set.
         """
 
         def shown(code: str) -> str:
@@ -99,13 +106,19 @@ class PlanAnswer(BaseModel):
             return shown(self.code) if numbered else self.code
         parts = []
         for stage in self.stages:
+            conditions = [("done", stage.done), ("back_to", stage.back_to), ("lost", stage.lost)]
             head = [f"# stage {stage.name!r}"] + [
-                f"#   {key}: {value}"
-                for key, value in (("done", stage.done), ("back_to", stage.back_to), ("lost", stage.lost))
-                if value
+                f"#   {key}: {value}" for key, value in (*conditions, *(stage.settings() if numbered else ())) if value
             ]
             parts.append("\n".join([*head, shown(stage.code)]))
         return "\n\n".join(parts)
+
+    def outline(self) -> str:
+        """Return what the plan does without its costs: its explanation, and how each stage ends."""
+        lines = [self.explanation] if self.explanation else []
+        for stage in self.each():
+            lines.append(f"- {stage.name}" + (f", until {flat(stage.done)}" if stage.done else ""))
+        return "\n".join(lines)
 
 
 def in_process(source: str, schema: Schema, name: str) -> Cost:

@@ -45,12 +45,10 @@ else:
 
 
 class EventSequence(BaseCondition):
-    """Events happened in this order: the conditions of each held together, for `for_s`, after those of the one before.
+    """Events happened in this order: the conditions of each, a list, held together, for `for_s`, after the last."""
 
-    An event is a list of conditions; each names its own object. `object` is the one that the sequence is about. All
-    conditions are watched from the start, so that those with a history know all of it.
-    """
-
+    # Each condition names its own object; `object` is the one that the sequence is about. All are watched from the
+    # start, so that those with a history know all of it.
     kind: Literal["sequence"] = "sequence"
     events: tuple[Annotated[tuple[SingleCondition, ...], Field(min_length=1, max_length=6)], ...] = Field(
         min_length=2, max_length=8

@@ -67,11 +67,10 @@ class TouchedWhileTurning(BaseCondition):
 class SteadyForce(BaseCondition):
     """While the hand pushed the object along, the force was `newtons` on average and seldom far from it.
 
-    Counted are the times at which the hand touches the object and the object moves faster than `moving_m_s`; the force
-    is the norm of the hand's net force, averaged over `window_s`. At least `fraction` of that time it lies within
-    `tolerance` (a share of `newtons`), and the counted time is at least `for_s`. With `deviation_n`, the root mean
-    square of the difference from `newtons` in the counted time is at most that, each control step by itself: blows
-    that average to `newtons` are no steady force.
+    Counted are the times, at least `for_s`, at which the hand touches the object and it moves faster than `moving_m_s`.
+    For at least `fraction` of them the net force, averaged over `window_s`, is within `tolerance` (a share) of
+    `newtons`. With `deviation_n`, the root mean square of the difference, each control step by itself, is at most that:
+    blows that average to `newtons` are no steady force.
     """
 
     reads_forces: ClassVar[bool] = True
@@ -113,11 +112,12 @@ class SteadyForce(BaseCondition):
 
 
 class PeakForce(BaseCondition):
-    """The hand never pressed the object with more than `newtons`, averaged over `window_s`.
+    """The hand never pressed the object with more than `newtons`, averaged over `window_s` (0: a physics step).
 
-    With a window of 0 it is the largest net force of a single physics step. `newtons` times `window_s` is an impulse:
-    the window makes it a limit on blows rather than on their sharpness, which depends on the stiffness of contacts.
+    `newtons` times `window_s` limits the impulse of a blow.
     """
+
+    # The window makes it a limit on blows rather than on their sharpness, which depends on the stiffness of contacts.
 
     breaks_for_good: ClassVar[bool] = True
     reads_forces: ClassVar[bool] = True
@@ -174,7 +174,7 @@ class SpeedLimit(BaseCondition):
 
 
 class KeptLevel(BaseCondition):
-    """The object's `axis` never left its initial direction by more than `tolerance_deg`, as of a full cup."""
+    """The object's `axis` never left its initial direction by more than `tolerance_deg`."""
 
     needs_poses_only: ClassVar[bool] = True
     breaks_for_good: ClassVar[bool] = True
@@ -197,10 +197,9 @@ class KeptLevel(BaseCondition):
 
 
 class KeptTouching(BaseCondition):
-    """The object never left `thing` for longer than `for_s`: it was not carried.
+    """The object never left `thing` for longer than `for_s`: it was not carried."""
 
-    A pushed object chatters on the table, so shorter breaks count as touching.
-    """
+    # A pushed object chatters: shorter breaks count as touching.
 
     breaks_for_good: ClassVar[bool] = True
     kind: Literal["kept-touching"] = "kept-touching"

@@ -101,7 +101,7 @@ class Released(BaseCondition):
 
 
 class Touching(BaseCondition):
-    """The object touches `thing`: the table, a fixture, another object, or "hand"."""
+    """The object touches `thing`: a thing of the scene, or "hand"."""
 
     kind: Literal["touching"] = "touching"
     thing: str

@@ -10,6 +10,10 @@ import numpy as np
 from coral.contact.scene.observation import Transition
 from coral.contact.thinker.plan_note import PlanNote
 
+REPAIR_ROWS = 3
+"""Rows of the history in a question for another plan: the paper's five leave too little room for the rest in 3,000
+tokens, and the evidence is in sentences beside them."""
+
 
 class HistoryRow(TypedDict):
     """One control step as prompts and events show it: metres, newtons, world frame, quaternions (w, x, y, z).
@@ -84,7 +88,7 @@ def _touches_at(notes: Sequence[PlanNote], time_s: float) -> list[str]:
     return [f"{part} on {name}" for part, names in made[-1].touched.items() for name in names] if made else []
 
 
-def recent_terms(notes: Sequence[PlanNote], most: int = 5, largest: int = 6) -> list[dict[str, Any]]:
+def recent_terms(notes: Sequence[PlanNote], most: int = 2, largest: int = 5) -> list[dict[str, Any]]:
     """Show which terms held the cost up over time.
 
     Args:

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 from coral.advisor.consult import Outcome
 from coral.advisor.question import AdvisorUnavailable, Rejection
 from coral.advisor.rules import Rule
+from coral.contact.control.mppi_controller import ControllerCfg
+from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.perception.scene_labels import PictureLabels
-from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.contact_regions import RegionsAnswer, region_limits
 from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, make_strategy
 from coral.contact.plan.imagined_run import ImaginedRunCfg, imagine
 from coral.contact.plan.plan_check import judge_plan
@@ -28,7 +30,7 @@ from coral.contact.plan.touchable_points import Scenery, candidates_of
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.diagnosis import Diagnosis
+from coral.contact.thinker.diagnosis import TEXTS, Diagnosis
 from coral.contact.thinker.film_strip import draw_film_strip
 from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
 from coral.contact.thinker.scene_facts import scene_facts
@@ -54,6 +56,7 @@ class Questions:
         load: Loads cost programs.
         fallback: Rules that answer if the advisor gives no plan, by kind of question.
         emit: Event sink; receives every outcome.
+        limits: Tells the present limits of the planner; None for one with the defaults.
 
     Attributes:
         load: Loads the cost programs of later answers.
@@ -74,6 +77,7 @@ class Questions:
         load: Loader,
         fallback: Mapping[str, Rule],
         emit: Emit,
+        limits: Callable[[], PlannerLimits] | None = None,
     ) -> None:
         self.facts: QuestionFacts
         self.sizes = {name: trial.size(name) for name in trial.objects}
@@ -82,6 +86,8 @@ class Questions:
         self.stood_in: set[str] = set()
         self._asker, self._trial, self._world, self._cfg = asker, trial, world, cfg
         self.load, self._fallback, self._emit = load, fallback, emit
+        step_s = world.cfg.step_s
+        self._limits = limits or (lambda: PlannerLimits.of(ControllerCfg(), step_s, 2 * step_s))
         self._unanswered = ""
         self.advice: tuple[str, ...] = ()
 
@@ -93,6 +99,7 @@ class Questions:
     def update_facts(self, now: Observation, believed: bool = True) -> None:
         """Update the scene's facts, with or without the beliefs about the objects."""
         self.facts = cast(QuestionFacts, scene_facts(self._trial, now, self.beliefs if believed else None))
+        self._seen = now
 
     def ask_parameters(self, given: Mapping[str, PhysicalParameters]) -> None:
         """Ask for masses and frictions and adopt them; given values take precedence."""
@@ -131,7 +138,7 @@ class Questions:
 
     def ask_repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
         """Ask for another plan, given the history of the last one; None without an answer."""
-        return self._ask_for_plan("cost-repair", now, {"advice": list(self.advice), **history})
+        return self._ask_for_plan("cost-repair", now, {**self._past(), **history})
 
     def revise_plan(self, plan: PlanAnswer, now: Observation) -> PlanAnswer:
         """Rehearse a plan in the planning world and let its author revise it, at most `rehearsals` times.
@@ -159,6 +166,7 @@ class Questions:
                 {
                     **self.world_prompt(),
                     "code": plan.text(numbered=True),
+                    "explanation": plan.explanation,
                     "rehearsal": rows,
                     "unreached": unreached,
                     "length_s": length.most_s,
@@ -237,9 +245,14 @@ class Questions:
             "contact-regions",
             RegionsAnswer,
             asked,
-            {**self.world_prompt(), "stages": plan.names},
+            {
+                **self.world_prompt(),
+                "plan": plan.outline(),
+                "limits": region_limits(self._cfg.region),
+            },
             lambda answer: self.check_regions(answer, plan),
             with_picture=True,
+            labels=self.labels(self._seen),
         )
         if outcome.answer is None:
             self._fall_back("regions", outcome.failure)
@@ -293,7 +306,7 @@ class Questions:
             self._cfg,
             self.scenery,
             self.labels(now),
-            history,
+            None if history is None else {**self._past(), **history},
         )
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
@@ -374,13 +387,18 @@ class Questions:
             advice=[] if plan is None else list(self.advice),
         )
 
+    def _past(self) -> dict[str, Any]:
+        """Return what questions for another plan show of the plans before it."""
+        earlier = [TEXTS[diagnosis] for diagnosis in self.diagnoses[:-1]]
+        return {"advice": list(self.advice), "earlier": earlier}
+
     def _plan_facts(self) -> PlanFacts:
         """Return the facts of a question about the plan."""
         return {**self.facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}
 
     def world_prompt(self) -> dict[str, Any]:
         """Return what every question about a plan shows of task, scene, hand, planner and cost language."""
-        return world_prompt(self.facts, self._trial.task, self._world.schema, self._cfg, self._world.cfg.step_s)
+        return world_prompt(self.facts, self._trial.task, self._world.schema, self._cfg, self._limits())
 
     def labels(self, now: Observation) -> PictureLabels:
         """Return what is written into pictures: where things are believed to be."""

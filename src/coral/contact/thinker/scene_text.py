@@ -10,45 +10,45 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from coral.contact.control.hand_model import MAX_OPENING_M
-from coral.contact.control.mppi_controller import ControllerCfg
+from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.cost.context import Schema
 from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.facts import ObjectFacts, SceneFacts
 from coral.contact.scene.task import Task
-from coral.contact.thinker.scene_facts import interface_text
+from coral.contact.thinker.interface_text import interface_text
 from coral.contact.thinker.think_cfg import ThinkCfg
 
 AXES = (
-    "World frame: metres, z up, the table's top at z = 0. x points away from the robot, which stands at negative x, "
-    "and y to its left: nearer means smaller x, left means larger y."
+    "World frame: metres, z up, the table's top at z = 0. x points away from the robot, y to its left: nearer means "
+    "smaller x, left means larger y, wherever the camera stands."
 )
 HAND = (
-    f"The hand: two fingers, opening 0 to {MAX_OPENING_M:g} m. self.ee_pos lies between the fingertips, 8 mm "
-    "before their ends; a finger is 2 cm wide, 1.2 cm thick (along the opening) and 4.5 cm long; the palm is 20 cm "
-    "along the opening and 6 cm across, and begins 4 cm behind ee_pos. The hand's z axis points out of the palm, its "
-    "y axis along the opening: palm down is quat_axis(self.ee_quat, 2) = (0, 0, -1)."
+    f"The hand: two fingers, opening 0 to {MAX_OPENING_M:g} m, the left one towards the hand's y axis; ee_pos lies "
+    "between their tips, 8 mm before the ends. A finger is 2 cm wide, 1.2 cm thick (along the opening), 4.5 cm long. "
+    "The palm, 20 cm along the opening, 6 cm across and 7 cm deep, begins 4 cm behind ee_pos; a wrist 10 cm thick "
+    "follows. Palm down is quat_axis(self.ee_quat, 2) = (0, 0, -1)."
 )
 
 
-def planner_text(cfg: ControllerCfg, step_s: float) -> str:
-    """Describe what the planner can do: horizon, speeds, workspace.
+def planner_text(limits: PlannerLimits) -> str:
+    """Describe what the planner of this run can do: horizon, speeds, force, workspace.
 
     Args:
-        cfg: The controller.
-        step_s: One control step.
+        limits: Its limits.
     """
-    low, high = cfg.workspace_low_m, cfg.workspace_high_m
-    bounds = ", ".join(f"{axis} {a:g} to {b:g}" for axis, a, b in zip("xyz", low, high, strict=True))
+    bounds = ", ".join(f"{axis} {a:g} to {b:g}" for axis, a, b in zip("xyz", limits.low_m, limits.high_m, strict=True))
+    late = f"; a plan takes {limits.late_s:.3g} s, in which the hand follows the one before" if limits.late_s else ""
     return (
-        f"The planner looks {cfg.horizon * step_s:g} s ahead, in steps of {step_s:g} s, and plans anew every 0.04 s. "
-        f"The hand moves at most {cfg.speed_m_s:g} m/s and turns {cfg.turn_rad_s:g} rad/s; its fingers open at "
-        f"{cfg.opening_m_s:g} m/s. It stays within {bounds} m. It comes to rest 1 to 2 cm from where a distance "
-        "would be 0: let conditions allow for that."
+        f"The planner compares {limits.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
+        f"sees nothing beyond, and plans anew every {limits.replan_s:g} s{late}. The hand moves at most "
+        f"{limits.speed_m_s:g} m/s, turns {limits.turn_rad_s:g} rad/s, presses with {limits.press_n:g} N; its fingers "
+        f"open at {limits.opening_m_s:g} m/s. ee_pos stays within {bounds} m. The hand comes to rest 1 to 2 cm from "
+        "where a distance would be 0: let conditions allow for that."
     )
 
 
 def world_prompt(
-    facts: SceneFacts | Mapping[str, Any], task: Task, schema: Schema, cfg: ThinkCfg, step_s: float
+    facts: SceneFacts | Mapping[str, Any], task: Task, schema: Schema, cfg: ThinkCfg, limits: PlannerLimits
 ) -> dict[str, Any]:
     """Return the placeholders that all questions about a plan share.
 
@@ -57,13 +57,13 @@ def world_prompt(
         task: The task file.
         schema: The quantities of the state.
         cfg: Which parts of the method are enabled.
-        step_s: One control step.
+        limits: What the planner of this run can do.
     """
     return {
         "task": facts["instruction"],
         "scene": scene_text(facts, task.success.hold_s, task.time_limit_s),
         "hand": HAND,
-        "planner": planner_text(ControllerCfg(), step_s),
+        "planner": planner_text(limits),
         "interface": interface_text(schema),
         "contact_strategy": cfg.strategy,
     }
@@ -81,13 +81,14 @@ def scene_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_
     lines = [
         AXES,
         f"Table: x {_range(table['x'])}, y {_range(table['y'])}.",
-        "Objects (position and quaternion (w, x, y, z) of the object's frame, extents along its own axes):",
+        "Objects (position and quaternion (w, x, y, z) of its frame; extents along its axes; shape):",
         *(_object_line(name, item) for name, item in facts["objects"].items()),
     ]
     if facts["fixtures"]:
-        lines.append("Fixed things (centre, extents, turned about z):")
+        lines.append("Fixed things (centre; extents):")
         lines += [
-            f"- {name}: at {_vector(item['position'])}, {_vector(item['size_m'])}, {item['yaw_deg']:g} deg"
+            f"- {name}: at {_vector(item['position'])}; {_vector(item['size_m'])}"
+            + (f"; turned about z by {item['yaw_deg']:g} deg" if item["yaw_deg"] else "")
             for name, item in facts["fixtures"].items()
         ]
     if facts["places"]:
@@ -96,15 +97,21 @@ def scene_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_
         lines.append(
             "Numbers: " + "; ".join(f"self.{name} = {value:g}" for name, value in facts["numbers"].items()) + "."
         )
-    lines.append(
-        f"Hand now: at {_vector(hand['pose'][:3])}, turned {_vector(hand['pose'][3:])}; widest opening "
-        f"{hand['widest_opening_m']:g}."
-    )
+    lines.append(f"Hand now: at {_vector(hand['pose'][:3])}, turned {_vector(hand['pose'][3:])}.")
     lines.append(f"Success, within {time_limit_s:g} s: all of these at once, for {hold_s:g} s:")
     told: set[str] = set()
+    before: Mapping[str, Any] = {}
     for number, goal in enumerate(facts["goals"], 1):
+        if {**goal, "object": ""} == {**before, "object": ""}:
+            lines.append(f"{number}. The same of {goal['object']}.")
+            continue
         lines.append(f"{number}. {condition_text(goal, brief=goal['kind'] in told)}")
+        before = goal
         told.add(goal["kind"])
+        for inner in _inner_conditions(goal):
+            if inner["kind"] not in told:
+                lines.append(f"   {inner['kind']}: {_meaning(inner)}")
+                told.add(inner["kind"])
     return "\n".join(lines)
 
 
@@ -116,10 +123,32 @@ def condition_text(goal: Mapping[str, Any], brief: bool = False) -> str:
         brief: Whether to leave out what its kind asks for.
     """
     values = ", ".join(f"{key} {_value(value)}" for key, value in goal.items() if key != "kind" and value is not None)
+    return f"{goal['kind']} ({values}): {'' if brief else _meaning(goal)}".rstrip(": ")
+
+
+def _meaning(goal: Mapping[str, Any]) -> str:
+    """Return what a kind of condition asks for, without what is said of the fields that are not set."""
     kinds = {cls.model_fields["kind"].default: cls for cls in BaseCondition.__subclasses__()}
     kind = kinds.get(goal["kind"])
-    meaning = "" if kind is None or brief else re.sub(r"\s+", " ", kind.__doc__ or "").strip()
-    return f"{goal['kind']} ({values}): {meaning}".rstrip(": ")
+    text = "" if kind is None else re.sub(r"\s+", " ", kind.__doc__ or "").strip()
+    sentences = re.split(r"(?<=\.) (?=[A-Z`])", text)
+    return " ".join(one for one in sentences if not _is_about_unset(one, goal))
+
+
+def _is_about_unset(sentence: str, goal: Mapping[str, Any]) -> bool:
+    about = re.match(r"With `(\w+)`", sentence)
+    return about is not None and goal.get(about[1]) is None
+
+
+def _inner_conditions(goal: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the conditions that are values of a condition, at any depth."""
+
+    def found(value: Any) -> list[Mapping[str, Any]]:
+        if isinstance(value, Mapping):
+            return [value, *_inner_conditions(value)]
+        return [one for item in value for one in found(item)] if isinstance(value, list | tuple) else []
+
+    return [one for key, value in goal.items() if key != "kind" for one in found(value)]
 
 
 def _object_line(name: str, item: ObjectFacts | Mapping[str, Any]) -> str:
@@ -127,19 +156,18 @@ def _object_line(name: str, item: ObjectFacts | Mapping[str, Any]) -> str:
     parts = [
         f"- {name}{label}: at {_vector(item['pose'][:3])}, turned {_vector(item['pose'][3:])}",
         _vector(item["size_m"]),
-        f"{' and '.join(item['shapes'])}, {item['solid_share']:g} of its bounding box",
+        " and ".join(item["shapes"])
+        + ("" if item["solid_share"] == 1 else f", {item['solid_share']:g} of its bounding box"),
     ]
     if "middle_m" in item:
         parts.append(f"centre of the box at {_vector(item['middle_m'])} in its frame")
     if "mass_kg" in item:
-        parts.append(f"believed mass {item['mass_kg']:g} kg, friction {item['friction']:g}")
+        parts.append(f"believed mass {_number(item['mass_kg'])} kg, friction {_number(item['friction'])}")
     if "joint" in item:
         parts.append(_joint_text(item["joint"]))
     if len(item["parts"]) > 1 or (item["parts"] and _differs(item)):
         parts += [f"part {_vector(part['size_m'])} at {_vector(part['position'])}" for part in item["parts"]]
-    parts += [
-        f"its {point} (self.{name}_{point}_pos) at {_vector(at)} in its frame" for point, at in item["points"].items()
-    ]
+    parts += [f"its {point} at {_vector(at)} in its frame" for point, at in item["points"].items()]
     return "; ".join(parts)
 
 
@@ -171,8 +199,14 @@ def _value(value: Any) -> str:
 
 
 def _vector(values: Sequence[Any]) -> str:
-    return "[" + ", ".join(_value(value) for value in values) + "]"
+    return "[" + ", ".join(_component(value) if isinstance(value, float) else _value(value) for value in values) + "]"
+
+
+def _component(value: float) -> str:
+    """Show a component to the third decimal (a millimetre), and a small one, such as a thickness, to two digits."""
+    return f"{round(value, 3) + 0.0:.10g}" if abs(value) >= 0.01 else f"{float(f'{round(value, 4):.2g}') + 0.0:.10g}"
 
 
 def _number(value: float) -> str:
-    return f"{value:.10g}"
+    """Show a number to the third decimal, and a small one to three digits."""
+    return f"{round(value, 3) + 0.0:.10g}" if abs(value) >= 0.1 else f"{float(f'{value:.3g}') + 0.0:.10g}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from coral.contact.control.mppi_controller import Controller, HandPlan
+from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Strategy
@@ -98,6 +99,10 @@ class Strategist(Protocol):
         """Attach the episode, which continues while an advisor answers."""
         ...
 
+    def attach_planner(self, limits: Callable[[], PlannerLimits]) -> None:
+        """Attach what tells the present limits of the planner, for questions about a plan."""
+        ...
+
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Return the first strategy; may set the planning world's beliefs.
 
@@ -159,6 +164,9 @@ class FixedStrategist:
 
     def attach_episode(self, thinking: Thinking) -> None:
         """See `Strategist.attach_episode`; it asks no advisor."""
+
+    def attach_planner(self, limits: Callable[[], PlannerLimits]) -> None:
+        """See `Strategist.attach_planner`; it asks no advisor."""
 
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
         """See `Strategist.guess_poses`; a fixed strategy estimates no poses."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from coral.advisor.question import Picture
 from coral.advisor.rules import Rule
+from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_effort import probe_effort
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Cost
@@ -31,7 +32,7 @@ from coral.contact.thinker.correction import TouchHistory, correct_beliefs
 from coral.contact.thinker.correction_schedule import CorrectionSchedule
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose
 from coral.contact.thinker.evidence import collect_evidence
-from coral.contact.thinker.history_rows import recent, recent_terms
+from coral.contact.thinker.history_rows import REPAIR_ROWS, recent, recent_terms
 from coral.contact.thinker.pose_question import ask_poses
 from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
@@ -108,6 +109,7 @@ class Thinker:
         self._failure: CostError | None = None
         self._last_good = self._new_last_good()
         self._camera: Look = lambda: None
+        self._limits: Callable[[], PlannerLimits] | None = None
 
     @property
     def counts(self) -> StrategistCounts:
@@ -121,6 +123,10 @@ class Thinker:
     def attach_episode(self, thinking: Thinking) -> None:
         """See `Strategist.attach_episode`."""
         self.asker.clock.thinking = thinking
+
+    def attach_planner(self, limits: Callable[[], PlannerLimits]) -> None:
+        """See `Strategist.attach_planner`."""
+        self._limits = limits
 
     @property
     def guesses_poses(self) -> bool:
@@ -149,7 +155,9 @@ class Thinker:
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Perceive, recall or ask, verify, and make the strategy."""
         self._trial, self._world = trial, world
-        self._questions = Questions(self.asker, trial, world, self.cfg, self._load, self._fallback, self._emit)
+        self._questions = Questions(
+            self.asker, trial, world, self.cfg, self._load, self._fallback, self._emit, self._limits
+        )
         self._questions.update_facts(first, believed=False)
         strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
         self._monitor = self._new_monitor()
@@ -281,12 +289,15 @@ class Thinker:
         history = {
             "attempts": self._monitor.attempts,
             "stage": self._monitor.stage,
+            "object": name,
             "diagnosis": self._diagnosis_text(),
             "evidence": list(self._evidence),
             "corrected": list(self._corrected),
-            "history": recent(steps, costs, name, notes=self._monitor.notes),
+            "history": recent(steps, costs, name, REPAIR_ROWS, self._monitor.notes),
             "terms": recent_terms(self._monitor.notes),
+            "regions": self._regions.lines() if self.cfg.regions else [],
             "code": self._plan.text(numbered=True),
+            "explanation": self._plan.explanation,
             "error": error,
         }
         if self.cfg.unified:

@@ -76,14 +76,13 @@ def ask_unified(
         cfg: Thresholds.
         scenery: True shapes of the objects.
         labels: What to write into the picture.
-        history: For a repair: attempts, history, code and error.
+        history: For a repair: what the prompt says of the plan that failed.
     """
     prompt = {
         **shown,
         "places": cfg.regions,
         "code": "",
         "error": "",
-        "diagnosis": "",
         **(history or {}),
     }
     sizes = {name: item["size_m"] for name, item in facts["objects"].items()}
