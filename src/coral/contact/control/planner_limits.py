@@ -24,6 +24,7 @@ class PlannerLimits:
         low_m: Lowest corner of the hand's workspace, x, y, z.
         high_m: Its highest corner.
         press_n: The largest force with which the hand presses.
+        free_n: Force on table and fixtures above which rehearsals count as worse; None if none does.
     """
 
     step_s: float
@@ -37,6 +38,7 @@ class PlannerLimits:
     low_m: tuple[float, float, float]
     high_m: tuple[float, float, float]
     press_n: float
+    free_n: float | None
 
     @classmethod
     def of(
@@ -63,4 +65,5 @@ class PlannerLimits:
             cfg.workspace_low_m,
             cfg.workspace_high_m,
             ReactiveCfg().force_limit_n if press_n is None else press_n,
+            cfg.press_free_n if cfg.press_weight else None,
         )

@@ -38,12 +38,18 @@ def planner_text(limits: PlannerLimits) -> str:
     """
     bounds = ", ".join(f"{axis} {a:g} to {b:g}" for axis, a, b in zip("xyz", limits.low_m, limits.high_m, strict=True))
     late = f"; a plan takes {limits.late_s:.3g} s, in which the hand follows the one before" if limits.late_s else ""
+    kept = (
+        ""
+        if limits.free_n is None
+        else f" It avoids pressing on table and fixed things with more than {limits.free_n:g} N, unless the cost reads "
+        "the hand's force or contact there."
+    )
     return (
         f"The planner compares {limits.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
         f"sees nothing beyond, and plans anew every {limits.replan_s:g} s{late}. The hand moves at most "
         f"{limits.speed_m_s:g} m/s, turns {limits.turn_rad_s:g} rad/s, presses with {limits.press_n:g} N; its fingers "
         f"open at {limits.opening_m_s:g} m/s. ee_pos stays within {bounds} m. The hand comes to rest 1 to 2 cm from "
-        "where a distance would be 0: let conditions allow for that."
+        f"where a distance would be 0: let conditions allow for that.{kept}"
     )
 
 
