@@ -50,7 +50,15 @@ def test_what_all_objects_or_things_have_is_described_once():
     }
     lines = lines_of(schema)
     assert "(NAME is one of cup, jar.)" in lines
-    assert "- NAME_THING_contact?: whether NAME touches THING (THING: table, shelf, jar, cup other than NAME)" in lines
+    assert (
+        "- NAME_THING_contact?, NAME_THING_clearance m: whether NAME touches THING; shortest distance of NAME and "
+        "THING (THING: table, shelf, jar, cup other than NAME)" in lines
+    )
+    assert any(
+        line.startswith("- THING_hand_force[3] N, THING_hand_contact?, THING_palm_contact?, THING_hand_clearance m: ")
+        and line.endswith("(THING: cup, jar, table, shelf, wall)")
+        for line in lines
+    )
     assert "- THING_pos[3] m, THING_size[3] m: centre, full extents of THING (THING: shelf, wall)" in lines
     assert "- PLACE_pos[3] m: the place PLACE of the task (PLACE: goal, mark)" in lines
     assert "- NAME_mass kg, NAME_friction: believed mass, friction coefficient of NAME" in lines
@@ -63,7 +71,7 @@ def test_what_one_object_alone_has_keeps_its_name():
     }
     lines = lines_of(schema)
     assert "- box_lid_knob_pos[3] m: the knob of the box_lid" in lines
-    assert any(line.startswith("- NAME_THING_contact?:") for line in lines)
+    assert any(line.startswith("- NAME_THING_contact?, ") for line in lines)
     assert any(line.startswith("- box_pos[3] m: origin of the box's") for line in lines_of(object_quantities("box")))
 
 

@@ -9,12 +9,12 @@ from coral.contact.cost.context import Quantity, Schema
 HAND: Schema = {
     "ee_pos": Quantity(3, "m", "point midway between the two fingertips"),
     "ee_quat": Quantity(
-        4, "", "orientation of the hand; its z axis points out of the palm, its y axis along the fingers' opening"
+        4, "", "orientation of the hand: its z axis points out of the palm, its y axis along the opening"
     ),
     "ee_vel": Quantity(3, "m/s", "velocity of ee_pos"),
     "ee_angvel": Quantity(3, "rad/s", "angular velocity of the hand, world axes"),
     "gripper_opening": Quantity(0, "m", "distance between the finger pads, 0 to 0.08"),
-    "gripper_target": Quantity(0, "m", "commanded distance between the finger pads; below gripper_opening it squeezes"),
+    "gripper_target": Quantity(0, "m", "the commanded one; below gripper_opening it squeezes"),
     "ee_force": Quantity(3, "N", "force that everything touched exerts on the hand, world axes"),
     "ee_torque": Quantity(3, "N m", "torque about ee_pos that everything touched exerts on the hand, world axes"),
     "ee_stage_pos": Quantity(3, "m", "ee_pos when the active stage began", constant=True),
@@ -22,7 +22,7 @@ HAND: Schema = {
     "stage_time": Quantity(0, "s", "time since the active stage began"),
     "current_step": Quantity(0, "", "control steps since the episode began"),
     "last_action": Quantity(
-        7, "", "what is commanded over this step: hand velocity (m/s), angular velocity (rad/s), opening speed (m/s)"
+        7, "", "commanded over this step: velocity (m/s), angular velocity (rad/s), opening speed (m/s)"
     ),
 }
 
@@ -59,21 +59,17 @@ def object_quantities(
     for thing in (*fixtures, *others):
         found[f"{name}_{thing}_contact"] = Quantity(0, "", f"whether the {name} touches the {thing}", truth=True)
     for thing in (*fixtures, *others):
-        found[f"{name}_{thing}_clearance"] = Quantity(
-            0, "m", f"shortest distance between the {name} and the {thing}, 0 where they touch"
-        )
+        found[f"{name}_{thing}_clearance"] = Quantity(0, "m", f"shortest distance of the {name} and the {thing}")
     return found
 
 
 def hand_quantities(name: str) -> dict[str, Quantity]:
     """Describe what the hand has to do with a thing: an object, a fixture, the table."""
     return {
-        f"{name}_hand_force": Quantity(3, "N", f"net contact force of the hand on the {name}, world axes"),
+        f"{name}_hand_force": Quantity(3, "N", f"net force of the hand on the {name}, world axes"),
         f"{name}_hand_contact": Quantity(0, "", f"whether the hand touches the {name}", truth=True),
-        f"{name}_palm_contact": Quantity(0, "", f"whether palm or wrist touch the {name}", truth=True),
-        f"{name}_hand_clearance": Quantity(
-            0, "m", f"shortest distance from fingers and palm to the {name}, 0 where they touch"
-        ),
+        f"{name}_palm_contact": Quantity(0, "", f"whether the palm or wrist touches the {name}", truth=True),
+        f"{name}_hand_clearance": Quantity(0, "m", f"shortest distance of fingers and palm to the {name}"),
     }
 
 

@@ -88,7 +88,7 @@ def _touches_at(notes: Sequence[PlanNote], time_s: float) -> list[str]:
     return [f"{part} on {name}" for part, names in made[-1].touched.items() for name in names] if made else []
 
 
-def recent_terms(notes: Sequence[PlanNote], most: int = 2, largest: int = 5) -> list[dict[str, Any]]:
+def recent_terms(notes: Sequence[PlanNote], most: int = 2, largest: int = 4) -> list[dict[str, Any]]:
     """Show which terms held the cost up over time.
 
     Args:

@@ -6,13 +6,17 @@ import re
 from collections.abc import Sequence
 
 from coral.contact.cost.context import Quantity, Schema
+from coral.contact.cost.schema import hand_quantities
 from coral.contact.cost_program.state import objects_of
 
 FUNCTIONS = (
     "norm(v), dist(a, b), dot, cross, clip(x, low, high), clip01(x), sigmoid(x), near(d, scale) = exp(-(d/scale)^2), "
     "quat_axis(q, 0|1|2) = that axis in the world, quat_rotate(q, v), quat_angle(a, b), and those of np and math"
 )
-LEGEND = "Read as self.ee_pos and so on, in world axes; [3] is a vector of 3, [4] a quaternion (w, x, y, z), ? true or false:"
+LEGEND = (
+    "Read as self.ee_pos and so on, in world axes; [3] is a vector of 3, [4] a quaternion (w, x, y, z), "
+    "? true or false:"
+)
 LEAST_SHARED = 2
 """Words that descriptions share at least if they are joined; half of the longest, too."""
 MIDDLE = 24
@@ -51,6 +55,12 @@ def _is_fixed(key: str, schema: Schema, objects: Sequence[str]) -> bool:
 def _pattern_of(key: str, item: Quantity, objects: Sequence[str], things: Sequence[str]) -> tuple[Pattern, str, str]:
     """Return what a name has in common with others, the object that it belongs to and the other thing in it, or ""."""
     name, text, owner = key, _brief(item.text), ""
+    kind = (
+        (f"[{item.size}]" if item.size else "") + ("?" if item.truth else "") + (f" {item.unit}" if item.unit else "")
+    )
+    felt = next((one for one in things if key in hand_quantities(one)), "")
+    if felt:  # of objects and of what does not move alike
+        return (*_replaced(name, text, felt, THING), kind), "", felt
     if len(objects) > 1:
         owner = _longest(name, [f"{thing}_" for thing in objects])[:-1]
         name, text = _replaced(name, text, owner, OWNER) if owner else (name, text)
@@ -64,9 +74,6 @@ def _pattern_of(key: str, item: Quantity, objects: Sequence[str], things: Sequen
     place = name.removesuffix("_pos")
     if text == f"the place {place} of the task":
         name, text, thing = f"{PLACE}_pos", f"the place {PLACE} of the task", place
-    kind = (
-        (f"[{item.size}]" if item.size else "") + ("?" if item.truth else "") + (f" {item.unit}" if item.unit else "")
-    )
     return (name, text, kind), owner, thing
 
 
@@ -103,7 +110,7 @@ def _brief(text: str) -> str:
 
 
 def _joined(lines: Sequence[Line]) -> list[Line]:
-    """Join neighbours whose descriptions differ in the middle only: "mass, friction of the box"."""
+    """Join neighbours that are there for the same things, or whose descriptions differ in the middle only."""
     joined: list[tuple[list[str], list[str], str]] = []
     for names, text, where in lines:
         if joined and joined[-1][2] == where and _shared([*joined[-1][1], text]) is not None:
@@ -111,7 +118,14 @@ def _joined(lines: Sequence[Line]) -> list[Line]:
             joined[-1][1].append(text)
         else:
             joined.append(([names], [text], where))
-    return [(", ".join(names), _shared(texts) or texts[0], where) for names, texts, where in joined]
+    found: list[Line] = []
+    for names, texts, where in joined:
+        line = (", ".join(names), _shared(texts) or texts[0], where)
+        if where and found and found[-1][2] == where:
+            line = (f"{found[-1][0]}, {line[0]}", f"{found[-1][1]}; {line[1]}", where)
+            found.pop()
+        found.append(line)
+    return found
 
 
 def _shared(texts: Sequence[str]) -> str | None:

@@ -41,8 +41,8 @@ def planner_text(limits: PlannerLimits) -> str:
     kept = (
         ""
         if limits.free_n is None
-        else f" It avoids pressing on table and fixed things with more than {limits.free_n:g} N, unless the cost reads "
-        "the hand's force or contact there."
+        else f" It avoids pressing with more than {limits.free_n:g} N on table and fixed things, unless the cost reads "
+        "force or contact of the hand there."
     )
     return (
         f"The planner compares {limits.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
