@@ -122,7 +122,7 @@ def render_rejections(rejections: Sequence[Rejection]) -> str:
             lines += ["The refused program:", "```", rejection.listing, "```"]
     return "\n".join(
         [
-            "Earlier answers to this question were checked and refused. The pictures are new; the reasons:",
+            "Earlier answers to this question were checked and refused, for these reasons:",
             *lines,
             "Give a different answer that none of these reasons applies to.",
         ]

@@ -29,7 +29,7 @@ def stage(**more):
         (PlanAnswer(stages=[stage(back_to="z", lost="1 > 0")]), "stages", "back_to"),
         (PlanAnswer(stages=[stage(back_to="a")]), "stages", "go together"),
         (PlanAnswer(stages=[stage(stiffness=49.0)]), "stages", "lies within 50 and 3000 N/m"),
-        (PlanAnswer(stages=[stage(noise=3.1)]), "stages", "noise lies within 0.05 and 3"),
+        (PlanAnswer(stages=[stage(noise=3.1)]), "stages", "noise is 3.1; it lies within 0.05 and 3"),
         (PlanAnswer(stages=[stage(done="self.nothing > 1"), stage(name="b")]), "unknown_state", "nothing"),
     ],
 )
@@ -60,7 +60,7 @@ def test_all_faults_are_told_at_once_beside_their_lines(scene):
     )
     found = verify_plan(plan, one.world.schema, one.samples)
     assert found.details["faults"] == ["stages", "stages", "barrier", "unknown_state"]
-    for words in ("stiffness lies within", "back_to and lost go together", "cup_pos", "stage 'a': line 5"):
+    for words in ("it lies within 50", "back_to and lost go together", "cup_pos", "stage 'a': line 5"):
         assert words in found.reason
     assert "  5 |         cost += 3.0  # close\n    ^ barrier" in found.listing
     assert "  3 |     return x * self.cup_pos[0]\n    ^ unknown_state" in found.listing

@@ -91,7 +91,7 @@ def pooled(samples: Sequence[Context], count: int) -> Context:
 
 def _malformed_faults(terms: Terms, sample: Context) -> list[CostFault]:
     if not terms:
-        return [CostFault("shape", 0, "the cost has no terms")]
+        return [CostFault("shape", 0, "the cost has no terms: return a number, or a dict of named terms")]
     for name, term in terms.items():
         values = np.asarray(term)
         fits = values.ndim == 2 and all(n in (1, m) for n, m in zip(values.shape, sample.shape, strict=True))
@@ -105,7 +105,13 @@ def _malformed_faults(terms: Terms, sample: Context) -> list[CostFault]:
                 )
             ]
         if not np.isfinite(values).all():
-            return [CostFault("not_finite", 0, f"the term {name!r} is nan or infinite in some state")]
+            return [
+                CostFault(
+                    "not_finite",
+                    0,
+                    f"the term {name!r} is nan or infinite in some state: guard its division, root or logarithm",
+                )
+            ]
     return []
 
 
@@ -139,6 +145,6 @@ def _idle_faults(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[Cos
         low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
         if high - low <= 1e-12 * (1.0 + abs(high)):
             line = cost.term_line(name) if isinstance(cost, Traceable) else 0
-            text = f"the term {name!r} is {high + 0.0:g} in every sampled state"
+            text = f"the term {name!r} is {high + 0.0:g} in every sampled state, so it guides nothing yet"
             faults.append(CostFault("constant", line, text, fatal=False))
     return faults

@@ -107,15 +107,16 @@ def structure_faults(answer: PlanAnswer) -> list[CostFault]:
     """Return the faults of a plan's stages, apart from their programs."""
     names, stages, faults = answer.names, answer.each(), []
     for name in sorted({name for name in names if names.count(name) > 1}):
-        faults.append(f"two stages have the same name: {name!r}")
+        faults.append(f"two stages have the same name, {name!r}: give each its own")
     for stage in stages:
         where = f"stage {stage.name!r}"
         if bool(stage.back_to) != bool(stage.lost) or (stage.back_to and stage.back_to not in names):
             faults.append(f"{where}: back_to and lost go together, and back_to is one of {', '.join(names)}")
         if not STIFFNESS_N_M[0] <= stage.stiffness <= STIFFNESS_N_M[1]:
-            faults.append(f"{where}: stiffness lies within {STIFFNESS_N_M[0]:g} and {STIFFNESS_N_M[1]:g} N/m")
+            low, high = STIFFNESS_N_M
+            faults.append(f"{where}: stiffness is {stage.stiffness:g}; it lies within {low:g} and {high:g} N/m")
         if not NOISE[0] <= stage.noise <= NOISE[1]:
-            faults.append(f"{where}: noise lies within {NOISE[0]:g} and {NOISE[1]:g}")
+            faults.append(f"{where}: noise is {stage.noise:g}; it lies within {NOISE[0]:g} and {NOISE[1]:g}")
         if stage is not stages[-1] and not stage.done and answer.stages:
             faults.append(f"{where} never ends, so that those after it never begin: say when it is done")
     return [CostFault("stages", 0, text) for text in faults]

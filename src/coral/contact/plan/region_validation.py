@@ -104,7 +104,10 @@ def _defect(
             f"extends {_extent(item)}"
         )
     if _points_inward(center, normal, solids, cfg):
-        return "inward", f"the normal {_text(normal)} does not point out of the object at {_text(center)}"
+        return "inward", (
+            f"the normal {_text(normal)} does not point out of the object at {_text(center)}; turn it round, or move "
+            "the center to another face"
+        )
     pose = np.asarray(item["pose"])
     here, out = pose[:3] + rotate(pose[3:], center), rotate(pose[3:], normal)
     if out[2] < -0.5 and on_table(facts["table"], here):
@@ -116,7 +119,7 @@ def _defect(
             "part, or push or press"
         )
     if here[2] < -TIP_M and on_table(facts["table"], here):
-        return "below-table", f"it lies {-here[2]:.3f} m below the table's top"
+        return "below-table", f"it lies {-here[2]:.3f} m below the table's top; touch the object higher"
     return None
 
 

@@ -119,8 +119,8 @@ def _joined(lines: Sequence[Line]) -> list[Line]:
         else:
             joined.append(([names], [text], where))
     found: list[Line] = []
-    for names, texts, where in joined:
-        line = (", ".join(names), _shared(texts) or texts[0], where)
+    for neighbours, texts, where in joined:
+        line = (", ".join(neighbours), _shared(texts) or texts[0], where)
         if where and found and found[-1][2] == where:
             line = (f"{found[-1][0]}, {line[0]}", f"{found[-1][1]}; {line[1]}", where)
             found.pop()
