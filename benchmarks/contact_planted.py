@@ -150,9 +150,17 @@ FAULTS: dict[str, Fault] = {
         "pick-box", ("stage-never-ends",), also_done("reach", "not self.{name}_table_contact")
     ),
     "end with a wrong sign": Fault("pick-box", ("stage-never-ends",), far_done),
-    "pressed on the table": Fault(
+    "pressed on the table": Fault(  # a cost that reads a contact there: the planner does not keep the hand off
         "push-force",
         ("blocked",),
+        first_cost(
+            "10.0 * norm(self.ee_pos - self.{name}_init_pos - np.array([-0.15, 0.0, -0.15])) "
+            "- 0.1 * self.table_hand_contact"
+        ),
+    ),
+    "led into the table": Fault(  # the planner keeps the hand from pressing
+        "push-force",
+        ("settled", "not-reached", "blocked"),
         first_cost("10.0 * norm(self.ee_pos - self.{name}_init_pos - np.array([-0.15, 0.0, -0.15]))"),
     ),
     "pressed on the box": Fault(

@@ -11,7 +11,7 @@ from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.control.prediction import state_after
 from coral.contact.cost.stages import Guide, Progress, Stage, Strategy
-from coral.contact.scene.geometry import angle_between
+from coral.contact.scene.geometry import angle_between, from_rotvec, multiply
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.mppi.knots import KnotMppiCfg
 
@@ -197,3 +197,22 @@ def test_a_stage_that_keeps_off_does_not_press_hard_on_the_table():
 def test_keeping_off_changes_nothing_where_nothing_is_pressed():
     free, kept = (replanned(*controller(seed=2), 2, replace(REACH, keeps_off=off))[-1] for off in (False, True))
     assert np.array_equal(free.update.knots, kept.update.knots)
+
+
+def test_a_stiffer_stage_begins_with_the_force_of_the_softer_one_before():
+    """A hand that presses softly, its target 4 cm ahead, would strike with four times the force."""
+    planner, now = controller()
+    planner.plan(now, REACH, 0)
+    ahead = np.array([0.04, 0.0, 0.0])
+    turned = multiply(now.tool.quaternion, from_rotvec([0.0, 0.0, 0.2]))
+    soft = replace(planner._target, position=now.tool.position + ahead, quaternion=turned, stiffness=150.0)
+
+    def begun(stiffness):
+        planner.executed(soft, 1)
+        plan = planner.plan(now, replace(REACH, stiffness_n_m=stiffness), 1)
+        return plan.update.sampled[0, 0, :3] - now.tool.position, angle_between(planner._centre, now.tool.quaternion)
+
+    for stiffness, share in ((150.0, 1.0), (600.0, 0.25), (100.0, 1.0)):
+        lead, angle = begun(stiffness)
+        assert lead == pytest.approx(share * ahead, abs=1e-9)
+        assert angle == pytest.approx(share * 0.2)

@@ -122,7 +122,7 @@ def test_a_hand_that_stands_behind_its_commands_and_feels_nothing_is_out_of_reac
 def test_forces_where_nothing_is_believed_to_be_tell_of_a_wrong_pose():
     steps = history(110, box=BOX, force=(5.0, 0.0, 0.0), told=AHEAD)
     assert judged(steps, plans(steps)) == "pose-wrong"
-    assert judged(steps, plans(steps, "table")) == "not-moved"
+    assert judged(steps, plans(steps, "table", "box")) == "not-moved"
 
 
 def test_a_force_that_no_rehearsal_expects_tells_of_a_wrong_pose_and_a_harder_push_does_not():
@@ -250,6 +250,13 @@ def test_a_hand_that_presses_hard_and_stands_is_blocked_though_the_object_slips_
         told=lambda k: (0.0004 * k, 0.0, 0.33),
     )
     assert judged(goes_on, plans(goes_on, "box")) == "no-progress"
+
+
+def test_a_hand_that_stands_on_the_table_has_not_reached_the_object():
+    """The planner keeps it from pressing hard there; too little force on the object is not what is wrong."""
+    steps = history(110, box=BOX, force=(0.0, 0.0, 8.0), told=AHEAD)
+    assert judged(steps, plans(steps, "table")) == "not-reached"
+    assert judged(steps, plans(steps, "table", "box")) == "not-moved"
 
 
 def test_a_hand_that_brushed_the_object_on_its_way_has_not_reached_it():

@@ -161,7 +161,7 @@ class Controller:
         if self._target is None:
             self.restart(now)
         assert self._target is not None
-        start = self._bounded_start(now, self._target)
+        start = self._bounded_start(now, self._target, stage.stiffness_n_m)
         self._recentre(start)
         self.mppi.sigma = self._sigma * np.asarray(stage.sigma)
         rehearsed: list[tuple[Context, NDArray[np.bool_], Terms, ControlSequences]] = []
@@ -243,12 +243,17 @@ class Controller:
         spread = float(np.std(costs[finite])) if finite.any() else 0.0
         return np.asarray(self.cfg.press_weight * spread * each)
 
-    def _bounded_start(self, now: Observation, target: HandTarget) -> HandTarget:
-        """Return the present target, clipped to the allowed lead over the hand."""
-        ahead = target.position - now.tool.position
+    def _bounded_start(self, now: Observation, target: HandTarget, stiffness_n_m: float) -> HandTarget:
+        """Return the present target, clipped to the allowed lead over the hand.
+
+        If the stage is stiffer than the one before, the lead shrinks in proportion: the pull goes on as it was, where
+        the same lead would be a blow.
+        """
+        share = min(1.0, target.stiffness / stiffness_n_m)
+        ahead = share * (target.position - now.tool.position)
         length = float(np.linalg.norm(ahead))
         position = now.tool.position + ahead * min(1.0, self.cfg.lead_m / max(length, 1e-9))
-        turn = to_rotvec(multiply(conjugate(now.tool.quaternion), target.quaternion))
+        turn = share * to_rotvec(multiply(conjugate(now.tool.quaternion), target.quaternion))
         angle = float(np.linalg.norm(turn))
         quaternion = multiply(now.tool.quaternion, from_rotvec(turn * min(1.0, self.cfg.lead_rad / max(angle, 1e-9))))
         return HandTarget(position, quaternion, target.opening_m, target.stiffness)

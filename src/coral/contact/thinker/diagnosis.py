@@ -29,8 +29,7 @@ Diagnosis = Literal[
 ]
 TEXTS: Mapping[Diagnosis, str] = {
     "cost-error": "the cost could not be evaluated",
-    "not-reached": "the hand does not touch the object, and feels nothing that holds it back: its cost does not lead "
-    "it there, or the way in is wrong",
+    "not-reached": "the hand does not touch the object: its cost does not lead it there, or the way in is wrong",
     "led-away": "the hand never touched the object and went away from it: a term of the cost has the wrong sign, or "
     "rewards the distance",
     "out-of-reach": "the hand stands at the edge of its workspace, or behind its commands although it feels nothing: "
@@ -137,6 +136,8 @@ def diagnose(
             if _is_held_back(steps):
                 return "out-of-reach"
         return "not-reached"
+    if evidence is not None and not evidence.touched:
+        return "not-reached"  # what it felt was something else
     if moved < STILL_M and felt.mean() > 1.0:
         return "not-moved"
     return "no-progress"
