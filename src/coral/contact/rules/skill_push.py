@@ -70,7 +70,7 @@ def add_reach_behind(
     terms['square'] = 4.0 * square
     terms['abreast'] = 20.0 * abs(self.gripper_target - {number(wide)})
     terms['leave alone'] = 0.2 * norm(self.{n}_hand_force)
-{disturbance_term(facts, n)}    return terms
+{_no_blow_term(facts, n)}{disturbance_term(facts, n)}    return terms
 """,
         )
     )
@@ -91,6 +91,16 @@ def add_reach_behind(
             ),
         )
     )
+
+
+def _no_blow_term(facts: SceneFacts, n: str) -> str:
+    """Return the term that keeps the hand clear of an object that may not be pressed hard, while it goes round it.
+
+    A hand that has passed the object, as before a repair, would come back through it.
+    """
+    if not any(goal["kind"] == "peak-force" and goal["object"] == n for goal in facts["goals"]):
+        return ""
+    return f"    terms['no blow'] = 12.0 * aside * clip01((0.03 - self.{n}_hand_clearance) / 0.03)\n"
 
 
 def _misalignment_text(n: str, axis: int, handed: float) -> str:
