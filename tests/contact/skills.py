@@ -41,7 +41,7 @@ class Skill:
         self.one, self.draft, self.thing = one, Draft(), Thing(name, one.facts)
         add(self.draft, self.thing, one.facts, *args, adjustment)
         present = one.world.present(one.now)
-        self.now = {key: np.asarray(present[key]) for key in present.names()}
+        self.now = {key: present.source(key) for key in present.names()}  # clearances follow a changed state
 
     @property
     def regions(self):

@@ -4,6 +4,7 @@ from skills import Skill, bricks
 
 from coral.contact.rules.scene_reading import SkillAdjustment
 from coral.contact.rules.skill_push import HIGH, SOFT, abreast_opening, add_push, add_tip
+from coral.contact.scene.task import Success
 
 WIDE = [("brick", (0.12, 0.14, 0.05), (0.0, 0.0))]
 TALL = [("brick", (0.05, 0.09, 0.12), (0.0, 0.0))]
@@ -27,6 +28,22 @@ def test_the_face_behind_is_pushed(scene, place, normal):
     (region,) = push.regions
     assert region.normal == normal
     assert region.approach == "push"
+
+
+def test_a_hand_that_may_not_press_hard_comes_back_clear_of_the_object(scene):
+    """Beside the face that is pushed it may be near."""
+    limit = {"conditions": [{"kind": "peak-force", "object": "brick", "newtons": 15.0}]}
+    task = bricks(*WIDE, places={"there": [0.2, 0.0, 0.0]})
+    free, gentle = (
+        Skill(scene(one), add_push, to(), 6.0)
+        for one in (task, task.model_copy(update={"success": Success.model_validate(limit)}))
+    )
+    assert "no blow" not in free.terms("reach")
+    past, over, behind = ([0.08, 0.0, 0.03], [0.08, 0.0, 0.2], [-0.088, 0.0, 0.03])
+    found = [gentle.terms("reach", ee_pos=at, ee_quat=[0.0, 1.0, 0.0, 0.0])["no blow"] for at in (past, over, behind)]
+    assert found[0] > 7.0
+    assert found[1] == 0.0
+    assert found[2] < 2.0
 
 
 def test_nearer_to_the_place_is_cheaper_until_it_is_there(scene):
