@@ -78,3 +78,12 @@ def test_a_trial_comes_back_from_json():
         np.testing.assert_array_equal(other.scale, item.scale)
         np.testing.assert_array_equal(other.pose.position, item.pose.position)
         np.testing.assert_array_equal(other.pose.quaternion, item.pose.quaternion)
+
+
+def test_a_joint_comes_back_from_json_where_it_stood():
+    """At 0, an open drawer counted as shut, and a plan that did nothing as a success."""
+    trial = sample_trial(load_task("close-drawer"), 0)
+    again = trial_from_json(trial_to_json(trial))
+    pose = trial.objects["drawer"].pose
+    assert again.joint_position("drawer", pose) == trial.joint_position("drawer", pose) > 0.07
+    assert "joint_start" not in trial_to_json(sample_trial(load_task("pick-box"), 0))["objects"]["box"]

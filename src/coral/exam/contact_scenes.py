@@ -105,6 +105,7 @@ def trial_to_json(trial: Trial) -> dict[str, Any]:
                 "friction": item.physical.friction,
                 "position": [float(v) for v in item.pose.position],
                 "quaternion": [float(v) for v in item.pose.quaternion],
+                **({"joint_start": item.joint_start} if item.joint_start else {}),
             }
             for name, item in trial.objects.items()
         },
@@ -121,6 +122,7 @@ def trial_from_json(given: Mapping[str, Any]) -> Trial:
                 np.array(item["scale"]),
                 PhysicalParameters(item["mass_kg"], item["friction"]),
                 BodyState(np.array(item["position"]), np.array(item["quaternion"])),
+                float(item.get("joint_start", 0.0)),
             )
             for name, item in given["objects"].items()
         },
