@@ -320,6 +320,17 @@ def test_a_drawers_slide_is_where_it_was_first_seen():
     assert planner.present(moved).box_pos[0, 0] == pytest.approx([0.04, 0.01, 0.03], abs=1e-4)
 
 
+@pytest.mark.parametrize(("task", "unit"), [("close-drawer", 1.0), ("open-door", 180 / np.pi)])
+def test_a_cost_reads_where_a_joint_stands_as_the_task_counts_it(scene, task, unit):
+    one = scene(task)
+    (name,) = one.trial.objects
+    state = one.world.present(one.now)
+    expected = unit * one.trial.joint_position(name, one.now.objects[name])
+    assert state[f"{name}_joint"][0, 0] == pytest.approx(expected, abs=0.01 * unit)
+    assert abs(expected) > 0.05 * unit
+    assert one.world.schema[f"{name}_joint"].unit == ("m" if unit == 1.0 else "deg")
+
+
 def test_a_stage_begins_now_unless_it_is_told_when():
     trial = make_trial()
     began = seen(trial, tool=(0.1, 0.0, 0.2), box=body((0.02, 0.0, 0.03), (0, 0, 30)))

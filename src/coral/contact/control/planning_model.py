@@ -121,6 +121,7 @@ class Index:
             self.pose[name] = slice(int(joint.qposadr[0]), int(joint.qposadr[0]) + 7)
             self.speed[name] = slice(int(joint.dofadr[0]), int(joint.dofadr[0]) + 6)
         ends = zip(model.sensor_adr, model.sensor_adr + model.sensor_dim, strict=True)
+        self.joint = {name: int(model.joint(f"{name}_joint").qposadr[0]) for name in names if name not in free}
         self.sensor = {model.sensor(k).name: slice(int(low), int(high)) for k, (low, high) in enumerate(ends)}
         linear = [k for name in free for k in range(self.speed[name].start, self.speed[name].start + 3)]
         jointed = [int(model.joint(f"{name}_joint").dofadr[0]) for name in names if name not in free]

@@ -280,6 +280,10 @@ class PlanningWorld:
             start = index.pose[name].start  # a free joint stores angular velocity in body axes
             return rotate(qpos[..., start + 3 : start + 7], qvel[..., index.speed[name]][..., 3:])
 
+        def stands(name: str) -> Array:
+            joint, value = self._trial.task.object(name).joint, qpos[..., index.joint[name]]
+            return np.asarray(np.degrees(value) if joint is not None and joint.kind == "hinge" else value)
+
         def wrung() -> Array:
             lever = sensed("hand_anything", PLACE) - sensed("ee_pos")
             return np.asarray(-sensed("hand_anything", TORQUE) - np.cross(lever, sensed("hand_anything", FORCE)))
@@ -305,6 +309,7 @@ class PlanningWorld:
                 makers[f"{name}_angvel"] = partial(spin, name)
             else:
                 makers |= {f"{name}_{kind}": partial(sensed, pair(name, kind)) for kind in MOTION}
+                makers[f"{name}_joint"] = partial(stands, name)
             for side in ("left", "right"):
                 makers[f"{name}_{side}_contact"] = partial(touches, pair(side, name))
             for point, local in self._trial.task.object(name).points.items():

@@ -62,6 +62,6 @@ def task_schema_of(task: Task) -> dict[str, Quantity]:
     schema = dict(HAND)
     for item in task.objects:
         others = [other.name for other in task.objects if other.name != item.name]
-        schema |= object_quantities(item.name, item.points, task.things, others)
+        schema |= object_quantities(item.name, item.points, task.things, others, item.joint.kind if item.joint else "")
     schema |= scenery_quantities((item.name for item in task.fixtures), task.places, task.numbers)
     return schema

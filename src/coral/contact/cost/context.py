@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,6 +128,14 @@ class Cost(Protocol):
             CostError: The cost cannot be evaluated on this state.
         """
         ...
+
+
+@runtime_checkable
+class Reading(Protocol):
+    """A cost that tells which quantities it reads."""
+
+    reads: list[str]
+    """Their names."""
 
 
 Gains = Literal["stiff", "soft"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Literal
 
 from coral.contact.cost.context import Quantity, Schema
 
@@ -14,7 +15,7 @@ HAND: Schema = {
     "ee_vel": Quantity(3, "m/s", "velocity of ee_pos"),
     "ee_angvel": Quantity(3, "rad/s", "angular velocity of the hand, world axes"),
     "gripper_opening": Quantity(0, "m", "distance between the finger pads, 0 to 0.08"),
-    "gripper_target": Quantity(0, "m", "the commanded one; below gripper_opening it squeezes"),
+    "gripper_target": Quantity(0, "m", "the commanded one"),
     "ee_force": Quantity(3, "N", "force that everything touched exerts on the hand, world axes"),
     "ee_torque": Quantity(3, "N m", "torque about ee_pos that everything touched exerts on the hand, world axes"),
     "ee_stage_pos": Quantity(3, "m", "ee_pos when the active stage began", constant=True),
@@ -28,7 +29,11 @@ HAND: Schema = {
 
 
 def object_quantities(
-    name: str, points: Iterable[str] = (), fixtures: Iterable[str] = (), others: Iterable[str] = ()
+    name: str,
+    points: Iterable[str] = (),
+    fixtures: Iterable[str] = (),
+    others: Iterable[str] = (),
+    joint: Literal["", "hinge", "slide"] = "",
 ) -> dict[str, Quantity]:
     """Describe the quantities of one movable object.
 
@@ -37,6 +42,7 @@ def object_quantities(
         points: Named points on it, such as `handle` on a board.
         fixtures: Fixed things that it may touch, such as `table` and `wall`.
         others: Other movable objects that it may touch.
+        joint: What holds it, if anything.
     """
     found = {
         f"{name}_pos": Quantity(3, "m", f"origin of the {name}'s frame: its middle, unless its parts lie elsewhere"),
@@ -54,6 +60,9 @@ def object_quantities(
         f"{name}_left_contact": Quantity(0, "", f"whether the left finger touches the {name}", truth=True),
         f"{name}_right_contact": Quantity(0, "", f"whether the right finger touches the {name}", truth=True),
     }
+    if joint:
+        unit = "deg" if joint == "hinge" else "m"
+        found[f"{name}_joint"] = Quantity(0, unit, f"where the {joint} of the {name} stands, as the task counts it")
     for point in points:
         found[f"{name}_{point}_pos"] = Quantity(3, "m", f"the {point} of the {name}")
     for thing in (*fixtures, *others):
@@ -68,7 +77,7 @@ def hand_quantities(name: str) -> dict[str, Quantity]:
     return {
         f"{name}_hand_force": Quantity(3, "N", f"net force of the hand on the {name}, world axes"),
         f"{name}_hand_contact": Quantity(0, "", f"whether the hand touches the {name}", truth=True),
-        f"{name}_palm_contact": Quantity(0, "", f"whether the palm or wrist touches the {name}", truth=True),
+        f"{name}_palm_contact": Quantity(0, "", f"whether the palm (or wrist) touches the {name}", truth=True),
         f"{name}_hand_clearance": Quantity(0, "m", f"shortest distance of fingers and palm to the {name}"),
     }
 

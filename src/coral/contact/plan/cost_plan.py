@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, Field, model_validator
 
-from coral.contact.cost.context import Context, Cost, Schema
+from coral.contact.cost.context import Context, Cost, Reading, Schema
 from coral.contact.cost.stages import Guide, Stage, Strategy, Test
 from coral.contact.cost_program import CostError, CostProgram
 from coral.contact.cost_program.state import objects_of
@@ -235,25 +235,25 @@ def make_strategy(
                 None if stage.done is None else _test(stage.done),
                 None if stage.lost is None else (said.back_to, _test(stage.lost)),
                 said.noise,
-                keeps_off=not presses_by_design(said.code, schema),
+                keeps_off=not presses_by_design(stage.cost, schema),
             )
         )
     return Strategy(name, tuple(stages), answer.explanation)
 
 
-def presses_by_design(code: str, schema: Schema) -> bool:
+def presses_by_design(cost: Cost, schema: Schema) -> bool:
     """Check whether a cost says itself what the hand is to do to table or fixtures.
 
     The planner keeps the hand from pressing on them otherwise.
 
     Args:
-        code: A cost program.
+        cost: A compiled program.
         schema: The quantities of the state.
     """
     fixed = {name.removesuffix("_hand_contact") for name in schema if name.endswith("_hand_contact")}
     fixed -= set(objects_of(schema))
-    read = set(re.findall(r"\bself\.(\w+)", code))
-    return any(f"{name}_{kind}" in read for name in fixed for kind in ("hand_force", "hand_contact", "palm_contact"))
+    kinds = ("hand_force", "hand_contact", "palm_contact")
+    return isinstance(cost, Reading) and any(f"{name}_{kind}" in cost.reads for name in fixed for kind in kinds)
 
 
 def _test(program: Cost) -> Test:

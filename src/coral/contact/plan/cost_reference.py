@@ -86,7 +86,7 @@ def _errors() -> str:
 
 def tables() -> dict[str, str]:
     """Return the generated tables of the reference page by name."""
-    box = object_quantities("box", ["handle"], ["table"], ["bottle"])
+    box = object_quantities("box", ["handle"], ["table"], ["bottle"], "slide")
     scenery = scenery_quantities(["wall"], ["goal"], ["force"])
     return {
         "hand": _quantities(HAND),

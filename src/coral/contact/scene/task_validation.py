@@ -71,10 +71,13 @@ def _check_names(task: Task, where: str) -> None:
         own = [key for key in scenery_quantities([fixture.name]) if key not in of_table]
         found += [(key, f"fixtures[{index}].name") for key in own]
     for index, item in enumerate(task.objects):
-        keys = object_quantities(item.name, item.points, task.things, [name for name in others if name != item.name])
+        held = item.joint.kind if item.joint else ""
+        keys = object_quantities(
+            item.name, item.points, task.things, [name for name in others if name != item.name], held
+        )
         found += [(key, f"objects[{index}].name") for key in keys]
         touched = len(task.things) + len(others) - 1  # each has a contact and a clearance
-        if len(keys) < len(object_quantities(item.name)) + len(item.points) + 2 * touched:
+        if len(keys) < len(object_quantities(item.name, joint=held)) + len(item.points) + 2 * touched:
             raise InputError(
                 where,
                 f"objects[{index}].points",

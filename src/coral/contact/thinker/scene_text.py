@@ -9,15 +9,20 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from coral.contact.control.hand_model import MAX_OPENING_M
+import numpy as np
+
+from coral.contact.control.hand_model import MAX_OPENING_M, HandCfg
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.cost.context import Schema
 from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.facts import ObjectFacts, SceneFacts
+from coral.contact.scene.geometry import column_of
+from coral.contact.scene.mujoco_scene import FINGER_FRICTION
 from coral.contact.scene.task import Task
 from coral.contact.thinker.interface_text import interface_text
 from coral.contact.thinker.think_cfg import ThinkCfg
 
+SQUEEZE = HandCfg()
 AXES = (
     "World frame: metres, z up, the table's top at z = 0. x points away from the robot, y to its left: nearer means "
     "smaller x, left means larger y, wherever the camera stands."
@@ -26,7 +31,10 @@ HAND = (
     f"The hand: two fingers, opening 0 to {MAX_OPENING_M:g} m, the left one towards the hand's y axis; ee_pos lies "
     "between their tips, 8 mm before the ends. A finger is 2 cm wide, 1.2 cm thick (along the opening), 4.5 cm long. "
     "The palm, 20 cm along the opening, 6 cm across and 7 cm deep, begins 4 cm behind ee_pos; a wrist 10 cm thick "
-    "follows. Palm down is quat_axis(self.ee_quat, 2) = (0, 0, -1)."
+    "follows. Palm down is quat_axis(self.ee_quat, 2) = (0, 0, -1). "
+    f"Fingers rub with friction {FINGER_FRICTION:g} on everything (elsewhere the larger of two counts); each "
+    f"squeezes with {SQUEEZE.finger_stiffness_n_m / 2:g} N/m of gripper_opening - gripper_target, "
+    f"{SQUEEZE.finger_force_n:g} N at most."
 )
 
 
@@ -41,13 +49,13 @@ def planner_text(limits: PlannerLimits) -> str:
     kept = (
         ""
         if limits.free_n is None
-        else f" It avoids pressing with more than {limits.free_n:g} N on table and fixed things, unless the cost reads "
-        "force or contact of the hand there."
+        else f" It avoids pressing with more than {limits.free_n:g} N on table and fixed things unless the cost "
+        "reads the hand's force or contact there."
     )
     return (
         f"The planner compares {limits.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
         f"sees nothing beyond, and plans anew every {limits.replan_s:g} s{late}. The hand moves at most "
-        f"{limits.speed_m_s:g} m/s, turns {limits.turn_rad_s:g} rad/s, presses with {limits.press_n:g} N; its fingers "
+        f"{limits.speed_m_s:g} m/s, turns {limits.turn_rad_s:g} rad/s, presses with {limits.press_n:g} N; fingers "
         f"open at {limits.opening_m_s:g} m/s. ee_pos stays within {bounds} m. The hand comes to rest 1 to 2 cm from "
         f"where a distance would be 0: let conditions allow for that.{kept}"
     )
@@ -103,7 +111,11 @@ def scene_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_
         lines.append(
             "Numbers: " + "; ".join(f"self.{name} = {value:g}" for name, value in facts["numbers"].items()) + "."
         )
-    lines.append(f"Hand now: at {_vector(hand['pose'][:3])}, turned {_vector(hand['pose'][3:])}.")
+    palm, opening = (_vector(np.round(column_of(hand["pose"][3:], axis), 2).tolist()) for axis in (2, 1))
+    lines.append(
+        f"Hand now: at {_vector(hand['pose'][:3])}, turned {_vector(hand['pose'][3:])}: its z axis along {palm}, its y "
+        f"axis along {opening}."
+    )
     lines.append(f"Success, within {time_limit_s:g} s: all of these at once, for {hold_s:g} s:")
     told: set[str] = set()
     before: Mapping[str, Any] = {}
