@@ -132,6 +132,8 @@ def test_a_contact_task_is_watched_weighed_and_stopped(watch, tmp_path):
     see(page, "Force on the hand (N)")
     page.get_by_role("slider").first.focus()
     page.keyboard.press("ArrowLeft")
+    changed = page.get_by_text("weights changed", exact=True).locator("xpath=following-sibling::div")
+    expect(changed).to_have_text("1", timeout=PATIENCE_MS)  # the next plan takes it; a stop before it would win
     page.get_by_role("button", name="Stop the task").click()
     expect(page.locator("#status")).to_have_text("ended: stopped by the operator", timeout=PATIENCE_MS)
     process.communicate(timeout=60)
