@@ -33,11 +33,21 @@ def paired_table(
     return Table(
         f"Against {name(REFERENCE)}",
         f"Trial by trial, the same task and seed. {caption}",
-        ("method", "success", "95 % interval (%)", "better : worse", "p", "slower in, of both", "requests a trial"),
+        (
+            "method",
+            "success",
+            "95 % interval (%)",
+            "better : worse",
+            "p",
+            "slower in, of both",
+            "p of it",
+            "requests a trial",
+        ),
         tuple((name(variant), *_line(trials, full, variant == REFERENCE)) for variant, trials in by_variant.items()),
         (
             f"Better : worse: trials that only {name(REFERENCE)} solved, and only the method; p: two-sided sign test "
-            "of these. Slower in, of both: trials in which the method took longer, of those that both solved.",
+            "of these. Slower in, of both: trials in which the method took longer, of those that both solved, with the "
+            "sign test's p.",
             *source,
         ),
     )
@@ -51,9 +61,11 @@ def _line(trials: Trials, full: Trials, is_reference: bool) -> tuple[str, ...]:
     end = number(fmean(requests), 1) if requests else "–"
     pairs = [(full[key], row) for key, row in trials.items() if key in full]
     if is_reference or not pairs:
-        return (*begin, "–", "–", "–", end)
+        return (*begin, "–", "–", "–", "–", end)
     better = sum(bool(ours["success"]) and not row["success"] for ours, row in pairs)
     worse = sum(bool(row["success"]) and not ours["success"] for ours, row in pairs)
     both = [(ours, row) for ours, row in pairs if ours["success"] and row["success"]]
-    slower = sum(float(row["sim_time_s"]) > float(ours["sim_time_s"]) for ours, row in both)
-    return (*begin, f"{better} : {worse}", f"{sign_test(better, worse):.2g}", f"{slower} of {len(both)}", end)
+    later_s = [float(row["sim_time_s"]) - float(ours["sim_time_s"]) for ours, row in both]
+    slower, faster = sum(late > 0 for late in later_s), sum(late < 0 for late in later_s)
+    solved = (f"{better} : {worse}", f"{sign_test(better, worse):.2g}")
+    return (*begin, *solved, f"{slower} of {len(both)}", f"{sign_test(slower, faster):.2g}", end)
