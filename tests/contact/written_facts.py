@@ -30,5 +30,5 @@ def written(objects, fixtures=None, places=None, goals=()):
         "places": places or {},
         "numbers": {},
         "table": {"x": [-0.4, 0.4], "y": [-0.4, 0.4]},
-        "hand": {"pose": [0.0, 0.0, 0.3, 0.0, 1.0, 0.0, 0.0], "widest_opening_m": 0.08},
+        "hand": {"pose": [0.0, 0.0, 0.3, 0.0, 1.0, 0.0, 0.0], "opening_m": 0.04, "widest_opening_m": 0.08},
     }

@@ -24,6 +24,7 @@ from coral.contact.cost_program.values import Seq, Vec
 
 SAME = {
     "array of floats by its type": "v = np.array([0, 0], dtype=float)\nv[1] = 0.5\nreturn v[1]",
+    "append": "a = np.zeros(2)\nm = np.append(a, self.time)\na[0] = 3.0\nreturn np.sum(m) + len(np.append(m, [a, a]))",
     "concatenate": "a = np.zeros(2)\nm = np.concatenate([a, a])\na[0] = 3.0\nreturn np.sum(m) + a[0]",
     "flatten": "m = np.zeros((2, 2))\nv = m.flatten()\nv[0] = 3.0\nreturn np.sum(m) + v[0]",
     "rows of a stack": "a, b = np.zeros(2), np.ones(2)\nm = np.stack([a, b])\na[0] = 3.0\nreturn np.sum(m) + a[0]",

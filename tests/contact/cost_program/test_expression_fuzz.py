@@ -89,6 +89,7 @@ ONE = [
     "str",
 ]
 TWO = [
+    "np.append",
     "np.maximum",
     "np.minimum",
     "np.dot",

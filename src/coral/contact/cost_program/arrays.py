@@ -152,6 +152,11 @@ def concatenate(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
     return bounded(meter, renewed(result))
 
 
+def append(meter: Meter, arr: Value, values: Value) -> Value:
+    """Return all numbers of both in one new vector."""
+    return bounded(meter, Vec((*flat(meter, arr), *flat(meter, values))))
+
+
 def stack(meter: Meter, arrays: Value, axis: Value = 0) -> Value:
     """Stack vectors as the rows (axis 0) or columns (axis 1) of a matrix."""
     if not isinstance(arrays, Seq | Vec):

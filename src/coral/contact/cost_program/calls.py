@@ -47,6 +47,8 @@ def attribute(machine: Machine, base: Value, name: str) -> Value:
         return _member(machine, base, name)
     if isinstance(base, Vec) or (isinstance(base, float | np.ndarray) and name in VECTOR_METHODS):
         return _of_vector(machine, base, name)
+    if name in CHANGERS and isinstance(base, CHANGERS[name]):
+        raise machine.meter.fault("not_allowed", f"{name} is a statement of its own")
     if isinstance(base, Rotation) and name in ROTATION_METHODS:
         return _bound(base, ROTATION_METHODS[name])
     if isinstance(base, DictValue) and name in TABLE_METHODS:
@@ -145,8 +147,6 @@ def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
     """
     if isinstance(node.func, ast.Name) and node.func.id in ("getattr", "hasattr"):
         return _reflect(machine, node, node.func.id, evaluate)
-    if isinstance(node.func, ast.Attribute) and node.func.attr in CHANGERS:
-        raise machine.meter.fault("not_allowed", f"{node.func.attr} is a statement of its own")
     function = evaluate(machine, node.func)
     waiting = len(machine.pending)
     if isinstance(function, Builtin) and function.bound is not None:

@@ -207,6 +207,7 @@ ARRAY: dict[str, Callable[..., Value]] = {
     "ones_like": arrays.like(1.0),
     "eye": arrays.eye,
     "identity": arrays.eye,
+    "append": arrays.append,
     "concatenate": arrays.concatenate,
     "hstack": arrays.concatenate,
     "stack": arrays.stack,

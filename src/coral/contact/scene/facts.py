@@ -78,9 +78,10 @@ class TableFacts(TypedDict):
 
 
 class HandFacts(TypedDict):
-    """The tool's pose, and the widest opening of the fingers."""
+    """The tool's pose, and the fingers' opening, present and widest."""
 
     pose: list[float]
+    opening_m: float
     widest_opening_m: float
 
 

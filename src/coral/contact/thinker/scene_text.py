@@ -114,7 +114,7 @@ def scene_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_
     palm, opening = (_vector(np.round(column_of(hand["pose"][3:], axis), 2).tolist()) for axis in (2, 1))
     lines.append(
         f"Hand now: at {_vector(hand['pose'][:3])}, turned {_vector(hand['pose'][3:])}: its z axis along {palm}, its y "
-        f"axis along {opening}."
+        f"axis along {opening}; open by {hand['opening_m']:g} m."
     )
     lines.append(f"Success, within {time_limit_s:g} s: all of these at once, for {hold_s:g} s:")
     told: set[str] = set()
