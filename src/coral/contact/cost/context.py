@@ -131,7 +131,7 @@ class Cost(Protocol):
 
 
 @runtime_checkable
-class Reading(Protocol):
+class ReadingCost(Protocol):
     """A cost that tells which quantities it reads."""
 
     reads: list[str]

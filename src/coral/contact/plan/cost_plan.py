@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, Field, model_validator
 
-from coral.contact.cost.context import Context, Cost, Reading, Schema
+from coral.contact.cost.context import Context, Cost, ReadingCost, Schema
 from coral.contact.cost.stages import Guide, Stage, Strategy, Test
 from coral.contact.cost_program import CostError, CostProgram
 from coral.contact.cost_program.state import objects_of
@@ -253,7 +253,7 @@ def presses_by_design(cost: Cost, schema: Schema) -> bool:
     fixed = {name.removesuffix("_hand_contact") for name in schema if name.endswith("_hand_contact")}
     fixed -= set(objects_of(schema))
     kinds = ("hand_force", "hand_contact", "palm_contact")
-    return isinstance(cost, Reading) and any(f"{name}_{kind}" in cost.reads for name in fixed for kind in kinds)
+    return isinstance(cost, ReadingCost) and any(f"{name}_{kind}" in cost.reads for name in fixed for kind in kinds)
 
 
 def _test(program: Cost) -> Test:
