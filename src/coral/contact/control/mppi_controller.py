@@ -61,6 +61,10 @@ class ControllerCfg:
     flange by its data sheet. 0 disables it. Joint limits and the arm's own links exclude further poses inside."""
     guided: Fraction = 0.2
     """Share of the samples guided to contact points, if a stage has any."""
+    guided_slowest: Annotated[float, Field(gt=0, le=1)] = 1.0
+    """Slowest guided motion, as the share of its way that it goes within the horizon; at 1 all arrive. Fast ones slip
+    off what has to be dragged by friction: with 0.1 the hand drags what it only pressed on before. The tables were
+    measured with 1."""
     terminal: NonNegative = 1.0
     """Weight of the last state (phi of Eq. 4) relative to the mean over the horizon."""
     risk: RiskCfg = field(default_factory=RiskCfg)
@@ -323,7 +327,10 @@ class Controller:
             aim = int(self._rng.integers(len(aims)))
             (guide, points, _), turn, noise = aims[aim], turns[aim], noises[row]
             goal = points[int(self._rng.integers(len(points)))]
-            pace = np.minimum(1.0, times * self._rng.uniform(1.0, 3.0))[:, None]
+            speed = self._rng.uniform(1.0, 3.0)
+            if self.cfg.guided_slowest < 1.0:
+                speed *= self.cfg.guided_slowest ** self._rng.uniform()
+            pace = np.minimum(1.0, times * speed)[:, None]
             sampled[row, :, :3] = start.position + pace * (goal - start.position) + noise[:, :3]
             if turn is not None:
                 sampled[row, :, 3:6] = pace * turn + noise[:, 3:6]
