@@ -63,8 +63,7 @@ class ControllerCfg:
     """Share of the samples guided to contact points, if a stage has any."""
     guided_slowest: Annotated[float, Field(gt=0, le=1)] = 1.0
     """Slowest guided motion, as the share of its way that it goes within the horizon; at 1 all arrive. Fast ones slip
-    off what has to be dragged by friction: with 0.1 the hand drags what it only pressed on before. The tables were
-    measured with 1."""
+    off what has to be dragged by friction. The tables were measured with 1."""
     terminal: NonNegative = 1.0
     """Weight of the last state (phi of Eq. 4) relative to the mean over the horizon."""
     risk: RiskCfg = field(default_factory=RiskCfg)
