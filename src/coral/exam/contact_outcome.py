@@ -110,25 +110,34 @@ def short_task(task: Task) -> Task:
 
 
 def follow(
-    trial: Trial, plan: FollowedPlan, load: Loader = in_process, observers: Sequence[Any] = ()
+    trial: Trial,
+    plan: FollowedPlan,
+    load: Loader = in_process,
+    observers: Sequence[Any] = (),
+    cfg: EpisodeCfg | None = None,
 ) -> dict[str, Any]:
     """Follow a plan to its end, the time of planning charged. Return the metrics with `detail`, the end's reason."""
     with tempfile.TemporaryDirectory() as folder:
         strategist = PlanFollower(plan, load)
         trial = replace(trial, task=short_task(trial.task))
-        episode = Episode(trial, "hand", strategist, scored_cfg(), Path(folder) / "run", variant="exam")
+        episode = Episode(trial, "hand", strategist, cfg or scored_cfg(), Path(folder) / "run", variant="exam")
         return {**episode.run(observers), "detail": episode.detail}
 
 
 def score_plan(key: Mapping[str, Any], facts: Mapping[str, Any], answer: PlanAnswer) -> Worth:
     """Score a plan: 1 if it succeeds in time, 0 if it does not or is refused."""
+    return _outcome(key, followed_plan(key, answer))
+
+
+def followed_plan(key: Mapping[str, Any], answer: PlanAnswer) -> FollowedPlan:
+    """Return a plan with the beliefs and the contact regions of its question's key."""
     regions = RegionsAnswer.model_validate(key["regions"])
     # The regions of the key name other stages than this answer does: each region is valid for all stages.
     held = {
         name: one.model_copy(update={"regions": [r.model_copy(update={"stage": ""}) for r in one.regions]})
         for name, one in regions.root.items()
     }
-    return _outcome(key, FollowedPlan(answer, _physical(key["beliefs"]), RegionsAnswer(held)))
+    return FollowedPlan(answer, _physical(key["beliefs"]), RegionsAnswer(held))
 
 
 def score_unified(key: Mapping[str, Any], facts: Mapping[str, Any], answer: UnifiedAnswer) -> Worth:
