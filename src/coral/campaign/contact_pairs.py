@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from statistics import fmean
 
@@ -39,15 +40,16 @@ def paired_table(
             "95 % interval (%)",
             "better : worse",
             "p",
-            "slower in, of both",
-            "p of it",
-            "requests a trial",
+            "sooner : later",
+            "p",
+            "requests",
+            "time (s)",
         ),
         tuple((name(variant), *_line(trials, full, variant == REFERENCE)) for variant, trials in by_variant.items()),
         (
-            f"Better : worse: trials that only {name(REFERENCE)} solved, and only the method; p: two-sided sign test "
-            "of these. Slower in, of both: trials in which the method took longer, of those that both solved, with the "
-            "sign test's p.",
+            f"Better : worse: trials that only {name(REFERENCE)} solved, and only the method. Sooner : later: trials "
+            f"that {name(REFERENCE)} solved sooner than the method, and later; a failure is later than any success. p: "
+            "two-sided sign tests. Requests: a trial; time: mean of the successes, simulated.",
             *source,
         ),
     )
@@ -57,15 +59,22 @@ def _line(trials: Trials, full: Trials, is_reference: bool) -> tuple[str, ...]:
     won = sum(bool(row["success"]) for row in trials.values())
     low, high = wilson(won, len(trials))
     requests = [float(row["advisor_calls"]) for row in trials.values() if row.get("advisor_calls") is not None]
+    times = [float(row["sim_time_s"]) for row in trials.values() if row["success"]]
     begin = (f"{won}/{len(trials)}", f"{number(100 * low, 0)}–{number(100 * high, 0)}")
-    end = number(fmean(requests), 1) if requests else "–"
+    end = tuple(number(fmean(values), 1) if values else "–" for values in (requests, times))
     pairs = [(full[key], row) for key, row in trials.items() if key in full]
     if is_reference or not pairs:
-        return (*begin, "–", "–", "–", "–", end)
-    better = sum(bool(ours["success"]) and not row["success"] for ours, row in pairs)
-    worse = sum(bool(row["success"]) and not ours["success"] for ours, row in pairs)
-    both = [(ours, row) for ours, row in pairs if ours["success"] and row["success"]]
-    later_s = [float(row["sim_time_s"]) - float(ours["sim_time_s"]) for ours, row in both]
-    slower, faster = sum(late > 0 for late in later_s), sum(late < 0 for late in later_s)
-    solved = (f"{better} : {worse}", f"{sign_test(better, worse):.2g}")
-    return (*begin, *solved, f"{slower} of {len(both)}", f"{sign_test(slower, faster):.2g}", end)
+        return (*begin, "–", "–", "–", "–", *end)
+    solved = [(bool(ours["success"]), bool(row["success"])) for ours, row in pairs]
+    ended = [(_solved_s(ours), _solved_s(row)) for ours, row in pairs]
+    return (*begin, *_tested(solved), *_tested([(-ours, -row) for ours, row in ended]), *end)
+
+
+def _solved_s(row: Row) -> float:
+    return float(row["sim_time_s"]) if row["success"] else math.inf
+
+
+def _tested(pairs: Sequence[tuple[float, float]]) -> tuple[str, str]:
+    """Return in how many pairs the first is larger, and the second, and the p value of that."""
+    first, second = sum(a > b for a, b in pairs), sum(b > a for a, b in pairs)
+    return f"{first} : {second}", f"{sign_test(first, second):.2g}"
