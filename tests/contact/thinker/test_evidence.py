@@ -54,7 +54,7 @@ def test_fingers_inside_the_object_and_targets_at_the_edge_are_told():
     found = evidence(history(100, box=BOX), at_edge)
     assert (found.sunk, found.largest_value, found.at_edge) == (0.5, -3.0, pytest.approx(0.9))
     told = " ".join(found.sentences())
-    assert "At 50 % of the times the hand was inside the box by the believed poses." in told
+    assert "For 50 % of the time the hand was inside the box by the believed poses." in told
     assert "At the end its targets stood at the edge of its workspace." in told
     assert "edge" not in " ".join(evidence(history(100, box=BOX), notes).sentences())
 

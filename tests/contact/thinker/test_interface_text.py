@@ -4,42 +4,50 @@ import re
 from itertools import product
 
 import pytest
+from contact_bench import seen
 
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.cost.context import Quantity
 from coral.contact.cost.schema import object_quantities, scenery_quantities
 from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
+from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.interface_text import LEGEND, interface_text
+from coral.contact.thinker.scene_facts import scene_facts
+from coral.contact.thinker.scene_text import scene_text, told_in_scene
 
 
-def lines_of(schema):
-    return interface_text(schema).splitlines()[1:-1]
+def lines_of(schema, told=()):
+    return interface_text(schema, told).splitlines()[1:-1]
 
 
-def named(schema, objects):
+def named(schema, objects, told=()):
     """All names that the text stands for, its general ones written out."""
     found = set()
-    for line in lines_of(schema):
+    for line in lines_of(schema, told):
         if not line.startswith("- "):
             continue
         names, _, about = line[2:].partition(": ")
-        listed = {word: about.partition(f"({word}: ")[2].partition(")")[0] for word in ("THING", "PLACE")}
-        things = {word: [one.split(" ")[0] for one in text.split(", ")] for word, text in listed.items()}
+        things = [one.split(" ")[0] for one in about.partition("(THING: ")[2].partition(")")[0].split(", ")]
         for part in names.split(", "):
             name = re.split(r"[\[? ]", part)[0]
-            choices = [objects if "NAME" in name else [""], things["THING"], things["PLACE"]]
-            for owner, thing, place in product(*choices):
+            for owner, thing in product(objects if "NAME" in name else [""], things):
                 if owner != thing or not owner:
-                    found.add(name.replace("NAME", owner).replace("THING", thing).replace("PLACE", place))
+                    found.add(name.replace("NAME", owner).replace("THING", thing))
     return found
 
 
 @pytest.mark.parametrize("task", [*shipped_tasks(), *unseen_tasks()])
 def test_every_quantity_of_a_task_is_named_and_nothing_else(task):
-    loaded = load_task(task)
-    schema = task_schema_of(loaded)
-    assert named(schema, [item.name for item in loaded.objects]) == set(schema)
+    trial = sample_trial(load_task(task), 0)
+    schema = task_schema_of(trial.task)
+    facts = scene_facts(trial, seen(trial))
+    told = told_in_scene(facts)
+    scene = scene_text(facts, 0.5, 30.0)
+    assert all(f"self.{name}" in scene for name in told)
+    objects = [item.name for item in trial.task.objects]
+    assert named(schema, objects) == set(schema)
+    assert named(schema, objects, told) == set(schema) - told
 
 
 def test_what_all_objects_or_things_have_is_described_once():
@@ -60,7 +68,6 @@ def test_what_all_objects_or_things_have_is_described_once():
         for line in lines
     )
     assert "- THING_pos[3] m, THING_size[3] m: centre, full extents of THING (THING: shelf, wall)" in lines
-    assert "- PLACE_pos[3] m: the place PLACE of the task (PLACE: goal, mark)" in lines
     assert "- NAME_mass kg, NAME_friction: believed mass, friction coefficient of NAME" in lines
 
 

@@ -21,7 +21,7 @@ HAND: Schema = {
     "ee_stage_pos": Quantity(3, "m", "ee_pos when the active stage began", constant=True),
     "time": Quantity(0, "s", "time since the episode began"),
     "stage_time": Quantity(0, "s", "time since the active stage began"),
-    "current_step": Quantity(0, "", "control steps since the episode began"),
+    "current_step": Quantity(0, "", "control steps so far"),
     "last_action": Quantity(
         7, "", "commanded over this step: velocity (m/s), angular velocity (rad/s), opening speed (m/s)"
     ),

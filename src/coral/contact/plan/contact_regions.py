@@ -75,7 +75,7 @@ class RegionsAnswer(RootModel[dict[str, ObjectRegions]]):
         """Return each region in words, for a prompt."""
         return [
             f"{name}{f', stage {region.stage}' if region.stage else ''}: {region.approach or 'touch'} "
-            f"{_numbers(region.center)}, normal {_numbers(region.normal)}, radius {region.extent:g} (its frame, m)"
+            f"{_numbers(region.center)}, normal {_numbers(region.normal)}, radius {region.extent:g}"
             for name, region in self.each()
         ]
 

@@ -34,8 +34,8 @@ TEXTS: Mapping[Diagnosis, str] = {
     "rewards the distance",
     "out-of-reach": "the hand stands at the edge of its workspace, or behind its commands although it feels nothing: "
     "its cost leads it to where the arm does not reach",
-    "pose-wrong": "by the believed poses the hand is inside an object, or feels forces where nothing is near it, or "
-    "forces that no rehearsal expects: an object is not where it is believed to be",
+    "pose-wrong": "by the believed poses the hand is inside an object, or feels forces where nothing is near or that "
+    "no rehearsal expects: an object is not where it is believed to be",
     "slipped": "contact was made and lost again and again",
     "settled": "the hand stays where it was told to be, and the stage does not end there: its cost leads to a "
     "wrong place",

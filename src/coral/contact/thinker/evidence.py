@@ -101,7 +101,7 @@ class Evidence:
             told.append(f"It also touched: {', '.join(self.others)}.")
         if self.felt and self.unexplained:
             told.append(
-                f"At {100 * self.unexplained:.0f} % of the times at which it felt a force, nothing was near it by the "
+                f"For {100 * self.unexplained:.0f} % of the time that it felt a force, nothing was near it by the "
                 "believed poses."
             )
         if self.unrehearsed_n > FELT_N:
@@ -111,7 +111,7 @@ class Evidence:
             )
         if self.sunk:
             told.append(
-                f"At {100 * self.sunk:.0f} % of the times the hand was inside the {self.name} by the believed poses."
+                f"For {100 * self.sunk:.0f} % of the time the hand was inside the {self.name} by the believed poses."
             )
         if self.around >= MOSTLY:
             told.append(

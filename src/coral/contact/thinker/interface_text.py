@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from coral.contact.cost.context import Quantity, Schema
 from coral.contact.cost.schema import hand_quantities
@@ -13,32 +13,30 @@ FUNCTIONS = (
     "norm(v), dist(a, b), dot, cross, clip(x, low, high), clip01(x), sigmoid(x), near(d, scale) = exp(-(d/scale)^2), "
     "quat_axis(q, 0|1|2) = that axis in the world, quat_rotate(q, v), quat_angle(a, b), and those of np and math"
 )
-LEGEND = (
-    "Read as self.ee_pos and so on, in world axes; [3] is a vector of 3, [4] a quaternion (w, x, y, z), "
-    "? true or false:"
-)
+LEGEND = "Read as self.ee_pos and so on, in world axes; [3]: a vector, [4]: a quaternion, w first, ?: true or false:"
 LEAST_SHARED = 2
 """Words that descriptions share at least if they are joined; half of the longest, too."""
 MIDDLE = 24
 """Characters of what they do not share at most."""
-OWNER, THING, PLACE = "NAME", "THING", "PLACE"
-"""What stands for an object, for anything solid and for a place of the task."""
+OWNER, THING = "NAME", "THING"
+"""What stands for an object and for anything solid."""
 Pattern = tuple[str, str, str]
 """What names have in common: the name and its description with the words above in place of names, and its kind."""
 Line = tuple[str, str, str]
 """Names with their kinds, their description, and for which things they are there."""
 
 
-def interface_text(schema: Schema) -> str:
+def interface_text(schema: Schema, told: Collection[str] = ()) -> str:
     """Describe the names and functions that a cost may use.
 
     Args:
         schema: The quantities of the task.
+        told: Names that the prompt tells elsewhere.
     """
     objects = objects_of(schema)
     fixed = ["table", *(key.removesuffix("_size") for key in schema if _is_fixed(key, schema, objects))]
     groups: dict[Pattern, list[tuple[str, str, str]]] = {}
-    for key, item in schema.items():
+    for key, item in ((key, item) for key, item in schema.items() if key not in told):
         pattern, owner, thing = _pattern_of(key, item, objects, [*objects, *fixed])
         groups.setdefault(pattern, []).append((key, owner, thing))
     several = [f"({OWNER} is one of {', '.join(objects)}.)"] if len(objects) > 1 else []
@@ -71,9 +69,6 @@ def _pattern_of(key: str, item: Quantity, objects: Sequence[str], things: Sequen
     if thing:
         name = name[: len(name) - len(rest)] + f"_{rest}".replace(f"_{thing}_", f"_{THING}_", 1)[1:]
         text = _replaced("", text, thing, THING)[1]
-    place = name.removesuffix("_pos")
-    if text == f"the place {place} of the task":
-        name, text, thing = f"{PLACE}_pos", f"the place {PLACE} of the task", place
     return (name, text, kind), owner, thing
 
 
@@ -100,9 +95,8 @@ def _group_line(pattern: Pattern, members: list[tuple[str, str, str]], objects: 
     regular = all(of_each[owner] == set(things) - {owner} for owner in owners)
     if not regular or owners not in ({""}, set(objects)):
         return f"{', '.join(keys)}{kind}", text, ""
-    word = PLACE if name.startswith(PLACE) else THING
     own = f" other than {OWNER}" if owners != {""} and set(things) & owners else ""
-    return f"{name}{kind}", text, f" ({word}: {', '.join(things)}{own})" if things else ""
+    return f"{name}{kind}", text, f" ({THING}: {', '.join(things)}{own})" if things else ""
 
 
 def _brief(text: str) -> str:

@@ -33,6 +33,7 @@ from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis
 from coral.contact.thinker.film_strip import draw_film_strip
 from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
+from coral.contact.thinker.repair_prompt import fit_prompt
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
 from coral.contact.thinker.stand_in import fall_back
@@ -134,11 +135,12 @@ class Questions:
 
     def ask_plan(self, now: Observation) -> PlanAnswer | None:
         """Ask for a plan; None without an answer."""
-        return self._ask_for_plan("cost-function", now, {})
+        return self._ask_for_plan("cost-function", now, self.world_prompt())
 
     def ask_repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
         """Ask for another plan, given the history of the last one; None without an answer."""
-        return self._ask_for_plan("cost-repair", now, {**self._past(), **history})
+        shown = {**self.world_prompt(), **self._past(), **history}
+        return self._ask_for_plan("cost-repair", now, fit_prompt("cost-repair", shown))
 
     def revise_plan(self, plan: PlanAnswer, now: Observation) -> PlanAnswer:
         """Rehearse a plan in the planning world and let its author revise it, at most `rehearsals` times.
@@ -339,12 +341,12 @@ class Questions:
         self.advice = verdict.advice
         return verdict.refusal
 
-    def _ask_for_plan(self, kind: str, now: Observation, about: Mapping[str, Any]) -> PlanAnswer | None:
+    def _ask_for_plan(self, kind: str, now: Observation, prompt: Mapping[str, Any]) -> PlanAnswer | None:
         outcome = self._asker.ask(
             kind,
             PlanAnswer,
             self._plan_facts(),
-            {**self.world_prompt(), **about},
+            prompt,
             lambda plan: self.check_plan(plan, self.present(now)),
             with_picture=True,
             labels=self.labels(now),

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from coral.contact.control.hand_model import MAX_OPENING_M, HandCfg
+from coral.contact.control.hand_model import HandCfg
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.cost.context import Schema
 from coral.contact.scene.condition import BaseCondition
@@ -25,13 +25,12 @@ from coral.contact.thinker.think_cfg import ThinkCfg
 SQUEEZE = HandCfg()
 AXES = (
     "World frame: metres, z up, the table's top at z = 0. x points away from the robot, y to its left: nearer means "
-    "smaller x, left means larger y, wherever the camera stands."
+    "smaller x, left means larger y."
 )
 HAND = (
-    f"The hand: two fingers, opening 0 to {MAX_OPENING_M:g} m, the left one towards the hand's y axis; ee_pos lies "
-    "between their tips, 8 mm before the ends. A finger is 2 cm wide, 1.2 cm thick (along the opening), 4.5 cm long. "
-    "The palm, 20 cm along the opening, 6 cm across and 7 cm deep, begins 4 cm behind ee_pos; a wrist 10 cm thick "
-    "follows. Palm down is quat_axis(self.ee_quat, 2) = (0, 0, -1). "
+    "The hand: two fingers, the left one towards the hand's y axis; ee_pos lies between their tips, 8 mm before the "
+    "ends. A finger is 2 cm wide, 1.2 cm thick (along the opening), 4.5 cm long. The palm, 20 cm along the opening, "
+    "6 cm across and 7 cm deep, begins 4 cm behind ee_pos; a wrist 10 cm thick follows. "
     f"Fingers rub with friction {FINGER_FRICTION:g} on everything (elsewhere the larger of two counts); each "
     f"squeezes with {SQUEEZE.finger_stiffness_n_m / 2:g} N/m of gripper_opening - gripper_target, "
     f"{SQUEEZE.finger_force_n:g} N at most."
@@ -56,8 +55,9 @@ def planner_text(limits: PlannerLimits) -> str:
         f"The planner compares {limits.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
         f"sees nothing beyond, and plans anew every {limits.replan_s:g} s{late}. The hand moves at most "
         f"{limits.speed_m_s:g} m/s, turns {limits.turn_rad_s:g} rad/s, presses with {limits.press_n:g} N; fingers "
-        f"open at {limits.opening_m_s:g} m/s. ee_pos stays within {bounds} m. The hand comes to rest 1 to 2 cm from "
-        f"where a distance would be 0: let conditions allow for that.{kept}"
+        f"open at {limits.opening_m_s:g} m/s. ee_pos stays within {bounds} m. It wanders by 1 cm "
+        f"about where a distance would be 0: let conditions allow 2. At a face, half a finger keeps ee_pos 1 cm off: "
+        f"a distance to the face itself presses.{kept}"
     )
 
 
@@ -78,7 +78,7 @@ def world_prompt(
         "scene": scene_text(facts, task.success.hold_s, task.time_limit_s),
         "hand": HAND,
         "planner": planner_text(limits),
-        "interface": interface_text(schema),
+        "interface": interface_text(schema, told_in_scene(facts)),
         "contact_strategy": cfg.strategy,
     }
 
@@ -94,19 +94,21 @@ def scene_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_
     table, hand = facts["table"], facts["hand"]
     lines = [
         AXES,
-        f"Table: x {_range(table['x'])}, y {_range(table['y'])}.",
+        f"Table: x {_range(table['x'])}, y {_range(table['y'])} (corners self.table_min, self.table_max).",
         "Objects (position and quaternion (w, x, y, z) of its frame; extents along its axes; shape):",
         *(_object_line(name, item) for name, item in facts["objects"].items()),
     ]
     if facts["fixtures"]:
-        lines.append("Fixed things (centre; extents):")
+        lines.append("Fixed things (centre; full extents):")
         lines += [
-            f"- {name}: at {_vector(item['position'])}; {_vector(item['size_m'])}"
+            f"- self.{name}_pos = {_vector(item['position'])}; self.{name}_size = {_vector(item['size_m'])}"
             + (f"; turned about z by {item['yaw_deg']:g} deg" if item["yaw_deg"] else "")
             for name, item in facts["fixtures"].items()
         ]
     if facts["places"]:
-        lines.append("Places: " + "; ".join(f"{name} {_vector(at)}" for name, at in facts["places"].items()) + ".")
+        lines.append(
+            "Places: " + "; ".join(f"self.{name}_pos = {_vector(at)}" for name, at in facts["places"].items()) + "."
+        )
     if facts["numbers"]:
         lines.append(
             "Numbers: " + "; ".join(f"self.{name} = {value:g}" for name, value in facts["numbers"].items()) + "."
@@ -131,6 +133,16 @@ def scene_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_
                 lines.append(f"   {inner['kind']}: {_meaning(inner)}")
                 told.add(inner["kind"])
     return "\n".join(lines)
+
+
+def told_in_scene(facts: SceneFacts | Mapping[str, Any]) -> set[str]:
+    """Return the names that a cost may use and `scene_text` tells with their values.
+
+    Args:
+        facts: The scene as last observed.
+    """
+    fixed = {f"{name}_{what}" for name in facts["fixtures"] for what in ("pos", "size")}
+    return {"table_min", "table_max"} | fixed | {f"{name}_pos" for name in facts["places"]} | {*facts["numbers"]}
 
 
 def condition_text(goal: Mapping[str, Any], brief: bool = False) -> str:

@@ -21,6 +21,7 @@ from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.touchable_points import Scenery
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.question_facts import PlanFacts
+from coral.contact.thinker.repair_prompt import fit_prompt
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimate, ParameterEstimates, verify_estimates
 
@@ -78,13 +79,9 @@ def ask_unified(
         labels: What to write into the picture.
         history: For a repair: what the prompt says of the plan that failed.
     """
-    prompt = {
-        **shown,
-        "places": cfg.regions,
-        "code": "",
-        "error": "",
-        **(history or {}),
-    }
+    prompt: dict[str, Any] = {**shown, "places": cfg.regions, "code": "", "error": ""}
+    if history is not None:
+        prompt = fit_prompt(KIND, {**prompt, **history})
     sizes = {name: item["size_m"] for name, item in facts["objects"].items()}
 
     def wrong(answer: UnifiedAnswer) -> Rejection | None:
