@@ -3,9 +3,10 @@
 import pytest
 
 from coral.contact.thinker import repair_prompt
-from coral.contact.thinker.repair_prompt import LEAST_ROWS, fit_prompt
+from coral.contact.thinker.repair_prompt import fit_prompt
 
 VALUES = {"earlier": ["a", "b", "c"], "history": [1, 2, 3], "terms": ["first", "last"], "code": "return 0.0"}
+ROWS = ("earlier", "history", "terms")
 
 
 @pytest.fixture
@@ -13,14 +14,14 @@ def characters(monkeypatch):
     """Count a row as a thousand characters, and the program as what it has."""
 
     def render(kind, values):
-        return "x" * (1000 * sum(len(values[key]) for key in LEAST_ROWS) + len(values["code"])), "1"
+        return "x" * (1000 * sum(len(values[key]) for key in ROWS) + len(values["code"])), "1"
 
     monkeypatch.setattr(repair_prompt, "render", render)
     return lambda most: monkeypatch.setattr(repair_prompt, "MOST_CHARACTERS", most)
 
 
 def rows(fitted):
-    return [fitted[key] for key in LEAST_ROWS]
+    return [fitted[key] for key in ROWS]
 
 
 @pytest.mark.parametrize(
@@ -29,7 +30,8 @@ def rows(fitted):
         (8001, [["a", "b", "c"], [1, 2, 3], ["first", "last"]]),
         (7001, [["a", "c"], [1, 2, 3], ["first", "last"]]),
         (5001, [["c"], [1, 3], ["first", "last"]]),
-        (100, [["c"], [1, 3], ["last"]]),
+        (4001, [["c"], [1, 3], ["last"]]),
+        (100, [[], [3], ["last"]]),
     ],
 )
 def test_middle_rows_go_first_and_the_last_ones_stay(characters, most, left):

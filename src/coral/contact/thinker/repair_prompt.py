@@ -9,7 +9,7 @@ from coral.advisor.prompt import render
 
 MOST_CHARACTERS = 9_200
 """Characters of a repair's prompt without its author's program: fewer than 3,000 tokens (docs/contact-mind.md)."""
-LEAST_ROWS = {"earlier": 1, "history": 2, "terms": 1}
+SHORTENED = (("earlier", 1), ("history", 2), ("terms", 1), ("earlier", 0), ("history", 1))
 """What is shortened, in this order, and to how many rows."""
 
 
@@ -22,8 +22,8 @@ def fit_prompt(kind: str, values: Mapping[str, Any]) -> dict[str, Any]:
         kind: Kind of question.
         values: Values of its placeholders.
     """
-    fitted = {**values, **{key: list(values[key]) for key in LEAST_ROWS}}
-    for key, least in LEAST_ROWS.items():
+    fitted = {**values, **{key: list(values[key]) for key, _ in SHORTENED}}
+    for key, least in SHORTENED:
         rows = fitted[key]
         while len(rows) > least and len(render(kind, {**fitted, "code": "-"})[0]) > MOST_CHARACTERS:
             del rows[(len(rows) - 1) // 2]
