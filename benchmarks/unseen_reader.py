@@ -1,4 +1,4 @@
-"""What plans for the unseen test half are worth: recorded answers of a reader outside, or plans without a thought.
+"""What plans for the unseen tasks are worth: recorded answers of a reader outside, or plans without a thought.
 
     python benchmarks/unseen_reader.py --seed 0 --answers docs/results/contact-unseen-reader.jsonl
     python benchmarks/unseen_reader.py --seed 0 --control hover
@@ -34,6 +34,7 @@ def main() -> None:
     """Follow the plans and print what became of each."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=0, help="of the questions")
+    parser.add_argument("--half", choices=("development", "test"), default="test", help="of the unseen suite")
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument("--answers", type=Path, help="a line for each question, in their order: {answer: ...}")
     source.add_argument("--control", choices=("hover", "greedy"))
@@ -42,7 +43,7 @@ def main() -> None:
     parser.add_argument("--guided-slowest", type=float)
     parser.add_argument("--samples", type=int)
     said = parser.parse_args()
-    items = unseen_items("test", said.seed)
+    items = unseen_items(said.half, said.seed)
     if said.answers:
         answers = [json.loads(line)["answer"] for line in said.answers.read_text(encoding="utf-8").splitlines()]
     else:

@@ -31,8 +31,8 @@ HAND = (
     "The hand: two fingers, the left one towards the hand's y axis; ee_pos lies between their tips, 8 mm before the "
     "ends. A finger is 2 cm wide, 1.2 cm thick (along the opening), 4.5 cm long. The palm, 20 cm along the opening, "
     "6 cm across and 7 cm deep, begins 4 cm behind ee_pos; a wrist 10 cm thick follows. "
-    f"Fingers rub with friction {FINGER_FRICTION:g} on everything (elsewhere the larger of two counts); each "
-    f"squeezes with {SQUEEZE.finger_stiffness_n_m / 2:g} N/m of gripper_opening - gripper_target, "
+    f"Fingers rub with friction {FINGER_FRICTION:g} on everything (elsewhere an object's own counts, of two objects "
+    f"the larger); each squeezes with {SQUEEZE.finger_stiffness_n_m / 2:g} N/m of gripper_opening - gripper_target, "
     f"{SQUEEZE.finger_force_n:g} N at most."
 )
 
@@ -55,7 +55,7 @@ def planner_text(limits: PlannerLimits) -> str:
         f"The planner compares {limits.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
         f"sees nothing beyond, and plans anew every {limits.replan_s:g} s{late}. The hand moves at most "
         f"{limits.speed_m_s:g} m/s, turns {limits.turn_rad_s:g} rad/s, presses with {limits.press_n:g} N; fingers "
-        f"open at {limits.opening_m_s:g} m/s. ee_pos stays within {bounds} m. It wanders by 1 cm "
+        f"open at {limits.opening_m_s:g} m/s. ee_pos stays within {bounds} m. It wanders by up to 1 cm "
         f"about where a distance would be 0: let conditions allow 2. At a face, half a finger keeps ee_pos 1 cm off: "
         f"a distance to the face itself presses.{kept}"
     )
