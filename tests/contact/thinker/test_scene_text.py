@@ -78,7 +78,14 @@ LIMITS = PlannerLimits.of(ControllerCfg(horizon=25, speed_m_s=0.7, mppi=KnotMppi
 
 def test_the_planner_tells_its_horizon_its_speeds_and_its_force():
     said = planner_text(dataclasses.replace(LIMITS, press_n=20.0))
-    for words in ("64 futures of 1 s", "anew every 0.08 s.", "0.7 m/s", "presses with 20 N", "x -0.35 to 0.4"):
+    for words in (
+        "64 futures of 1 s",
+        "anew every 0.08 s.",
+        "0.7 m/s",
+        "presses with 20 N",
+        "its target 6 cm ahead",
+        "x -0.35 to 0.4",
+    ):
         assert words in said
     assert "avoids pressing with more than 10 N on table and fixed things" in said
     assert "avoids" not in planner_text(dataclasses.replace(LIMITS, free_n=None))

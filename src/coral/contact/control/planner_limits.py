@@ -20,6 +20,7 @@ class PlannerLimits:
         samples: Rehearsals of a plan.
         speed_m_s: Maximum speed of the hand.
         turn_rad_s: Maximum angular speed of the hand.
+        lead_m: Maximum distance of the hand's target from the hand when a plan begins.
         opening_m_s: Maximum speed at which the distance between the fingers changes.
         low_m: Lowest corner of the hand's workspace, x, y, z.
         high_m: Its highest corner.
@@ -34,6 +35,7 @@ class PlannerLimits:
     samples: int
     speed_m_s: float
     turn_rad_s: float
+    lead_m: float
     opening_m_s: float
     low_m: tuple[float, float, float]
     high_m: tuple[float, float, float]
@@ -61,6 +63,7 @@ class PlannerLimits:
             cfg.mppi.samples,
             cfg.speed_m_s,
             cfg.turn_rad_s,
+            cfg.lead_m,
             cfg.opening_m_s,
             cfg.workspace_low_m,
             cfg.workspace_high_m,

@@ -54,10 +54,10 @@ def planner_text(limits: PlannerLimits) -> str:
     return (
         f"The planner compares {limits.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
         f"sees nothing beyond, and plans anew every {limits.replan_s:g} s{late}. The hand moves at most "
-        f"{limits.speed_m_s:g} m/s, turns {limits.turn_rad_s:g} rad/s, presses with {limits.press_n:g} N; fingers "
-        f"open at {limits.opening_m_s:g} m/s. ee_pos stays within {bounds} m. It wanders by up to 1 cm "
-        f"about where a distance would be 0: let conditions allow 2. At a face, half a finger keeps ee_pos 1 cm off: "
-        f"a distance to the face itself presses.{kept}"
+        f"{limits.speed_m_s:g} m/s, turns {limits.turn_rad_s:g} rad/s, has its target {100 * limits.lead_m:g} cm ahead "
+        f"at most, presses with {limits.press_n:g} N; fingers open at {limits.opening_m_s:g} m/s. ee_pos stays within "
+        f"{bounds} m. It wanders by up to 1 cm about where a distance would be 0: let conditions allow 2. At a face, "
+        f"half a finger keeps ee_pos 1 cm off: a distance to the face itself presses.{kept}"
     )
 
 
