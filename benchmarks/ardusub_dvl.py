@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 
 from coral.contact.scene.geometry import rotation_vector
-from coral.reef.dynamics_kernels import rotation
 from coral.reef.sea import ardusub
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.transport import open_transport
+from coral.reef.vehicle.dynamics_kernels import rotation
 
 PARAMETERS = {
     "VISO_TYPE": 1,

@@ -12,13 +12,13 @@ import argparse
 
 import numpy as np
 
-from coral.reef.generated import find_world
-from coral.reef.geometry import Pose
-from coral.reef.imaging import ImagingMeter
-from coral.reef.mission import MissionCfg
-from coral.reef.scene import Scene
-from coral.reef.tour import drive_lines, lanes
-from coral.reef.tour_kernels import advance
+from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.tour import drive_lines, lanes
+from coral.reef.simulation.imaging import ImagingMeter
+from coral.reef.vehicle.tour_kernels import advance
+from coral.reef.world.generated import find_world
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
 
 REEFS = ("l1", "l2", "s1", "s2", "k1", "k2", "e1", "e2", "o1", "o2")
 

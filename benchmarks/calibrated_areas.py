@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from coral.reef.eyes.backends import open_eyes
-from coral.reef.mapping import distance_to
+from coral.reef.map.mapping import distance_to
 from coral.reef.products.calibrate_cover import calibrate, gather_evidence
 from coral.reef.products.cover import CoverCfg, area_within, collect_votes, fine_of, make_covers
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.recording import map_of
 from coral.reef.recordings.run_recording import read_run
-from coral.reef.world import load_world
+from coral.reef.world.world import load_world
 
 
 def main(folders: list[Path]) -> None:

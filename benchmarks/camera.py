@@ -14,11 +14,11 @@ import time
 import mujoco
 import numpy as np
 
-from coral.reef.camera import Camera, CameraCfg, T_world_camera
-from coral.reef.collision import clearance
-from coral.reef.geometry import Pose
-from coral.reef.scene import BOX, CYLINDER, ELLIPSOID, Scene
-from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
+from coral.reef.vehicle.camera import Camera, CameraCfg, T_world_camera
+from coral.reef.vehicle.collision import clearance
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import BOX, CYLINDER, ELLIPSOID, Scene
+from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 NORMALS = (None,) if "normal" in mujoco.mj_multiRay.__doc__ else ()  # older ones do not give them
 GEOM = {

@@ -17,10 +17,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.controller import DdpMppi, MppiCfg
-from coral.reef.costfield import CostField
-from coral.reef.dynamics import Thrusters, parameter_set, planar
-from coral.reef.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.drive.controller import DdpMppi, MppiCfg
+from coral.reef.map.costfield import CostField
+from coral.reef.vehicle.dynamics import Thrusters, parameter_set, planar
+from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
 
 CELL_M = 0.05
 CASES = {

@@ -27,9 +27,9 @@ import numpy as np
 from control import CASES, CELL_M, field_of_discs
 from numpy.typing import NDArray
 
-from coral.reef.controller import DdpMppi, MppiCfg
-from coral.reef.costfield import CostField
-from coral.reef.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.drive.controller import DdpMppi, MppiCfg
+from coral.reef.map.costfield import CostField
+from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
 
 GOAL, START = (11.0, 11.0), VehicleState(1.5, 1.5, 0.5)
 PEER = Path(__file__).parent / "peers" / "pytorch_mppi_step.py"

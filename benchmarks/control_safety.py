@@ -24,10 +24,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from coral.reef.controller import DdpMppi, MppiCfg
-from coral.reef.costfield import CostField
-from coral.reef.pd import PdController
-from coral.reef.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.drive.controller import DdpMppi, MppiCfg
+from coral.reef.drive.pd import PdController
+from coral.reef.map.costfield import CostField
+from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
 
 SIZE_M, CELL_M, HULL_M = 20.0, 0.05, 0.3
 PATIENCE = 200

@@ -11,9 +11,9 @@ import sys
 
 import numpy as np
 
-from coral.reef.generate import GeneratorCfg, generate
 from coral.reef.products.truth import true_area_m2
-from coral.reef.world import load_world
+from coral.reef.world.generate import GeneratorCfg, generate
+from coral.reef.world.world import load_world
 
 CALIBRATION_SEEDS = (9001, 9101, 9102)
 

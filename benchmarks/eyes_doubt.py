@@ -18,17 +18,17 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.collision import clearance
 from coral.reef.eyes.backends import open_eyes
 from coral.reef.eyes.doubt import DoubtCfg
-from coral.reef.eyes.painter import Painter
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
-from coral.reef.eyes.water_types import find_water
-from coral.reef.generated import find_world
-from coral.reef.geometry import Frame, Pose
-from coral.reef.mapping import MapCfg, OccupancyMap, distance_to
-from coral.reef.scene import Scene
+from coral.reef.map.mapping import MapCfg, OccupancyMap, distance_to
+from coral.reef.paint.painter import Painter
+from coral.reef.paint.water_types import find_water
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.vehicle.collision import clearance
+from coral.reef.world.generated import find_world
+from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.scene import Scene
 
 LEGS_M, APART_M = 4.0, 0.2
 """Distance between legs, and between pictures."""

@@ -103,14 +103,14 @@ def parsers() -> dict[str, Parser]:
     from coral.contact.policy.wire import WireError, decode, encode
     from coral.contact.scene.task_file import load_task_file
     from coral.desk.inbox import Inbox
-    from coral.reef.answers import CentroidChoice
-    from coral.reef.checks import UnfitMeasurement
-    from coral.reef.mission import MissionCfg
+    from coral.reef.decide.answers import CentroidChoice
+    from coral.reef.mission.mission import MissionCfg
+    from coral.reef.pilot.checks import UnfitMeasurement
     from coral.reef.products.cover_calibration import read_calibration
     from coral.reef.recordings.picture_folder import read_folder
     from coral.reef.recordings.recorded_camera import read_camera
     from coral.reef.sea.survey_file import read_survey
-    from coral.reef.world import load_world
+    from coral.reef.world.world import load_world
     from coral.view.run import RunFolder
 
     def of(*paths: str, most: int = 20_000) -> tuple[bytes, ...]:
@@ -155,7 +155,7 @@ def parsers() -> dict[str, Parser]:
         return RunFolder.read(path.parent)
 
     return {
-        "world": Parser(load_world, of("reef/worlds/l1.yaml", most=6000), suffix=".yaml"),
+        "world": Parser(load_world, of("reef/world/worlds/l1.yaml", most=6000), suffix=".yaml"),
         "task": Parser(load_task_file, tasks, suffix=".yaml"),
         "configuration": Parser(
             lambda path: read_config(path, MissionCfg()), (b"time_limit_s: 30\npilot: {budget: {deadline_s: 5}}\n",)
@@ -212,7 +212,7 @@ def sonar_parsers(refused: type[Exception]) -> dict[str, Parser]:
     import numpy as np
 
     from coral.reef.sea.sonar_packets import SonarPing, decode_packet, encode_packet, load_protocol, read_packets
-    from coral.reef.sonar.range_image import RangeImage
+    from coral.reef.vehicle.range_image import RangeImage
 
     with suppress(InputError):
         load_protocol()

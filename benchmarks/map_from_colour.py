@@ -17,17 +17,17 @@ from pathlib import Path
 
 import numpy as np
 
-from coral.reef.chain import ChainCfg
 from coral.reef.eyes.backends import open_eyes
 from coral.reef.eyes.doubt import DoubtCfg
-from coral.reef.mapping import OccupancyMap, distance_to
+from coral.reef.map.chain import ChainCfg
+from coral.reef.map.mapping import OccupancyMap, distance_to
 from coral.reef.products.clusters import label_clusters
 from coral.reef.products.cover import Area, CoverCfg, area_within, fine_of, measure_cover
 from coral.reef.products.truth import true_area_m2
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.recording import Recording, map_of
 from coral.reef.recordings.run_recording import read_run
-from coral.reef.world import load_world
+from coral.reef.world.world import load_world
 
 DOUBTS = (0.5, 0.3, 0.2, 0.1)
 """Limits of doubt for oysters."""

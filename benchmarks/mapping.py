@@ -19,12 +19,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.chain import CentroidTracker, ChainCfg, components
-from coral.reef.geometry import Pose
-from coral.reef.mapping import OccupancyMap, distance_to
-from coral.reef.scene import Scene
-from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
+from coral.reef.map.chain import CentroidTracker, ChainCfg, components
+from coral.reef.map.mapping import OccupancyMap, distance_to
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 CASES = {
     "map": [(10.0, 500), (20.0, 500), (40.0, 500), (80.0, 500)],

@@ -24,10 +24,10 @@ import numpy as np
 from mapping import reef
 
 from coral.advisor.registry import make_advisor
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.world import ReefWorld
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.world.world import ReefWorld
 
 CASES = {
     "map": [(10.0, 500), (20.0, 500), (40.0, 500), (80.0, 500)],

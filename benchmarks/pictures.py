@@ -11,11 +11,11 @@ import time
 
 import numpy as np
 
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.eyes.painter import Painter
-from coral.reef.eyes.viewpoints import choose_viewpoints
-from coral.reef.scene import Scene
-from coral.reef.world import load_world
+from coral.reef.paint.painter import Painter
+from coral.reef.paint.viewpoints import choose_viewpoints
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import load_world
 
 
 def measure(work: object, frames: list, poses: list) -> list[float]:

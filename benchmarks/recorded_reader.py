@@ -27,9 +27,9 @@ from coral.advisor.recorded_attempts import SHIPPED, Attempted, read_attempts, s
 from coral.exam.item import ANSWERS
 from coral.exam.reef_regret import THINKING_S, TrueReef
 from coral.exam.worth import share_left
-from coral.reef.geometry import Pose, to_world
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.world import load_world
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.world.geometry import Pose, to_world
+from coral.reef.world.world import load_world
 
 DATA = Path(__file__).parents[1] / "tests" / "data" / "recordings"
 TIE_S = 0.05

@@ -11,12 +11,12 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from coral.reef.mapping import distance_to
+from coral.reef.map.mapping import distance_to
 from coral.reef.products.cover import CoverCfg, area_within, fine_of, measure_cover
 from coral.reef.products.truth import true_area_m2
 from coral.reef.recordings.recording import map_of
 from coral.reef.recordings.run_recording import read_run
-from coral.reef.world import load_world
+from coral.reef.world.world import load_world
 
 
 def main(folders: list[Path], cfg: CoverCfg) -> None:

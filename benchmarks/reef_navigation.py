@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from coral.reef.geometry import Pose, wrap
-from coral.reef.navigation.simulated_navigation import NavigationCfg, SimulatedNavigation
-from coral.reef.noise import PoseDrift, SensorNoiseCfg
-from coral.reef.sensing import Attitude
+from coral.reef.simulation.noise import PoseDrift, SensorNoiseCfg
+from coral.reef.simulation.simulated_navigation import NavigationCfg, SimulatedNavigation
+from coral.reef.vehicle.sensing import Attitude
+from coral.reef.world.geometry import Pose, wrap
 from coral.runs import read_rows
 
 LEVEL = Attitude(roll=0.0, pitch=0.0, depth_m=4.0, altitude_m=1.0)

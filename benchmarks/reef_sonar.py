@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.fault_outcome import STANDS_M_S
-from coral.reef.generated import find_world
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.resolution import resolve_mission, with_sonar
-from coral.reef.world import shipped_worlds
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.mission.fault_outcome import STANDS_M_S
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.mission.resolution import resolve_mission, with_sonar
+from coral.reef.world.generated import find_world
+from coral.reef.world.world import shipped_worlds
 from coral.runs import read_events, read_rows
 
 QUIET = RecordCfg(pictures=False, frames=False, report=False)

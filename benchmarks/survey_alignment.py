@@ -23,19 +23,19 @@ from pathlib import Path
 import numpy as np
 
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.belief import Belief
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.generate import GeneratorCfg, generate
-from coral.reef.geometry import Pose
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mapping import OccupancyMap
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.scene import Scene
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.map.belief import Belief
+from coral.reef.map.mapping import OccupancyMap
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
 from coral.reef.sea.known_ground import KnownGround
 from coral.reef.sea.local_frame import LocalFrame, turned_about
 from coral.reef.sea.map_alignment import MapAlignment, align_maps
-from coral.reef.world import ReefWorld
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.generate import GeneratorCfg, generate
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import ReefWorld
 
 SAVED_S, DIVE_TICKS, EVERY = 80.0, 120, 20
 NEAR_M, NEAR_DEG = 0.5, 5.0

@@ -75,19 +75,19 @@ def measure(edge_m: float, ticks: int, seed: int, perception: str) -> dict[str, 
     """Run one mission. Return the times of its ticks by part (ms): of the CPU and of the wall."""
     from coral.advisor.log import AttemptRecorder
     from coral.advisor.registry import make_advisor
-    from coral.reef.belief import Belief
-    from coral.reef.camera import Camera
-    from coral.reef.controller import DdpMppi
+    from coral.reef.decide.heuristic import REEF_RULES
+    from coral.reef.decide.planner import HighLevelPlanner
+    from coral.reef.drive.controller import DdpMppi
     from coral.reef.eyes.reef_net import ReefNetEyes
-    from coral.reef.generate import GeneratorCfg, generate
-    from coral.reef.geometry import Pose
-    from coral.reef.heuristic import REEF_RULES
-    from coral.reef.mapping import OccupancyMap
-    from coral.reef.mission import Mission, MissionCfg
-    from coral.reef.pilot import Pilot
-    from coral.reef.planner import HighLevelPlanner
-    from coral.reef.record import FrameRecorder, RecordCfg
-    from coral.reef.scene import Scene
+    from coral.reef.map.belief import Belief
+    from coral.reef.map.mapping import OccupancyMap
+    from coral.reef.mission.mission import Mission, MissionCfg
+    from coral.reef.mission.record import FrameRecorder, RecordCfg
+    from coral.reef.pilot.pilot import Pilot
+    from coral.reef.vehicle.camera import Camera
+    from coral.reef.world.generate import GeneratorCfg, generate
+    from coral.reef.world.geometry import Pose
+    from coral.reef.world.scene import Scene
     from coral.view.questions import question_pictures
 
     watch = Stopwatch()

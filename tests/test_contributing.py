@@ -29,7 +29,7 @@ def test_the_recipes_name_files():
         ("coral.contact.worlds.registry", ["WORLDS"]),
         ("coral.contact.rules.answers", ["RULES"]),
         ("coral.contact.episode.variants", ["VARIANTS"]),
-        ("coral.reef.variants", ["VARIANTS"]),
+        ("coral.reef.mission.variants", ["VARIANTS"]),
         ("coral.advisor.registry", ["ENTRIES"]),
     ],
 )

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from coral.advisor.parse import parse_answer
 from coral.desk.inbox import Inbox
 from coral.odd_text import encodable, encodable_values, printable
-from coral.reef.answers import WaypointChoice
+from coral.reef.decide.answers import WaypointChoice
 
 ODD = "a\ud800b\x00\x1b[31m\u202e\uffff"
 ANY = st.text(st.characters(codec=None, categories=None), max_size=30)

@@ -20,7 +20,7 @@ from playwright.sync_api import sync_playwright
 from coral.advisor.question import Rejection
 from coral.desk.inbox import Inbox
 from coral.desk.server import DeskServer
-from coral.reef.heuristic import REEF_RULES
+from coral.reef.decide.heuristic import REEF_RULES
 
 IMAGE = Path(__file__).parent.parent / "images" / "desk.png"
 QUESTIONS = 2

@@ -17,14 +17,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.camera import Camera
-from coral.reef.generated import find_world
-from coral.reef.geometry import Pose
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.resolution import resolve_mission, with_sonar
-from coral.reef.scene import Scene
-from coral.reef.sonar.sonar_3d15 import Sonar3d15, SonarCfg
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.resolution import resolve_mission, with_sonar
+from coral.reef.vehicle.camera import Camera
+from coral.reef.world.generated import find_world
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
 from coral.view.cameraview import camera_picture
 from coral.view.runmap import write_map
 

@@ -13,11 +13,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.eyes.painter import Painter
-from coral.reef.eyes.picture_set import read_pictures
-from coral.reef.generated import find_world
-from coral.reef.scene import Scene
+from coral.reef.paint.painter import Painter
+from coral.reef.paint.picture_set import read_pictures
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.generated import find_world
+from coral.reef.world.scene import Scene
 from coral.view.mapview import png
 
 IMAGES = Path(__file__).parents[1] / "images"

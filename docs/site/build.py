@@ -33,8 +33,19 @@ SECTIONS = {
 
 REFERENCE = {
     "python": ("Missions and tasks", ["coral.interface.mission", "coral.interface.task", "coral.interface.result"]),
-    "reef": ("Parts of a reef mission", ["coral.reef.controllers", "coral.reef.own_trigger", "coral.reef.own_verifier",
-             "coral.reef.verify", "coral.reef.sensing", "coral.reef.geometry", "coral.reef.controller"]),
+    "reef": (
+        "Parts of a reef mission",
+        [
+            "coral.reef.drive.controllers",
+            "coral.reef.drive.local_planner",
+            "coral.reef.drive.controller",
+            "coral.reef.decide.own_trigger",
+            "coral.reef.decide.own_verifier",
+            "coral.reef.decide.verify",
+            "coral.reef.vehicle.sensing",
+            "coral.reef.world.geometry",
+        ],
+    ),
     "contact": ("Costs, conditions, planner", ["coral.contact.cost.context", "coral.contact.cost.stages",
                 "coral.contact.scene.condition", "coral.mppi.knots", "coral.mppi.risk", "coral.mppi.weights"]),
     "advisor": ("Advisors and plugins", ["coral.advisor.question", "coral.plugins"]),

@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field
 from coral.advisor import desk as desk_module
 from coral.advisor.desk import DeskAdvisor
 from coral.advisor.question import BadAnswer, Picture, Question, Rejection
-from coral.reef.answers import CentroidChoice
+from coral.reef.decide.answers import CentroidChoice
 
 
 class Pick(BaseModel):

@@ -9,11 +9,11 @@ from coral.advisor.clock import SimulatedClock
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.question import AdvisorUnavailable
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.pilot import PilotCfg
-from coral.reef.record import RecordCfg
-from coral.reef.world import load_world
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.pilot.pilot import PilotCfg
+from coral.reef.world.world import load_world
 
 SHORT = MissionCfg(time_limit_s=6.0, latency="fixed:1", record=RecordCfg(pictures=False, frames=False))
 

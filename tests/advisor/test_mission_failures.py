@@ -7,9 +7,9 @@ import pytest
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.models import ModelAdvisor
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.world import load_world
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.world.world import load_world
 
 NO_RECORD = RecordCfg(pictures=False, frames=False)
 HASTY = ModelCfg(attempt_timeout_s=0.3, deadline_s=0.6, max_retries=0, format_repairs=0, backoff_s=0.01, pictures=False)

@@ -5,10 +5,10 @@ import json
 import numpy as np
 
 from coral.advisor.registry import make_advisor
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.world import load_world
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.world.world import load_world
 
 CFG = MissionCfg(time_limit_s=80.0, record=RecordCfg(pictures=False, frames=False))
 

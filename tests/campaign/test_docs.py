@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from coral.commands.reef_bench import ReefBench
-from coral.reef.variants import VARIANTS
+from coral.reef.mission.variants import VARIANTS
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -12,7 +12,7 @@ from coral.campaign.dataset import read_parquet
 from coral.cli import main
 from coral.commands.reef_bench import ReefBench
 from coral.errors import InputError
-from coral.reef.world import Cluster, Oyster, ReefWorld, Start, save_world
+from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start, save_world
 
 
 @pytest.fixture(scope="module")
@@ -230,7 +230,7 @@ def test_a_bench_without_a_sweep_has_no_table_and_no_figure_of_one(finished):
 
 def test_what_workers_get_can_be_sent(puddle):
     from coral.commands.reef_bench import ReefEpisode
-    from coral.reef.world import load_world
+    from coral.reef.world.world import load_world
 
     command = ReefBench()
     episode = ReefEpisode(command.cfg, command.model, {"p": load_world(puddle)})

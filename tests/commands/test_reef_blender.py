@@ -5,9 +5,9 @@ import sys
 import numpy as np
 import pytest
 
-from coral.reef.eyes import blender
-from coral.reef.eyes.picture_set import read_pictures
-from coral.reef.geometry import Frame
+from coral.reef.paint import blender
+from coral.reef.paint.picture_set import read_pictures
+from coral.reef.world.geometry import Frame
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import sys
 import pytest
 from PIL import Image
 
-from coral.reef.world import Cluster, Oyster, ReefWorld, Start, load_world, save_world
+from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start, load_world, save_world
 
 BED = Cluster(name="bed", oysters=(Oyster(x=5.0, y=3.0, z=0.05, radii=(0.12, 0.09, 0.06)),))
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from coral.reef.faults import FAULTS
+from coral.reef.simulation.faults import FAULTS
 
 
 def test_the_list_names_every_fault(told):

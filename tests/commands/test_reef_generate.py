@@ -1,6 +1,6 @@
 import pytest
 
-from coral.reef.world import load_world
+from coral.reef.world.world import load_world
 
 SMALL = ("--clusters", "2", "--obstacles", "3", "--seed", "4")
 

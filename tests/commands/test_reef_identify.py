@@ -8,9 +8,9 @@ import yaml
 from coral.commands.reef_identify import ReefIdentify
 from coral.config import read_config
 from coral.errors import InputError
-from coral.reef.response import Trailing, VehicleResponse
 from coral.reef.sea.response_trial import TrialLog, legs
-from coral.reef.vehicle import VehicleState
+from coral.reef.vehicle.response import Trailing, VehicleResponse
+from coral.reef.vehicle.vehicle import VehicleState
 
 TRUE = VehicleResponse(surge_lag_s=0.3, yaw_lag_s=0.2)
 NOBODY = "mavlink:udp:127.0.0.1:9"

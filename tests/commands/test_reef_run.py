@@ -8,9 +8,9 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
 
 from coral.advisor.consult import DEADLINE_S
 from coral.commands.reef_run import FallbackNotice, ReefRun, share_inspected, still_left
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
-from coral.reef.resolution import PERSON_DEADLINE_S
+from coral.reef.mission.resolution import PERSON_DEADLINE_S
+from coral.reef.vehicle.camera import CameraCfg
 from onnx_files import red_is_oyster_yolo, relative_depth
 
 

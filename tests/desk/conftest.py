@@ -16,8 +16,8 @@ from coral.advisor.desk import DeskAdvisor
 from coral.advisor.question import Picture, Question, Rejection
 from coral.desk.inbox import Inbox
 from coral.desk.server import DeskServer
-from coral.reef.answers import CentroidChoice, WaypointChoice
-from coral.reef.geometry import Pose, to_robot
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice
+from coral.reef.world.geometry import Pose, to_robot
 from coral.view.mapview import MapScene, draw_map, png
 
 POSE = Pose(3.0, 5.0, math.pi / 2)

@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field, RootModel
 
 from coral.advisor.question import Question
 from coral.desk.notice import mission_notice
-from coral.reef.geometry import Pose, to_world
+from coral.reef.world.geometry import Pose, to_world
 
 pytestmark = pytest.mark.browser
 # Only a page that never gets there waits this long; a busy machine may need more than the usual 5 s.

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from coral.desk.schema import MAX_FAULTS, faults
-from coral.reef.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice
 
 
 class Part(BaseModel):

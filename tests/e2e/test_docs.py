@@ -99,7 +99,7 @@ def test_every_picture_is_shown():
 
 
 def test_every_variant_and_end_is_explained():
-    from coral.reef.variants import VARIANTS
+    from coral.reef.mission.variants import VARIANTS
 
     page = (ROOT / "docs" / "run-a-mission.md").read_text()
     assert [variant for variant in VARIANTS if f"| `{variant}` |" not in page] == []

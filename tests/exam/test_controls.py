@@ -10,7 +10,7 @@ from coral.exam.grading import Grader
 from coral.exam.question_set import load_set
 from coral.exam.result import Result
 from coral.exam.sitting import sit
-from coral.reef.heuristic import REEF_RULES
+from coral.reef.decide.heuristic import REEF_RULES
 
 QUICK = ("reef-centroid", "reef-waypoint", "physical-parameters", "contact-regions", "object-poses")
 

@@ -1,7 +1,7 @@
 from coral.exam.generation import CONTACT, REEFS, make_set
 from coral.exam.item import ANSWERS
 from coral.exam.question_set import load_set
-from coral.reef.world import shipped_worlds
+from coral.reef.world.world import shipped_worlds
 
 KIND = "physical-parameters"
 

@@ -4,7 +4,7 @@ from coral.contact.plan.cost_plan import PlanAnswer
 from coral.exam.grading import Grader, outcome
 from coral.exam.item import ExamItem
 from coral.exam.sitting import Sheet
-from coral.reef.answers import CentroidChoice
+from coral.reef.decide.answers import CentroidChoice
 
 FLAT = PlanAnswer(code="def state_cost(self):\n    return 1.0\n")
 """Refused before anything is simulated."""

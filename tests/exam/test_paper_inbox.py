@@ -13,7 +13,7 @@ from coral.exam.paper_inbox import answers, export
 from coral.exam.question_set import load_set
 from coral.exam.result import Result
 from coral.exam.sitting import sit
-from coral.reef.heuristic import REEF_RULES
+from coral.reef.decide.heuristic import REEF_RULES
 
 ALL_RULES = {**REEF_RULES, **RULES}
 

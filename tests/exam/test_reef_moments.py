@@ -5,8 +5,8 @@ import pytest
 
 from coral.exam.reef_moments import moments
 from coral.exam.reef_regret import INSPECTED_M, TrueReef
-from coral.reef.generate import GeneratorCfg, generate
-from coral.reef.geometry import to_world
+from coral.reef.world.generate import GeneratorCfg, generate
+from coral.reef.world.geometry import to_world
 
 CHOSEN = 3
 

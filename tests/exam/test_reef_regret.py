@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from coral.exam.reef_regret import THINKING_S, TrueReef, shortest_path
-from coral.reef.geometry import Pose
-from coral.reef.world import load_world
+from coral.reef.world.geometry import Pose
+from coral.reef.world.world import load_world
 
 
 def test_shortest_path_against_all_orders():

@@ -1,7 +1,7 @@
 import pytest
 
 from coral.exam.reef_score import score_centroid, score_waypoint
-from coral.reef.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice
 
 DOTS = {"seconds": {"1": 40.0, "2": 45.0, "3": 60.0, "4": "visited"}}
 STEPS = {"seconds": {"4,-1": 30.0, "2,2": 32.0, "0,0": "too-near"}}

@@ -14,7 +14,7 @@ from coral.exam.report import KINDS, WIDE_PX, write_report
 from coral.exam.result import Result
 from coral.exam.sitting import Sheet
 from coral.exam.worth import Worth
-from coral.reef.answers import CentroidChoice
+from coral.reef.decide.answers import CentroidChoice
 
 
 def png(width=840, height=600):

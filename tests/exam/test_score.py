@@ -4,7 +4,7 @@ import pytest
 
 from coral.exam.item import ANSWERS, ExamItem
 from coral.exam.score import SCORES, score
-from coral.reef.answers import CentroidChoice
+from coral.reef.decide.answers import CentroidChoice
 
 KEY = {"seconds": {"1": 40.0, "2": 45.0}}
 ITEM = ExamItem(id="a", kind="reef-centroid", group="w", prompt="", prompt_version="1", facts={}, key=KEY)

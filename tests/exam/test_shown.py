@@ -10,7 +10,7 @@ from coral.exam import contact_questions
 from coral.exam.contact_scenes import made_of
 from coral.exam.reef_moments import moments
 from coral.exam.reef_regret import INSPECTED_M, TrueReef
-from coral.reef.world import load_world
+from coral.reef.world.world import load_world
 
 
 @pytest.mark.parametrize("make", ["_parameters", "_regions", "_poses"])

@@ -5,7 +5,7 @@ import pytest
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Reply, Usage
 from coral.exam.item import ExamItem
 from coral.exam.sitting import ask, sit
-from coral.reef.answers import CentroidChoice
+from coral.reef.decide.answers import CentroidChoice
 
 BAD = BadAnswer("not-json", "no JSON in it", raw="I am sorry", usage=Usage(output_tokens=4))
 

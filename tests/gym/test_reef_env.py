@@ -8,9 +8,9 @@ from gymnasium.utils.env_checker import check_env
 import coral.gym  # noqa: F401  (registers)
 from coral.errors import InputError
 from coral.gym.reef_env import ReefEnv
-from coral.reef.camera import CameraCfg
-from coral.reef.noise import SensorNoiseCfg
-from coral.reef.simulator import SimulatorCfg
+from coral.reef.simulation.noise import SensorNoiseCfg
+from coral.reef.simulation.simulator import SimulatorCfg
+from coral.reef.vehicle.camera import CameraCfg
 
 SMALL = CameraCfg(width=16, height=12)
 NOISY = SimulatorCfg(camera=SMALL, noise=SensorNoiseCfg(depth_sigma=0.05, drift_xy=0.05))

@@ -3,7 +3,7 @@ import gymnasium
 import coral.gym  # noqa: F401  (registers)
 from coral.contact.scene.task_file import shipped_tasks
 from coral.gym.registration import REEFS, TASKS, register_environments
-from coral.reef.world import shipped_worlds
+from coral.reef.world.world import shipped_worlds
 
 
 def test_every_shipped_reef_and_task_has_an_environment():

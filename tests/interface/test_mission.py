@@ -10,8 +10,8 @@ import coral
 from coral.advisor.rules import RuleAdvisor
 from coral.cli import main
 from coral.errors import InputError
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.pd import PdController
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.drive.pd import PdController
 
 BRIEF = {"time_limit_s": 2.0}
 

@@ -19,10 +19,10 @@ import pytest
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.world import load_world
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.world.world import load_world
 
 pytestmark = pytest.mark.model
 

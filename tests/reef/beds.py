@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from coral.reef.belief import Belief, BeliefCfg
-from coral.reef.camera import CameraCfg
-from coral.reef.chain import Component, InspectCfg
-from coral.reef.geometry import Pose
-from coral.reef.mapping import OccupancyMap
+from coral.reef.map.belief import Belief, BeliefCfg
+from coral.reef.map.chain import Component, InspectCfg
+from coral.reef.map.mapping import OccupancyMap
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Pose
 
 CELL_M, EDGE = 0.05, 10
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
+from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 sys.path.insert(0, str(Path(__file__).parent))
 

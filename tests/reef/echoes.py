@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from coral.reef.sonar.range_image import RangeImage
-from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.map.sonar_3d15 import SonarCfg
+from coral.reef.vehicle.range_image import RangeImage
 
 SMALL = SonarCfg(
     enabled=True, width=31, height=21, resolution_m=0.0, sigma_m=0.0, sigma_share=0.0, dropout=0.0, grazing_deg=0.0,

@@ -3,9 +3,9 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from coral.reef.geometry import Frame, Pose
-from coral.reef.sensing import Attitude, Stamped, VehicleObservation
-from coral.reef.sonar.range_image import RangeImage
+from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.vehicle.sensing import Attitude, Stamped, VehicleObservation
+from coral.reef.world.geometry import Frame, Pose
 
 ANY = st.one_of(
     st.none(), st.text(max_size=3), st.floats(), st.integers(-3, 3), st.binary(max_size=3),

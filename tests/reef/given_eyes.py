@@ -4,7 +4,7 @@ import numpy as np
 
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import SeenPicture
-from coral.reef.geometry import Label
+from coral.reef.world.geometry import Label
 
 
 class FlatEyes:

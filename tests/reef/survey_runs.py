@@ -7,12 +7,12 @@ import numpy as np
 import yaml
 
 from coral.config import to_mapping
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.geometry import Pose
-from coral.reef.mapping import MapCfg, OccupancyMap
-from coral.reef.record import COLUMNS, FrameRecorder, PicturePose, RecordCfg
-from coral.reef.scene import Scene
-from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start, save_world
+from coral.reef.map.mapping import MapCfg, OccupancyMap
+from coral.reef.mission.record import COLUMNS, FrameRecorder, PicturePose, RecordCfg
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start, save_world
 from coral.runs import RunWriter
 
 CAMERA = CameraCfg(width=80, height=60)

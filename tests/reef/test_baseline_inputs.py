@@ -7,17 +7,17 @@ import pytest
 
 from coral.advisor.prompt import render
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.answers import WaypointChoice
-from coral.reef.belief import Belief, BeliefCfg
-from coral.reef.camera import CameraCfg
-from coral.reef.costfield import CostFieldCfg
-from coral.reef.fleet import Neighbour
-from coral.reef.geometry import Pose
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mapping import OccupancyMap
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.planner import HighLevelPlanner
-from coral.reef.variants import VARIANTS, apply_variant
+from coral.reef.decide.answers import WaypointChoice
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.map.belief import Belief, BeliefCfg
+from coral.reef.map.costfield import CostFieldCfg
+from coral.reef.map.mapping import OccupancyMap
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.variants import VARIANTS, apply_variant
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.fleet import Neighbour
+from coral.reef.world.geometry import Pose
 from coral.view.questions import map_scene, question_pictures
 
 QUIET = MissionCfg(time_limit_s=20.0)

@@ -8,11 +8,11 @@ import pytest
 
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
-from coral.reef.generated import find_world
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.resolution import with_sonar
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.mission.resolution import with_sonar
+from coral.reef.world.generated import find_world
 from coral.runs import read_rows
 
 QUIET = RecordCfg(pictures=False, frames=False, report=False)

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from coral.reef.geometry import Pose, wrap
-from coral.reef.sensing import Attitude
+from coral.reef.vehicle.sensing import Attitude
+from coral.reef.world.geometry import Pose, wrap
 
 LEVEL = Attitude(roll=0.0, pitch=0.0, depth_m=4.0, altitude_m=1.0)
 

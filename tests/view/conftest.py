@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from coral.reef.geometry import Frame, Pose
+from coral.reef.world.geometry import Frame, Pose
 from coral.view.mapview import MapScene, camera_picture, draw_map, png
 
 SIZE = 12.0

@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Frame
+from coral.reef.world.geometry import Frame
 from coral.view.cameraview import DEPTH_MAX_M, LABEL_COLORS, camera_picture, depth_levels
 
 

@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from coral.reef.geometry import Pose
+from coral.reef.world.geometry import Pose
 from coral.view.companions import COLORS, Companion, draw_companions
 from coral.view.mapframe import MapPicture
 from coral.view.mapview import MapScene, MapViewCfg, draw_map

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Pose
+from coral.reef.world.geometry import Pose
 from coral.view.mapview import CELL_COLORS, MapScene, MapViewCfg, cell_classes, draw_map, png
 
 RED, BLUE, ORANGE, YELLOW = (220, 20, 40), (25, 90, 230), (255, 133, 0), (255, 217, 0)

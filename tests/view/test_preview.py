@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from coral.reef.world import load_world
+from coral.reef.world.world import load_world
 from coral.view.preview import SEABED, preview, preview_sheet
 
 

@@ -2,10 +2,10 @@ import cv2
 import numpy as np
 import pytest
 
-from coral.reef.belief import Belief
-from coral.reef.camera import CameraCfg
-from coral.reef.geometry import Frame, Pose
-from coral.reef.mapping import OccupancyMap
+from coral.reef.map.belief import Belief
+from coral.reef.map.mapping import OccupancyMap
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Frame, Pose
 from coral.view.questions import map_scene, question_pictures
 
 

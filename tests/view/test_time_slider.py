@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.world import Cluster, Oyster, ReefWorld, Start
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start
 from coral.view import time_slider
 from coral.view.decisions import decisions
 from coral.view.questions import question_pictures

@@ -30,8 +30,8 @@ from coral.exam.question_set import load_set
 from coral.exam.report import write_report
 from coral.exam.result import Result
 from coral.exam.sitting import sit
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mistakes import REEF_MISTAKES
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.mistakes import REEF_MISTAKES
 
 HELP = advisor_help("Advisors, separated by commas; also the controls random and constant, which know nothing")
 

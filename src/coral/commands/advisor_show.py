@@ -90,11 +90,11 @@ class _UntilAsked:
 def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str, Path]]:
     """Return prompt and pictures of the first question of a kind in a simulated mission."""
     from coral.advisor.rules import RuleAdvisor
-    from coral.reef.generated import find_world
-    from coral.reef.heuristic import REEF_RULES
-    from coral.reef.mission import Mission, MissionCfg
-    from coral.reef.planner import KIND, WITHOUT_CHAIN
-    from coral.reef.variants import apply_variant
+    from coral.reef.decide.heuristic import REEF_RULES
+    from coral.reef.decide.planner import KIND, WITHOUT_CHAIN
+    from coral.reef.mission.mission import Mission, MissionCfg
+    from coral.reef.mission.variants import apply_variant
+    from coral.reef.world.generated import find_world
     from coral.view.questions import question_pictures
 
     cfg = MissionCfg(latency="0", stop_when_covered=False)

@@ -78,7 +78,7 @@ class Doctor:
             "temporary folder": os.access(tempfile.gettempdir(), os.W_OK),
         }
         from coral.contact.cost_program import CostWorker
-        from coral.reef.eyes.blender import blender_python
+        from coral.reef.paint.blender import blender_python
 
         with CostWorker() as worker:
             filtered = worker.check()

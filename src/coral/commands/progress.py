@@ -13,7 +13,7 @@ from coral.odd_text import printable
 if TYPE_CHECKING:  # a command loads the system that it runs, not the other one
     from coral.contact.episode.referee import Referee
     from coral.contact.scene.trial import Trial
-    from coral.reef.mission import Mission
+    from coral.reef.mission.mission import Mission
 
 
 class RunBar:

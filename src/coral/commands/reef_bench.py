@@ -39,17 +39,17 @@ from coral.commands.config_flag import config_words, configured, given_keys, set
 from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.errors import InputError
-from coral.reef.campaign_episode import run_episode
-from coral.reef.controllers import controller_maker
-from coral.reef.generated import expand_names, find_world
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import MissionCfg
-from coral.reef.mistakes import REEF_MISTAKES
-from coral.reef.presets import CLEAR, apply_preset, named, preset_help
-from coral.reef.resolution import with_fallback
-from coral.reef.sweep import apply_setting
-from coral.reef.variants import apply_variant
-from coral.reef.world import ReefWorld
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.mistakes import REEF_MISTAKES
+from coral.reef.drive.controllers import controller_maker
+from coral.reef.mission.campaign_episode import run_episode
+from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.presets import CLEAR, apply_preset, named, preset_help
+from coral.reef.mission.resolution import with_fallback
+from coral.reef.mission.sweep import apply_setting
+from coral.reef.mission.variants import apply_variant
+from coral.reef.world.generated import expand_names, find_world
+from coral.reef.world.world import ReefWorld
 from coral.runs import provenance
 from coral.view.questions import question_pictures
 

@@ -39,15 +39,15 @@ class ReefBlender:
 
     def __call__(self) -> Mapping[str, Any]:
         """Describe the reef, run Blender, and write what it returns."""
-        from coral.reef.camera import CameraCfg
-        from coral.reef.eyes.blender import find_python, render_views
-        from coral.reef.eyes.blender_scene import CyclesCfg, describe_scene, describe_view
-        from coral.reef.eyes.daylight import PainterCfg
-        from coral.reef.eyes.picture_set import TakenPicture, write_picture
-        from coral.reef.eyes.viewpoints import choose_viewpoints
-        from coral.reef.eyes.water_types import find_water
-        from coral.reef.generated import find_world
-        from coral.reef.scene import Scene
+        from coral.reef.paint.blender import find_python, render_views
+        from coral.reef.paint.blender_scene import CyclesCfg, describe_scene, describe_view
+        from coral.reef.paint.daylight import PainterCfg
+        from coral.reef.paint.picture_set import TakenPicture, write_picture
+        from coral.reef.paint.viewpoints import choose_viewpoints
+        from coral.reef.paint.water_types import find_water
+        from coral.reef.vehicle.camera import CameraCfg
+        from coral.reef.world.generated import find_world
+        from coral.reef.world.scene import Scene
 
         world, water = find_world(self.world), find_water(self.water, "--water")
         if self.out.suffix != ".blend":

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import tyro
 
 from coral.errors import InputError
-from coral.reef.generated import expand_names, find_world
+from coral.reef.world.generated import expand_names, find_world
 from coral.runs import file_stem
 
 

@@ -20,8 +20,8 @@ from coral.errors import InputError
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from coral.reef.camera import CameraCfg
-    from coral.reef.geometry import Frame
+    from coral.reef.vehicle.camera import CameraCfg
+    from coral.reef.world.geometry import Frame
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,10 +73,10 @@ class ReefEyes:
         if self.out is None or self.out.suffix != ".onnx" or self.out.exists():
             raise InputError("--out", "", str(self.out), "a new file that ends in .onnx")
         try:
-            from coral.reef.eyes.training import TrainingCfg, TrainingData, export, train, weights_in
+            from coral.reef.paint.training import TrainingCfg, TrainingData, export, train, weights_in
         except ImportError as error:
             raise InputError("coral reef eyes train", "", f"no package {error.name}", "the extra `train`") from None
-        from coral.reef.eyes.training_set import make_samples
+        from coral.reef.paint.training_set import make_samples
 
         begin = None if self.begin is None else weights_in(self.begin)
         samples = []
@@ -98,7 +98,7 @@ class ReefEyes:
         from coral.reef.products.cover_calibration import SUFFIX, write_calibration
         from coral.reef.recordings.perception import PicturePerception
         from coral.reef.recordings.run_recording import read_run
-        from coral.reef.world import load_world
+        from coral.reef.world.world import load_world
 
         if self.out is None or not self.out.name.endswith(SUFFIX) or self.out.exists():
             raise InputError("--out", "", str(self.out), f"a new file that ends in {SUFFIX}")
@@ -124,8 +124,8 @@ class ReefEyes:
         from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
         from coral.reef.eyes.ground_plane import ray_lengths
         from coral.reef.eyes.perception import CameraAttitude, SeenPicture, perceive_frame
-        from coral.reef.eyes.score import BANDS_M, EyesScore
-        from coral.reef.geometry import Label
+        from coral.reef.paint.score import BANDS_M, EyesScore
+        from coral.reef.world.geometry import Label
 
         eyes = open_eyes(self.perception)
         if eyes is None:
@@ -163,14 +163,14 @@ class ReefEyes:
 
     def _taken(self) -> Iterator[tuple[tuple[str, str], CameraCfg, Frame]]:
         """Yield the names of water and light, the camera, and the picture with its truth."""
-        from coral.reef.camera import Camera, CameraCfg
-        from coral.reef.eyes.daylight import find_light
-        from coral.reef.eyes.painter import Painter
-        from coral.reef.eyes.picture_set import read_pictures
-        from coral.reef.eyes.viewpoints import choose_viewpoints
-        from coral.reef.eyes.water_types import find_water
-        from coral.reef.generated import expand_names, find_world
-        from coral.reef.scene import Scene
+        from coral.reef.paint.daylight import find_light
+        from coral.reef.paint.painter import Painter
+        from coral.reef.paint.picture_set import read_pictures
+        from coral.reef.paint.viewpoints import choose_viewpoints
+        from coral.reef.paint.water_types import find_water
+        from coral.reef.vehicle.camera import Camera, CameraCfg
+        from coral.reef.world.generated import expand_names, find_world
+        from coral.reef.world.scene import Scene
 
         camera = CameraCfg()
         for folder in self.folder:

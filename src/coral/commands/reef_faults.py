@@ -15,13 +15,13 @@ from coral.advisor.rules import RuleAdvisor
 from coral.commands.config_flag import configured
 from coral.config import checked
 from coral.errors import InputError, nearest
-from coral.reef.fault_outcome import outcome_of
-from coral.reef.faults import FAULTS, SensorFault
-from coral.reef.generated import find_world
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.resolution import with_sonar
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.mission.fault_outcome import outcome_of
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.mission.resolution import with_sonar
+from coral.reef.simulation.faults import FAULTS, SensorFault
+from coral.reef.world.generated import find_world
 from coral.runs import read_events, read_rows
 
 AFTER_S = 3.0

@@ -12,8 +12,8 @@ from typing import Annotated, Any
 import tyro
 
 from coral.errors import InputError
-from coral.reef.generate import GeneratorCfg, command_line, generate
-from coral.reef.world import save_world
+from coral.reef.world.generate import GeneratorCfg, command_line, generate
+from coral.reef.world.world import save_world
 from coral.words import many
 
 

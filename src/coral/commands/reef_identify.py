@@ -17,10 +17,10 @@ from coral.commands.keyboard import Keyboard
 from coral.commands.sail_parts import proves_simulation
 from coral.config import Positive, checked, to_mapping
 from coral.errors import InputError, RunError
-from coral.reef.response import VehicleResponse
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.response_trial import Leg, TrialLog, drive, identify, legs
+from coral.reef.vehicle.response import VehicleResponse
 from coral.runs import write_whole
 
 POSITION_S = 120.0

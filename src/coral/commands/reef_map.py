@@ -15,6 +15,7 @@ from coral.config import NonNegative, checked
 from coral.errors import InputError, nearest
 from coral.reef.eyes.backends import RGB, open_eyes
 from coral.reef.eyes.doubt import DoubtCfg
+from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.products.survey_products import ProductsCfg
 from coral.reef.products.truth import true_area_m2
 from coral.reef.recordings.bag_recording import BagTopics
@@ -24,8 +25,7 @@ from coral.reef.recordings.picture_folder import TABLE, datum_of_folder
 from coral.reef.recordings.recording import RECORDED
 from coral.reef.recordings.run_recording import is_run
 from coral.reef.recordings.sonar_file import add_sonar_file
-from coral.reef.sonar.sonar_3d15 import SonarCfg
-from coral.reef.world import load_world
+from coral.reef.world.world import load_world
 from coral.words import many
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import tyro
 
 from coral.errors import InputError
-from coral.reef.eyes.daylight import PainterCfg
+from coral.reef.paint.daylight import PainterCfg
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,13 +40,13 @@ class ReefPicture:
     def __call__(self) -> Mapping[str, Any]:
         """Take the pictures and write them."""
         from coral.config import checked
-        from coral.reef.camera import Camera, CameraCfg
-        from coral.reef.eyes.painter import Painter
-        from coral.reef.eyes.viewpoints import choose_viewpoints
-        from coral.reef.eyes.water_types import JERLOV, find_water
-        from coral.reef.generated import find_world
-        from coral.reef.geometry import Pose
-        from coral.reef.scene import Scene
+        from coral.reef.paint.painter import Painter
+        from coral.reef.paint.viewpoints import choose_viewpoints
+        from coral.reef.paint.water_types import JERLOV, find_water
+        from coral.reef.vehicle.camera import Camera, CameraCfg
+        from coral.reef.world.generated import find_world
+        from coral.reef.world.geometry import Pose
+        from coral.reef.world.scene import Scene
         from coral.view.contact_sheet import contact_sheet
         from coral.view.mapview import png
 

@@ -17,7 +17,7 @@ from coral.reef.products.survey_products import ProductsCfg, measure
 from coral.reef.products.truth import true_area_m2
 from coral.reef.recordings.recording import EXACT, RECORDED, Recording
 from coral.reef.recordings.run_recording import read_run
-from coral.reef.world import load_world
+from coral.reef.world.world import load_world
 from coral.view.products_page import TruthComparison, write_products_page
 from coral.words import many
 

@@ -23,13 +23,13 @@ from coral.commands.progress import MissionProgress
 from coral.config import checked
 from coral.desk.notice import mission_notice
 from coral.errors import InputError
-from coral.reef.compiled import NOTICE, is_compiled
-from coral.reef.generated import find_world
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.mistakes import REEF_MISTAKES
-from coral.reef.presets import CLEAR, preset_help
-from coral.reef.resolution import resolve_mission, with_sonar
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.mistakes import REEF_MISTAKES
+from coral.reef.mission.compiled import NOTICE, is_compiled
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.presets import CLEAR, preset_help
+from coral.reef.mission.resolution import resolve_mission, with_sonar
+from coral.reef.world.generated import find_world
 from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures

@@ -29,12 +29,11 @@ from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
 from coral.desk.notice import mission_notice
 from coral.errors import InputError, RunError
-from coral.reef.faults import FAULTS, parse_fault
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import MissionCfg
-from coral.reef.mistakes import REEF_MISTAKES
-from coral.reef.resolution import PERSON_DEADLINE_S, with_sonar
-from coral.reef.response import VehicleResponse
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.mistakes import REEF_MISTAKES
+from coral.reef.map.sonar_3d15 import SonarCfg
+from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_sonar
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.priority import describe_priority, prefer_process, prefer_thread
@@ -42,7 +41,8 @@ from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
 from coral.reef.sea.survey_alignment import SavedMap
-from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.simulation.faults import FAULTS, parse_fault
+from coral.reef.vehicle.response import VehicleResponse
 from coral.run_loop import Observer
 from coral.runs import new_run_folder, write_whole
 from coral.view.questions import question_pictures

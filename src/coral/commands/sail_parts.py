@@ -15,13 +15,10 @@ import numpy as np
 
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
-from coral.reef.collision import clearance
-from coral.reef.generated import find_world
-from coral.reef.geometry import Pose
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.scene import Scene
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.map.sonar_3d15 import Sonar3d15
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWatchedByDvl, LinkWithDvl
 from coral.reef.sea.link import VehicleLink
@@ -37,9 +34,12 @@ from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
 from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.sea.video_camera import VideoCamera
-from coral.reef.simulator import make_painter
-from coral.reef.sonar.sonar_3d15 import Sonar3d15
-from coral.reef.world import ReefWorld, load_world
+from coral.reef.simulation.simulator import make_painter
+from coral.reef.vehicle.collision import clearance
+from coral.reef.world.generated import find_world
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import ReefWorld, load_world
 from coral.view.questions import question_pictures
 
 if TYPE_CHECKING:

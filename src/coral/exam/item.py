@@ -15,7 +15,7 @@ from coral.contact.thinker.pose_question import PosesAnswer
 from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.contact.world_model.parameter_correction import ParametersAnswer
 from coral.contact.world_model.parameter_estimates import ParameterEstimates
-from coral.reef.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice
 
 ANSWERS: Mapping[str, type[BaseModel]] = {
     "reef-centroid": CentroidChoice,

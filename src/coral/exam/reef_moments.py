@@ -14,19 +14,19 @@ from numpy.typing import NDArray
 from coral.advisor.prompt import render
 from coral.advisor.question import Question, Rejection
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.answers import CentroidChoice, WaypointChoice
-from coral.reef.baselines import baseline_rules
-from coral.reef.belief import Belief, BeliefCfg
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.costfield import CostField, CostFieldCfg
-from coral.reef.geometry import Pose, to_world, wrap
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mapping import MapCfg, OccupancyMap
-from coral.reef.planner import HighLevelPlanner
-from coral.reef.route import Goal
-from coral.reef.scene import Scene
-from coral.reef.vehicle import VehicleCfg
-from coral.reef.world import ReefWorld
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.baselines import baseline_rules
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.decide.route import Goal
+from coral.reef.map.belief import Belief, BeliefCfg
+from coral.reef.map.costfield import CostField, CostFieldCfg
+from coral.reef.map.mapping import MapCfg, OccupancyMap
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.vehicle.vehicle import VehicleCfg
+from coral.reef.world.geometry import Pose, to_world, wrap
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import ReefWorld
 from coral.view.questions import question_pictures
 
 STEP_M, TURN_RAD = 0.3, 0.35

@@ -10,10 +10,10 @@ import numpy as np
 from coral.exam.item import ExamItem
 from coral.exam.reef_moments import Moment, moments
 from coral.exam.reef_regret import INSPECTED_M, TrueReef
-from coral.reef.generate import GeneratorCfg, generate
-from coral.reef.geometry import to_robot
-from coral.reef.spines import TOPOLOGIES
-from coral.reef.world import ReefWorld, load_world
+from coral.reef.world.generate import GeneratorCfg, generate
+from coral.reef.world.geometry import to_robot
+from coral.reef.world.spines import TOPOLOGIES
+from coral.reef.world.world import ReefWorld, load_world
 
 PER_WORLD: Mapping[str, int] = {"reef-centroid": 4, "reef-waypoint": 3}
 """Maximum number of questions of each kind from one world."""

@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.costfield import CostField, CostFieldCfg
-from coral.reef.geometry import Pose, to_robot
-from coral.reef.mapping import distance_to
-from coral.reef.reachability import HULL_RADIUS_M, free_space, obstacle_outline
-from coral.reef.vehicle import VehicleCfg
-from coral.reef.world import ReefWorld
+from coral.reef.map.costfield import CostField, CostFieldCfg
+from coral.reef.map.mapping import distance_to
+from coral.reef.vehicle.vehicle import VehicleCfg
+from coral.reef.world.geometry import Pose, to_robot
+from coral.reef.world.reachability import HULL_RADIUS_M, free_space, obstacle_outline
+from coral.reef.world.world import ReefWorld
 
 THINKING_S = 10.0
 """Median latency of a call in the paper's experiments (IV-E). At a goal reached sooner, the robot waits."""

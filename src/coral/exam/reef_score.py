@@ -7,7 +7,7 @@ from typing import Any
 
 from coral.exam.reef_regret import THINKING_S
 from coral.exam.worth import Worth, share_left
-from coral.reef.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice
 
 
 def score_centroid(key: Mapping[str, Any], facts: Mapping[str, Any], answer: CentroidChoice) -> Worth:

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from coral.config import checked
 from coral.errors import InputError
-from coral.reef.generated import find_world
-from coral.reef.localization import LocalizationCfg, Localizer
-from coral.reef.simulator import ReefSimulator, Sensed, SimulatorCfg
-from coral.reef.world import ReefWorld
+from coral.reef.map.localization import LocalizationCfg, Localizer
+from coral.reef.simulation.simulator import ReefSimulator, Sensed, SimulatorCfg
+from coral.reef.world.generated import find_world
+from coral.reef.world.world import ReefWorld
 
 Observation = dict[str, NDArray[Any]]
 COLLISION_COST = 0.1

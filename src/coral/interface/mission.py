@@ -17,15 +17,15 @@ from coral.advisor.registry import asks_person, check_advisor, make_advisor, rul
 from coral.config import checked
 from coral.interface.result import ResultFolder, RunResult, demand_inbox
 from coral.interface.settings import resolve_settings
-from coral.reef.controllers import MakeController
-from coral.reef.generated import find_world
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import Mission, MissionCfg
-from coral.reef.mistakes import REEF_MISTAKES
-from coral.reef.own_trigger import MakeTrigger, Wanted
-from coral.reef.own_verifier import Check
-from coral.reef.resolution import resolve_mission
-from coral.reef.world import ReefWorld
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.mistakes import REEF_MISTAKES
+from coral.reef.decide.own_trigger import MakeTrigger, Wanted
+from coral.reef.decide.own_verifier import Check
+from coral.reef.drive.controllers import MakeController
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.resolution import resolve_mission
+from coral.reef.world.generated import find_world
+from coral.reef.world.world import ReefWorld
 from coral.run_loop import Observer
 from coral.view.questions import question_pictures
 

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.geometry import Frame
+from coral.reef.world.geometry import Frame
 from coral.view.pictures import Image, draw_text
 
 LABEL_COLORS: NDArray[np.uint8] = np.array([(164, 205, 230), (38, 166, 76), (33, 33, 40), (168, 165, 158)], np.uint8)

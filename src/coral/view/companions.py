@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.geometry import Pose
+from coral.reef.world.geometry import Pose
 from coral.view.mapframe import RED, YELLOW, MapPicture
 from coral.view.pictures import RGB, draw_arrow, draw_dot, draw_line, draw_text, text_size
 

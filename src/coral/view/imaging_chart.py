@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from coral.reef.judge import JUDGE_FILE
+from coral.reef.mission.judge import JUDGE_FILE
 from coral.view.run import RunFolder, read_table
 from coral.view.svg import LEFT, Span, chart, clock, line, path, text, time_axis
 

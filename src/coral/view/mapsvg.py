@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.structures import solid_records
+from coral.reef.world.structures import solid_records
 from coral.view.companions import COLORS
 from coral.view.decisions import Decision
 from coral.view.mapframe import CELL_COLORS, nice_step

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.geometry import Pose
+from coral.reef.world.geometry import Pose
 from coral.view.cameraview import camera_picture
 from coral.view.companions import Companion, draw_companions, draw_key, draw_tracks
 from coral.view.mapframe import (

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from coral.odd_text import printable
-from coral.reef.world import Obstacle, ReefWorld
+from coral.reef.world.world import Obstacle, ReefWorld
 
 SEABED, OYSTER, ROCK, SPINE, START, FLOW, INK = (
     "#f1ead8",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from coral.advisor.question import Picture
-from coral.reef.belief import Belief
-from coral.reef.chain import spanning_tree
+from coral.reef.map.belief import Belief
+from coral.reef.map.chain import spanning_tree
 from coral.view.cameraview import camera_picture
 from coral.view.companions import Companion
 from coral.view.mapview import MapScene, draw_map, png

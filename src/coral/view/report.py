@@ -17,8 +17,8 @@ from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.errors import InputError
 from coral.odd_text import encodable
-from coral.reef.metrics import DEFINITIONS, fleet_metrics, metrics_of
-from coral.reef.outcome import outcome_metrics
+from coral.reef.mission.metrics import DEFINITIONS, fleet_metrics, metrics_of
+from coral.reef.mission.outcome import outcome_metrics
 from coral.view.decisions import Decision, decisions
 from coral.view.figures import (
     HELD,

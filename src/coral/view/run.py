@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError, first_line
 from coral.odd_text import encodable_values
-from coral.reef.geometry import Frame
+from coral.reef.world.geometry import Frame
 from coral.rotating_log import earlier_parts, read_parts
 from coral.runs import trajectory_name
 from coral.view.records import figures, histogram, is_extent, is_number, shallow, sound

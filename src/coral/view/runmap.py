@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.geometry import Pose
+from coral.reef.world.geometry import Pose
 from coral.view.companions import COLORS, Companion
 from coral.view.decisions import Decision, decisions
 from coral.view.mapview import MapScene, draw_map

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.backends import open_eyes
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.reef_net import SHIPPED
 from coral.reef.eyes.relative_depth_eyes import RelativeDepthEyes
+from coral.reef.vehicle.camera import CameraCfg
 from onnx_files import relative_depth
 
 

@@ -11,7 +11,7 @@ from coral.reef.eyes.doubt import (
     pack_doubt,
     unpack_doubt,
 )
-from coral.reef.geometry import Frame, Label
+from coral.reef.world.geometry import Frame, Label
 
 
 def frame(labels, doubt):

@@ -1,10 +1,10 @@
 import numpy as np
 
-from coral.reef.camera import Camera, CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth, network_input, ray_lengths
-from coral.reef.geometry import Label, Pose
-from coral.reef.scene import Scene
-from coral.reef.world import load_world
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.geometry import Label, Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import load_world
 
 CAMERA = CameraCfg(width=32, height=24)
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.perception import CameraAttitude, SeenPicture, perceive_frame
-from coral.reef.geometry import Frame, Label
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Frame, Label
 
 CAMERA = CameraCfg(width=2, height=2)
 

@@ -5,11 +5,11 @@ import pytest
 from given_networks import given, one_hot
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.reef_net import ReefNetEyes
-from coral.reef.geometry import Label
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Label
 
 LABELS = [[0, 2, 1, 3], [3, 2, 3, 3]]
 

@@ -3,9 +3,9 @@ import pytest
 
 from coral.errors import InputError
 from coral.onnx_file import OnnxFile
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.relative_depth import DepthAnything, fit_scale_shift, floor_points
+from coral.reef.vehicle.camera import CameraCfg
 
 
 def test_scale_and_shift_come_back_from_sparse_points_with_outliers():

@@ -3,11 +3,11 @@ import pytest
 from given_eyes import FlatEyes
 
 from coral.onnx_file import open_onnx
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.relative_depth import DepthAnything
 from coral.reef.eyes.relative_depth_eyes import RelativeDepthEyes
+from coral.reef.vehicle.camera import CameraCfg
 from onnx_files import relative_depth
 
 pytest.importorskip("onnxruntime")

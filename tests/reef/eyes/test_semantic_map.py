@@ -3,10 +3,10 @@ import pytest
 from given_networks import given, one_hot
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.semantic_map import SemanticEyes, resize_channels
+from coral.reef.vehicle.camera import CameraCfg
 
 CAMERA = CameraCfg(width=4, height=2)
 LABELS = [[0, 2, 0, 0], [3, 2, 1, 3]]

@@ -3,11 +3,11 @@ import pytest
 from given_networks import given
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.yolo_eyes import YoloEyes, class_labels, is_yolo
 from coral.reef.eyes.yolo_masks import PROTOTYPES
-from coral.reef.geometry import Label
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Label
 
 CAMERA = CameraCfg(width=32, height=16)
 NAMES = "{0: 'oyster', 1: 'rock'}"

@@ -2,7 +2,7 @@
 
 import itertools
 
-from coral.reef.chain import ChainCfg
+from coral.reef.map.chain import ChainCfg
 from coral.reef.products.best_pictures import best_pictures
 from coral.reef.products.clusters import label_clusters
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from coral.reef.camera import CameraCfg
-from coral.reef.chain import ChainCfg
-from coral.reef.mapping import OccupancyMap
+from coral.reef.map.chain import ChainCfg
+from coral.reef.map.mapping import OccupancyMap
 from coral.reef.products.clusters import label_clusters, measure_clusters
 from coral.reef.products.cover import Cover, CoverCfg
 from coral.reef.products.view_quality import ViewQuality
+from coral.reef.vehicle.camera import CameraCfg
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Frame, Label
 from coral.reef.products import cover_kernels
 from coral.reef.products.cover import (
     Cover,
@@ -22,7 +21,8 @@ from coral.reef.products.cover_calibration import BINS, CoverCalibration, bins_o
 from coral.reef.products.seen_points import find_points, lens_of, transform_of
 from coral.reef.products.truth import true_area_m2
 from coral.reef.recordings.picture_files import NO_OBJECTS
-from coral.reef.world import load_world
+from coral.reef.world.geometry import Frame, Label
+from coral.reef.world.world import load_world
 
 
 def test_the_area_is_near_the_truth_and_in_its_interval(products, survey_run):

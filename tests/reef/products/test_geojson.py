@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Pose
 from coral.reef.products.feature import Feature, Layer
 from coral.reef.products.geojson import write_geojson
 from coral.reef.products.placement import Datum, EarthPlacement
+from coral.reef.world.geometry import Pose
 
 pytest.importorskip("pyproj")
 

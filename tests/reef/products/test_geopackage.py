@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Pose
 from coral.reef.products.feature import Feature, Layer
 from coral.reef.products.geopackage import write_geopackage
 from coral.reef.products.placement import Datum, EarthPlacement
 from coral.reef.products.qgis_styles import outline_style
+from coral.reef.world.geometry import Pose
 
 pytest.importorskip("pyproj")
 pyogrio = pytest.importorskip("pyogrio")

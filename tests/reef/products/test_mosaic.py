@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
-from coral.reef.geometry import Pose
 from coral.reef.products.mosaic import CLASS_COLOURS, MosaicCfg, colours_of, make_mosaic, split_bands
 from coral.reef.products.mosaic_kernels import paint
 from coral.reef.recordings.transforms import body_transform, camera_in_body
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Pose
 
 
 def test_oysters_lie_in_the_mosaic_where_they_lie_in_the_map(products):

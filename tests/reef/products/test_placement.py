@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.geometry import Pose
 from coral.reef.products.placement import Datum, EarthPlacement, parse_datum, place_raster
+from coral.reef.world.geometry import Pose
 
 pytest.importorskip("pyproj")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from coral.reef.products.truth import true_area_m2, true_cover
-from coral.reef.world import Cluster, Obstacle, Oyster, ReefWorld, Start
+from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 
 def world(*oysters, obstacles=()):

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from coral.reef.eyes.water_types import find_water
+from coral.reef.paint.water_types import find_water
 from coral.reef.products.water_colour import MOST_GAIN, undo_attenuation
 
 WATER = find_water("jerlov-1C")

@@ -5,15 +5,15 @@ import pytest
 from survey_runs import CAMERA, patch, poses, write_run
 
 from coral.errors import InputError
-from coral.reef.mapping import OBSTACLE, MapCfg
+from coral.reef.map.mapping import OBSTACLE, MapCfg
+from coral.reef.map.obstacle_layer import SonarLayerCfg
+from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg, sonar_attitude
 from coral.reef.recordings.bag_export import write_bag
 from coral.reef.recordings.bag_recording import BagTopics, read_bag
 from coral.reef.recordings.recording import map_of
 from coral.reef.recordings.run_recording import read_run
 from coral.reef.recordings.transforms import quaternion_of
-from coral.reef.scene import Scene
-from coral.reef.sonar.obstacle_layer import SonarLayerCfg
-from coral.reef.sonar.sonar_3d15 import Sonar3d15, SonarCfg, sonar_attitude
+from coral.reef.world.scene import Scene
 
 pytest.importorskip("rosbags")
 SONAR = SonarCfg(enabled=True, width=64, height=24, pitch_down_deg=10.0)

@@ -3,7 +3,7 @@
 import pytest
 
 from coral.errors import InputError
-from coral.reef.mapping import MapCfg
+from coral.reef.map.mapping import MapCfg
 from coral.reef.recordings.find_recording import find_recording
 
 

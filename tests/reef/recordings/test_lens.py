@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.recordings.lens import Lens, Rectifier, check_lens, rectified_size
+from coral.reef.vehicle.camera import CameraCfg
 
 PLAIN = Lens(width=64, height=48, fx=40.0, fy=40.0, cx=31.5, cy=23.5)
 BARREL = replace(PLAIN, distortion=(-0.2, 0.03, 0.0, 0.0, 0.0))

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.recordings.picture_files import (
     decode_depth,
     decode_labels,
@@ -18,6 +17,7 @@ from coral.reef.recordings.picture_files import (
     read_picture,
 )
 from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.vehicle.camera import CameraCfg
 
 CAMERA = RecordedCamera.plain(CameraCfg(width=4, height=3))
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
+from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.point_clouds import points_in, range_image_of
-from coral.reef.sonar.range_image import beam_directions
-from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.vehicle.range_image import beam_directions
 
 SONAR = SonarCfg(width=16, height=8)
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Pose
 from coral.reef.recordings.pose_track import PoseTrack, StampedTransforms
 from coral.reef.recordings.transforms import body_transform, euler_of
+from coral.reef.world.geometry import Pose
 
 
 def track(*stamped):

@@ -3,8 +3,8 @@
 import pytest
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.recordings.recorded_camera import RecordedCamera, read_camera
+from coral.reef.vehicle.camera import CameraCfg
 
 
 def camera(tmp_path, text):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
-from coral.reef.geometry import Frame, Pose
 from coral.reef.recordings.recording import PosedFrame, Recording, map_of
 from coral.reef.recordings.run_recording import read_run
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Frame, Pose
 
 CAMERA = CameraCfg(width=8, height=6)
 FRAME = Frame(np.full((6, 8), 2.0, np.float32), np.full((6, 8), 3, np.uint8), np.full((6, 8), -1, np.int32))

@@ -5,15 +5,15 @@ import pytest
 from survey_runs import patch, poses, write_run
 
 from coral.errors import InputError
-from coral.reef.geometry import Pose
-from coral.reef.mapping import OBSTACLE
+from coral.reef.map.mapping import OBSTACLE
+from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
 from coral.reef.recordings.recording import map_of
 from coral.reef.recordings.run_recording import read_run
 from coral.reef.recordings.sonar_file import add_sonar_file
-from coral.reef.scene import Scene
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
-from coral.reef.sonar.range_image import RangeImage
-from coral.reef.sonar.sonar_3d15 import Sonar3d15, SonarCfg
+from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
 
 pytest.importorskip("wlsonar")
 SONAR = SonarCfg(width=64, height=24, dropout=0.0, multipath=0.0)

@@ -7,8 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from coral.reef.camera import CameraCfg, T_world_camera
-from coral.reef.geometry import Pose
 from coral.reef.recordings.transforms import (
     body_transform,
     camera_in_body,
@@ -17,6 +15,8 @@ from coral.reef.recordings.transforms import (
     rotation_of,
     transform_from,
 )
+from coral.reef.vehicle.camera import CameraCfg, T_world_camera
+from coral.reef.world.geometry import Pose
 
 angles = st.floats(-math.pi, math.pi)
 

@@ -5,11 +5,9 @@ from voyage import WORLD
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.camera import Camera
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.scene import Scene
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.record import RecordCfg
 from coral.reef.sea import ardusub
 from coral.reef.sea.autopilot import AutopilotCfg, SimulatedAutopilot
 from coral.reef.sea.autopilot_line import AutopilotLine
@@ -19,6 +17,8 @@ from coral.reef.sea.picture import Shot
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.vehicle.camera import Camera
+from coral.reef.world.scene import Scene
 
 
 class TrueCamera:

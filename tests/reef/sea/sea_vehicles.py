@@ -2,12 +2,12 @@
 
 import time
 
-from coral.reef.geometry import Pose
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.autopilot import AutopilotCfg, SimulatedAutopilot
 from coral.reef.sea.autopilot_line import AutopilotLine
 from coral.reef.sea.body import Body, OpenWater
 from coral.reef.sea.mavlink_link import MavlinkLink
+from coral.reef.world.geometry import Pose
 
 START = Pose(1.0, 2.0, 0.0)
 

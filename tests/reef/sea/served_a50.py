@@ -9,8 +9,8 @@ from collections import deque
 
 import numpy as np
 
-from coral.reef.geometry import wrap
-from coral.reef.navigation.doppler_log import DvlCfg, SimulatedDvl
+from coral.reef.simulation.doppler_log import DvlCfg, SimulatedDvl
+from coral.reef.world.geometry import wrap
 
 MEAN_S = 0.5
 """The true velocity is the mean over so long: true positions come in steps of a centimetre."""

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from coral.reef.sea.awaited import awaited
-from coral.reef.states import Mover, PilotState, StateMachine
+from coral.reef.vehicle.states import Mover, PilotState, StateMachine
 
 SURVEYING = [(Mover.GUARD, "sensors good")]
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from coral.reef.geometry import Pose
 from coral.reef.sea.body import Body, OpenWater, ReefWaters
+from coral.reef.world.geometry import Pose
 
 
 def moved(action, seconds, dt=0.05):

@@ -3,16 +3,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.reef.checks import UnfitMeasurement
-from coral.reef.geometry import Pose
+from coral.reef.map.sonar_3d15 import SonarCfg
+from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.checklist import Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot, Shot
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sonar_reading import HeardImage, LatestHeard
 from coral.reef.sea.survey_file import SurveyArea
-from coral.reef.sonar.range_image import RangeImage
-from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.world.geometry import Pose
 
 AREA = SurveyArea("tank", (20.0, 10.0), Pose(2.0, 5.0, 0.0), ((0, 0), (20, 0), (20, 10), (0, 10)))
 GEAR = Equipment(

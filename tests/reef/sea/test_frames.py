@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from coral.reef.geometry import Pose, wrap
 from coral.reef.sea.frames import (
     alignment,
     compose,
@@ -16,6 +15,7 @@ from coral.reef.sea.frames import (
     velocity_from_ned,
     velocity_to_ned,
 )
+from coral.reef.world.geometry import Pose, wrap
 
 angles = st.floats(-3.1, 3.1)
 metres = st.floats(-100, 100)

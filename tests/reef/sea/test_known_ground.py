@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from coral.reef.camera import CameraCfg
-from coral.reef.mapping import OccupancyMap
+from coral.reef.map.mapping import OccupancyMap
 from coral.reef.sea.known_ground import BARE, BODY_CELLS, OBSTACLE, OYSTER, KnownGround
+from coral.reef.vehicle.camera import CameraCfg
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from coral.reef.geometry import Pose, to_world
 from coral.reef.sea.local_frame import LocalFrame, shift_points, turned_about
+from coral.reef.world.geometry import Pose, to_world
 
 POSES = st.builds(Pose, st.floats(-50, 50), st.floats(-50, 50), st.floats(-3, 3))
 

@@ -3,11 +3,11 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Pose
 from coral.reef.sea.known_ground import BARE, OBSTACLE, OYSTER, KnownGround
 from coral.reef.sea.local_frame import shift_points, turned_about
 from coral.reef.sea.map_alignment import AlignmentCfg, align_maps
 from coral.reef.sea.map_alignment_kernels import score_poses
+from coral.reef.world.geometry import Pose
 
 CELL, SIZE, START = 0.05, (240, 240), Pose(5.0, 6.0, 0.4)
 """A ground of 12 m by 12 m."""

@@ -2,12 +2,12 @@ import math
 
 import numpy as np
 
-from coral.reef.camera import CameraCfg
-from coral.reef.geometry import Pose
-from coral.reef.mapping import OccupancyMap
-from coral.reef.mapping_kernels import SATURATED
+from coral.reef.map.mapping import OccupancyMap
+from coral.reef.map.mapping_kernels import SATURATED
 from coral.reef.sea.local_frame import LocalFrame, turned_about
 from coral.reef.sea.map_merge import merge_maps
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Pose
 
 
 def memory(**cells):

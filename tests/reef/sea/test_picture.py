@@ -1,7 +1,7 @@
 import numpy as np
 
-from coral.reef.geometry import Frame
 from coral.reef.sea.picture import LatestShot, Shot
+from coral.reef.world.geometry import Frame
 
 FRAME = Frame(np.zeros((2, 2), np.float32), np.zeros((2, 2), np.uint8), np.full((2, 2), -1, np.int32))
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Frame, Pose
-from coral.reef.record import COLUMNS, POSES, PicturePose, RecordCfg
+from coral.reef.mission.record import COLUMNS, POSES, PicturePose, RecordCfg
 from coral.reef.sea.record import OWN_COLUMNS, SeaRecord
-from coral.reef.simulator import SimulatorCfg
-from coral.reef.world import load_world
+from coral.reef.simulation.simulator import SimulatorCfg
+from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.world import load_world
 from coral.runs import read_events, read_rows
 
 STATE = (0.5, 0.0, 0.1, 0.5, 0.1, float("nan"), float("nan"), 1.0)

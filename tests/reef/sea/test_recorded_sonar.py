@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.checks import UnfitMeasurement
+from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.recorded_sonar import RecordedSonar
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
-from coral.reef.sonar.range_image import RangeImage
+from coral.reef.vehicle.range_image import RangeImage
 
 rip = pytest.importorskip("wlsonar.range_image_protocol")
 

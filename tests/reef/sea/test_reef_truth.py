@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Pose
 from coral.reef.sea.reef_truth import ReefTruth
-from coral.reef.simulator import ReefSimulator, SimulatorCfg
-from coral.reef.world import load_world
+from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.world.geometry import Pose
+from coral.reef.world.world import load_world
 
 
 @pytest.fixture

@@ -2,10 +2,10 @@ from dataclasses import replace
 
 import pytest
 
-from coral.reef.geometry import Pose
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.safety import SafetyCfg, SafetyMonitor
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.world.geometry import Pose
 
 AREA = SurveyArea(
     "tank",

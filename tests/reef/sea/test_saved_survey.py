@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.belief import Belief, BeliefCfg
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.geometry import Pose
-from coral.reef.mapping import MapCfg, OccupancyMap
-from coral.reef.scene import Scene
+from coral.reef.map.belief import Belief, BeliefCfg
+from coral.reef.map.mapping import MapCfg, OccupancyMap
 from coral.reef.sea.saved_survey import load_survey, save_survey
-from coral.reef.world import load_world
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import load_world
 
 
 @pytest.fixture(scope="module")

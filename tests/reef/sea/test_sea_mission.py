@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from voyage import WORLD, Voyage
 
-from coral.reef.geometry import Pose
-from coral.reef.mission import MissionCfg
+from coral.reef.mission.mission import MissionCfg
 from coral.reef.recordings.find_recording import find_recording
 from coral.reef.sea.map_alignment import AlignmentCfg
 from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.sea.sea_mission import OWN_MAP, TRUTH
 from coral.reef.sea.survey_alignment import ResumeCfg, SavedMap
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.world.geometry import Pose
 from coral.runs import read_events, read_rows
 
 

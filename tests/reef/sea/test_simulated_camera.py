@@ -1,11 +1,11 @@
 import numpy as np
 
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.eyes.painter import Painter
-from coral.reef.geometry import Pose
-from coral.reef.scene import Scene
+from coral.reef.paint.painter import Painter
 from coral.reef.sea.simulated_camera import SimulatedCamera
-from coral.reef.world import load_world
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import load_world
 
 
 class FakeClock:

@@ -1,8 +1,8 @@
 import pytest
 
-from coral.reef.geometry import Pose
 from coral.reef.sea.link import LinkRefused
 from coral.reef.sea.simulated_link import SimulatedLink
+from coral.reef.world.geometry import Pose
 
 
 class FakeClock:

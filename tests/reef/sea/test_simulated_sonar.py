@@ -1,11 +1,11 @@
 import numpy as np
 from echoes import SMALL
 
-from coral.reef.geometry import Pose
-from coral.reef.scene import Scene
+from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.sea.simulated_sonar import SimulatedSonar
-from coral.reef.sonar.sonar_3d15 import Sonar3d15
-from coral.reef.world import load_world
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import load_world
 
 SCENE = Scene.from_world(load_world("s1"))
 

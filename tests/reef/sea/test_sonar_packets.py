@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from coral.errors import InputError
-from coral.reef.checks import UnfitMeasurement
+from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea import sonar_packets
 from coral.reef.sea.sonar_packets import SonarPing, decode_packet, encode_packet, load_protocol, read_packets
-from coral.reef.sonar.range_image import RangeImage
+from coral.reef.vehicle.range_image import RangeImage
 
 rip = pytest.importorskip("wlsonar.range_image_protocol")
 import snappy  # noqa: E402

@@ -1,8 +1,8 @@
 import numpy as np
 
-from coral.reef.checks import UnfitMeasurement
+from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.sonar_reading import HeardImage, LatestHeard
-from coral.reef.sonar.range_image import RangeImage
+from coral.reef.vehicle.range_image import RangeImage
 
 IMAGE = RangeImage(np.full((2, 3), 4.0, np.float32), 90.0, 40.0)
 

@@ -2,13 +2,13 @@ from dataclasses import replace
 
 import pytest
 
-from coral.reef.geometry import Pose
 from coral.reef.sea.link import LinkRefused, VehicleReport
 from coral.reef.sea.operator import VehicleOrders
 from coral.reef.sea.safety import SafetyCfg, SafetyMonitor
 from coral.reef.sea.supervisor import Supervisor
 from coral.reef.sea.survey_file import SurveyArea
-from coral.reef.states import Mover, PilotState, StateMachine
+from coral.reef.vehicle.states import Mover, PilotState, StateMachine
+from coral.reef.world.geometry import Pose
 
 AREA = SurveyArea("tank", (20.0, 10.0), Pose(2.0, 5.0, 0.0), ((0, 0), (20, 0), (20, 10), (0, 10)))
 HERE = Pose(5.0, 5.0, 0.0)

@@ -3,14 +3,14 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.belief import Belief
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.geometry import Pose
-from coral.reef.mapping import OccupancyMap
-from coral.reef.scene import Scene
+from coral.reef.map.belief import Belief
+from coral.reef.map.mapping import OccupancyMap
 from coral.reef.sea.map_alignment import AlignmentCfg
 from coral.reef.sea.survey_alignment import ResumeCfg, SavedMap, SurveyAlignment
-from coral.reef.world import load_world
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import load_world
 
 WORLD, CFG = load_world("s1"), CameraCfg()
 TRUE = Pose(WORLD.start.x, WORLD.start.y, WORLD.start.theta)

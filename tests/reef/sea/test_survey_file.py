@@ -5,7 +5,7 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.sea.survey_file import Origin, SurveyArea, is_survey, read_survey
-from coral.reef.world import load_world
+from coral.reef.world.world import load_world
 
 GOOD = """
 format: coral-survey/1

@@ -1,12 +1,12 @@
 import yaml
 
-from coral.reef.geometry import Pose
-from coral.reef.response import VehicleResponse
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.sea_mission import SailCfg
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.sea.survey_head import write_head
-from coral.reef.world import load_world
+from coral.reef.vehicle.response import VehicleResponse
+from coral.reef.world.geometry import Pose
+from coral.reef.world.world import load_world
 from coral.runs import RunWriter
 
 

@@ -5,8 +5,8 @@ import math
 import pytest
 from messages import attitude, estimator, heartbeat, mavlink, position, sent, text
 
-from coral.reef.geometry import Pose
 from coral.reef.sea.telemetry import Telemetry
+from coral.reef.world.geometry import Pose
 
 
 def told(*messages, start=None, system=0):

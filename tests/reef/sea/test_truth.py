@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-from coral.reef.geometry import Pose
 from coral.reef.sea.autopilot import SimulatedAutopilot
 from coral.reef.sea.autopilot_line import AutopilotLine
 from coral.reef.sea.body import Body, OpenWater
 from coral.reef.sea.truth import TruthFeed
+from coral.reef.world.geometry import Pose
 
 
 def test_it_follows_the_vehicle_in_the_frame_of_the_start():

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.checks import UnfitMeasurement
+from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea import udp_sonar
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
 from coral.reef.sea.udp_sonar import UdpSonar
-from coral.reef.sonar.range_image import RangeImage
+from coral.reef.vehicle.range_image import RangeImage
 
 rip = pytest.importorskip("wlsonar.range_image_protocol")
 IMAGE = RangeImage(np.full((4, 8), 2.5, np.float32), 90.0, 40.0)

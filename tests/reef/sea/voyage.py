@@ -7,12 +7,11 @@ import numpy as np
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
-from coral.reef.camera import Camera
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.mission import MissionCfg
-from coral.reef.record import RecordCfg
-from coral.reef.resolution import with_sonar
-from coral.reef.scene import Scene
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.map.sonar_3d15 import Sonar3d15
+from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.mission.resolution import with_sonar
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
@@ -21,8 +20,9 @@ from coral.reef.sea.sonar_packets import SonarPing, encode_packet
 from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.sea.udp_sonar import UdpSonar
-from coral.reef.sonar.sonar_3d15 import Sonar3d15
-from coral.reef.world import load_world
+from coral.reef.vehicle.camera import Camera
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import load_world
 
 WORLD = load_world("s1")
 

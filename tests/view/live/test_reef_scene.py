@@ -3,8 +3,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from coral.reef.geometry import Frame, Pose
-from coral.reef.world import load_world
+from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.world import load_world
 from coral.view.live import reef_scene
 from coral.view.live.story import Story
 from coral.view.mapview import MapScene

@@ -3,15 +3,15 @@ from types import SimpleNamespace
 import pytest
 from viser._icons import svg_from_icon
 
-from coral.reef.belief import Belief
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.geometry import Pose
-from coral.reef.mapping import OccupancyMap
-from coral.reef.scene import Scene
+from coral.reef.map.belief import Belief
+from coral.reef.map.mapping import OccupancyMap
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.operator import OperatorWords
-from coral.reef.states import PilotState
-from coral.reef.world import load_world
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.vehicle.states import PilotState
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import load_world
 from coral.view.live.sea_survey import BUTTONS, RESUME_BUTTONS, LiveSurvey, SurveyControls
 from coral.view.live.state import LiveState
 

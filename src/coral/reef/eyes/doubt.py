@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Fraction, NonNegative
-from coral.reef.geometry import Frame, Label
+from coral.reef.world.geometry import Frame, Label
 
 LABEL_STEPS, DEPTH_STEPS = 255, 100
 """Steps that make 1 in a picture file of doubt: a label's reaches to 1, a depth's to 2.55."""

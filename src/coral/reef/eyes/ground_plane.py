@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.camera import CameraCfg, T_world_camera
-from coral.reef.geometry import Pose
+from coral.reef.vehicle.camera import CameraCfg, T_world_camera
+from coral.reef.world.geometry import Pose
 
 NEAR_PER_M, FAR_PER_M = 4.0, 0.0
 """Bounds of the inverse depth that networks are given (1/m): 0.25 m and the horizon."""

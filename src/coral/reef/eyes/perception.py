@@ -8,8 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.camera import CameraCfg
-from coral.reef.geometry import Frame, Label
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Frame, Label
 
 
 @dataclass(frozen=True)

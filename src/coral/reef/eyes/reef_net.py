@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.onnx_file import OnnxFile
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.doubt import choose_labels
 from coral.reef.eyes.ground_plane import ground_depth, network_input, ray_lengths
 from coral.reef.eyes.perception import CameraAttitude, SeenPicture
-from coral.reef.geometry import Label
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Label
 
 SHIPPED = Path(__file__).parent / "weights" / "reef_net.onnx"
 """The network that comes with the package."""
@@ -27,7 +27,7 @@ OBSTACLE_FROM = 0.4
 
 
 class ReefNetEyes:
-    """Runs a network with the layout of `coral.reef.eyes.unet`, on pictures of any size."""
+    """Runs a network with the layout of `coral.reef.paint.unet`, on pictures of any size."""
 
     def __init__(self, file: OnnxFile, obstacle_from: float = OBSTACLE_FROM) -> None:
         """Check the layout.

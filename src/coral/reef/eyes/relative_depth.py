@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.onnx_file import OnnxFile
-from coral.reef.camera import CameraCfg
+from coral.reef.vehicle.camera import CameraCfg
 
 _MEAN, _SPREAD = np.array([0.485, 0.456, 0.406], np.float32), np.array([0.229, 0.224, 0.225], np.float32)
 """Of ImageNet, by which these networks' inputs are normalised."""

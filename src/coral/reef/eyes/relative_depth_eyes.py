@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth, ray_lengths
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, SeenPicture
 from coral.reef.eyes.relative_depth import DepthAnything, fit_scale_shift, floor_points
-from coral.reef.geometry import Label
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Label
 
 MOST_POINTS = 2000
 """Of the floor, evenly spread over its pixels: more do not change two numbers."""

@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.onnx_file import OnnxFile
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.doubt import choose_labels
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude, SeenPicture
 from coral.reef.eyes.reef_net import OBSTACLE_FROM
 from coral.reef.eyes.standing_depth import standing_depth
-from coral.reef.geometry import Label
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Label
 
 CLASSES = len(Label)
 

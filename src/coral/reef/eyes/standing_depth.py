@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.geometry import Label
+from coral.reef.world.geometry import Label
 
 
 def standing_depth(labels: NDArray[np.uint8], ground: NDArray[np.float32]) -> NDArray[np.float32]:

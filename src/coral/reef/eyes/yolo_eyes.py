@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.onnx_file import OnnxFile
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.letterbox import Letterbox
 from coral.reef.eyes.perception import CameraAttitude, SeenPicture
 from coral.reef.eyes.standing_depth import standing_depth
 from coral.reef.eyes.yolo_masks import PROTOTYPES, decode, draw_masks
-from coral.reef.geometry import Label
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Label
 
 _MASK_FROM = 0.5
 _FLOOR_DOUBT = 0.3

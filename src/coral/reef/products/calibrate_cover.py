@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.mapping import distance_to
+from coral.reef.map.mapping import distance_to
 from coral.reef.products.cover import CoverCfg, collect_votes, fine_of, locate_gaps, make_cover, sum_votes
 from coral.reef.products.cover_calibration import BINS, CoverCalibration, bins_of
 from coral.reef.products.truth import true_cover
 from coral.reef.recordings.recording import Recording, map_of
-from coral.reef.world import ReefWorld
+from coral.reef.world.world import ReefWorld
 
 BESIDE_M = 0.3
 """Votes within this distance of a cluster's shells are its own, when errors of single clusters are measured."""

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.chain import ChainCfg, closing_width, label_regions
-from coral.reef.mapping import OccupancyMap
+from coral.reef.map.chain import ChainCfg, closing_width, label_regions
+from coral.reef.map.mapping import OccupancyMap
 from coral.reef.products.cover import Area, Cover, area_within, fine_of
 from coral.reef.products.view_quality import ViewQuality
 

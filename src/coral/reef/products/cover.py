@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from coral.config import Count, Fraction, Positive
 from coral.reef.eyes.doubt import DoubtCfg
-from coral.reef.geometry import Frame, Label
 from coral.reef.products.cover_calibration import CoverCalibration, find_calibration
 from coral.reef.products.cover_kernels import vote
 from coral.reef.products.seen_points import find_points, grid_shape
 from coral.reef.recordings.recording import Recording
+from coral.reef.world.geometry import Frame, Label
 
 NORMAL_95 = 1.96
 

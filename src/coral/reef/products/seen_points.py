@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.camera import T_world_camera
 from coral.reef.eyes.doubt import drop_doubtful
-from coral.reef.geometry import Frame
 from coral.reef.products.cover_kernels import locate_pixels
 from coral.reef.recordings.recording import PosedFrame, Recording
+from coral.reef.vehicle.camera import T_world_camera
+from coral.reef.world.geometry import Frame
 
 
 @dataclass(frozen=True)

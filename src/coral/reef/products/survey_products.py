@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from coral.config import Positive
 from coral.errors import InputError
-from coral.reef.chain import ChainCfg
-from coral.reef.mapping import OccupancyMap, distance_to
+from coral.reef.map.chain import ChainCfg
+from coral.reef.map.mapping import OccupancyMap, distance_to
 from coral.reef.products.best_pictures import ClusterPicture, best_pictures
 from coral.reef.products.clusters import ClusterProduct, label_clusters, measure_clusters
 from coral.reef.products.cover import Area, CoverCfg, area_within, fine_of, measure_cover

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.collision import clearance
-from coral.reef.coverage import rasterise
-from coral.reef.geometry import Label
-from coral.reef.scene import Scene
-from coral.reef.world import ReefWorld
+from coral.reef.simulation.coverage import rasterise
+from coral.reef.vehicle.collision import clearance
+from coral.reef.world.geometry import Label
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import ReefWorld
 
 RASTER_M = 0.01
 

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
-from coral.reef.geometry import Frame
-from coral.reef.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
+from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
 from coral.reef.recordings.picture_export import colour_of
 from coral.reef.recordings.picture_files import encode_depth, encode_jpeg, encode_png
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.recordings.transforms import body_transform, camera_in_body, quaternion_of
+from coral.reef.world.geometry import Frame
 
 TOPICS = {
     "/camera/image/compressed": "sensor_msgs/msg/CompressedImage",

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from coral.bag_reader import count_messages, read_messages, stamp_of
 from coral.errors import InputError, first_line
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.geometry import Frame, Pose
-from coral.reef.mapping import MapCfg
+from coral.reef.map.echo_points import project_points
+from coral.reef.map.mapping import MapCfg
+from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_sonar import open_sonar
 from coral.reef.recordings.lens import Lens
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
@@ -28,8 +28,8 @@ from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
 from coral.reef.recordings.ros_images import colours_in, values_in
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
-from coral.reef.sonar.echo_points import project_points
-from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Frame, Pose
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from coral.bag_reader import read_messages
 from coral.errors import InputError
-from coral.reef.geometry import Pose
+from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
 from coral.reef.recordings.point_clouds import points_in, range_image_of
 from coral.reef.recordings.pose_track import PoseTrack
 from coral.reef.recordings.recording import PosedPing
 from coral.reef.recordings.transforms import euler_of
-from coral.reef.sensing import Attitude
-from coral.reef.sonar.sonar_3d15 import SonarCfg, sonar_attitude
+from coral.reef.vehicle.sensing import Attitude
+from coral.reef.world.geometry import Pose
 
 
 @dataclass(frozen=True)

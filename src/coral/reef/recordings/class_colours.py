@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from coral.reef.geometry import Label
+from coral.reef.world.geometry import Label
 
 CLASS_COLOURS = {
     Label.WATER: (20, 60, 90),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
+from coral.reef.vehicle.camera import CameraCfg
 
 DistortionModel = Literal["plumb_bob", "rational_polynomial", "equidistant"]
 COEFFICIENTS: dict[str, tuple[int, ...]] = {

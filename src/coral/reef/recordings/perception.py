@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt, unpack_doubt
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
-from coral.reef.geometry import Frame, Label
 from coral.reef.recordings.picture_files import encode_depth, encode_png, frame_of
 from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Frame, Label
 
 _PARTS = ("labels", "depth", "doubt", "depth_doubt")
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import yaml
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.recordings.picture_files import encode_jpeg
 from coral.reef.recordings.picture_folder import TABLE
 from coral.reef.recordings.recording import PosedFrame, Recording
+from coral.reef.vehicle.camera import CameraCfg
 
 COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw", "rgb")
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.eyes.doubt import unpack_doubt
-from coral.reef.geometry import Frame, Label
 from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.world.geometry import Frame, Label
 from coral.yaml_file import NotRegularError, regular_bytes
 
 Image = NDArray[Any]

@@ -11,8 +11,6 @@ from pathlib import Path
 from coral.errors import InputError
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.geometry import Frame, Pose, wrap
-from coral.reef.local_plane import MOST_DEGREES, LocalPlane
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
 from coral.reef.recordings.picture_files import (
     decode_depth,
@@ -24,6 +22,8 @@ from coral.reef.recordings.picture_files import (
 )
 from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
+from coral.reef.world.geometry import Frame, Pose, wrap
+from coral.reef.world.local_plane import MOST_DEGREES, LocalPlane
 from coral.yaml_file import read_regular
 
 TABLE = "poses.csv"

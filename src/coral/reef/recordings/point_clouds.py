@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.sonar.range_image import RangeImage
-from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.map.sonar_3d15 import SonarCfg
+from coral.reef.vehicle.range_image import RangeImage
 
 _KINDS = {7: "f4", 8: "f8"}
 """FLOAT32 and FLOAT64 of sensor_msgs/PointField."""

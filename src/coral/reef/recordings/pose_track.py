@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.geometry import Pose
 from coral.reef.recordings.transforms import euler_of, interpolate_transform
+from coral.reef.world.geometry import Pose
 
 NEAR_S = 0.1
 """A picture without a pose within this time of it is left out (s)."""

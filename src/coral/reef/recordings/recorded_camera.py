@@ -11,8 +11,8 @@ from pydantic import Field
 
 from coral.config import Positive, Signed, read_config
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
 from coral.reef.recordings.lens import DistortionModel, Lens, Rectifier, check_lens, rectified_size
+from coral.reef.vehicle.camera import CameraCfg
 
 Pixels = Annotated[int, Field(ge=1, le=65_536)]
 

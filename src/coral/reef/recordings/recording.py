@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.camera import CameraCfg
-from coral.reef.geometry import Frame, Pose
-from coral.reef.mapping import MapCfg, OccupancyMap
-from coral.reef.sensing import Attitude
-from coral.reef.sonar.range_image import RangeImage
-from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.map.mapping import MapCfg, OccupancyMap
+from coral.reef.map.sonar_3d15 import SonarCfg
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.vehicle.sensing import Attitude
+from coral.reef.world.geometry import Frame, Pose
 
 MARGIN_M = 6.5
 """What a map without a stated area reaches beyond the outermost pose: the map's range, and half a metre."""

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from coral.errors import InputError
-from coral.reef.geometry import Label
-from coral.reef.mapping import OccupancyMap
+from coral.reef.map.mapping import OccupancyMap
 from coral.reef.recordings.bag_export import MAP_EVERY_S
 from coral.reef.recordings.class_colours import CLASS_COLOURS
 from coral.reef.recordings.picture_files import encode_depth, encode_jpeg
 from coral.reef.recordings.recording import Recording
 from coral.reef.recordings.transforms import body_transform, camera_in_body
+from coral.reef.world.geometry import Label
 
 
 def write_rerun(recording: Recording, path: Path) -> dict[str, int]:

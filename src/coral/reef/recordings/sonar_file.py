@@ -8,12 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from coral.errors import InputError
-from coral.reef.checks import UnfitMeasurement
-from coral.reef.geometry import Pose, wrap
+from coral.reef.map.sonar_3d15 import SonarCfg
+from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.recordings.recording import PosedFrame, PosedPing, Recording
 from coral.reef.sea.sonar_packets import SonarPing, decode_packet, load_protocol, read_packets
-from coral.reef.sensing import Attitude
-from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.vehicle.sensing import Attitude
+from coral.reef.world.geometry import Pose, wrap
 
 APART_S = 2.0
 """Between two pictures farther apart than this nobody knows where the sonar was."""

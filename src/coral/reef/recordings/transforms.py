@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.camera import CameraCfg, T_world_camera
-from coral.reef.geometry import Pose
+from coral.reef.vehicle.camera import CameraCfg, T_world_camera
+from coral.reef.world.geometry import Pose
 
 Quaternion = tuple[float, float, float, float]
 """x, y, z, w: the order of ROS messages. Elsewhere in this package w comes first."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from coral.reef.states import Mover, PilotState, StateMachine
+from coral.reef.vehicle.states import Mover, PilotState, StateMachine
 
 
 def awaited(states: StateMachine, *, passing: bool, settle_s: float, recover_s: float, surface_after_s: float) -> str:

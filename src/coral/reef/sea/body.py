@@ -8,10 +8,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from coral.reef.generated import find_world
-from coral.reef.geometry import Pose
-from coral.reef.simulator import ReefSimulator, SimulatorCfg
-from coral.reef.vehicle import Vehicle, VehicleCfg
+from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg
+from coral.reef.world.generated import find_world
+from coral.reef.world.geometry import Pose
 
 HEAVE_S = 0.5
 """Time constant of the vertical speed: ArduSub in the loop reaches a climb rate within a second."""

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from coral.reef.checks import UnfitMeasurement, check_range_image
-from coral.reef.geometry import wrap
+from coral.reef.map.sonar_3d15 import SonarCfg
+from coral.reef.pilot.checks import UnfitMeasurement, check_range_image
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.survey_file import SurveyArea
-from coral.reef.sonar.sonar_3d15 import SonarCfg
+from coral.reef.world.geometry import wrap
 
 Level = Literal["good", "lacking", "blocking"]
 SLOW_HZ = 4.0

@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from coral.errors import InputError, first_line
-from coral.reef.geometry import Pose, wrap
 from coral.reef.sea.link import VehicleLink, VehicleReport
+from coral.reef.world.geometry import Pose, wrap
 
 PORT = 16171
 TIMEOUT_S = 2.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from coral.reef.geometry import Pose, wrap
+from coral.reef.world.geometry import Pose, wrap
 
 
 def pose_from_ned(north_m: float, east_m: float, yaw_rad: float) -> Pose:

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.chain import ChainCfg, closing_width
-from coral.reef.mapping import OccupancyMap
+from coral.reef.map.chain import ChainCfg, closing_width
+from coral.reef.map.mapping import OccupancyMap
 
 OBSTACLE, OYSTER, BARE = 0, 1, 2
 """Kinds of ground."""

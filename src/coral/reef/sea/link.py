@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from coral.errors import RunError
-from coral.reef.geometry import Pose
+from coral.reef.world.geometry import Pose
 
 
 class LinkRefused(RunError):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.geometry import Pose, wrap
+from coral.reef.world.geometry import Pose, wrap
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count, Fraction, Positive
-from coral.reef.geometry import Pose
 from coral.reef.sea.known_ground import BARE, KINDS, KnownGround
 from coral.reef.sea.local_frame import LocalFrame, shift_points, turned_about
 from coral.reef.sea.map_alignment_kernels import score_poses
+from coral.reef.world.geometry import Pose
 
 WIDER = 2.5
 """The first search blurs the saved map by so much more, so that no peak lies between its steps."""

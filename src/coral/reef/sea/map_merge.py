@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.mapping_kernels import SATURATED
+from coral.reef.map.mapping_kernels import SATURATED
 from coral.reef.sea.local_frame import LocalFrame, shift_points
 
 COUNTS: tuple[str, ...] = ("_targets", "_obstacles", "_ground")

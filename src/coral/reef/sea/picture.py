@@ -10,8 +10,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.geometry import Frame
 from coral.reef.sea.latest_reading import LatestReading
+from coral.reef.world.geometry import Frame
 
 
 @dataclass(frozen=True, kw_only=True)

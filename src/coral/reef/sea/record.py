@@ -8,12 +8,12 @@ from typing import Any
 
 from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
-from coral.reef.geometry import Frame, Pose
-from coral.reef.record import COLUMNS, FrameRecorder, PicturePose, RecordCfg
+from coral.reef.mission.record import COLUMNS, FrameRecorder, PicturePose, RecordCfg
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.reef_truth import ReefTruth
-from coral.reef.simulator import SimulatorCfg
-from coral.reef.world import ReefWorld
+from coral.reef.simulation.simulator import SimulatorCfg
+from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.world import ReefWorld
 from coral.runs import RunWriter
 
 OWN_COLUMNS = tuple(name for name in COLUMNS if not name.startswith(("est_", "odo_")))

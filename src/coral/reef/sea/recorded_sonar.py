@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from coral.errors import InputError
-from coral.reef.checks import UnfitMeasurement
+from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.sonar_packets import decode_packet, load_protocol, read_packets
 from coral.reef.sea.sonar_reading import HeardImage
 

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from coral.reef.chain import Track
-from coral.reef.collision import ContactCounter
-from coral.reef.coverage import CoverageMeter
-from coral.reef.geometry import Pose
-from coral.reef.imaging import ImagingMeter
-from coral.reef.judge import MissionJudge
-from coral.reef.scene import Scene
-from coral.reef.simulator import SimulatorCfg
-from coral.reef.world import ReefWorld
+from coral.reef.map.chain import Track
+from coral.reef.mission.judge import MissionJudge
+from coral.reef.simulation.coverage import CoverageMeter
+from coral.reef.simulation.imaging import ImagingMeter
+from coral.reef.simulation.simulator import SimulatorCfg
+from coral.reef.vehicle.collision import ContactCounter
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import ReefWorld
 
 PATH_M = 0.02
 """Spacing of the points at which contacts are checked between two poses."""

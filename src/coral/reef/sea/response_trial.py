@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import RunError
-from coral.reef.geometry import Pose
-from coral.reef.response import DelayedCommands, VehicleResponse
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.step_response import StepResponse, fit_step_response
-from coral.reef.vehicle import VehicleState
+from coral.reef.vehicle.response import DelayedCommands, VehicleResponse
+from coral.reef.vehicle.vehicle import VehicleState
+from coral.reef.world.geometry import Pose
 
 PERIOD_S = 0.1
 AHEAD_S = 1.0

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from coral.config import Fraction, NonNegative, Positive
-from coral.reef.geometry import Pose
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.world.geometry import Pose
 
 Action = Literal["none", "hold", "return", "surface"]
 """none: only reported. hold: the autopilot keeps the vehicle where it is. return: back to the start, around what is on

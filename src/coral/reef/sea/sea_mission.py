@@ -21,21 +21,18 @@ from coral.advisor.question import Advisor, Picture
 from coral.advisor.rules import RuleAdvisor
 from coral.advisor.thread import AdvisorThread
 from coral.config import Positive
-from coral.reef.belief import Belief
-from coral.reef.controller import DdpMppi
-from coral.reef.delay_aware_driver import DelayAwareDriver
-from coral.reef.faults import FaultySensors, parse_fault
-from coral.reef.geometry import Pose
-from coral.reef.guard import Reading
-from coral.reef.heuristic import REEF_RULES
-from coral.reef.leftover import what_is_left
-from coral.reef.mapping import OccupancyMap
-from coral.reef.metrics import compute_metrics
-from coral.reef.mission import MissionCfg
-from coral.reef.pilot import Command, Pilot
-from coral.reef.planner import HighLevelPlanner
-from coral.reef.record import PicturePose
-from coral.reef.response import VehicleResponse
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.drive.controller import DdpMppi
+from coral.reef.drive.delay_aware_driver import DelayAwareDriver
+from coral.reef.map.belief import Belief
+from coral.reef.map.mapping import OccupancyMap
+from coral.reef.mission.metrics import compute_metrics
+from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.record import PicturePose
+from coral.reef.pilot.guard import Reading
+from coral.reef.pilot.leftover import what_is_left
+from coral.reef.pilot.pilot import Command, Pilot
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.loop import FixedRate, IdleCollector, collected_when_idle, prompt_threads
@@ -49,9 +46,12 @@ from coral.reef.sea.supervisor import Supervisor
 from coral.reef.sea.survey_alignment import SavedMap, SurveyAlignment
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.sea.survey_head import write_head
-from coral.reef.sensing import Attitude, Stamped, VehicleObservation
-from coral.reef.states import PilotState
-from coral.reef.world import ReefWorld
+from coral.reef.simulation.faults import FaultySensors, parse_fault
+from coral.reef.vehicle.response import VehicleResponse
+from coral.reef.vehicle.sensing import Attitude, Stamped, VehicleObservation
+from coral.reef.vehicle.states import PilotState
+from coral.reef.world.geometry import Pose
+from coral.reef.world.world import ReefWorld
 from coral.run_loop import Observer, timing_of
 
 OWN_MAP, TRUTH = "the vehicle's own map", "the truth of a simulated reef"

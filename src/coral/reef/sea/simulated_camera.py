@@ -6,12 +6,12 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from coral.reef.camera import Camera, CameraCfg
-from coral.reef.eyes.painter import Painter
-from coral.reef.geometry import Frame, Pose
-from coral.reef.scene import Scene
+from coral.reef.paint.painter import Painter
 from coral.reef.sea.loop import FixedRate
 from coral.reef.sea.picture import Shot
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.scene import Scene
 
 Where = Callable[[], tuple[float, Pose] | None]
 """where() returns a monotonic time (s) and the pose of the vehicle in the reef at that time; None while unknown."""

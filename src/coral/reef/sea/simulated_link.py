@@ -7,9 +7,9 @@ import threading
 import time
 from collections.abc import Callable
 
-from coral.reef.geometry import Pose, wrap
 from coral.reef.sea.link import LinkRefused, StatusText, VehicleReport
-from coral.reef.vehicle import Clearance, Vehicle, VehicleCfg, VehicleState
+from coral.reef.vehicle.vehicle import Clearance, Vehicle, VehicleCfg, VehicleState
+from coral.reef.world.geometry import Pose, wrap
 
 STEP_S = 0.02
 """The dynamics advance in steps of this length, as the autopilot's velocity loop does."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.sea.loop import FixedRate
 from coral.reef.sea.simulated_camera import Where
 from coral.reef.sea.sonar_reading import HeardImage
-from coral.reef.sonar.sonar_3d15 import Sonar3d15
 
 
 class SimulatedSonar:

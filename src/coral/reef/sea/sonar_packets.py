@@ -17,8 +17,8 @@ from typing import Any, BinaryIO, Literal
 import numpy as np
 
 from coral.errors import InputError, first_line
-from coral.reef.checks import UnfitMeasurement
-from coral.reef.sonar.range_image import RangeImage
+from coral.reef.pilot.checks import UnfitMeasurement
+from coral.reef.vehicle.range_image import RangeImage
 
 IDENTIFIERS = b"RIP1", b"RIP2"
 FRAME_BYTES = 12

@@ -8,9 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from coral.reef.checks import UnfitMeasurement
+from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.latest_reading import LatestReading
-from coral.reef.sonar.range_image import RangeImage
+from coral.reef.vehicle.range_image import RangeImage
 
 
 @dataclass(frozen=True)

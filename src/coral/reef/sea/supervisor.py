@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 
-from coral.reef.geometry import Pose
 from coral.reef.sea.awaited import awaited
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.operator import Order, VehicleOrders, Word
 from coral.reef.sea.safety import Breach, SafetyMonitor
-from coral.reef.states import Mover, PilotState, StateMachine
+from coral.reef.vehicle.states import Mover, PilotState, StateMachine
+from coral.reef.world.geometry import Pose
 
 RETRY_S = 1.0
 """An order that was refused is given again after this time."""

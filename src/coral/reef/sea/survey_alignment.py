@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Positive
-from coral.reef.belief import Belief
-from coral.reef.geometry import Pose
+from coral.reef.map.belief import Belief
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.known_ground import KnownGround
 from coral.reef.sea.local_frame import LocalFrame, shift_points
 from coral.reef.sea.map_alignment import AlignmentCfg, MapAlignment, align_maps
 from coral.reef.sea.map_merge import merge_maps
 from coral.reef.sea.operator import Word
+from coral.reef.world.geometry import Pose
 
 
 @dataclass(frozen=True, kw_only=True)

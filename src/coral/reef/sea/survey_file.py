@@ -15,9 +15,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from coral.config import read_yaml
 from coral.errors import InputError
-from coral.reef.geometry import Pose
 from coral.reef.sea.polygon import contains_point, is_simple
-from coral.reef.world import ReefWorld, Start
+from coral.reef.world.geometry import Pose
+from coral.reef.world.world import ReefWorld, Start
 from coral.validation_errors import input_error
 
 FORMAT: Literal["coral-survey/1"] = "coral-survey/1"

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from coral.config import to_mapping
-from coral.reef.response import VehicleResponse
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.survey_file import SurveyArea
-from coral.reef.world import ReefWorld, save_world
+from coral.reef.vehicle.response import VehicleResponse
+from coral.reef.world.world import ReefWorld, save_world
 from coral.runs import RunWriter, provenance
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from coral.reef.geometry import Pose, wrap
 from coral.reef.sea import ardusub
 from coral.reef.sea.boot_clock import BootClock
 from coral.reef.sea.frames import alignment, compose, pose_from_ned, tilt_from_frd, velocity_from_ned
 from coral.reef.sea.link import StatusText, VehicleReport
+from coral.reef.world.geometry import Pose, wrap
 
 TEXTS = 64
 STICK_PWM = 30

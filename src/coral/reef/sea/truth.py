@@ -10,11 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from coral.reef.geometry import Pose
 from coral.reef.sea import ardusub
 from coral.reef.sea.address import VehicleAddress
 from coral.reef.sea.frames import alignment, compose, pose_from_ned
 from coral.reef.sea.transport import Transport, open_transport
+from coral.reef.world.geometry import Pose
 
 SIM_STATE = 108
 EARTH_M = 6_378_137.0

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 
 from coral.errors import InputError
-from coral.reef.checks import UnfitMeasurement
+from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.boot_clock import BootClock
 from coral.reef.sea.sonar_packets import decode_packet, load_protocol
 from coral.reef.sea.sonar_reading import HeardImage

@@ -9,8 +9,8 @@ from typing import Protocol
 
 import numpy as np
 
-from coral.reef.geometry import Frame
-from coral.reef.world import ReefWorld
+from coral.reef.world.geometry import Frame
+from coral.reef.world.world import ReefWorld
 from coral.view.decisions import decisions
 from coral.view.live import reef_scene
 from coral.view.live.history import thinned

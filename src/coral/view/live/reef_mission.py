@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from coral.reef.controller import COSTS, DdpMppi
-from coral.reef.mission import Mission
+from coral.reef.drive.controller import COSTS, DdpMppi
+from coral.reef.mission.mission import Mission
 from coral.view.live import reef_scene
 from coral.view.live.history import History
 from coral.view.live.pace import Pace

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.geometry import Frame, Pose
-from coral.reef.scene import RECTANGLE, Footprints, Scene
-from coral.reef.world import ReefWorld
+from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.scene import RECTANGLE, Footprints, Scene
+from coral.reef.world.world import ReefWorld
 from coral.view.cameraview import camera_picture
 from coral.view.live.state import Ground, Line, LiveBody, LivePart, Marker, Number, Tone
 from coral.view.live.story import Story

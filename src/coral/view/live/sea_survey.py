@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from coral.reef.belief import Belief
+from coral.reef.map.belief import Belief
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.operator import OperatorWords, Word
 from coral.reef.sea.sea_mission import SeaMission

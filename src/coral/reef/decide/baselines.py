@@ -1,0 +1,134 @@
+"""Baseline deciders: what a user would do without a foundation model (paper IV-C, IV-D, and beyond).
+
+They answer the same questions from the same facts as any advisor, without delay, and use the same controller.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.question import Rejection
+from coral.advisor.rules import Rule
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice
+
+Fact = Mapping[str, Any]
+
+
+def nearest_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
+    """Choose the nearest unvisited centroid and ignore the rest of the map: Rule-Based Selection (paper IV-D)."""
+    refused = {r.details.get("index") for r in rejections}
+    open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
+    best = min([c for c in open_ if c["index"] not in refused] or open_ or facts["centroids"], key=_straight)
+    return CentroidChoice(selected_centroid_index=best["index"], reason="the nearest unvisited cluster")
+
+
+def nearest_frontier(facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
+    """Choose the nearest border of the explored water: frontier exploration (Yamauchi 1997)."""
+    refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
+    aims = facts["frontiers"] or [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
+    if not aims:
+        return WaypointChoice(forward_m=0, left_m=0, reason="nothing unexplored can be reached")
+    aim = min(aims, key=lambda a: a["path_m"])
+    return _towards(facts, aim["forward_m"], aim["left_m"], refused, "the nearest frontier")
+
+
+class Lawnmower:
+    """Boustrophedon survey of the whole area. The lanes are planned before the dive, without the obstacles."""
+
+    def __init__(self, spacing_m: float = 6.0, stride_m: float = 4.0, border_m: float = 2.0) -> None:
+        """Set lanes `spacing_m` apart (the sensing range) with a waypoint every `stride_m`."""
+        self._spacing, self._stride, self._border = spacing_m, stride_m, border_m
+        self._points: list[tuple[float, float]] | None = None
+
+    def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
+        """Return the next waypoint of the lanes, skipping those that cannot be approached."""
+        robot = facts["arrival"]["pose"]
+        if self._points is None:
+            self._points = self._lanes(facts["area_m"], robot["x"], robot["y"])
+        refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
+        while self._points:
+            x, y = self._points[0]
+            forward, left = _in_robot_frame(robot, x, y)
+            if math.hypot(forward, left) < NEAR_M:
+                self._points.pop(0)
+                continue
+            choice = _towards(facts, forward, left, refused, f"lane point ({x:.0f}, {y:.0f}) m")
+            if math.hypot(choice.forward_m, choice.left_m) >= 1.0:
+                return choice
+            self._points.pop(0)
+        return WaypointChoice(forward_m=0, left_m=0, reason="all lanes are done")
+
+    def _lanes(self, area_m: Sequence[float], x: float, y: float) -> list[tuple[float, float]]:
+        """Return the waypoints of lanes along x, from the corner nearest to the robot."""
+        b = self._border
+        n_lanes = max(2, math.ceil((area_m[1] - 2 * b) / self._spacing) + 1)
+        n_stops = max(2, math.ceil((area_m[0] - 2 * b) / self._stride) + 1)
+        ys = [b + k * (area_m[1] - 2 * b) / (n_lanes - 1) for k in range(n_lanes)]
+        xs = [b + k * (area_m[0] - 2 * b) / (n_stops - 1) for k in range(n_stops)]
+        if y > area_m[1] / 2:
+            ys.reverse()
+        if x > area_m[0] / 2:
+            xs.reverse()
+        return [(px, py) for k, py in enumerate(ys) for px in (xs if k % 2 == 0 else xs[::-1])]
+
+
+NEAR_M = 2.6
+"""A waypoint is reached within this distance: just more than D_trig, at which the next goal is asked for."""
+
+
+def _towards(facts: Fact, forward: float, left: float, refused: set[tuple[Any, Any]], name: str) -> WaypointChoice:
+    """Choose the option with the least path plus 1.5 times its distance to a point in the robot frame."""
+    open_ = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
+    if not open_:
+        return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
+    best = min(open_, key=lambda o: o["path_m"] + 1.5 * math.hypot(o["forward_m"] - forward, o["left_m"] - left))
+    return WaypointChoice(forward_m=best["forward_m"], left_m=best["left_m"], reason=f"towards {name}")
+
+
+def _in_robot_frame(robot: Fact, x: float, y: float) -> tuple[float, float]:
+    c, s = math.cos(robot["theta"]), math.sin(robot["theta"])
+    return c * (x - robot["x"]) + s * (y - robot["y"]), -s * (x - robot["x"]) + c * (y - robot["y"])
+
+
+def _straight(c: Fact) -> float:
+    return math.hypot(c["forward_m"], c["left_m"])
+
+
+class Chance:
+    """Chooses uniformly among the candidates: the baseline that shows what good decisions are worth."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+
+    def centroid(self, facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
+        """Choose uniformly among the reachable unvisited clusters that have not been refused."""
+        refused = {r.details.get("index") for r in rejections}
+        open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
+        chosen = self._draw([c for c in open_ if c["index"] not in refused] or open_ or list(facts["centroids"]))
+        return CentroidChoice(selected_centroid_index=chosen["index"], reason="drawn by lot")
+
+    def waypoint(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
+        """Choose uniformly among the admissible waypoints that have not been refused."""
+        refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
+        open_ = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
+        if not open_:
+            return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
+        chosen = self._draw(open_)
+        return WaypointChoice(forward_m=chosen["forward_m"], left_m=chosen["left_m"], reason="drawn by lot")
+
+    def _draw(self, among: Sequence[Fact]) -> Fact:
+        return among[int(self._rng.integers(len(among)))]
+
+
+def baseline_rules(name: str, rng: np.random.Generator | None = None) -> dict[str, Rule]:
+    """Return the rules of a baseline: "nearest", "frontier", "lawnmower", or "random", which draws from `rng`."""
+    if name == "random":
+        chance = Chance(rng or np.random.default_rng(0))
+        return {"reef-centroid": chance.centroid, "reef-waypoint": chance.waypoint}
+    if name == "lawnmower":
+        return {"reef-waypoint": Lawnmower()}
+    return {"reef-centroid": nearest_centroid, "reef-waypoint": nearest_frontier}

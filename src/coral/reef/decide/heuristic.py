@@ -1,0 +1,236 @@
+"""The reef's rules for the embedded `heuristic` advisor: the paper's own priority rules, on `facts`.
+
+Avoid what has been seen, prefer what lies near unexplored water, continue away from the trajectory, follow the
+chain (paper III-C.1): here as one tour of everything that the map shows to be left. The rules measure the distances
+between the places on the map as a reader of the picture would, straight. They are no language or vision model.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.advisor.question import Rejection
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
+from coral.reef.vehicle.delays import delays_from, order_from
+
+SPEED_M_S, YAW_RATE_RAD_S = 0.5, 0.6
+"""At which the robot drives and turns."""
+DOT, FAR_M2 = 0.5, 0.5
+"""Worth of a cluster besides the area that is left of it (m²), and that area where it is seen from afar only."""
+FRONTIER, ELSEWHERE = 0.1, 0.02
+"""Worth of unexplored water beside the reef, and anywhere. Little: most of it is seen on the way to clusters."""
+REEF_M = 3.0
+"""Distance from the reef at which the worth of unexplored water has fallen to 1/e: oysters settle near oysters."""
+FAILED_S = 10.0
+"""A goal that failed already is put off by so much."""
+MOST_PLACES = 9
+REFUSED_RAD = 0.5
+"""A waypoint this near to the direction of a refused one is as wrong."""
+SEEN_M = 3.0
+"""A waypoint this near to a place shows it."""
+NEW_M = 2.0
+"""A further waypoint this near to the one before adds nothing."""
+GAP_M = 4.0
+"""Frontiers nearer than this to a place already in the tour are part of it."""
+MOST_THEN = 2
+"""Goals that are named besides the first, to go on with until the next answer comes."""
+OTHERS_S = 2.0
+"""Delay (s) for each metre by which another robot, or its goal, is nearer: what lies on its way is left to it."""
+
+Fact = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Something that is left to see, as seen on arrival."""
+
+    forward_m: float
+    left_m: float
+    path_m: float
+    worth: float
+    name: str
+    index: int | None = None
+    failed: int = 0
+    put_off_s: float = 0.0
+
+
+def choose_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidChoice:
+    """Answer a centroid question: the dot that the best tour begins with, and those that follow it."""
+    refused = {r.details.get("index") for r in rejections}
+    places = _places(facts)
+    dots = [k for k, place in enumerate(places) if place.index is not None]
+    open_ = [k for k in dots if places[k].index not in refused] or dots
+    open_ = [k for k in open_ if _within_limits(facts, places[k].forward_m, places[k].left_m)] or open_
+    if not open_:
+        fresh = [c for c in facts["centroids"] if not c["visited"]] or list(facts["centroids"])
+        if not fresh:
+            return CentroidChoice(selected_centroid_index=None, reason="No cluster is on the map.")
+        return CentroidChoice(selected_centroid_index=fresh[0]["index"], reason="No way to any cluster is known.")
+    between, worth = _between(places)
+    total = _first_s(places) + delays_from(between, worth)
+    best = min(open_, key=lambda k: total[k])
+    after = [k for k in order_from(best, between, worth)[1:] if places[k].index is not None]
+    then = tuple(places[k].index for k in after[:MOST_THEN])
+    place = places[best]
+    why = (
+        f"Cluster {place.index} has most to show for the way: it lies {place.forward_m:.1f} m ahead and "
+        f"{place.left_m:+.1f} m to the left of where the robot will be."
+    )
+    return CentroidChoice(selected_centroid_index=place.index, then=then, reason=why)
+
+
+def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
+    """Answer a free waypoint question: a step towards the place that the best tour begins with."""
+    refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
+    options = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
+    if not options:
+        return WaypointChoice(forward_m=0, left_m=0, reason="No waypoint can be reached.")
+    options = [o for o in options if _within_limits(facts, *_at(o)) and not _like_refused(o, refused)] or options
+    places = _places(facts)
+    if not places:
+        best = max(options, key=lambda o: (o["unexplored"], -o["path_m"]))
+        return WaypointChoice(
+            forward_m=best["forward_m"], left_m=best["left_m"], reason="Most unexplored water in reach."
+        )
+    between, worth = _between(places)
+    total = _first_s(places) + delays_from(between, worth)
+    order = order_from(int(np.argmin(total)), between, worth)
+    aim = places[order[0]]
+    best = min(options, key=lambda o: _detour(o, aim))
+    steps = [best]
+    for before, k in itertools.pairwise(order):
+        step = min(options, key=lambda o: _detour(o, places[k], steps[-1]))
+        if _short_of(steps[-1], places[before]) or len(steps) > MOST_THEN:
+            break  # the step does not reach its place: what comes after it is for the next question
+        if math.dist(_at(step), _at(steps[-1])) >= NEW_M:
+            steps.append(step)
+    return WaypointChoice(
+        forward_m=best["forward_m"],
+        left_m=best["left_m"],
+        then=tuple(WaypointStep(forward_m=o["forward_m"], left_m=o["left_m"]) for o in steps[1:]),
+        reason=f"Towards {aim.name}, {aim.path_m:.1f} m away.",
+    )
+
+
+def _detour(option: Fact, aim: _Place, start: Fact | None = None) -> float:
+    """Return the length of the way over a waypoint to a place, the second part weighed more."""
+    way = option["path_m"] if start is None else math.dist(_at(option), _at(start))
+    rest = math.hypot(option["forward_m"] - aim.forward_m, option["left_m"] - aim.left_m)
+    return float(way + 1.5 * rest - 0.5 * option["unexplored"])
+
+
+def _short_of(option: Fact, place: _Place) -> bool:
+    """Check whether a waypoint is too far from a place to see it."""
+    return math.dist(_at(option), (place.forward_m, place.left_m)) > SEEN_M
+
+
+def _at(option: Fact) -> tuple[float, float]:
+    return option["forward_m"], option["left_m"]
+
+
+def _within_limits(facts: Fact, forward_m: float, left_m: float) -> bool:
+    """Check a point against the fixed angles that the question states, with the chain as the map shows it."""
+    limits = facts.get("limits")
+    if limits is None:
+        return True
+    bearing = math.atan2(left_m, forward_m)
+    if abs(bearing) > math.radians(limits["back_deg"]):
+        return False
+    dots = facts["centroids"]
+    if len(dots) < limits["min_centroids"]:
+        return True
+    ahead = [c for c in dots if not c["visited"] and c["forward_m"] >= limits["forward_m"]]
+    ways = [math.atan2(c["left_m"], c["forward_m"]) for c in ahead]
+    if not ways:  # the chain comes from behind
+        behind = [c for c in dots if c["forward_m"] <= -limits["forward_m"] and abs(c["left_m"]) < limits["lateral_m"]]
+        far = min(behind, key=lambda c: c["forward_m"], default=None)
+        ways = [] if far is None else [math.atan2(-far["left_m"], -far["forward_m"])]
+    if not ways:
+        return True
+    off = min(abs(math.remainder(bearing - way, 2.0 * math.pi)) for way in ways)
+    return off <= math.radians(limits["deviation_deg"])
+
+
+def _like_refused(option: Fact, refused: set[tuple[Any, Any]]) -> bool:
+    """Check whether a waypoint lies in about the direction of one that was refused."""
+    bearing = math.atan2(option["left_m"], option["forward_m"])
+    refusals = [math.atan2(left, forward) for forward, left in refused if forward is not None and left is not None]
+    return any(abs(math.remainder(bearing - other, 2.0 * math.pi)) < REFUSED_RAD for other in refusals)
+
+
+def _places(facts: Fact) -> list[_Place]:
+    """Return what is left to see and within reach, nearest first, clusters before the rest."""
+    dots = [
+        _place(facts, c, DOT + _left_m2(c), f"cluster {c['index']}", c["index"], c["failed_attempts"])
+        for c in facts["centroids"]
+        if not (c["visited"] or c.get("taken") or c.get("doubtful")) and c["path_m"] is not None
+    ]
+    places = sorted(dots, key=lambda p: p.path_m)[:MOST_PLACES]
+    water = [
+        _place(facts, f, _promise(f), "unexplored water beside the reef" if _beside(f) else "unexplored water")
+        for f in facts["frontiers"]
+    ]
+    for place in water:
+        if len(places) == MOST_PLACES:
+            break
+        if all(_apart(place, p) >= GAP_M for p in places if p.index is None):
+            places.append(place)
+    return places
+
+
+def _place(facts: Fact, at: Fact, worth: float, name: str, index: int | None = None, failed: int = 0) -> _Place:
+    put_off_s = FAILED_S * failed + OTHERS_S * _nearer_to_others(facts, at)
+    return _Place(at["forward_m"], at["left_m"], at["path_m"], worth, name, index, failed, put_off_s)
+
+
+def _left_m2(dot: Fact) -> float:
+    """Return the area that is left to see of a cluster (m²)."""
+    return FAR_M2 if dot["left_m2"] is None else float(dot["left_m2"])
+
+
+def _promise(frontier: Fact) -> float:
+    """Return the worth of unexplored water."""
+    reef_m = frontier["reef_m"]
+    near = 0.5 if reef_m is None else math.exp(-reef_m / REEF_M)
+    return float((ELSEWHERE + FRONTIER * near) * min(1.0, 2.0 * frontier["unexplored"]))
+
+
+def _beside(frontier: Fact) -> bool:
+    return frontier["reef_m"] is not None and frontier["reef_m"] <= REEF_M
+
+
+def _apart(a: _Place, b: _Place) -> float:
+    return math.hypot(a.forward_m - b.forward_m, a.left_m - b.left_m)
+
+
+def _first_s(places: Sequence[_Place]) -> NDArray[np.float64]:
+    """Return the time to each place from where the robot will be (s). Shape=(N,)."""
+    turn = np.array([abs(math.atan2(p.left_m, p.forward_m)) for p in places]) / YAW_RATE_RAD_S
+    return np.asarray(turn + np.array([p.path_m / SPEED_M_S + p.put_off_s for p in places]), np.float64)
+
+
+def _between(places: Sequence[_Place]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the times between places (s), Shape=(N, N), and their worth, Shape=(N,)."""
+    at = np.array([(p.forward_m, p.left_m) for p in places])
+    return np.hypot(*(at[:, None] - at[None]).transpose(2, 0, 1)) / SPEED_M_S, np.array([p.worth for p in places])
+
+
+def _nearer_to_others(facts: Fact, point: Fact) -> float:
+    """Return how much nearer (m) another robot or its goal is to a point than this robot on arrival; 0 if none is."""
+    others = facts.get("others", ())
+    if not others:
+        return 0.0
+    own = math.hypot(point["forward_m"], point["left_m"])
+    places = [(o[f"{of}forward_m"], o[f"{of}left_m"]) for o in others for of in ("", "goal_")]
+    nearest = min(math.hypot(point["forward_m"] - x, point["left_m"] - y) for x, y in places if x is not None)
+    return max(0.0, own - nearest)
+
+
+REEF_RULES = {"reef-centroid": choose_centroid, "reef-waypoint": choose_waypoint}

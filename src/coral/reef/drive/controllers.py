@@ -1,0 +1,73 @@
+"""The low-level planners by name, and those that other packages or a caller bring."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from coral.errors import InputError
+from coral.plugins import named_plugin
+from coral.reef.drive.controller import DdpMppi, MppiCfg
+from coral.reef.drive.local_planner import LocalPlanner
+from coral.reef.drive.pd import PdController
+from coral.reef.vehicle.vehicle import VehicleCfg
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControllerSetup:
+    """What a controller is made from."""
+
+    cfg: MppiCfg
+    """Configuration of DDP-MPPI, `--cfg.controller`."""
+    vehicle: VehicleCfg
+    """The vehicle: its limits and dynamics."""
+    rng: np.random.Generator
+    """Random generator of this robot's controller."""
+    control_period_s: float
+    """Time between two calls of `plan`."""
+
+
+MakeController = Callable[[ControllerSetup], LocalPlanner]
+
+
+def _ddp_mppi(setup: ControllerSetup) -> LocalPlanner:
+    return DdpMppi(setup.cfg, setup.vehicle, setup.rng, control_period_s=setup.control_period_s)
+
+
+def _pd(setup: ControllerSetup) -> LocalPlanner:
+    return PdController(vehicle=setup.vehicle)
+
+
+CONTROLLERS: dict[str, MakeController] = {"ddp-mppi": _ddp_mppi, "pd": _pd}
+
+
+def controller_maker(controller: str | MakeController, where: str = "--cfg", field: str = "driver") -> MakeController:
+    """Return the function that makes a robot's controller.
+
+    Args:
+        controller: Name of one of ours or of an entry point of the group `coral.controllers`, or the function itself.
+        where: Flag or file, for the error.
+        field: Field in it.
+
+    Raises:
+        InputError: There is no controller of this name.
+    """
+    if not isinstance(controller, str):
+        if not callable(controller):
+            raise InputError(where, field, repr(controller), "a function of a ControllerSetup that makes a controller")
+        return controller
+    if controller in CONTROLLERS:
+        return CONTROLLERS[controller]
+    made: MakeController = named_plugin("coral.controllers", controller, where, field, list(CONTROLLERS))
+    return made
+
+
+def part_name(part: Any) -> str:
+    """Return the name of an exchanged part for the record: its own, or that of its class or function."""
+    if isinstance(part, str):
+        return part
+    named = getattr(part, "name", None) or getattr(part, "__qualname__", None) or type(part).__qualname__
+    return str(named)

@@ -1,0 +1,227 @@
+"""Everything the robot knows, and nothing else: the only input of its decisions."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Count
+from coral.reef.map.chain import CentroidTracker, ChainCfg, InspectCfg, Track
+from coral.reef.map.changes import Box, joined
+from coral.reef.map.costfield import CostFieldCfg
+from coral.reef.map.mapping import OccupancyMap
+from coral.reef.map.regions import OysterRegions
+from coral.reef.map.water import Water, WaterMap
+from coral.reef.vehicle.fleet import Neighbour
+from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.vehicle.sensing import Attitude
+from coral.reef.world.geometry import Frame, Pose, to_robot
+
+
+@dataclass(frozen=True, kw_only=True)
+class BeliefCfg:
+    """How the robot keeps its memory."""
+
+    chain: ChainCfg = field(default_factory=ChainCfg)
+    centroids: bool = True
+    """Whether clusters are extracted at all. False is DREAM: no chain in its picture, its prompt and its facts."""
+    inspect: InspectCfg = field(default_factory=InspectCfg)
+    chain_period: Count = 5
+    """Ticks between updates of the centroid chain."""
+    visit_radius_m: float = 3.0
+    """Without `inspect`, a centroid counts as visited once the robot has been this close: D_trig, where its next goal
+    is asked for, and 0.5 m for what its centroid may still move."""
+    max_attempts: int = 2
+    """Goals towards one centroid that may fail before it is given up."""
+    trail_step_m: float = 0.1
+    """Spacing of the remembered trajectory."""
+
+
+class Belief:
+    """The robot's map, centroid chain, own pose, trajectory and goals."""
+
+    def __init__(self, occupancy: OccupancyMap, cfg: BeliefCfg | None = None) -> None:
+        self.cfg = cfg or BeliefCfg()
+        self.map = occupancy
+        self.tracker = CentroidTracker(self.cfg.chain)
+        self.pose = Pose(0.0, 0.0, 0.0)
+        self.frame: Frame | None = None
+        self.goal: tuple[float, float] | None = None
+        self.goal_index: int | None = None
+        """Label of the cluster that the goal stands for."""
+        self.arrival: Pose | None = None
+        """Where the robot will be when the answer to the open question is needed; None while none is open."""
+        self.closed: frozenset[int] = frozenset()
+        """Labels of the clusters that will be done by then, in the open question."""
+        self.last_failure: tuple[int | None, str] | None = None
+        """Label (None: a waypoint) and cause of the last goal that failed, until a decision after it has been made."""
+        self.last_look = False
+        """Whether doubtful clusters are goals too: nothing else is left."""
+        self.others: tuple[Neighbour, ...] = ()
+        """The other robots of the mission, as they describe themselves."""
+        self._keeps_chain = True
+        self._trail: list[tuple[float, float]] = []
+        self._failed: list[tuple[float, float]] = []
+        self._ticks = 0
+        self._regions = OysterRegions(occupancy.target, occupancy.cfg.cell_m, self.cfg.chain)
+        self._seen: Box | None = None
+        """The rectangle that has been in view since clusters were last inspected."""
+        self._waters: dict[CostFieldCfg, WaterMap] = {}
+        self._still: dict[CostFieldCfg, Water] = {}
+        """Of a snapshot."""
+
+    def companion(self) -> Belief:
+        """Make the belief of a further robot: the same map and chain, with what both have seen and visited.
+
+        Its pose, trajectory, goals and their failures are its own.
+        """
+        other = Belief(self.map, self.cfg)
+        other.tracker, other._keeps_chain = self.tracker, False
+        return other
+
+    def snapshot(self) -> Belief:
+        """Copy all that decisions read, for another thread to work on while this belief goes on: some milliseconds."""
+        copied = copy.copy(self)
+        copied.map, copied.tracker = self.map.snapshot(), self.tracker.snapshot()
+        copied._trail, copied._failed = self._trail.copy(), self._failed.copy()
+        copied._waters, copied._still = {}, {cfg: water.snapshot() for cfg, water in self._waters.items()}
+        return copied
+
+    def water(self, cfg: CostFieldCfg) -> Water:
+        """Return the water of the present map; a later call may change it in place."""
+        if cfg in self._still:
+            return self._still[cfg]
+        if cfg not in self._waters:
+            self._waters[cfg] = WaterMap(self.map, cfg)
+        return self._waters[cfg].now()
+
+    def update(self, frame: Frame | None, pose: Pose, attitude: Attitude | None = None) -> None:
+        """Take in the robot's pose and the camera picture taken from it; None if there is no new one.
+
+        Args:
+            frame: The picture.
+            pose: Where it was taken.
+            attitude: Roll and pitch of the body then; None: level.
+        """
+        self.pose = pose
+        if frame is not None:
+            self.frame = frame
+            roll, pitch = (0.0, 0.0) if attitude is None else (attitude.roll, attitude.pitch)
+            self.map.integrate(frame, pose, roll, pitch)
+            view = self.map.view_box(pose)
+            self._seen = view if self._seen is None else joined(self._seen, view)
+        if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:
+            self._trail.append((pose.x, pose.y))
+        if self._ticks % self.cfg.chain_period == 0:
+            if self._keeps_chain and self.cfg.centroids:
+                self.tracker.update(self._regions.update(), self.map.hints() if self.cfg.inspect.enabled else ())
+            if self.cfg.inspect.enabled:
+                self._inspect(self._seen)
+                self._seen = None
+            else:
+                self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
+        self._ticks += 1
+
+    def hear(self, image: RangeImage, pose: Pose, attitude: Attitude | None = None) -> None:
+        """Take in a range image of the sonar, taken at `pose` in `attitude`; None: level."""
+        self.map.hear(image, pose, attitude)
+
+    def distance_in_known_water(self, radius_m: float, hull_m: float) -> NDArray[np.float32]:
+        """Return the distances (m) to all that is not known to be free, about the robot; see the map."""
+        here = np.array([[self.pose.x, self.pose.y]])
+        trail = np.concatenate([self.trajectory, here])
+        return self.map.distance_to_unknown(self.pose.x, self.pose.y, radius_m, trail, hull_m)
+
+    def _inspect(self, seen: Box | None = None) -> None:
+        cells = self.map
+        self.tracker.inspect(cells.nearest, cells.unseeable, self.inspect_m, cells.cfg.cell_m, self.cfg.inspect, seen)
+        self.tracker.doubt(cells.agreement, self.cfg.inspect.sure)
+
+    @property
+    def inspect_m(self) -> float:
+        """Distance from which oysters can be counted (m)."""
+        return self.cfg.inspect.pixel_m * self.map.focal_px
+
+    def recall(self, tracks: Sequence[Track], trail: NDArray[np.float64]) -> None:
+        """Take over the clusters and the trajectory, Shape=(N, 2), of an earlier survey. The map recalls itself."""
+        self.tracker.recall(tracks)
+        self._trail = [(float(x), float(y)) for x, y in trail]
+        height, width = self.map.target.shape
+        self._seen = (0, height, 0, width)
+
+    def write_off(self, index: int) -> None:
+        """Give up what is left to see of a cluster: it could not be seen from near."""
+        for track in self.tracks:
+            if track.index == index and not track.far:
+                at = np.floor(track.left / self.map.cfg.cell_m).astype(np.intp)
+                self.map.unseeable[at[:, 1], at[:, 0]] = True
+        self._inspect()
+
+    def track(self, index: int | None) -> Track | None:
+        """Return the cluster with this label, if there still is one."""
+        return next((t for t in self.tracks if t.index == index), None)
+
+    @property
+    def trajectory(self) -> NDArray[np.float64]:
+        """The robot's past positions. Shape=(N, 2), metres, oldest first."""
+        return np.array(self._trail, dtype=float).reshape(-1, 2)
+
+    @property
+    def tracks(self) -> list[Track]:
+        """All known clusters."""
+        return self.tracker.tracks
+
+    def reef(self) -> NDArray[np.float64]:
+        """Places of the known reef: the clusters or, where none are extracted, the oyster cells. Shape=(N, 2), m."""
+        if self.cfg.centroids:
+            return np.array([(t.x, t.y) for t in self.tracks]).reshape(-1, 2)
+        rows, columns = np.nonzero(self.map.target)
+        return np.asarray((np.stack([columns, rows], axis=1) + 0.5) * self.map.cfg.cell_m, np.float64)
+
+    def done(self, track: Track) -> bool:
+        """Check whether nothing is left to see of a cluster, now or on arrival."""
+        return track.visited or track.index in self.closed
+
+    def unvisited(self) -> list[Track]:
+        """Return the clusters still to be visited, without those whose goals failed too often or that others go to.
+
+        Doubtful ones are left out until nothing else is left: looks on the way confirm or outvote most of them.
+        """
+        return [
+            t
+            for t in self.tracks
+            if not (self.done(t) or self.taken(t.x, t.y, t.index))
+            and self.failures(t.x, t.y) < self.cfg.max_attempts
+            and (self.last_look or not t.doubtful)
+        ]
+
+    def ahead(self, forward_m: float) -> list[Track]:
+        """Return unvisited clusters with a forward projection of at least `forward_m`."""
+        pose = self.arrival or self.pose
+        return [t for t in self.unvisited() if to_robot(pose, t.x, t.y)[0] >= forward_m]
+
+    def taken(self, x: float, y: float, index: int | None = None) -> bool:
+        """Check whether another robot is going to a point (within d_merge of it) or to the cluster with this label."""
+        return any(n.is_going_to(x, y, index, self.cfg.chain.merge_distance_m) for n in self.others)
+
+    def nearer_to_another(self, x: float, y: float) -> bool:
+        """Check whether another robot, or its goal, is nearer to a point than this robot and its goal."""
+        if not self.others:
+            return False
+        own = min(math.dist(p, (x, y)) for p in (self.pose[:2], self.goal or self.pose[:2]))
+        return any(n.distance_m(x, y) < own for n in self.others)
+
+    def goal_failed(self, cause: str = "") -> None:
+        """Record that the present goal could not be reached, and why."""
+        if self.goal is not None:
+            self._failed.append(self.goal)
+            self.last_failure = (self.goal_index, cause)
+
+    def failures(self, x: float, y: float) -> int:
+        """Count the failed goals near a point."""
+        return sum(math.dist(p, (x, y)) < self.cfg.chain.merge_distance_m for p in self._failed)

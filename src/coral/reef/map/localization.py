@@ -1,0 +1,207 @@
+"""Localization: the robot's pose from drifting odometry and from standing obstacles that it sees again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Count, NonNegative, Positive
+from coral.reef.map.landmark_map import LandmarkMap, LandmarkMapCfg
+from coral.reef.map.landmarks import LandmarkCfg, LandmarkDetector, Sighting
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Frame, Pose
+
+UNUSED, NEW = -2, -1
+"""Instead of the number of a landmark: the sighting shows none that is known, and starts one (NEW) or not."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LocalizationCfg:
+    """What is known of the odometry, and how sightings are matched with landmarks."""
+
+    drift_xy: NonNegative = 0.0
+    """Random walk of the odometry's position along each axis (m/√s), as its data sheet or a trial gives it. With this
+    and the next at 0 the odometry is taken as it is: the paper's positions are exact."""
+    drift_theta: NonNegative = 0.0
+    """The same of its heading (rad/√s)."""
+    use_covariance: bool = True
+    """Whether the covariance that the odometry tells, if it does, replaces the two random walks."""
+    period_s: Positive = 0.5
+    """Time between measurements. The error of a body's centre depends on the side it is seen from and stays nearly the
+    same from picture to picture: pictures at 10 Hz would count it ten times a second."""
+    hypotheses: Count = 24
+    """Most hypotheses. A wrong match is found out when a hypothesis that did without it explains more of what comes
+    later: some ten sightings later where two obstacles are alike, so there must be room for both until then."""
+    entries: Count = 1_000_000
+    """Most entries of all covariances together: it bounds the time of a measurement on large reefs. 24 hypotheses of
+    100 landmarks have as many; with 500 landmarks one is left."""
+    less_likely: Positive = 20.0
+    """A hypothesis is dropped whose logarithm of the likelihood is smaller than the best one's by this: five sightings
+    that the other explains and it calls unknown."""
+    alike_m: NonNegative = 0.02
+    """Of two hypotheses the less likely one is dropped if their positions differ by less than this on each axis (m),
+    ..."""
+    alike_rad: NonNegative = 0.004
+    """... and their headings by less than this."""
+    gate: Positive = 16.0
+    """Largest squared Mahalanobis distance between a sighting and its landmark: 99.9 % of three normal variables."""
+    candidate_m: Positive = 3.0
+    """Landmarks farther away than this are not compared (m)."""
+    unknown_per_m2: Positive = 0.1
+    """Density of obstacles that are no landmarks yet (1/m²); generated reefs have 0.12 in all."""
+    radius_span_m: Positive = 0.6
+    """Radii of unknown obstacles are spread evenly over so much (m): reefs have posts of 0.1 m and rocks of 0.7 m."""
+    fresh_s: Positive = 60.0
+    """Near landmarks that were seen within this time are known well: where they are, a new one is unlikely."""
+    apart_m: Positive = 0.8
+    """Near means this (m): generated reefs keep 1 m between obstacles by default."""
+    beside: Positive = 0.02
+    """Share by which unknown obstacles are rarer there."""
+    same_m: Positive = 0.4
+    """Nearer than this to a landmark seen within `fresh_s` no new one is started (m)."""
+    landmarks: LandmarkCfg = field(default_factory=LandmarkCfg)
+    map: LandmarkMapCfg = field(default_factory=LandmarkMapCfg)
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """One history of matches."""
+
+    map: LandmarkMap
+    score: float = 0.0
+    """Logarithm of its likelihood, 0 for the best one."""
+
+
+class Localizer:
+    """Estimates the odometry's error and the landmarks by multi-hypothesis EKF-SLAM.
+
+    Obstacles look alike, so a sighting may show one of several landmarks, or none. Each hypothesis is one history of
+    such choices, with an EKF-SLAM map of its own (`LandmarkMap`). A sighting makes of every hypothesis one for each
+    landmark within the gate, and one in which it shows an unknown obstacle. It multiplies the likelihood by the
+    density of the sighting, N(r; 0, S) for a landmark or that of unknown obstacles. The most likely ones are kept
+    (Reid 1979; Cox and Leonard 1994), and the pose is that of the best. So a choice that later sightings speak against
+    is taken back, together with what it did to the map and the pose, which a single EKF cannot do.
+
+    Without a landmark in sight the pose is the odometry less the last known error.
+
+    The measured velocity is not used: the simulator's is exact, and its integral would be the true pose.
+    """
+
+    def __init__(self, camera: CameraCfg, cfg: LocalizationCfg | None = None) -> None:
+        self.cfg = cfg = cfg or LocalizationCfg()
+        self._detector = LandmarkDetector(camera, cfg.landmarks)
+        self._walk = np.array([cfg.drift_xy, cfg.drift_xy, cfg.drift_theta]) ** 2
+        self.hypotheses = [Hypothesis(LandmarkMap(cfg.map))]
+        """The most likely one first."""
+        self._last: tuple[Pose, NDArray[np.float64]] | None = None
+        """The odometry of the last call, and its covariance."""
+        self._now_s = 0.0
+        self._waited_s = math.inf
+
+    @property
+    def active(self) -> bool:
+        """Whether the odometry drifts; if not, poses are returned as they are."""
+        return bool(self._walk.any()) or self._last is not None
+
+    @property
+    def landmarks(self) -> NDArray[np.float64]:
+        """Centres of the best hypothesis's landmarks in the world (m). Shape=(N, 2)."""
+        return self.hypotheses[0].map.centres
+
+    @property
+    def sigma(self) -> tuple[float, float, float]:
+        """Standard deviations of the pose under the best hypothesis: x (m), y (m), theta (rad)."""
+        return self.hypotheses[0].map.sigma
+
+    def update(self, frame: Frame, odometry: Pose, dt: float, covariance: NDArray[np.float64] | None = None) -> Pose:
+        """Correct the odometry.
+
+        Args:
+            frame: The present camera picture.
+            odometry: The present pose by odometry alone.
+            dt: Time since the last call (s).
+            covariance: Of the odometry since the start: x, y (m), theta (rad); None: not told. Shape=(3, 3).
+
+        Returns:
+            The pose in the map's frame, in which the odometry was exact at the start.
+        """
+        if covariance is not None and self.cfg.use_covariance:
+            self._follow(odometry, covariance)
+        elif not self.active:
+            return odometry
+        else:
+            for hypothesis in self.hypotheses:
+                hypothesis.map.drift(self._walk * dt)
+        self._waited_s += dt
+        self._now_s += dt
+        if self._waited_s >= self.cfg.period_s - 1e-9:
+            self._waited_s = 0.0
+            for sighting in self._detector.detect(frame):
+                self._measure(sighting, odometry)
+        return self.locate(odometry)
+
+    def locate(self, odometry: Pose) -> Pose:
+        """Correct a pose by odometry with the error that was last known."""
+        return self.hypotheses[0].map.pose(odometry) if self.active else odometry
+
+    def _follow(self, odometry: Pose, covariance: NDArray[np.float64]) -> None:
+        """Add to the error what the odometry says that it has lost since the last call."""
+        before, spread = self._last or (odometry, np.zeros((3, 3)))
+        dx, dy = odometry.x - before.x, odometry.y - before.y
+        grow = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
+        new = covariance - grow @ spread @ grow.T
+        values, axes = np.linalg.eigh(0.5 * (new + new.T))
+        noise = (axes * np.maximum(values, 0.0)) @ axes.T  # what a correction took away stays in the error
+        for hypothesis in self.hypotheses:
+            hypothesis.map.propagate((dx, dy), noise)
+        self._last = odometry, covariance
+
+    def _measure(self, sighting: Sighting, odometry: Pose) -> None:
+        """Replace the hypotheses by the most likely of those that a sighting makes of them."""
+        cfg = self.cfg
+        choices = [
+            (score, k, choice)
+            for k, hypothesis in enumerate(self.hypotheses)
+            for score, choice in self._choices(hypothesis, sighting, odometry)
+        ]
+        choices.sort(key=lambda choice: -choice[0])
+        room = min(cfg.hypotheses, max(1, cfg.entries // self.hypotheses[choices[0][1]].map.size))
+        best = choices[0][0]
+        kept: list[Hypothesis] = []
+        for score, k, choice in choices[:room]:
+            if score < best - cfg.less_likely:
+                break
+            after = self._chosen(self.hypotheses[k].map, choice, sighting, odometry)
+            if not any(self._alike(after, other.map) for other in kept):
+                kept.append(Hypothesis(after, score - best))
+        self.hypotheses = kept
+
+    def _choices(self, hypothesis: Hypothesis, sighting: Sighting, odometry: Pose) -> list[tuple[float, int]]:
+        """Return what a sighting may show, as the score that results and a landmark's number, NEW or UNUSED."""
+        cfg, landmarks = self.cfg, hypothesis.map
+        found = landmarks.compare(sighting, odometry, cfg.candidate_m)
+        # A landmark appears once in a picture.
+        free = np.flatnonzero((found.squared < cfg.gate) & (landmarks.last_s < self._now_s))
+        # The density of a whole body is per metre of radius too: relative to that of unknown obstacles.
+        by_radius = math.log(cfg.radius_span_m) if sighting.whole else 0.0
+        choices = [(hypothesis.score + float(found.log_density[j]) + by_radius, int(j)) for j in free]
+        recent = found.away_m[self._now_s - landmarks.last_s < cfg.fresh_s]
+        nearest = float(recent.min(initial=math.inf))
+        unknown = cfg.unknown_per_m2 * (cfg.beside if nearest < cfg.apart_m else 1.0)
+        new = sighting.whole and nearest >= cfg.same_m
+        return [*choices, (hypothesis.score + math.log(unknown), NEW if new else UNUSED)]
+
+    def _chosen(self, before: LandmarkMap, choice: int, sighting: Sighting, odometry: Pose) -> LandmarkMap:
+        if choice == UNUSED:
+            return before
+        if choice == NEW:
+            return before.extended(sighting, odometry, self._now_s)
+        return before.corrected(choice, sighting, odometry, self._now_s)
+
+    def _alike(self, one: LandmarkMap, other: LandmarkMap) -> bool:
+        """Check whether two maps give the same pose."""
+        x, y, theta = (abs(a - b) for a, b in zip(one.error, other.error, strict=True))
+        return max(x, y) < self.cfg.alike_m and theta < self.cfg.alike_rad

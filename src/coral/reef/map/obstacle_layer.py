@@ -1,0 +1,120 @@
+"""The obstacle layer: what the sonar has heard of the grid, apart from what the camera has seen."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from coral.config import Count, NonNegative, Positive
+from coral.reef.map.layer_kernels import LEVEL, LOW, count, mark
+from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
+from coral.reef.vehicle.range_image import RangeImage, beam_directions
+from coral.reef.world.geometry import Pose
+
+
+@dataclass(frozen=True, kw_only=True)
+class SonarLayerCfg:
+    """What an echo must be to stand on the map. The paper names the sensor, not these figures."""
+
+    floor_m: Positive = 0.25
+    """Echoes lower than this above the sea floor are the floor or oysters: those of the shipped reefs reach 0.18 m."""
+    above_m: Positive = 1.0
+    """Echoes higher than this above the vehicle are out of its way."""
+    surface_m: NonNegative = 0.15
+    """Echoes from less than this below the surface are the surface."""
+    hits: Count = 2
+    """Images that must have an echo in a cell before it is an obstacle: 0.4 s at 5 Hz. One wrong echo has no effect."""
+    ratio: NonNegative = 0.3
+    """A cell is no obstacle if fewer images have an echo there than this share of those whose beams pass through."""
+    range_m: Annotated[float, Field(gt=0, le=15)] = 4.0
+    """Obstacle sensing range (paper IV-F)."""
+    clear_m: Annotated[float, Field(gt=0, le=15)] = 6.0
+    """Range of what is known to be clear: that of the map."""
+    low_m: Positive = 0.35
+    """A beam at most so high above the floor proves that no obstacle stands there."""
+    level_m: Positive = 0.2
+    """A beam within so much of the vehicle's height proves that nothing floats in its way."""
+    back_m: NonNegative = 0.15
+    """A beam says nothing about so much water before its echo: five standard deviations of a range at 6 m."""
+
+
+class ObstacleLayer:
+    """Counts for each cell the range images with an echo there and those whose beams pass through at its height."""
+
+    def __init__(
+        self, shape: tuple[int, int], cell_m: float, sonar: SonarCfg, cfg: SonarLayerCfg | None = None
+    ) -> None:
+        """Set up for a grid of `shape` (rows, columns) with cells of `cell_m` (m)."""
+        self.cfg, self.sonar, self._cell_m = cfg or SonarLayerCfg(), sonar, cell_m
+        self.obstacle = np.zeros(shape, np.bool_)
+        """Obstacle cells. Shape=(NY, NX)."""
+        self._hits, self._through = np.zeros(shape, np.uint16), np.zeros(shape, np.uint16)
+        self._clear, self._said = np.zeros(shape, np.uint8), np.zeros(shape, np.uint8)
+        self._height = np.full(shape, np.nan, np.float32)
+        self._beams = beam_directions((sonar.height, sonar.width), sonar.hfov_deg, sonar.vfov_deg)
+        self._geometry = (sonar.height, sonar.width), sonar.hfov_deg, sonar.vfov_deg
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Cells in which nothing stands and nothing floats at the vehicle's height. Shape=(NY, NX)."""
+        return np.asarray((self._clear == LOW | LEVEL) & ~self.obstacle)
+
+    def integrate(
+        self,
+        image: RangeImage,
+        pose: Pose,
+        altitude_m: float,
+        *,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+        depth_m: float = math.inf,
+    ) -> bool:
+        """Fuse a range image taken at `pose`.
+
+        Args:
+            image: The image, of the configured sonar or of another geometry.
+            pose: Pose of the body.
+            altitude_m: Height of the body above the sea floor (m).
+            roll: About body x (rad).
+            pitch: About body y (rad); positive lowers the nose.
+            depth_m: Depth of the body below the surface (m).
+
+        Returns:
+            Whether an obstacle cell appeared or went.
+        """
+        cfg = self.cfg
+        geometry = image.ranges.shape, image.hfov_deg, image.vfov_deg
+        if geometry != self._geometry:
+            self._geometry = geometry  # type: ignore[assignment]
+            self._beams = image.directions()
+        top = altitude_m + min(cfg.above_m, depth_m - cfg.surface_m)
+        mark(
+            image.ranges,
+            self._beams,
+            sonar_attitude(pose.theta, roll, pitch, self.sonar.pitch_down_deg),
+            (pose.x, pose.y, altitude_m),
+            self._cell_m,
+            (cfg.floor_m, top),
+            cfg.low_m,
+            (altitude_m - cfg.level_m, altitude_m + cfg.level_m),
+            cfg.clear_m,
+            cfg.range_m,
+            cfg.back_m,
+            self._height,
+            self._said,
+        )
+        ny, nx = self.obstacle.shape
+        r = math.ceil(max(cfg.range_m, cfg.clear_m) / self._cell_m) + 1
+        iy, ix = int(pose.y // self._cell_m), int(pose.x // self._cell_m)
+        window = (
+            min(max(iy - r, 0), ny), max(min(iy + r + 1, ny), 0),
+            min(max(ix - r, 0), nx), max(min(ix + r + 1, nx), 0),
+        )  # fmt: skip
+        return bool(
+            count(self._said, window, cfg.hits, cfg.ratio, self._hits, self._through, self._clear, self.obstacle)
+        )

@@ -1,0 +1,101 @@
+"""The water that the robot can cross, kept up to date while obstacles appear: the grid of its cost-to-go."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.map.changes import ChangeTracker, grown
+from coral.reef.map.costfield import CostFieldCfg
+from coral.reef.map.costfield_kernels import nearest_free, slowness_window
+from coral.reef.map.mapping import OccupancyMap, distance_to
+
+
+@dataclass(frozen=True)
+class Water:
+    """Cost of every coarse cell of a map."""
+
+    slowness: NDArray[np.float32]
+    """Cost per metre; negative where the hull does not fit. Shape=(h, w)."""
+    cell_m: float
+    """Edge of a cell (m); cell (0, 0) at the world's origin."""
+    cfg: CostFieldCfg
+
+    def reach(self, x: float, y: float) -> Reach:
+        """Find what can be reached from a point."""
+        h, w = self.slowness.shape
+        j, i = min(max(int(y / self.cell_m), 0), h - 1), min(max(int(x / self.cell_m), 0), w - 1)
+        j, i = nearest_free(self.slowness, j, i)
+        free = self.slowness > 0.0
+        parts = np.asarray(cv2.connectedComponents(free.astype(np.uint8), connectivity=4)[1], np.int32)
+        # The search of a cost-to-go begins with the cells around the start's, joined or not.
+        near = np.s_[max(j - 1, 0) : j + 2, max(i - 1, 0) : i + 2]
+        starts = np.asarray(np.unique(parts[near][free[near]]), np.int32) if j >= 0 else np.empty(0, np.int32)
+        return Reach(parts, starts, self.cell_m)
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Which parts of the water are joined to a point."""
+
+    parts: NDArray[np.int32]
+    """Number of the part that each cell belongs to. Shape=(h, w)."""
+    starts: NDArray[np.int32]
+    """Numbers of the parts that can be reached. Shape=(n,)."""
+    cell_m: float
+
+    def reaches(self, x: float, y: float, within_m: float = 0.7) -> bool:
+        """Check whether some cell within `within_m` of a point can be reached."""
+        h, w = self.parts.shape
+        n = math.ceil(within_m / self.cell_m)
+        j, i = min(max(int(y / self.cell_m), 0), h - 1), min(max(int(x / self.cell_m), 0), w - 1)
+        near = self.parts[max(j - n, 0) : j + n + 1, max(i - n, 0) : i + n + 1]
+        return bool(np.isin(near, self.starts).any())
+
+
+class WaterMap:
+    """Keeps the `Water` of a map. Only the surroundings of obstacle cells that have changed are computed again."""
+
+    def __init__(self, cells: OccupancyMap, cfg: CostFieldCfg) -> None:
+        self._cells, self.cfg = cells, cfg
+        ny, nx = cells.obstacle.shape
+        self._slowness = np.zeros((math.ceil(ny / cfg.ratio), math.ceil(nx / cfg.ratio)), np.float32)
+        self._changes = ChangeTracker(cells.obstacle)
+        self._begun = False
+
+    def now(self) -> Water:
+        """Return the water of the present map; a later call may change it in place."""
+        cell_m, shape = self._cells.cfg.cell_m, self._cells.obstacle.shape
+        changed = self._changes.take()
+        if not self._begun:
+            changed, self._begun = (0, shape[0], 0, shape[1]), True
+        if changed is not None:
+            cfg = self.cfg
+            rim = math.ceil((cfg.radius_m + cfg.band_m) / cell_m) + 2 * cfg.ratio
+            y0, y1, x0, x1 = grown(changed, rim, shape)
+            source = grown((y0, y1, x0, x1), rim + cfg.ratio, shape)
+            distance = distance_to(
+                np.ascontiguousarray(self._cells.obstacle[source[0] : source[1], source[2] : source[3]]), cell_m
+            )
+            slowness_window(
+                distance,
+                (source[0], source[2]),
+                shape,
+                cell_m,
+                cfg.ratio,
+                cfg.radius_m,
+                cfg.band_m,
+                cfg.penalty,
+                self._slowness,
+                (y0 // cfg.ratio, math.ceil(y1 / cfg.ratio), x0 // cfg.ratio, math.ceil(x1 / cfg.ratio)),
+            )
+        return Water(self._slowness, cell_m * self.cfg.ratio, self.cfg)
+
+    def snapshot(self) -> Water:
+        """Return the water of the present map, which stays as it is."""
+        water = self.now()
+        return replace(water, slowness=water.slowness.copy())

@@ -1,0 +1,1 @@
+"""A mission from start to end: loop, record, metrics, judge, variants, presets."""

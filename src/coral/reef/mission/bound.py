@@ -1,0 +1,106 @@
+"""The oracle's tour of a world, planned once and cached in this process and in the user's cache folder."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import to_mapping
+from coral.reef.mission.oracle import plan_tour
+from coral.reef.simulation.imaging import ImagingCfg
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.vehicle import VehicleCfg
+from coral.reef.world.world import ReefWorld
+
+SHARES = (0.5, 0.8, 0.9)
+_CODE = (
+    "mission/oracle",
+    "pilot/stops",
+    "vehicle/tour_kernels",
+    "simulation/imaging",
+    "simulation/imaging_kernels",
+    "vehicle/camera",
+    "map/costfield",
+    "map/costfield_kernels",
+    "world/reachability",
+    "world/scene",
+)
+"""Modules that determine the tour: a change of their text invalidates the cache."""
+
+
+@dataclass(frozen=True)
+class Bound:
+    """The cached part of a tour."""
+
+    times: dict[float, float | None]
+    """Times at which 50, 80 and 90 % are inspected (s), by share. None: never."""
+    commands: NDArray[np.float64]
+    """Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s) of each tick."""
+
+
+def oracle_bound(
+    world: ReefWorld,
+    camera: CameraCfg,
+    imaging: ImagingCfg,
+    visibility_m: float | None,
+    vehicle: VehicleCfg,
+    dt: float = 0.1,
+) -> Bound:
+    """Return the oracle's tour and its times. The arguments are those of `plan_tour`.
+
+    Deterministic. The tour is planned again only if the world, the camera, the vehicle, the water, the definition of
+    inspected or the planner has changed.
+    """
+    asked = {
+        "world": world.model_dump(mode="json"),
+        "camera": to_mapping(camera),
+        "imaging": to_mapping(imaging),
+        "visibility_m": visibility_m,
+        "vehicle": [vehicle.hull_radius_m, vehicle.max_speed_m_s, vehicle.max_yaw_rate_rad_s],
+        "dt": dt,
+        "code": _code(),
+    }
+    key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:24]
+    if key in _kept:
+        return _kept[key]
+    path = _folder() / f"{key}.json"
+    with contextlib.suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
+        _kept[key] = _from_json(json.loads(path.read_text(encoding="utf-8")))
+        return _kept[key]
+    tour = plan_tour(world, camera, imaging, visibility_m=visibility_m, vehicle=vehicle, dt=dt)
+    found = _kept[key] = Bound({share: tour.time_to(share) for share in SHARES}, tour.commands)
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part = path.with_name(f".{path.name}.{os.getpid()}.part")
+        content = {"times": [found.times[share] for share in SHARES], "commands": found.commands.tolist()}
+        part.write_text(json.dumps(content), encoding="utf-8")
+        os.replace(part, path)
+    return found
+
+
+def _from_json(content: Any) -> Bound:
+    times = [None if value is None else float(value) for value in content["times"]]
+    return Bound(dict(zip(SHARES, times, strict=True)), np.array(content["commands"], np.float64).reshape(-1, 2))
+
+
+_kept: dict[str, Bound] = {}
+
+
+def _folder() -> Path:
+    root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(root) / "coral" / "oracle"
+
+
+@lru_cache(maxsize=1)
+def _code() -> str:
+    here = Path(__file__).parents[1]
+    return hashlib.sha256(b"".join((here / f"{name}.py").read_bytes() for name in _CODE)).hexdigest()[:12]

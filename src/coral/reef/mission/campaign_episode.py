@@ -1,0 +1,70 @@
+"""One mission of a campaign. It keeps few files and returns everything that the tables need."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.question import Picture
+from coral.advisor.registry import make_advisor
+from coral.errors import RunError
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.mistakes import REEF_MISTAKES
+from coral.reef.map.belief import Belief
+from coral.reef.mission.metrics import covered_at
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.world.world import ReefWorld
+
+Draw = Callable[[Belief], tuple[Picture, ...]]
+
+
+def run_episode(
+    world: ReefWorld,
+    cfg: MissionCfg,
+    folder: Path,
+    *,
+    variant: str,
+    advisor: str,
+    seed: int,
+    preset: str = "clear",
+    model: ModelCfg | None = None,
+    draw: Draw | None = None,
+) -> dict[str, Any]:
+    """Run a mission. The same arguments give the same mission as `coral reef run`.
+
+    Args:
+        world: World to survey.
+        cfg: Configuration of the mission, with the variant applied.
+        folder: Run folder, which keeps the logs, the world and the metrics.
+        variant: Name of the variant, for the record.
+        advisor: As on the command line.
+        seed: Of everything random.
+        preset: Name of the water and sensors, for the record; `cfg` and `world` have its values.
+        model: How a real model is called.
+        draw: Draws the pictures for an advisor with eyes.
+
+    Returns:
+        Metrics and timing, with `topology`, `covered_at_s` (times at which clusters were covered, s) and `fallback`
+        (the policy for decisions that the advisor did not make).
+
+    Raises:
+        RunError: The mission was interrupted.
+    """
+    cfg = dataclasses.replace(cfg, record=RecordCfg(pictures=draw is not None, frames=False, report=False, video=False))
+    rng = np.random.default_rng([seed, 7])
+    asked = make_advisor(advisor, rules=REEF_RULES, rng=rng, cfg=model, mistakes=REEF_MISTAKES)
+    result = Mission(world, cfg, asked, folder, seed=seed, variant=variant, preset=preset, draw=draw).run()
+    if result["end_reason"].startswith("stopped by"):
+        raise RunError(result["end_reason"])
+    return {
+        **result,
+        "topology": world.topology,
+        "covered_at_s": covered_at(folder),
+        "fallback": cfg.pilot.fallback,
+    }

@@ -1,0 +1,82 @@
+"""The judge of a mission, who knows the truth: records the share imaged and inspected and the distance to the reef."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.map.chain import Track
+from coral.reef.map.mapping import distance_to
+from coral.reef.simulation.imaging import ImagingMeter
+from coral.reef.world.world import ReefWorld
+
+JUDGE_FILE = "judge.csv"
+COLUMNS = ("step", "t", "imaged", "inspected", "reef_m")
+"""Mean share of the clusters' oyster area imaged and inspected so far, and distance from the reef (m) of the robot, or
+of the farthest one if there are several."""
+CELL_M = 0.1
+"""Edge of a cell of the grid of distances from the reef."""
+MATCH_M = 1.0
+"""A track within this distance of a true cluster's oysters matches it. d_merge of the robot's own tracker."""
+
+
+class MissionJudge:
+    """Records the truth of one mission in `judge.csv`. No decision reads it."""
+
+    def __init__(self, world: ReefWorld, meter: ImagingMeter, folder: Path) -> None:
+        self.meter = meter
+        spine = [point for line in world.spine for point in _dense(np.array(line))]
+        reef = np.concatenate([np.array(spine).reshape(-1, 2), meter.points[:, :2]])
+        width, height = (math.ceil(edge / CELL_M) for edge in world.size_m)
+        there = np.zeros((height, width), np.bool_)
+        there[_cells(reef[:, 1], height), _cells(reef[:, 0], width)] = True
+        self._away = distance_to(there, CELL_M)
+        self._file: IO[str] = open(folder / JUDGE_FILE, "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+        self._file.write(",".join(COLUMNS) + "\n")
+
+    def note(self, step: int, t: float, positions: Sequence[tuple[float, float]]) -> None:
+        """Append a row. `positions`: true positions of the robots (m)."""
+        meter = self.meter
+        reef_m = max(self.reef_m(x, y) for x, y in positions)
+        self._file.write(f"{step},{t:.6g},{meter.imaged:.6g},{meter.inspected:.6g},{reef_m:.4g}\n")
+
+    def reef_m(self, x: float, y: float) -> float:
+        """Return the distance (m) from a point to the reef, its oysters or its spine, accurate to a decimetre."""
+        height, width = self._away.shape
+        j, i = min(max(int(y / CELL_M), 0), height - 1), min(max(int(x / CELL_M), 0), width - 1)
+        return float(self._away[j, i])
+
+    def phantoms(self, tracks: Sequence[Track]) -> int:
+        """Count the robot's clusters that match no true cluster."""
+        oysters = self.meter.points[:, :2]
+        return sum(
+            not len(oysters) or float(np.hypot(*(oysters - (track.x, track.y)).T).min()) > MATCH_M for track in tracks
+        )
+
+    def clusters(self) -> list[dict[str, Any]]:
+        """Return the share of every true cluster that has been imaged and inspected."""
+        shares = zip(self.meter.names, *(self.meter.fractions(n) for n in ("imaged", "inspected")), strict=True)
+        return [{"name": name, "imaged": round(float(a), 4), "inspected": round(float(b), 4)} for name, a, b in shares]
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def _cells(values: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+    return np.clip((values / CELL_M).astype(np.int64), 0, count - 1)
+
+
+def _dense(line: NDArray[np.float64], step_m: float = 0.2) -> list[tuple[float, float]]:
+    """Sample points along a polyline."""
+    found = [(float(x), float(y)) for x, y in line[:1]]
+    for a, b in itertools.pairwise(line):
+        n = max(1, math.ceil(math.dist(a, b) / step_m))
+        found += [(float(x), float(y)) for x, y in a + (b - a) * np.arange(1, n + 1)[:, None] / n]
+    return found

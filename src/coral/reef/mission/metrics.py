@@ -1,0 +1,195 @@
+"""The paper's metrics (IV-E), computed from a run folder alone, so anyone can recompute them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
+from coral.errors import InputError
+from coral.reef.mission import outcome
+from coral.reef.mission.attribution import attribution_of
+from coral.reef.mission.state_metrics import clusters_left, seconds_in_states
+from coral.reef.pilot import timeliness
+from coral.runs import read_events, read_rows, trajectory_name
+
+DEFINITIONS = {
+    "coverage": "Share of the true oyster clusters of which at least 60 % of the area was inside the 120° field of "
+    "view, within sensing range and not hidden by an obstacle, at some moment of the mission (paper IV-E).",
+    "clusters_covered": "The number of those clusters.",
+    "clusters_total": "The number of true clusters in the world.",
+    "collisions": "Contacts of the 0.3 m robot disc with a true obstacle, checked at every integration step, counted "
+    "once per contact (paper IV-E).",
+    "advisor_calls": "Questions put to the advisor, re-queries after a rejection included (paper: VLM invocations).",
+    "requeries": "Those of the calls that repeated a question after a rejected, malformed or missing answer.",
+    "rejections": "Answers refused by a verifier.",
+    "fallbacks": "Decisions that were not reached within their budget, so that the fallback policy chose.",
+    **ATTRIBUTION,
+    "deviations": "Adopted waypoints that violate the backward or off-trend predicates (Eqs. 4-8) without an "
+    "exemption (paper IV-E).",
+    "steps": "Control ticks of 0.1 s.",
+    "sim_time_s": "Simulated mission time (s): steps x 0.1 s. The control loop runs at every tick, so the paper's "
+    "T_idle is 0.",
+    "coverage_time_s": "Simulated time (s) at which the last cluster of this run was covered.",
+    "steps_per_percent": "Steps for each percentage point of coverage (paper: coverage efficiency); none without any.",
+    "distance_m": "Length of the true trajectory (m).",
+    "mean_speed_m_s": "Distance over time (m/s).",
+    "min_clearance_m": "Smallest true distance between the robot disc and an obstacle (m).",
+    "planner_failures": "Control ticks at which no rollout was feasible and the vehicle braked.",
+    "path_replans": "Reference paths planned anew because the vehicle had left the old one.",
+    "end_reason": "Why the mission ended.",
+    "judged_by": "Who judged coverage, contacts and clearance of `reef sail`: the truth of a simulated reef, or, where "
+    "nobody knows the truth, the vehicle's own map and sensors.",
+    "late_ticks": "Control ticks of `reef sail` whose work ended over 0.1 s after their time, or that were left out.",
+    "skipped_ticks": "Those of the late ticks that were left out.",
+    "ticks": "Control ticks of `reef sail` that were run.",
+    "worst_tick_ms": "Longest time from a tick's due time to the end of its work (ms).",
+    "tick_ms_p999": "99.9th percentile of that time (ms).",
+    "recording_failure": "Why the recording stopped during the survey; empty if it did not.",
+    "recording_dropped": "Records that were dropped because too many waited.",
+    "tether_turns": "Turns of the tether at the end, positive to the left.",
+    "seconds_in_state": "Time (s) in each state of the vehicle (`reef/states.py`), added up over the robots.",
+    "clusters_left": "Clusters that the robot knew of at the end and had not finished; the event `left` says why.",
+    "preset": "Name of the water and sensors (`--preset`); none where it was not recorded.",
+    "robots": "The number of robots; every count and the distance are sums over them, coverage is of what any of "
+    "them has seen.",
+    "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
+    "min_separation_m": "Smallest true distance between the discs of two robots (m).",
+    **outcome.DEFINITIONS,
+    **timeliness.DEFINITIONS,
+}
+
+OF_EACH = (
+    "collisions",
+    "advisor_calls",
+    "requeries",
+    "rejections",
+    "fallbacks",
+    "deviations",
+    "distance_m",
+    "mean_speed_m_s",
+    "min_clearance_m",
+    "planner_failures",
+    "path_replans",
+)
+"""Metrics that `per_robot` lists for each of several robots."""
+
+
+def compute_metrics(folder: Path) -> dict[str, Any]:
+    """Compute the metrics of a finished or killed run from events.jsonl and trajectory.csv.
+
+    Raises:
+        InputError: The folder is not a run.
+    """
+    for name in ("events.jsonl", "trajectory.csv"):
+        if not (folder / name).is_file():
+            raise InputError(str(folder), name, "no such file", "a run folder")
+    events = list(read_events(folder / "events.jsonl"))
+    tables = [list(read_rows(folder / "trajectory.csv"))]
+    while (more := folder / trajectory_name(len(tables))).is_file():
+        tables.append(list(read_rows(more)))
+    found = metrics_of(events, tables[0]) if len(tables) == 1 else fleet_metrics(events, tables)
+    return {**found, **outcome.outcome_metrics(folder, events, tables), **timeliness.timeliness_of(events)}
+
+
+def covered_at(folder: Path) -> list[float]:
+    """Return the simulated times (s) at which clusters were covered, ascending (coverage time, IV-E)."""
+    return sorted(
+        float(event["t"]) for event in read_events(folder / "events.jsonl") if event["event"] == "cluster_covered"
+    )
+
+
+def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
+    """Compute the metrics from the events and the rows of the trajectory, both in order."""
+    events = list(events)
+    counts = dict.fromkeys(("collision", "robot_collision", "question", "fallback", "planner_failure"), 0)
+    requeries = rejections = deviations = replans = 0
+    clusters_total, covered_at, end, preset = 0, 0.0, "killed", None
+    for event in events:
+        kind = event["event"]
+        if kind in counts:
+            counts[kind] += 1
+        if kind == "start":
+            clusters_total, preset = int(event["clusters_total"]), event.get("preset")
+        elif kind == "judged" and not clusters_total:  # in real water: those on the vehicle's own map
+            clusters_total = int(event["tracks"])
+        elif kind == "question":
+            requeries += event["attempt"] > 0
+        elif kind == "verdict":
+            rejections += event["verdict"] == "rejected"
+        elif kind == "goal":
+            deviations += bool(event.get("violates"))
+        elif kind == "monitor":
+            replans += 1
+        elif kind == "cluster_covered":
+            covered_at = float(event["t"])
+        elif kind == "end":
+            end = event["reason"]
+    steps, distance, clearance, covered, coverage, t, last = 0, 0.0, math.inf, 0, 0.0, 0.0, None
+    for row in rows:
+        here = (float(row["x"]), float(row["y"]))
+        distance += math.dist(last, here) if last else 0.0
+        last, steps, t = here, int(float(row["step"])), float(row["t"])
+        clearance = min(clearance, float(row["clearance"]))
+        covered, coverage = int(float(row["clusters_covered"])), float(row["coverage"])
+    return {
+        "coverage": coverage,
+        "clusters_covered": covered,
+        "clusters_total": clusters_total,
+        "collisions": counts["collision"] + counts["robot_collision"],
+        "advisor_calls": counts["question"],
+        "requeries": requeries,
+        "rejections": rejections,
+        "fallbacks": counts["fallback"],
+        **attribution_of(events).to_json(),
+        "deviations": deviations,
+        "steps": steps,
+        "sim_time_s": round(t, 3),
+        "coverage_time_s": round(covered_at, 3),
+        "steps_per_percent": round(steps / (100.0 * coverage), 3) if coverage else None,
+        "distance_m": round(distance, 3),
+        "mean_speed_m_s": round(distance / t, 4) if t else 0.0,
+        "min_clearance_m": round(clearance, 4) if math.isfinite(clearance) else None,
+        "planner_failures": counts["planner_failure"],
+        "path_replans": replans,
+        "end_reason": end,
+        "preset": preset,
+        "seconds_in_state": seconds_in_states(events, t),
+        "clusters_left": clusters_left(events),
+    }
+
+
+def fleet_metrics(events: Sequence[Mapping[str, Any]], tables: Sequence[Sequence[Mapping[str, str]]]) -> dict[str, Any]:
+    """Compute the metrics of several robots, together and for each.
+
+    Args:
+        events: Events of all robots, in order, with the number of the robot. A contact of two counts for both.
+        tables: Rows of every robot's trajectory, in order.
+    """
+    each = [
+        metrics_of([e for e in events if k in (e.get("robot", 0), e.get("other"))], rows)
+        for k, rows in enumerate(tables)
+    ]
+    start = next((e for e in events if e["event"] == "start"), {})
+    paths = [[(float(row["x"]), float(row["y"])) for row in rows] for rows in tables]
+    between = [
+        math.dist(a, b)
+        for k, path in enumerate(paths)
+        for other in paths[k + 1 :]
+        for a, b in zip(path, other, strict=False)
+    ]
+    distance = sum(one["distance_m"] for one in each)
+    clearances = [one["min_clearance_m"] for one in each if one["min_clearance_m"] is not None]
+    total = metrics_of(events, tables[0])
+    total |= {
+        "distance_m": round(distance, 3),
+        "mean_speed_m_s": round(sum(one["mean_speed_m_s"] for one in each) / len(each), 4),
+        "min_clearance_m": min(clearances, default=None),
+        "robots": len(tables),
+        "robot_collisions": sum(e["event"] == "robot_collision" for e in events),
+        "min_separation_m": round(min(between) - 2.0 * float(start.get("hull_radius_m", 0.3)), 4) if between else None,
+        "per_robot": [{"robot": k, **{key: one[key] for key in OF_EACH}} for k, one in enumerate(each)],
+    }
+    return total

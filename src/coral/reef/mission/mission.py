@@ -1,0 +1,436 @@
+"""One mission from start to end: world, configuration and advisor in, run folder out."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from coral.advisor.clock import SimulatedClock
+from coral.advisor.consult import DEADLINE_S
+from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
+from coral.advisor.log import AttemptRecorder
+from coral.advisor.prompt import render as render_prompt
+from coral.advisor.question import Advisor, Picture
+from coral.advisor.rules import RuleAdvisor
+from coral.config import Positive, TimeStep, checked, to_mapping
+from coral.errors import InputError
+from coral.reef.decide.baselines import baseline_rules
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.own_trigger import MakeTrigger, Wanted, trigger_maker
+from coral.reef.decide.own_verifier import Check, find_verifier
+from coral.reef.decide.planner import HighLevelPlanner, PlannerCfg
+from coral.reef.decide.trigger import SmartTrigger
+from coral.reef.drive.controller import MppiCfg
+from coral.reef.drive.controllers import ControllerSetup, MakeController, controller_maker, part_name
+from coral.reef.eyes.backends import EXACT, open_eyes
+from coral.reef.map.belief import Belief, BeliefCfg
+from coral.reef.map.localization import LocalizationCfg, Localizer
+from coral.reef.map.mapping import MapCfg, OccupancyMap
+from coral.reef.mission.bound import oracle_bound
+from coral.reef.mission.judge import MissionJudge
+from coral.reef.mission.metrics import compute_metrics
+from coral.reef.mission.record import COLUMNS, FrameRecorder, RecordCfg
+from coral.reef.mission.robot import Robot
+from coral.reef.mission.tour import TourPilot
+from coral.reef.mission.tours import planned
+from coral.reef.pilot.leftover import what_is_left
+from coral.reef.pilot.pilot import NOTHING_LEFT, Pilot, PilotCfg
+from coral.reef.simulation.encounter import Encounters
+from coral.reef.simulation.faults import FAULTS, FaultySensors, parse_fault
+from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.simulation.starts import starts_beside
+from coral.reef.vehicle.fleet import MOST_ROBOTS
+from coral.reef.world.world import ReefWorld, save_world
+from coral.run_loop import Observer, run_to_end, stoppable, timing_of
+from coral.runs import RunWriter, provenance
+
+PAPER_LATENCY = "fixed:10"
+"""Median latency of a call in the paper's CORAL experiments (IV-E)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissionCfg:
+    """Everything that defines a mission except the world, the advisor and the seed."""
+
+    time_limit_s: Positive = 600.0
+    control_period_s: TimeStep = 0.1
+    """10 Hz (paper IV-F)."""
+    latency: str = "auto"
+    """Reply time of the advisor in simulated seconds: fixed:S, lognormal:MEDIAN:SIGMA or measured. auto: as recorded
+    for a recording, measured for models and people, fixed:10 for rules, the paper's median for CORAL (IV-E)."""
+    stop_when_covered: bool = True
+    """End when every true cluster is covered. The experimenter stops the mission, as for the paper's coverage time; the
+    robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
+    perception: str = EXACT
+    """Where classes and depth come from: exact, by the simulator's ray caster; rgb, from the colour pictures by the
+    network that comes with the package; or a network of your own, FILE.onnx."""
+    depth: str = ""
+    """File of a relative depth network (Depth Anything V2), whose depth replaces that of `perception`; its scale and
+    shift are fitted to the sea floor and the sonar's echoes."""
+    driver: str = "ddp-mppi"
+    """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
+    decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"
+    """Who answers the questions: the advisor, or a baseline's rules in its place. sweep and oracle ask no questions:
+    they follow lanes, or a tour planned on the true reef."""
+    lane_m: Positive = 10.0
+    """Distance between the lanes of a blind sweep (m)."""
+    robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 1
+    """Number of robots that survey the reef together with one shared map (not in the paper)."""
+    faults: tuple[str, ...] = ()
+    """Faults of the sensors, each NAME@START:DURATION in seconds (`--fault`); all robots have them."""
+    simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
+    localization: LocalizationCfg = field(default_factory=LocalizationCfg)
+    map: MapCfg = field(default_factory=MapCfg)
+    belief: BeliefCfg = field(default_factory=BeliefCfg)
+    planner: PlannerCfg = field(default_factory=PlannerCfg)
+    pilot: PilotCfg = field(default_factory=PilotCfg)
+    controller: MppiCfg = field(default_factory=MppiCfg)
+    record: RecordCfg = field(default_factory=RecordCfg)
+
+
+class Mission:
+    """Couples the simulated reef with the pilots of its robots, one by default, and records the mission."""
+
+    def __init__(
+        self,
+        world: ReefWorld,
+        cfg: MissionCfg,
+        advisor: Advisor,
+        folder: Path,
+        *,
+        seed: int = 0,
+        variant: str = "full",
+        preset: str = "clear",
+        draw: Callable[[Belief], tuple[Picture, ...]] | None = None,
+        controller: str | MakeController | None = None,
+        trigger: str | MakeTrigger | Wanted | None = None,
+        verifier: str | Check | None = None,
+    ) -> None:
+        """Check everything, then create the run folder.
+
+        Args:
+            world: World to survey.
+            cfg: Configuration, with the variant applied.
+            advisor: Who decides.
+            folder: Run folder, new or empty.
+            seed: Seed of all random numbers.
+            variant: Name of the variant, for the record.
+            preset: Name of the water and sensors, for the record.
+            draw: Draws the pictures of questions; None for no pictures.
+            controller: Replaces `cfg.driver`: a name, or a function of a `ControllerSetup`, called once for each robot.
+            trigger: Replaces the smart trigger; see `trigger_maker`.
+            verifier: Checks answers that the planner's own checks pass; see `find_verifier`.
+
+        Raises:
+            InputError: A value is out of range, a name is unknown, or the folder is not empty.
+        """
+        if controller is not None:
+            cfg = dataclasses.replace(cfg, driver=part_name(controller))
+        cfg = checked(cfg, "--cfg")
+        if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+            raise InputError("--seed", "", repr(seed), "a number from 0 on")
+        make_driver = controller_maker(cfg.driver if controller is None else controller)
+        make_trigger: MakeTrigger = SmartTrigger if trigger is None else trigger_maker(trigger)
+        verify = None if verifier is None else find_verifier(verifier)
+        exchanged = {"controller": controller, "trigger": trigger, "verifier": verifier}
+        self.exchanged = {name: part_name(part) for name, part in exchanged.items() if part is not None}
+        """Parts that replace ours, by name, for the record."""
+        budget = cfg.pilot.budget.within(DEADLINE_S)
+        cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
+        # Three streams per robot: those of the first do not depend on the number of robots.
+        streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3 * cfg.robots)]
+        if cfg.decider != "advisor":
+            advisor = RuleAdvisor(baseline_rules(cfg.decider, np.random.default_rng([seed, 11])), name=cfg.decider)
+        self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
+        eyes = open_eyes(cfg.perception, depth=cfg.depth)
+        self.preset = preset
+        """Name of the water and sensors, for the record; `cfg` and `world` have their values."""
+        self.step, self.t = 0, 0.0
+        self.control_ms: list[float] = []
+        """Wall time of each robot's computation at each tick (ms)."""
+        self.tick_ms: list[float] = []
+        if eyes is not None and not cfg.simulator.pictures:
+            cfg = self.cfg = dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, pictures=True))
+        first = ReefSimulator(world, cfg.simulator, streams[0])
+        starts = (
+            starts_beside(
+                first.pose, cfg.robots, first.scene.footprints(), world.size_m, cfg.simulator.vehicle.hull_radius_m
+            )
+            if cfg.robots > 1
+            else [first.pose]
+        )
+        simulators = [
+            first,
+            *(
+                ReefSimulator(world, cfg.simulator, streams[3 * k], start=starts[k], first=first)
+                for k in range(1, cfg.robots)
+            ),
+        ]
+        cells = OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map, cfg.simulator.sonar)
+        belief = Belief(cells, cfg.belief)
+        beliefs = [belief, *(belief.companion() for _ in starts[1:])]
+        localizers = [Localizer(cfg.simulator.camera, cfg.localization) for _ in starts]
+        latency = _latency(advisor, cfg.latency)
+        drivers = [
+            make_driver(
+                ControllerSetup(
+                    cfg=cfg.controller,
+                    vehicle=cfg.simulator.vehicle,
+                    rng=streams[3 * k + 1],
+                    control_period_s=cfg.control_period_s,
+                )
+            )
+            for k in range(cfg.robots)
+        ]
+        commands = planned(world, cfg)
+        faults = [parse_fault(text) for text in cfg.faults]
+        for fault in faults:
+            if FAULTS[fault.name].needs_sonar and not cfg.simulator.sonar.enabled:
+                raise InputError("--fault", "", fault.name, "a fault of a sensor that the vehicle has: add --sonar")
+        # All inputs have been validated: create the folder only now.
+        self.writer = RunWriter(folder, COLUMNS, cfg.robots)
+        self.judge = MissionJudge(world, first.imaging, folder)
+        self.attempts = AttemptRecorder(folder)
+        self.frames = FrameRecorder(self.writer, cfg.record)
+        # A clock per robot, which may withdraw that robot's question, and one thread for the one advisor.
+        clocks = [SimulatedClock(latency, streams[2])]
+        clocks += [SimulatedClock(latency, streams[3 * k + 2], thread=clocks[0].thread) for k in range(1, cfg.robots)]
+        clocks[0].thread.warm_up(advisor)
+        numbers: Iterator[int] = itertools.count()
+
+        def pilot(robot: Robot) -> Pilot:
+            planner = HighLevelPlanner(
+                robot.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()), cfg.planner, verifier=verify
+            )
+            pilot = (Pilot if commands is None else TourPilot)(
+                robot.belief,
+                planner,
+                robot.driver,
+                advisor,
+                RuleAdvisor(REEF_RULES),
+                robot.clock,
+                robot.emit,
+                self.attempts,
+                cfg.pilot,
+                numbers,
+                make_trigger,
+            )
+            if isinstance(pilot, TourPilot) and commands is not None:
+                pilot.commands = commands
+            return pilot
+
+        self.robots = [
+            Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1, faults=FaultySensors(faults), eyes=eyes)
+            for k, parts in enumerate(zip(simulators, beliefs, localizers, drivers, clocks, strict=True))
+        ]
+        lead = self.robots[0]
+        self.simulator, self.belief, self.driver, self.pilot = lead.simulator, lead.belief, lead.driver, lead.pilot
+        """Parts of the first robot."""
+        self.encounters = Encounters(cfg.simulator.vehicle.hull_radius_m)
+        self.collisions = self.calls = 0
+        self.end_reason = ""
+        self.listeners: list[Callable[[dict[str, Any]], None]] = []
+        """Functions called with every event, as written to events.jsonl."""
+        self._covered: set[int] = set()
+        self._wall = self._stood_still_s = 0.0
+
+    def emit(self, event: str, **fields: Any) -> None:
+        """Append an event at the present tick."""
+        self.calls += event == "question"
+        self.collisions += event in ("collision", "robot_collision")
+        self.writer.event(self.step, self.t, event, **fields)
+        for hear in self.listeners:
+            hear({"step": self.step, "t": self.t, "event": event, **fields})
+
+    def stood_still(self, seconds: float) -> None:
+        """Exclude a pause of `seconds` of wall time, ending now, from the run's time and from measured latencies."""
+        self._stood_still_s += seconds
+        for robot in self.robots:
+            robot.clock.stood_still(seconds)
+
+    def run(self, observers: Sequence[Observer[Mission]] = ()) -> dict[str, Any]:
+        """Run to the end. Return metrics and timing together."""
+        started = time.perf_counter()
+        try:
+            with stoppable(self):
+                self._begin()
+                run_to_end(self, observers)
+        finally:
+            try:
+                for robot in self.robots:
+                    robot.clock.withdraw()
+                    robot.pilot.stop(self.end_reason or "failed")
+                self.emit("left", clusters=what_is_left(self.belief))
+                judging = self._judged()
+                self.emit("end", reason=self.end_reason or "failed")
+            finally:  # even if the disk is full
+                for robot in reversed(self.robots):  # the first one's clock owns the advisor's thread
+                    robot.clock.close()
+                try:
+                    self.frames.close()
+                finally:
+                    self.attempts.close()
+                    self.writer.close()
+                    self.judge.close()
+            self._wall = time.perf_counter() - started - self._stood_still_s - judging
+        return self._finish()
+
+    def advance(self) -> None:
+        """Run one control tick: all robots sense, each thinks, all act. Record it."""
+        cfg, dt, robots = self.cfg, self.cfg.control_period_s, self.robots
+        begun, waited = time.perf_counter(), 0.0
+        for robot in robots:
+            robot.sense(self.t, dt if self.step else 0.0)
+        located_ms = []
+        for robot in robots:  # all of them first: each tells the others where it is
+            thinking = time.perf_counter()
+            robot.localize(dt if self.step else 0.0)
+            located_ms.append(1e3 * (time.perf_counter() - thinking))
+        self.frames.offer(self.step, self.t, self.belief.map.cells, robots[0].picture, robots[0].taken_at)
+        for robot, already_ms in zip(robots, located_ms, strict=True):
+            thinking = time.perf_counter()
+            # The wait for a due reply, while simulated time stands still, is no part of the control period.
+            idle = robot.think(other.says() for other in robots if other is not robot)
+            waited += idle
+            self.control_ms.append(already_ms + 1e3 * (time.perf_counter() - thinking - idle))
+        self.step += 1
+        self.t = round(self.step * dt, 9)
+        for robot in robots:
+            robot.act(dt, [other.position for other in robots if other is not robot])
+            for x, y, other in self.encounters.follow(
+                robot.number, robot.simulator.track, [each.position for each in robots]
+            ):
+                robot.emit("robot_collision", x=round(x, 3), y=round(y, 3), other=other)
+        self._cover()
+        self.judge.note(self.step, self.t, [robot.position for robot in robots])
+        for robot in robots:
+            self._row(robot)
+        self.tick_ms.append(1e3 * (time.perf_counter() - begun - waited))
+        if cfg.stop_when_covered and len(self._covered) == len(self.world.clusters):
+            self.end_reason = "coverage complete"
+        elif reason := self._given_up():
+            self.end_reason = reason
+        elif self.t >= cfg.time_limit_s - 1e-9:
+            self.end_reason = "time limit"
+
+    def _given_up(self) -> str:
+        """Return why no robot continues, or "". A robot without a task waits: others may still find one for it."""
+        reasons = [robot.pilot.end_reason for robot in self.robots]
+        failed = [reason for reason in reasons if reason not in ("", NOTHING_LEFT)]
+        if failed:
+            return failed[0]
+        reasons = [robot.surfaced or reason for robot, reason in zip(self.robots, reasons, strict=True)]
+        return reasons[0] if all(reasons) else ""
+
+    def _cover(self) -> None:
+        fractions = self.simulator.coverage.fractions
+        for k in np.flatnonzero(self.simulator.coverage.covered()):
+            if int(k) not in self._covered:
+                self._covered.add(int(k))
+                self.emit("cluster_covered", name=self.world.clusters[k].name, fraction=round(float(fractions[k]), 4))
+
+    def _row(self, robot: Robot) -> None:
+        sensed, simulator, goal, plan = robot.sensed, robot.simulator, robot.belief.goal, robot.pilot.plan
+        assert sensed is not None
+        self.writer.row(
+            self.step,
+            self.t,
+            *(float(v) for v in simulator.vehicle.state[:6]),
+            *robot.pose,
+            *robot.command,
+            goal[0] if goal else "",
+            goal[1] if goal else "",
+            simulator.clearance_m,
+            int(plan.ok) if plan else 1,
+            self.coverage,
+            len(self._covered),
+            *sensed.pose,
+            robot=robot.number,
+        )
+
+    @property
+    def coverage(self) -> float:
+        """Share of the true clusters covered so far."""
+        return len(self._covered) / len(self.world.clusters)
+
+    def _begin(self) -> None:
+        save_world(self.world, self.writer.folder / "world.yaml")
+        self.writer.yaml(
+            "config.yaml",
+            {
+                "system": "reef",
+                "world": self.world.name,
+                "advisor": self.advisor.name,
+                "variant": self.variant,
+                "preset": self.preset,
+                "seed": self.seed,
+                **({"own_parts": self.exchanged} if self.exchanged else {}),
+                "mission": to_mapping(self.cfg),
+                "provenance": provenance(),
+            },
+        )
+        self.emit(
+            "start",
+            world=self.world.name,
+            advisor=self.advisor.name,
+            variant=self.variant,
+            preset=self.preset,
+            seed=self.seed,
+            clusters_total=len(self.world.clusters),
+            **({"own_parts": self.exchanged} if self.exchanged else {}),
+            **self._fleet(),
+        )
+        self._cover()
+        self.judge.note(0, 0.0, [robot.position for robot in self.robots])
+
+    def _fleet(self) -> dict[str, Any]:
+        """Return the fields of the start event about several robots."""
+        if len(self.robots) == 1:
+            return {}
+        return {"robots": len(self.robots), "hull_radius_m": self.cfg.simulator.vehicle.hull_radius_m}
+
+    def _judged(self) -> float:
+        """Emit the judge's final record. Return the wall time that this took (s)."""
+        begun, sim, meter = time.perf_counter(), self.cfg.simulator, self.simulator.imaging
+        # The bound takes seconds to plan: only if there is something to compare with it.
+        soon = None
+        if self.end_reason and meter.inspected >= 0.9 - 1e-6:
+            visibility_m = sim.noise.visibility_m
+            soon = oracle_bound(self.world, sim.camera, sim.imaging, visibility_m, sim.vehicle).times[0.9]
+        self.emit(
+            "judged",
+            clusters=self.judge.clusters(),
+            tracks=len(self.belief.tracks),
+            phantoms=self.judge.phantoms(self.belief.tracks),
+            oracle_time_to_90_s=soon,
+        )
+        return time.perf_counter() - begun
+
+    def _finish(self) -> dict[str, Any]:
+        control = np.array(self.control_ms) if self.control_ms else np.zeros(1)
+        timing: dict[str, Any] = timing_of(self._wall, self.t, control_ms=self.control_ms, tick_ms=self.tick_ms)
+        metrics = compute_metrics(self.writer.folder)
+        self.writer.json("metrics.json", metrics)
+        histogram, edges = np.histogram(control, bins=np.linspace(0.0, max(10.0, math.ceil(control.max())), 41))
+        self.writer.json(
+            "timing.json",
+            {
+                **timing,
+                "control_ms_histogram": {"counts": histogram.tolist(), "edges": [round(float(e), 4) for e in edges]},
+            },
+        )
+        return {**metrics, **timing}
+
+
+def _latency(advisor: Advisor, spec: str) -> LatencyCfg:
+    latency = latency_for(advisor, spec)
+    return parse_latency(PAPER_LATENCY) if spec == "auto" and latency == parse_latency("0") else latency

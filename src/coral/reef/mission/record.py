@@ -1,0 +1,203 @@
+"""Record of a reef mission in its run folder, written during the mission."""
+
+from __future__ import annotations
+
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import IO, Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Positive
+from coral.errors import naming
+from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
+from coral.reef.world.geometry import Frame, Pose
+from coral.runs import RunWriter
+
+COLUMNS = (
+    "step",
+    "t",
+    "x",
+    "y",
+    "theta",
+    "u",
+    "v",
+    "r",
+    "est_x",
+    "est_y",
+    "est_theta",
+    "v_cmd",
+    "omega_cmd",
+    "goal_x",
+    "goal_y",
+    "clearance",
+    "planner_ok",
+    "coverage",
+    "clusters_covered",
+    "odo_x",
+    "odo_y",
+    "odo_theta",
+)
+"""trajectory.csv: SI units, world frame for poses, body frame for velocities; goal empty when there is none.
+est: where the robot believed it was; odo: where its odometry alone put it."""
+
+
+POSES = "frames/poses.csv"
+POSE_COLUMNS = (
+    "t", "x", "y", "z", "roll", "pitch", "yaw", "odo_x", "odo_y", "odo_yaw", "labels", "depth", "rgb",
+    "doubt", "depth_doubt",
+)  # fmt: skip
+"""Columns of frames/poses.csv: where the robot believed the camera was, z being its height above the seabed; where
+odometry alone put it; names of the pictures (empty where there is none: exact perception has no doubt). SI units, world
+frame, REP-103."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PicturePose:
+    """Where a picture was taken, by the robot's own estimate."""
+
+    pose: Pose
+    odometry: Pose
+    """By odometry alone."""
+    height_m: float
+    """Height of the camera above the seabed (m)."""
+    roll: float = 0.0
+    pitch: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordCfg:
+    """What a run folder holds besides its logs."""
+
+    pictures: bool = True
+    """Draw and keep the pictures of every question. An advisor that sees gets them in any case."""
+    frames: bool = True
+    """Keep the map and the camera pictures at intervals. The report's time slider and the video need them."""
+    frame_period_s: Positive = 2.0
+    keyframes: bool = True
+    """Keep camera pictures with their poses besides, for products, export and a map made anew: some 10 kB a second,
+    twice that with colour, 70 kB with what a network saw and its doubt. Needs `frames`."""
+    keyframe_period_s: Positive = 0.5
+    """Time between keyframes. At full speed the vehicle moves 0.3 m in it."""
+    report: bool = True
+    """Write map.png and report.html at the end."""
+    video: bool = False
+    """Write mission.mp4 at the end."""
+
+
+class FrameRecorder:
+    """Writes the known map and the camera pictures every few seconds of simulated time, on a thread of its own."""
+
+    def __init__(self, writer: RunWriter, cfg: RecordCfg, *, patient: bool = True) -> None:
+        """Record into a run.
+
+        Args:
+            writer: The run's writer.
+            cfg: What is kept.
+            patient: Whether `offer` waits while two sets are still to be written, so that none is left out; if not,
+                the new one is left out.
+        """
+        self._writer, self._cfg, self._patient = writer, cfg, patient
+        self._due = self._keyframe_due = 0.0
+        self._poses: IO[str] | None = None
+        self._thread = ThreadPoolExecutor(1, "coral-frames")
+        self._open: deque[Future[None]] = deque()
+        self.left_out = 0
+        """Sets of pictures that were left out because the disk was too slow."""
+
+    def offer(self, step: int, t: float, cells: Any, frame: Frame, taken_at: PicturePose | None = None) -> None:
+        """Write a set of pictures if it is due.
+
+        Args:
+            step: Number of the tick.
+            t: Time (s).
+            cells: Called without arguments, returns the classes of the map, Shape=(NY, NX).
+            frame: The camera picture.
+            taken_at: Where it was taken; None where nobody knows, or where the pilot did not get it: then it is no
+                keyframe.
+
+        Raises:
+            OSError: An earlier set could not be written.
+        """
+        cfg = self._cfg
+        with_map = cfg.frames and t >= self._due - 1e-9
+        keyframe = cfg.frames and cfg.keyframes and taken_at is not None and t >= self._keyframe_due - 1e-9
+        if not with_map and not keyframe:
+            return
+        if with_map:
+            self._due = t + cfg.frame_period_s
+        if keyframe:
+            self._keyframe_due = t + cfg.keyframe_period_s
+        self._finish(1)
+        if len(self._open) > 1:
+            self.left_out += 1
+            return
+        now = cells() if with_map else None
+        self._open.append(self._thread.submit(self._write, step, t, now, frame, taken_at if keyframe else None))
+
+    def close(self) -> None:
+        """Finish what was offered.
+
+        Raises:
+            OSError: A set could not be written.
+        """
+        self._patient = True
+        try:
+            self._finish(0)
+        finally:
+            self._thread.shutdown()
+            if self._poses is not None:
+                self._poses.close()
+
+    def _finish(self, leaving: int) -> None:
+        """Take note of the sets that have been written; wait until no more than `leaving` are open, if patient."""
+        while self._open and (self._open[0].done() or (self._patient and len(self._open) > leaving)):
+            self._open.popleft().result()
+
+    def _write(
+        self, step: int, t: float, cells: NDArray[np.uint8] | None, frame: Frame, taken_at: PicturePose | None
+    ) -> None:
+        millimetres = np.where(np.isfinite(frame.depth), np.minimum(frame.depth * 1000.0, 65535.0), 0.0)
+        images: dict[str, NDArray[Any]] = {"depth": millimetres.astype(np.uint16), "labels": frame.labels}
+        if cells is not None:
+            images["map"] = cells
+        for name, image in images.items():
+            self._writer.bytes(f"frames/{step:06d}_{name}.png", _png(image))
+        names = [f"{step:06d}_labels.png", f"{step:06d}_depth.png", "", "", ""]
+        if frame.rgb is not None:
+            names[2] = f"{step:06d}_rgb.jpg"
+            self._writer.bytes(f"frames/{names[2]}", _jpeg(frame.rgb))
+        if taken_at is not None:
+            doubts = (("doubt", frame.doubt, LABEL_STEPS), ("depth_doubt", frame.depth_doubt, DEPTH_STEPS))
+            for k, (name, share, whole) in enumerate(doubts, 3):
+                if share is not None:
+                    names[k] = f"{step:06d}_{name}.png"
+                    self._writer.bytes(f"frames/{names[k]}", _png(pack_doubt(share, whole)))
+            self._note_pose(t, taken_at, names)
+
+    def _note_pose(self, t: float, at: PicturePose, names: list[str]) -> None:
+        """Append a row to frames/poses.csv, after its pictures: a killed run has no row without them."""
+        path = self._writer.folder / POSES
+        with naming(path):
+            if self._poses is None:
+                self._poses = open(path, "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+                self._poses.write(",".join(POSE_COLUMNS) + "\n")
+            values = (t, at.pose.x, at.pose.y, at.height_m, at.roll, at.pitch, at.pose.theta, *at.odometry)
+            self._poses.write(",".join([*(f"{v:.9g}" for v in values), *names]) + "\n")
+
+
+def _png(image: NDArray[Any]) -> bytes:
+    ok, encoded = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 3])
+    if not ok:
+        raise RuntimeError("a picture could not be encoded as PNG")
+    return encoded.tobytes()
+
+
+def _jpeg(rgb: NDArray[np.uint8]) -> bytes:
+    ok, encoded = cv2.imencode(".jpg", rgb[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, 92])
+    if not ok:
+        raise RuntimeError("a picture could not be encoded as JPEG")
+    return encoded.tobytes()

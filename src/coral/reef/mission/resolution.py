@@ -1,0 +1,68 @@
+"""From what a user asks for to the configuration of a mission: preset, robots, fallback, variant, deadline."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Collection
+
+from coral.advisor.consult import DEADLINE_S
+from coral.advisor.fallback import Fallback
+from coral.config import checked
+from coral.errors import InputError
+from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.presets import CLEAR, apply_preset
+from coral.reef.mission.variants import apply_variant
+from coral.reef.vehicle.fleet import MOST_ROBOTS
+from coral.reef.world.world import ReefWorld
+
+PERSON_DEADLINE_S = 600.0
+"""Default deadline of a person's answer; a model has a minute."""
+
+
+def resolve_mission(
+    cfg: MissionCfg,
+    world: ReefWorld,
+    *,
+    variant: str = "full",
+    preset: str = CLEAR,
+    robots: int | None = None,
+    fallback: Fallback | None = None,
+    keep: Collection[str] = (),
+    asks_people: bool = False,
+) -> tuple[MissionCfg, ReefWorld]:
+    """Return configuration and world of a mission, the same for the command line and for Python.
+
+    Args:
+        cfg: Configuration that the user gave.
+        world: The world as loaded.
+        variant: Name of the variant.
+        preset: Name of the water and sensors.
+        robots: Number of robots; None as configured.
+        fallback: What happens where the advisor does not decide; None as configured.
+        keep: Keys of the configuration that win over the preset.
+        asks_people: Whether a person may answer, who gets more time.
+
+    Raises:
+        InputError: A name is unknown or a value out of range.
+    """
+    cfg, world = apply_preset(preset, cfg, world, keep)
+    cfg = cfg if robots is None else dataclasses.replace(cfg, robots=robots)
+    cfg = with_fallback(cfg, fallback)
+    if not 1 <= cfg.robots <= MOST_ROBOTS:
+        raise InputError("--robots", "", cfg.robots, f"a number from 1 to {MOST_ROBOTS}")
+    cfg = checked(apply_variant(variant, cfg), "--cfg")
+    budget = cfg.pilot.budget.within(PERSON_DEADLINE_S if asks_people else DEADLINE_S)
+    return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget)), world
+
+
+def with_sonar(cfg: MissionCfg, there: bool = True) -> MissionCfg:
+    """Return the configuration of a vehicle that has the sonar, or has not."""
+    sonar = dataclasses.replace(cfg.simulator.sonar, enabled=there)
+    return dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, sonar=sonar))
+
+
+def with_fallback(cfg: MissionCfg, fallback: Fallback | None) -> MissionCfg:
+    """Return the configuration with another fallback; None leaves it as configured."""
+    return (
+        cfg if fallback is None else dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, fallback=fallback))
+    )

@@ -1,0 +1,79 @@
+"""Missions that follow a plan made before the dive: the oracle's tour and the lanes of a blind sweep."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.pilot.pilot import Command, Pilot
+from coral.reef.vehicle.sensing import Velocity
+from coral.reef.vehicle.tour_kernels import follow
+from coral.reef.vehicle.vehicle import VehicleCfg
+from coral.reef.world.geometry import Pose
+
+BORDER_M = 1.0
+"""Distance between the ends of lanes and the edge of the survey area."""
+
+
+class TourPilot(Pilot):
+    """Executes planned commands while the sensors are good. The map is kept for the report alone."""
+
+    commands: NDArray[np.float64] = np.empty((0, 2))
+    """Forward speed (m/s) and yaw rate (rad/s) of each tick. Shape=(K, 2)."""
+    _next = 0
+
+    def _steer(self, t: float, pose: Pose, velocity: Velocity) -> Command:
+        """Return the next command of the plan."""
+        if self._next >= len(self.commands):
+            self.end_reason = "the tour is done"
+            return 0.0, 0.0
+        v, omega = self.commands[self._next].tolist()
+        self._next += 1
+        return v, omega
+
+
+def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose, offset_m: float = 0.0) -> NDArray[np.float64]:
+    """Return straight lanes along x, `spacing_m` apart, so that no place is farther than half of that from a lane.
+
+    They lie symmetrically in the area, or `offset_m` beside that (at most one spacing), and begin at the corner nearest
+    to the start. With an offset the strip along one border lies farther from a lane.
+
+    Returns:
+        Waypoints, beginning with the start (m). Shape=(2 N + 1, 2).
+    """
+    width, height = size_m
+    count = max(1, math.ceil(height / spacing_m - 1e-9))
+    shifts = range(-1, count + 1) if offset_m else range(count)
+    ys = [height / 2 + spacing_m * (k - (count - 1) / 2) + offset_m for k in shifts]
+    ys = [y for y in ys if 0.0 <= y <= height]
+    if start.y > height / 2:
+        ys.reverse()
+    ends = [min(BORDER_M, width / 2), max(width - BORDER_M, width / 2)]
+    if start.x > width / 2:
+        ends.reverse()
+    points = [(x, y) for k, y in enumerate(ys) for x in (ends if k % 2 == 0 else ends[::-1])]
+    return np.array([start[:2], *points])
+
+
+def drive_lines(points: NDArray[np.float64], start: Pose, vehicle: VehicleCfg, dt: float) -> NDArray[np.float64]:
+    """Compute commands that drive straight from point to point at cruise speed and turn on the spot. Shape=(K, 2).
+
+    Args:
+        points: Shape=(N, 2), metres, the first one at the start.
+        start: Pose of the vehicle.
+        vehicle: Gives speed and yaw rate.
+        dt: Control period (s).
+    """
+    parts = []
+    for a, b in itertools.pairwise(points):
+        n = max(1, math.ceil(math.dist(a, b) / 0.05))
+        parts.append(a + (b - a) * np.arange(n)[:, None] / n)
+    path = np.concatenate([*parts, points[-1:]])
+    most = int(4.0 * len(path) * 0.05 / (vehicle.max_speed_m_s * dt)) + 200 * len(points)
+    commands, poses = np.zeros((most, 2)), np.zeros((most, 3))
+    begin = (start.x, start.y, start.theta)
+    n = follow(begin, path, vehicle.max_speed_m_s, vehicle.max_yaw_rate_rad_s, dt, most, commands, poses)
+    return commands[:n]

@@ -1,0 +1,75 @@
+"""How well eyes see: overlap of classes and error of depth, by range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.eyes.perception import SeenPicture
+from coral.reef.world.geometry import Frame, Label
+
+BANDS_M = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0)
+"""Edges of the bands of range."""
+_PLACES = 2000
+"""Depth errors kept of each picture and band."""
+
+
+@dataclass
+class EyesScore:
+    """Counts over pictures: add pictures, then read the shares.
+
+    A pixel belongs to the band of its true range, so an oyster that is seen where there is none counts in the band of
+    what is really there. Pixels that are too doubtful for the map should be water in `SeenPicture`.
+    """
+
+    common: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(Label), len(BANDS_M) - 1), np.int64))
+    either: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(Label), len(BANDS_M) - 1), np.int64))
+    true: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(Label), len(BANDS_M) - 1), np.int64))
+    errors: list[list[NDArray[np.float32]]] = field(default_factory=lambda: [[] for _ in BANDS_M[1:]])
+    pictures: int = 0
+
+    def add(self, seen: SeenPicture, truth: Frame, lengths: NDArray[np.float32]) -> None:
+        """Count a picture.
+
+        Args:
+            seen: What eyes say.
+            truth: What is true.
+            lengths: Of `ray_lengths`. Shape=(H, W).
+        """
+        reach = truth.depth * lengths
+        self.pictures += 1
+        for band, (low, high) in enumerate(pairwise(BANDS_M)):
+            here = (reach >= low) & (reach < high)
+            said, right = seen.labels[here], truth.labels[here]
+            for label in Label:
+                a, b = said == label, right == label
+                self.common[label, band] += np.count_nonzero(a & b)
+                self.either[label, band] += np.count_nonzero(a | b)
+                self.true[label, band] += np.count_nonzero(b)
+            both = np.isfinite(seen.depth[here])
+            error = np.abs(seen.depth[here][both] / truth.depth[here][both] - 1.0)
+            self.errors[band].append(error[:: max(1, len(error) // _PLACES)].astype(np.float32))
+
+    def overlap(self, label: Label, until_m: float | None = None) -> list[float | None]:
+        """Return the intersection over union by band, or of all bands up to a range together; None without pixels."""
+        if until_m is not None:
+            last = BANDS_M.index(until_m)
+            common, either = self.common[label, :last].sum(), self.either[label, :last].sum()
+            return [round(float(common / either), 3) if either else None]
+        return [
+            round(float(c / e), 3) if e else None for c, e in zip(self.common[label], self.either[label], strict=True)
+        ]
+
+    def recall(self, label: Label) -> list[float | None]:
+        """Return the share of a class's pixels that are found, by band."""
+        return [
+            round(float(c / t), 3) if t else None for c, t in zip(self.common[label], self.true[label], strict=True)
+        ]
+
+    def depth_error(self) -> list[float | None]:
+        """Return the median error of the depth as a share of it, by band."""
+        kept = [np.concatenate(band) if band else np.zeros(0) for band in self.errors]
+        return [round(float(np.median(band)), 3) if len(band) else None for band in kept]

@@ -1,0 +1,40 @@
+"""What a survey leaves undone, by the robot's own map: the clusters that are not inspected, and why."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from coral.reef.map.belief import Belief
+from coral.reef.map.chain import Track
+
+
+def what_is_left(belief: Belief) -> list[dict[str, Any]]:
+    """Return label, place (m), inspected share and reason of every cluster that the robot knows and has not finished.
+
+    What it does not know of, it cannot tell.
+    """
+    return [
+        {
+            "index": track.index,
+            "x": round(track.x, 3),
+            "y": round(track.y, 3),
+            "inspected": round(track.inspected, 3),
+            "why": why_left(belief, track),
+        }
+        for track in belief.tracks
+        if not track.visited
+    ]
+
+
+def why_left(belief: Belief, track: Track) -> str:
+    """Say why a cluster has not been finished."""
+    failed = belief.failures(track.x, track.y)
+    if failed >= belief.cfg.max_attempts:
+        return f"given up after {failed} goals that failed"
+    if track.index == belief.goal_index:
+        return "on the way there"
+    if belief.taken(track.x, track.y, track.index):
+        return "another robot was on its way there"
+    if track.far:
+        return "seen from afar only"
+    return "begun" if track.inspected > 0.0 else "not reached yet"

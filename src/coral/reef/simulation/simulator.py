@@ -1,0 +1,247 @@
+"""The simulated reef, which alone knows the truth: moves the vehicle, takes pictures, counts contacts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Positive
+from coral.reef.eyes.perception import CameraAttitude
+from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
+from coral.reef.paint.daylight import PainterCfg
+from coral.reef.paint.painter import Painter
+from coral.reef.paint.water_types import WaterType, find_water, water_of_visibility
+from coral.reef.simulation.coverage import CoverageCfg, CoverageMeter
+from coral.reef.simulation.imaging import ImagingCfg, ImagingMeter
+from coral.reef.simulation.noise import PoseDrift, SensorNoise, SensorNoiseCfg
+from coral.reef.simulation.simulated_navigation import NavigationCfg, SimulatedNavigation
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.vehicle.collision import ContactCounter, clearance
+from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.vehicle.sensing import Attitude
+from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.world import ReefWorld
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulatorCfg:
+    """The simulated vehicle and its sensors."""
+
+    vehicle: VehicleCfg = field(default_factory=VehicleCfg)
+    camera: CameraCfg = field(default_factory=CameraCfg)
+    noise: SensorNoiseCfg = field(default_factory=SensorNoiseCfg)
+    coverage: CoverageCfg = field(default_factory=CoverageCfg)
+    imaging: ImagingCfg = field(default_factory=ImagingCfg)
+    sonar: SonarCfg = field(default_factory=SonarCfg)
+    navigation: NavigationCfg = field(default_factory=NavigationCfg)
+    water_depth_m: Positive = 5.0
+    """Depth of the water where the world's file does not say it; only the depth sensor reads it. Oyster reefs lie in
+    shallow water: this is the upper end of their usual depth. No paper gives it."""
+    contact: Literal["solid", "ghost"] = "solid"
+    """solid: obstacles stop the hull. ghost: contacts count, but the vehicle passes through."""
+    pictures: bool = False
+    """Paint a colour picture of every frame."""
+    water: str = "auto"
+    """Water of the colour pictures: a Jerlov type (jerlov-3C) or a preset's name. auto: the type whose visibility is
+    nearest to `noise.visibility_m`."""
+    painter: PainterCfg = field(default_factory=PainterCfg)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensed:
+    """The robot's measurements at one moment."""
+
+    frame: Frame
+    pose: Pose
+    """By odometry alone; equals the truth unless drift is on."""
+    velocity: tuple[float, float, float]
+    """Ground-relative surge, sway (m/s) and yaw rate (rad/s) in the body frame."""
+    attitude: Attitude
+    """Roll, pitch, depth and altitude; without error unless navigation has sensors."""
+    sonar: RangeImage | None = None
+    """The sonar's image, if one is due; None without a sonar."""
+    covariance: NDArray[np.float64] | None = None
+    """Of the pose (x, y, theta), in m and rad; None: not told. Shape=(3, 3)."""
+    velocity_age_s: float = 0.0
+    """Time since the velocity was measured (s)."""
+
+
+class ReefSimulator:
+    """Simulates the reef, one vehicle and its sensors."""
+
+    def __init__(
+        self,
+        world: ReefWorld,
+        cfg: SimulatorCfg,
+        rng: np.random.Generator,
+        *,
+        start: Pose | None = None,
+        first: ReefSimulator | None = None,
+    ) -> None:
+        """Put a vehicle into a world.
+
+        Args:
+            world: The true reef.
+            cfg: Vehicle and sensors.
+            rng: Source of the sensors' noise.
+            start: Start pose; the world's start by default.
+            first: Simulator of another vehicle in the same reef. What either vehicle sees counts as seen.
+        """
+        self.world, self.cfg = world, cfg
+        self.scene: Scene = Scene.from_world(world) if first is None else first.scene
+        self._camera = Camera(self.scene, cfg.camera)
+        self._painter: Painter | None = None if first is None else first._painter
+        if cfg.pictures and self._painter is None:
+            self._painter = make_painter(self.scene, cfg, world.seed)
+        self._time_s = 0.0
+        self._noise = SensorNoise(cfg.noise, rng, cfg.camera)
+        self._drift = PoseDrift(cfg.noise, rng)
+        self._sonar: Sonar3d15 | None = None
+        if cfg.sonar.enabled:
+            deep = world.water_depth_m
+            surface_z = None if deep is None else world.seabed.z_m + deep
+            # A stream of its own: the camera's noise is the same with and without a sonar.
+            self._sonar = Sonar3d15(self.scene, cfg.sonar, rng.spawn(1)[0], surface_z=surface_z)
+        self._since_ping_s = math.inf
+        begin = start or Pose(world.start.x, world.start.y, world.start.theta)
+        self._navigation: SimulatedNavigation | None = None
+        if cfg.navigation.source == "dvl-imu":
+            self._navigation = SimulatedNavigation(cfg.navigation, begin, rng.spawn(1)[0])
+        self._footprints = self.scene.footprints()
+        self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
+        if first is None:
+            self.coverage: CoverageMeter = CoverageMeter(self.scene, _through_water(cfg))
+            self.imaging: ImagingMeter = ImagingMeter(
+                self.scene, cfg.camera, cfg.imaging, visibility_m=cfg.noise.visibility_m
+            )
+        else:
+            self.coverage, self.imaging = first.coverage, first.imaging
+        self.vehicle = Vehicle(cfg.vehicle, VehicleState(begin.x, begin.y, begin.theta))
+        self.distance_m = 0.0
+        self.track: NDArray[np.float64] = np.array([begin[:2]])
+        """Positions of the vehicle in the last tick, before contacts were resolved (m). Shape=(N, 2)."""
+        self._others: tuple[tuple[float, float], ...] = ()
+        self._judge()
+
+    @property
+    def pose(self) -> Pose:
+        """True pose."""
+        return Pose(*self.vehicle.state[:3])
+
+    @property
+    def water_depth_m(self) -> float:
+        """Depth of the water (m), as the world says or as configured."""
+        return self.world.water_depth_m or self.cfg.water_depth_m
+
+    @property
+    def clearance_m(self) -> float:
+        """True distance from the hull to the nearest obstacle (m); negative in contact."""
+        return self._contacts.clearance(*self.pose[:2])
+
+    def sense(self, dt: float) -> Sensed:
+        """Take a picture and read the navigation sensors `dt` seconds after the last time."""
+        height, roll, pitch = self._attitude()
+        u, v, r = (float(x) for x in self.vehicle.state[3:6])
+        exact = self._camera.render(self.pose, height, roll=roll, pitch=pitch)
+        frame = self._noise.apply(exact)
+        self._time_s += dt
+        if self._painter is not None:
+            rgb = self._painter.paint(
+                exact, self.pose, height=height, roll=roll, pitch=pitch, t=self._time_s, velocity=(u, v, r)
+            )
+            frame = replace(frame, rgb=rgb)
+        altitude = self.cfg.camera.altitude_m if height is None else height
+        attitude = Attitude(roll=roll, pitch=pitch, depth_m=self.water_depth_m - altitude, altitude_m=altitude)
+        sonar = self._ping(attitude, altitude, dt)
+        if self._navigation is None:
+            pose = self._drift.step(self.pose, dt)
+            return Sensed(frame=frame, pose=pose, velocity=(u, v, r), attitude=attitude, sonar=sonar)
+        fix = self._navigation.step(self.pose, (u, v, r), attitude, dt)
+        return Sensed(
+            frame=frame,
+            pose=fix.pose,
+            velocity=fix.velocity,
+            attitude=fix.attitude,
+            sonar=sonar,
+            covariance=fix.covariance,
+            velocity_age_s=fix.velocity_age_s,
+        )
+
+    def _ping(self, attitude: Attitude, altitude_m: float, dt: float) -> RangeImage | None:
+        """Take an image of the sonar, `dt` seconds after the last call, if one is due."""
+        if self._sonar is None:
+            return None
+        self._since_ping_s += dt
+        if self._since_ping_s < 1.0 / self.cfg.sonar.rate_hz - 1e-9:
+            return None
+        self._since_ping_s = 0.0
+        return self._sonar.image(self.pose, altitude_m, roll=attitude.roll, pitch=attitude.pitch)
+
+    @property
+    def water(self) -> WaterType | None:
+        """Water of the colour pictures; None when none are taken."""
+        return None if self._painter is None else self._painter.water
+
+    def _clearance(self, x: float, y: float) -> float:
+        free = clearance(self._footprints, x, y)
+        for other in self._others:
+            free = min(free, math.dist(other, (x, y)) - self.cfg.vehicle.hull_radius_m)
+        return free
+
+    @property
+    def camera_attitude(self) -> CameraAttitude:
+        """Height, roll and pitch of the camera, as the vehicle measures them: without error."""
+        return CameraAttitude(*self._attitude())
+
+    def _attitude(self) -> tuple[float | None, float, float]:
+        """Return the camera's height above the seabed (m; None: as configured), roll and pitch (rad)."""
+        if self.cfg.vehicle.model != "six_dof":
+            return None, 0.0, 0.0
+        z, roll, pitch = self.vehicle.attitude
+        return z - self.world.seabed.z_m, roll, pitch
+
+    def act(
+        self, command: tuple[float, float], dt: float, others: Sequence[tuple[float, float]] = ()
+    ) -> list[tuple[float, float, int]]:
+        """Drive for `dt` seconds. Return new contacts with obstacles as (x, y, index of the obstacle).
+
+        The hulls of other robots, at the positions `others` (m), stop the vehicle like obstacles.
+        """
+        before, self._others = self.pose, tuple(others)
+        current = (self.world.current.x_m_s, self.world.current.y_m_s)
+        solid = self.cfg.contact == "solid"
+        self.track = self.vehicle.step(command, dt, current, self._clearance if solid else None)
+        self.distance_m += math.dist(before[:2], self.pose[:2])
+        contacts = self._contacts.follow(self.track)
+        self._judge()
+        return contacts
+
+    def _judge(self) -> None:
+        """Count the area in view now."""
+        self.coverage.update(self.pose)
+        height, roll, pitch = self._attitude()
+        self.imaging.update(self.pose, height, roll=roll, pitch=pitch)
+
+
+def _through_water(cfg: SimulatorCfg) -> CoverageCfg:
+    """Limit the range of coverage to the visibility."""
+    limit = cfg.noise.visibility_m
+    return cfg.coverage if limit is None else replace(cfg.coverage, range_m=min(cfg.coverage.range_m, limit))
+
+
+def make_painter(scene: Scene, cfg: SimulatorCfg, seed: int) -> Painter:
+    """Make the painter of a simulated camera, in the water that its configuration names.
+
+    Raises:
+        InputError: There is no such water.
+    """
+    auto = cfg.water == "auto"
+    water = water_of_visibility(cfg.noise.visibility_m) if auto else find_water(cfg.water, "simulator.water")
+    return Painter(scene, cfg.camera, water, cfg.painter, seed)

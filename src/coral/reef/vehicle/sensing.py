@@ -1,0 +1,86 @@
+"""What a vehicle measures in one control period: the pilot's only input, in simulation and at sea."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.vehicle.range_image import RangeImage
+from coral.reef.world.geometry import Frame, Pose
+
+T = TypeVar("T")
+
+Velocity = tuple[float, float, float]
+"""Ground-relative surge, sway (m/s) and yaw rate (rad/s) in the body frame (FLU)."""
+
+
+@dataclass(frozen=True)
+class Stamped(Generic[T]):
+    """A measurement and when it was made."""
+
+    t: float
+    """Time of the measurement (s), on the clock of the control loop."""
+    value: T
+
+
+@dataclass(frozen=True, kw_only=True)
+class Attitude:
+    """What is measured outside the plane."""
+
+    roll: float
+    """About body x (rad)."""
+    pitch: float
+    """About body y (rad); positive lowers the nose, as in REP-103."""
+    depth_m: float
+    """Depth below the surface (m)."""
+    altitude_m: float | None = None
+    """Height above the sea floor (m), as an altimeter or a Doppler log measures it; None: unknown."""
+    tilt_std_rad: float | None = None
+    """Standard deviation of roll and pitch (rad); None: unknown."""
+    depth_std_m: float | None = None
+    """Standard deviation of the depth (m); None: unknown."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class VehicleObservation:
+    """The newest measurements at one control tick.
+
+    An input that did not arrive is None, or the last one again with its old stamp: sensors may be slower than the
+    loop. `SensorGuard` checks everything before it is used, so a driver passes on what it received as it is.
+    """
+
+    t: float
+    """Now (s), by a clock that only goes forward."""
+    pose: Stamped[Pose] | None = None
+    """World ENU, by odometry."""
+    velocity: Stamped[Velocity] | None = None
+    frame: Stamped[Frame] | None = None
+    """Stamped with the time of exposure, not of arrival."""
+    covariance: NDArray[np.float64] | None = None
+    """Of the pose (x, y, theta), in m and rad. Shape=(3, 3). None: unknown."""
+    attitude: Stamped[Attitude] | None = None
+    sonar: Stamped[RangeImage] | None = None
+    """Stamped with the time of the ping."""
+
+    @classmethod
+    def at(
+        cls,
+        t: float,
+        pose: Pose,
+        velocity: Velocity,
+        frame: Frame,
+        attitude: Attitude | None = None,
+        sonar: RangeImage | None = None,
+    ) -> VehicleObservation:
+        """Observe everything at the same moment `t` (s), as a simulator does."""
+        return cls(
+            t=t,
+            pose=Stamped(t, pose),
+            velocity=Stamped(t, velocity),
+            frame=Stamped(t, frame),
+            attitude=None if attitude is None else Stamped(t, attitude),
+            sonar=None if sonar is None else Stamped(t, sonar),
+        )

@@ -1,0 +1,116 @@
+"""A reef world as arrays: solids for ray casting, ground outlines for collisions and line of sight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.world.geometry import Label
+from coral.reef.world.world import Obstacle, Oyster, ReefWorld
+
+ELLIPSOID, BOX, CYLINDER = 0, 1, 2
+"""Values of `Scene.kind`. A sphere is an ellipsoid. Cylinders are upright."""
+ELLIPSE, RECTANGLE = 0, 1
+"""Values of `Footprints.kind`. A circle is an ellipse with equal half-axes."""
+_KINDS = {"sphere": ELLIPSOID, "ellipsoid": ELLIPSOID, "box": BOX, "cylinder": CYLINDER}
+
+
+@dataclass(frozen=True)
+class Footprints:
+    """K outlines on the ground plane. World frame, metres, radians."""
+
+    kind: NDArray[np.int8]
+    """ELLIPSE or RECTANGLE. Shape=(K,), int8."""
+    center: NDArray[np.float64]
+    """Centres. Shape=(K, 2)."""
+    half: NDArray[np.float64]
+    """Half-axes of the ellipse or half edges of the rectangle, along its own axes. Shape=(K, 2)."""
+    yaw: NDArray[np.float64]
+    """Angle of the outline's first axis, counter-clockwise from +x. Shape=(K,)."""
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """N solids of a world: the oysters cluster by cluster, then the obstacles. World frame, metres."""
+
+    kind: NDArray[np.int8]
+    """ELLIPSOID, BOX or CYLINDER. Shape=(N,), int8."""
+    center: NDArray[np.float64]
+    """Centres. Shape=(N, 3)."""
+    half: NDArray[np.float64]
+    """Half-extents along the solid's own axes (cylinder: r, r, half height). Shape=(N, 3)."""
+    rotation: NDArray[np.float64]
+    """Rotations, object to world. Shape=(N, 3, 3)."""
+    label: NDArray[np.uint8]
+    """`Label` of each solid. Shape=(N,), uint8."""
+    cluster: NDArray[np.int32]
+    """Index into `cluster_names`, -1 for obstacles. Shape=(N,), int32."""
+    seabed_z: float
+    """Height of the flat sea floor (m)."""
+    cluster_names: tuple[str, ...]
+
+    @classmethod
+    def from_world(cls, world: ReefWorld) -> Scene:
+        """Make the arrays of a world, in the order of its file."""
+        oysters = [oyster for cluster in world.clusters for oyster in cluster.oysters]
+        cluster = [i for i, group in enumerate(world.clusters) for _ in group.oysters]
+        obstacles = world.solids
+        solids: list[Oyster | Obstacle] = [*oysters, *obstacles]
+        rpy = [o.rpy for o in oysters] + [(0.0, 0.0, o.yaw) for o in obstacles]
+        return cls(
+            kind=np.array([ELLIPSOID] * len(oysters) + [_KINDS[o.shape] for o in obstacles], np.int8),
+            center=np.array([(o.x, o.y, o.z) for o in solids], np.float64),
+            half=np.array([o.radii for o in oysters] + [o.size for o in obstacles], np.float64),
+            rotation=rotations(rpy),
+            label=np.array([Label.OYSTER] * len(oysters) + [Label.OBSTACLE] * len(obstacles), np.uint8),
+            cluster=np.array(cluster + [-1] * len(obstacles), np.int32),
+            seabed_z=world.seabed.z_m,
+            cluster_names=tuple(group.name for group in world.clusters),
+        )
+
+    def __len__(self) -> int:
+        return len(self.kind)
+
+    def footprints(self) -> Footprints:
+        """Return the outlines of the obstacles, in the order of the world's `solids`."""
+        return self.outlines(np.flatnonzero(self.label == Label.OBSTACLE))
+
+    def outlines(self, index: NDArray[np.intp]) -> Footprints:
+        """Return the vertical projection of solids on the ground.
+
+        Args:
+            index: Shape=(K,), indices of the solids. Boxes and cylinders must be upright, as they are in a world.
+        """
+        turn = self.rotation[index]
+        half = self.half[index, :2].copy()
+        yaw = np.arctan2(turn[:, 1, 0], turn[:, 0, 0])
+        # The projection of {R diag(h) s : |s| <= 1} is the ellipse with the upper left 2x2 of R diag(h^2) R^T.
+        shadow = np.einsum("nij,nj,nkj->nik", turn, self.half[index] ** 2, turn)[:, :2, :2]
+        squares, axes = np.linalg.eigh(shadow)
+        tilted = (self.kind[index] == ELLIPSOID) & (np.abs(turn[:, 2, 2]) < 1.0)
+        half[tilted] = np.sqrt(squares)[tilted]
+        yaw[tilted] = np.arctan2(axes[:, 1, 0], axes[:, 0, 0])[tilted]
+        kind = np.where(self.kind[index] == BOX, RECTANGLE, ELLIPSE).astype(np.int8)
+        return Footprints(kind=kind, center=np.ascontiguousarray(self.center[index, :2]), half=half, yaw=yaw)
+
+
+def rotations(rpy: Iterable[tuple[float, float, float]]) -> NDArray[np.float64]:
+    """Compute the rotation matrices Rz(yaw) Ry(pitch) Rx(roll). Shape=(N, 3, 3).
+
+    Args:
+        rpy: N triples of roll, pitch, yaw (rad).
+    """
+    angles = np.array(list(rpy), np.float64).reshape(-1, 3)
+    (cr, cp, cy), (sr, sp, sy) = np.cos(angles).T, np.sin(angles).T
+    rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.ascontiguousarray(np.moveaxis(np.array(rows), -1, 0))

@@ -1,0 +1,22 @@
+import pytest
+
+from coral.advisor.question import Rejection
+from coral.errors import InputError
+from coral.reef.decide.own_verifier import find_verifier
+
+
+def test_a_text_becomes_a_refusal_and_none_passes():
+    verify = find_verifier(lambda question, answer: "too deep" if answer > 3 else None)
+    assert verify(None, 4) == Rejection(code="own", reason="too deep")
+    assert verify(None, 3) is None
+
+
+def test_a_rejection_keeps_its_code():
+    mine = Rejection(code="mine", reason="no")
+    assert find_verifier(lambda question, answer: mine)(None, 0) is mine
+
+
+@pytest.mark.parametrize("verifier", ["no-such-verifier", 3])
+def test_what_is_no_check_is_refused(verifier):
+    with pytest.raises(InputError, match="--verifier: found"):
+        find_verifier(verifier)

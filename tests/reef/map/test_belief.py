@@ -1,0 +1,158 @@
+"""What the robot remembers: its way, the clusters it may still visit, what the others say."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from coral.reef.map.belief import Belief, BeliefCfg
+from coral.reef.map.chain import Component
+from coral.reef.map.costfield import CostFieldCfg
+from coral.reef.map.mapping import OccupancyMap
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.fleet import Neighbour
+from coral.reef.world.geometry import Frame, Label, Pose
+
+CAMERA = CameraCfg()
+SHAPE = (CAMERA.height, CAMERA.width)
+BARE = Frame(
+    depth=np.full(SHAPE, 5.0, np.float32),
+    labels=np.full(SHAPE, Label.SEABED, np.uint8),
+    instances=np.full(SHAPE, -1, np.int32),
+)
+"""Bare seabed, 5 m of it in sight."""
+
+
+def belief(*clusters, cfg=None):
+    made = Belief(OccupancyMap((20.0, 20.0), CAMERA), cfg)
+    made.pose = Pose(10.0, 10.0, 0.0)
+    made.tracker.update([Component(x=x, y=y, area_px=200, length_m=1.0) for x, y in clusters])
+    return made
+
+
+def places(tracks):
+    return [(t.x, t.y) for t in tracks]
+
+
+def test_a_picture_of_bare_seabed_explores_what_lies_ahead_and_finds_nothing():
+    made = belief()
+    made.update(BARE, Pose(10.0, 10.0, 0.0))
+    assert made.pose == (10.0, 10.0, 0.0)
+    assert made.map.explored[200, 260]  # 3 m ahead
+    assert not made.map.explored[200, 140]  # 3 m behind
+    assert not made.map.obstacle.any()
+    assert made.tracks == []
+
+
+def test_the_trajectory_is_remembered_at_its_spacing():
+    made = belief(cfg=BeliefCfg(trail_step_m=0.5))
+    for x in np.arange(5.0, 8.01, 0.125):
+        made.update(BARE, Pose(float(x), 5.0, 0.0))
+    np.testing.assert_allclose(made.trajectory, [(x, 5.0) for x in np.arange(5.0, 8.01, 0.5)])
+
+
+def test_before_the_first_picture_there_is_no_trajectory():
+    assert belief().trajectory.shape == (0, 2)
+
+
+def test_only_clusters_in_front_are_ahead():
+    made = belief((14.0, 10.0), (6.0, 10.0), (10.5, 14.0))
+    assert places(made.ahead(1.0)) == [(14.0, 10.0)]
+    made.pose = Pose(10.0, 10.0, math.pi)
+    assert places(made.ahead(1.0)) == [(6.0, 10.0)]
+
+
+def test_what_was_visited_is_not_left_to_visit_and_stays_known():
+    made = belief((14.0, 10.0), (6.0, 10.0))
+    made.tracker.mark_visited(14.0, 10.0, 0.5)
+    assert places(made.unvisited()) == [(6.0, 10.0)]
+    assert len(made.tracks) == 2
+
+
+def test_a_doubtful_cluster_is_left_out_until_nothing_else_is_left():
+    made = belief((14.0, 10.0), (6.0, 10.0))
+    made.tracker.tracks[0] = replace(made.tracks[0], doubtful=True)
+    assert places(made.unvisited()) == [(6.0, 10.0)]
+    made.last_look = True
+    assert len(made.unvisited()) == 2
+
+
+def test_a_cluster_where_most_pictures_show_seabed_is_doubtful():
+    made = belief()
+    made.map._targets[190:210, 270:290], made.map._ground[190:210, 270:290] = 5, 20
+    made.map.target[190:210, 270:290] = True
+    made.update(BARE, Pose(3.0, 3.0, math.pi))
+    assert [t.doubtful for t in made.tracks] == [True]
+
+
+def test_a_cluster_whose_goals_failed_too_often_is_given_up():
+    made = belief((14.0, 10.0), (6.0, 10.0), cfg=BeliefCfg(max_attempts=2))
+    made.goal = (14.0, 10.2)
+    made.goal_failed()
+    assert len(made.unvisited()) == 2
+    made.goal_failed()
+    assert made.failures(14.0, 10.0) == 2
+    assert made.failures(6.0, 10.0) == 0
+    assert places(made.unvisited()) == [(6.0, 10.0)]
+
+
+def test_without_a_goal_nothing_has_failed():
+    made = belief((14.0, 10.0))
+    made.goal_failed()
+    assert made.failures(14.0, 10.0) == 0
+
+
+def test_what_another_robot_goes_to_is_not_left_to_visit():
+    made = belief((14.0, 10.0), (6.0, 10.0))
+    (label,) = (t.index for t in made.tracks if t.x == 6.0)
+    made.others = (Neighbour(pose=Pose(8.0, 12.0, 0.0), radius_m=0.3, goal=(7.5, 10.0), index=label),)
+    assert places(made.unvisited()) == [(14.0, 10.0)]  # the label counts, though its goal lies 1.5 m off
+    assert made.taken(7.2, 10.0)
+    assert not made.taken(14.0, 10.0)
+
+
+@pytest.mark.parametrize(("goal", "nearer"), [(None, True), ((13.0, 10.0), False)])
+def test_a_robot_and_its_goal_count_for_who_is_nearer(goal, nearer):
+    made = belief()
+    made.goal = goal
+    made.others = (Neighbour(pose=Pose(16.0, 10.0, 0.0), radius_m=0.3),)
+    assert made.nearer_to_another(14.0, 10.0) is nearer
+
+
+def test_alone_nobody_is_nearer():
+    assert not belief().nearer_to_another(19.0, 19.0)
+
+
+def test_a_companion_shares_the_map_and_the_chain_and_nothing_else():
+    first = belief((14.0, 10.0))
+    second = first.companion()
+    first.goal = (14.0, 10.0)
+    first.goal_failed()
+    first.update(BARE, Pose(10.0, 10.0, 0.0))
+    assert second.map is first.map
+    assert second.tracks == first.tracks
+    assert second.goal is None
+    assert second.failures(14.0, 10.0) == 0
+    assert len(second.trajectory) == 0
+
+
+def test_a_snapshot_stays_as_it_is_while_the_robot_goes_on():
+    made = belief()
+    made.map.target[300:320, 40:60] = True
+    made.update(BARE, Pose(16.0, 4.0, 0.0))
+    made.water(CostFieldCfg())
+    still = made.snapshot()
+    cells, water = still.map.cells(), still.water(CostFieldCfg()).slowness.copy()
+    tracks, way = list(still.tracks), still.trajectory
+    made.map.obstacle[200:210, 60:70] = True
+    made.map.target[360:380, 120:140] = True
+    for k in range(1, 12):
+        made.update(BARE, Pose(16.0, 4.0 + 0.2 * k, 0.0))
+    assert made.water(CostFieldCfg()).slowness.min() < 0.0
+    assert len(made.tracks) == 2
+    np.testing.assert_array_equal(still.map.cells(), cells)
+    np.testing.assert_array_equal(still.water(CostFieldCfg()).slowness, water)
+    np.testing.assert_array_equal(still.trajectory, way)
+    assert still.tracks == tracks
+    assert still.pose == Pose(16.0, 4.0, 0.0)

@@ -1,0 +1,57 @@
+"""Water that is kept up to date, against that of the whole map; what can be reached in it, against the cost-to-go."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from coral.reef.map.costfield import CostField, CostFieldCfg
+from coral.reef.map.costfield_kernels import slowness_grid
+from coral.reef.map.mapping import OccupancyMap
+from coral.reef.map.water import WaterMap
+from coral.reef.vehicle.camera import CameraCfg
+
+
+def whole(cells, cfg):
+    return slowness_grid(cells.distance(), cells.cfg.cell_m, cfg.ratio, cfg.radius_m, cfg.band_m, cfg.penalty)
+
+
+@pytest.mark.parametrize("ratio", [2, 3])
+def test_water_is_that_of_the_whole_map_whatever_changes(ratio):
+    cfg, rng = CostFieldCfg(ratio=ratio), np.random.default_rng(ratio)
+    cells = OccupancyMap((12.05, 9.0), CameraCfg())
+    water = WaterMap(cells, cfg)
+    ny, nx = cells.obstacle.shape
+    np.testing.assert_array_equal(water.now().slowness, whole(cells, cfg))
+    for _ in range(40):
+        y, x = rng.integers(0, (ny, nx))
+        cells.obstacle[y : y + 4, x : x + 4] = rng.random() < 0.7
+        np.testing.assert_array_equal(water.now().slowness, whole(cells, cfg))
+
+
+def test_a_snapshot_stays_as_it_is():
+    cells = OccupancyMap((8.0, 8.0), CameraCfg())
+    water = WaterMap(cells, CostFieldCfg())
+    before = water.snapshot()
+    cells.obstacle[80:90, 80:90] = True
+    assert (water.now().slowness < 0).sum() > (before.slowness < 0).sum()
+
+
+def test_what_can_be_reached_is_what_a_cost_to_go_reaches():
+    rng, cfg = np.random.default_rng(5), CostFieldCfg()
+    cells = OccupancyMap((14.0, 11.0), CameraCfg())
+    cells.obstacle[:, 140:146] = True  # a wall from edge to edge
+    for y, x in rng.integers(0, cells.obstacle.shape, (14, 2)):
+        cells.obstacle[y : y + 6, x : x + 6] = True
+    water = WaterMap(cells, cfg).now()
+    for x, y in rng.uniform(0.0, (14.0, 11.0), (12, 2)):
+        reach, field = water.reach(x, y), CostField.compute(cells.distance(), (x, y), cfg=cfg)
+        points = rng.uniform(0.0, (14.0, 11.0), (60, 2))
+        assert [reach.reaches(*p) for p in points] == [field.reaches(*p, within_m=0.7) for p in points]
+
+
+def test_nothing_is_reached_without_water():
+    cells = OccupancyMap((4.0, 4.0), CameraCfg())
+    cells.obstacle[:] = True
+    water = WaterMap(cells, replace(CostFieldCfg())).now()
+    assert not water.reach(2.0, 2.0).reaches(2.0, 2.0)

@@ -1,0 +1,60 @@
+"""The oracle's tour of a world is planned once."""
+
+import numpy as np
+import pytest
+
+from coral.reef.mission import bound
+from coral.reef.mission.oracle import Tour
+from coral.reef.simulation.imaging import ImagingCfg
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.vehicle import VehicleCfg
+
+TOUR = Tour(np.array([[0.6, 0.0], [0.6, 0.1], [0.0, 0.6]]), np.zeros((4, 3)), np.array([0.0, 0.5, 0.6, 0.85]), (), 0.1)
+
+
+@pytest.fixture
+def planned(tmp_path, monkeypatch):
+    """Counts the tours planned, in a fresh process with an empty cache folder."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(bound, "_kept", {})
+    made = []
+    monkeypatch.setattr(bound, "plan_tour", lambda *a, **k: made.append(1) or TOUR)
+    return made
+
+
+def ask(world, visibility_m=None, **vehicle):
+    return bound.oracle_bound(world, CameraCfg(), ImagingCfg(), visibility_m, VehicleCfg(**vehicle))
+
+
+def test_a_world_is_planned_once_in_a_process(pond, planned):
+    first = ask(pond)
+    assert first.times == {0.5: pytest.approx(0.1), 0.8: pytest.approx(0.3), 0.9: None}
+    assert ask(pond) is first
+    assert len(planned) == 1
+
+
+def test_another_process_reads_what_was_planned(pond, planned, monkeypatch):
+    first = ask(pond)
+    monkeypatch.setattr(bound, "_kept", {})
+    read = ask(pond)
+    assert read.times == first.times
+    np.testing.assert_array_equal(read.commands, TOUR.commands)
+    assert len(planned) == 1
+
+
+def test_other_water_another_vehicle_or_another_world_is_another_tour(pond, planned):
+    ask(pond)
+    ask(pond, visibility_m=3.0)
+    ask(pond, max_speed_m_s=0.4)
+    ask(pond.model_copy(update={"obstacles": pond.obstacles[:-1]}))
+    assert len(planned) == 4
+
+
+@pytest.mark.parametrize("broken", ["{", "[]", '{"times": [1], "commands": []}'])
+def test_a_broken_file_is_planned_anew(pond, planned, tmp_path, monkeypatch, broken):
+    first = ask(pond)
+    (kept,) = (tmp_path / "coral" / "oracle").iterdir()
+    kept.write_text(broken)
+    monkeypatch.setattr(bound, "_kept", {})
+    assert ask(pond).times == first.times
+    assert len(planned) == 2

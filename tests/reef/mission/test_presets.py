@@ -1,0 +1,65 @@
+import math
+
+import numpy as np
+import pytest
+
+from coral.config import to_mapping
+from coral.errors import InputError
+from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.presets import NOISE, PRESETS, apply_preset, preset_help
+from coral.reef.simulation.noise import PoseDrift, SensorNoiseCfg
+from coral.reef.world.geometry import Pose
+from coral.reef.world.world import load_world
+
+CFG, WORLD = MissionCfg(), load_world("l1")
+
+
+def test_clear_is_what_a_mission_is_by_default():
+    cfg, world = apply_preset("clear", CFG, WORLD)
+    assert cfg is CFG
+    assert world is WORLD
+
+
+@pytest.mark.parametrize("name", ["bay", "hard"])
+def test_every_value_of_a_preset_arrives(name):
+    cfg, world = apply_preset(name, CFG, WORLD)
+    values = {f"{NOISE}{key}": value for key, value in to_mapping(cfg.simulator.noise).items()}
+    values |= {f"localization.{key}": value for key, value in to_mapping(cfg.localization).items()}
+    for key, value in PRESETS[name].values.items():
+        if key == "current":
+            assert math.hypot(world.current.x_m_s, world.current.y_m_s) == pytest.approx(value)
+        else:
+            assert values[key] == value
+    assert world.clusters == WORLD.clusters
+
+
+def test_hard_is_at_least_as_bad_as_bay_in_everything():
+    bay, hard = PRESETS["bay"].values, PRESETS["hard"].values
+    assert set(bay) == set(hard)
+    for key, value in bay.items():
+        assert hard[key] < value if key.endswith("visibility_m") else hard[key] >= value
+
+
+def test_what_the_user_has_set_wins():
+    keep = {f"{NOISE}visibility_m", f"{NOISE}drift_xy"}
+    cfg, _ = apply_preset("hard", CFG, WORLD, keep)
+    assert (cfg.simulator.noise.visibility_m, cfg.simulator.noise.drift_xy) == (None, 0.0)
+    assert cfg.simulator.noise.oyster_missed == 0.1
+
+
+def test_drift_in_hard_water_is_what_its_reason_says():
+    values = PRESETS["hard"].values
+    cfg = SensorNoiseCfg(drift_xy=values[f"{NOISE}drift_xy"])
+    rng = np.random.default_rng(0)
+    errors = [math.hypot(*PoseDrift(cfg, rng).step(Pose(0.0, 0.0, 0.0), 600.0)[:2]) for _ in range(4000)]
+    assert np.mean(errors) == pytest.approx(1.84, abs=0.05)
+
+
+def test_every_value_has_a_reason_and_every_preset_its_place_in_the_help():
+    assert all(condition.reason for preset in PRESETS.values() for condition in preset.conditions)
+    assert all(f"{name}: {preset.what}" in preset_help("Water") for name, preset in PRESETS.items())
+
+
+def test_an_unknown_preset_is_named():
+    with pytest.raises(InputError, match="did you mean 'hard'"):
+        apply_preset("hart", CFG, WORLD)

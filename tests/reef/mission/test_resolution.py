@@ -1,0 +1,37 @@
+import pytest
+
+from coral.errors import InputError
+from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.resolution import PERSON_DEADLINE_S, resolve_mission
+
+
+def test_variant_preset_and_robots_are_applied(pond):
+    cfg, world = resolve_mission(MissionCfg(), pond, variant="pd", preset="bay", robots=2, fallback="hold")
+    assert (cfg.driver, cfg.robots, cfg.pilot.fallback) == ("pd", 2, "hold")
+    assert cfg.simulator.noise.visibility_m == 4.5
+    assert world.current != pond.current
+
+
+def test_what_the_user_set_wins_over_the_preset(pond):
+    key = "simulator.noise.visibility_m"
+    cfg, _ = resolve_mission(MissionCfg(), pond, preset="bay", keep={key})
+    assert cfg.simulator.noise.visibility_m == MissionCfg().simulator.noise.visibility_m
+
+
+def test_a_person_gets_more_time(pond):
+    budget = resolve_mission(MissionCfg(), pond, asks_people=True)[0].pilot.budget
+    assert budget.deadline_s == PERSON_DEADLINE_S
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"robots": 9}, "--robots: found 9"),
+        ({"variant": "ful"}, "did you mean 'full'"),
+        ({"preset": "by"}, "did you mean 'bay'"),
+        ({"cfg": MissionCfg(time_limit_s=-1.0)}, "--cfg: time_limit_s: found -1"),
+    ],
+)
+def test_bad_input_is_named(pond, wrong, said):
+    with pytest.raises(InputError, match=said):
+        resolve_mission(wrong.pop("cfg", MissionCfg()), pond, **wrong)

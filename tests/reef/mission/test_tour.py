@@ -1,0 +1,124 @@
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+
+from coral.advisor.rules import RuleAdvisor
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.oracle import plan_tour
+from coral.reef.mission.record import RecordCfg
+from coral.reef.mission.tour import drive_lines, lanes
+from coral.reef.mission.variants import apply_variant
+from coral.reef.vehicle.tour_kernels import advance, follow
+from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.world.geometry import Pose
+
+QUIET = MissionCfg(time_limit_s=300.0, record=RecordCfg(pictures=False, frames=False))
+
+
+def survey(world, folder, variant, **changes):
+    cfg = dataclasses.replace(apply_variant(variant, QUIET), **changes)
+    return Mission(world, cfg, RuleAdvisor(REEF_RULES), folder, variant=variant).run()
+
+
+def test_lanes_lie_evenly_and_leave_nothing_farther_than_half_a_spacing():
+    for height in (9.0, 20.0, 22.0, 27.0, 30.0):
+        ys = sorted({y for _, y in lanes((20.0, height), 10.0, Pose(1, 1, 0))[1:].tolist()})
+        assert np.diff(ys) == pytest.approx([10.0] * (len(ys) - 1))
+        assert ys[0] <= 5.0 + 1e-9
+        assert ys[-1] >= height - 5.0 - 1e-9
+
+
+def test_shifted_lanes_stay_in_the_area():
+    start = Pose(0.0, 0.0, 0.0)
+    assert lanes((30.0, 20.0), 10.0, start, 3.0)[1::2, 1].tolist() == [8.0, 18.0]
+    assert lanes((30.0, 20.0), 10.0, start, -5.0)[1::2, 1].tolist() == [0.0, 10.0, 20.0]
+    assert lanes((30.0, 20.0), 10.0, start, 6.0)[1::2, 1].tolist() == [1.0, 11.0]
+
+
+def test_lanes_begin_at_the_corner_next_to_the_start():
+    assert lanes((20, 20), 10.0, Pose(2, 3, 0)).tolist() == [[2, 3], [1, 5], [19, 5], [19, 15], [1, 15]]
+    assert lanes((20, 20), 10.0, Pose(18, 17, 0)).tolist() == [[18, 17], [19, 15], [1, 15], [1, 5], [19, 5]]
+
+
+def test_a_unicycle_drives_arcs_of_circles():
+    assert advance(0.0, 0.0, 0.0, 0.6, 0.0, 0.5) == (0.3, 0.0, 0.0)
+    x, y, theta = advance(0.0, 0.0, 0.0, 0.6, 0.6, math.pi / 1.2)
+    assert (x, y, theta) == pytest.approx((1.0, 1.0, math.pi / 2))  # a quarter of a circle of 1 m
+
+
+def twin(start, path, speed, rate, dt, most):
+    """`follow` again, in plain Python: nearest point ahead, aim 0.3 m on, slower the more the heading is off."""
+    x, y, theta = start
+    at, last, commands = 0, len(path) - 1, []
+    while len(commands) < most:
+        ahead = range(at, min(at + 12, last + 1))
+        at = min(ahead, key=lambda i: math.hypot(path[i][0] - x, path[i][1] - y))
+        aim = next((i for i in range(at, last) if math.hypot(path[i][0] - x, path[i][1] - y) >= 0.3), last)
+        left = math.hypot(path[aim][0] - x, path[aim][1] - y)
+        if aim == last and left < 0.05:
+            break
+        error = math.remainder(math.atan2(path[aim][1] - y, path[aim][0] - x) - theta, 2 * math.pi)
+        omega = max(-rate, min(rate, error / dt))
+        v = speed * max(0.0, 1 - abs(error) / 0.6)
+        v = min(v, left / dt) if aim == last else v
+        x, y, theta = advance(x, y, theta, v, omega, dt)
+        commands.append((v, omega))
+    return commands
+
+
+def test_following_equals_its_plain_twin():
+    corner = np.concatenate([np.linspace((0, 0), (3, 0), 61), np.linspace((3, 0), (3, -2), 41)[1:]])
+    commands, poses = np.zeros((500, 2)), np.zeros((500, 3))
+    n = follow((0.0, 0.0, 1.0), corner, 0.6, 0.6, 0.1, 500, commands, poses)
+    np.testing.assert_allclose(commands[:n], twin((0.0, 0.0, 1.0), corner.tolist(), 0.6, 0.6, 0.1, 500), atol=1e-9)
+    assert math.dist(poses[n - 1, :2], (3, -2)) < 0.06
+    assert min(np.hypot(*(corner - p[:2]).T).min() for p in poses[:n]) < 0.1
+    off = max(float(np.hypot(*(corner - p[:2]).T).min()) for p in poses[:n])
+    assert off < 0.12
+
+
+def test_a_kinematic_vehicle_drives_what_was_planned():
+    start = Pose(2.0, 3.0, 0.4)
+    commands = drive_lines(lanes((12.0, 12.0), 6.0, start), start, VehicleCfg(), 0.1)
+    planned = [start]
+    for v, omega in commands:
+        planned.append(Pose(*advance(*planned[-1], v, omega, 0.1)))
+    vehicle = Vehicle(VehicleCfg(model="kinematic"), VehicleState(*start))
+    for v, omega in commands:
+        trace = vehicle.step((v, omega), 0.1, current=(0.3, 0.3))
+        assert trace.shape == (5, 2)
+    assert vehicle.state[:2] == pytest.approx(planned[-1][:2], abs=1e-6)
+    assert math.remainder(vehicle.state.theta - planned[-1].theta, 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_oracle_is_a_mission_like_any_other(pond, tmp_path):
+    result = survey(pond, tmp_path / "run", "oracle")
+    tour = plan_tour(pond)
+    assert (result["collisions"], result["advisor_calls"], result["end_reason"]) == (0, 0, "the tour is done")
+    assert result["inspected"] > 0.99
+    assert result["time_to_90_s"] == tour.time_to(0.9)
+    assert result["oracle_ratio_90"] == 1.0
+
+
+def test_a_blind_sweep_goes_through_what_is_in_the_way_and_sees_what_lies_beside_its_lanes(pond, tmp_path):
+    wide = survey(pond, tmp_path / "wide", "blind-sweep")
+    close = survey(pond, tmp_path / "close", "blind-sweep", lane_m=3.0)
+    assert wide["end_reason"] == close["end_reason"] == "the tour is done"
+    assert wide["inspected"] < close["inspected"]
+    assert close["sim_time_s"] > wide["sim_time_s"]
+    assert close["collisions"] > 0
+
+
+def test_a_random_advisor_is_asked_as_late_as_the_rules_and_seeded(pond, tmp_path):
+    short = {"time_limit_s": 40.0, "latency": "fixed:3"}
+    survey(pond, tmp_path / "a", "random", **short)
+    survey(pond, tmp_path / "b", "random", **short)
+    events = [(tmp_path / name / "events.jsonl").read_text() for name in "ab"]
+    assert events[0] == events[1]
+    goals = [e for e in map(json.loads, events[0].splitlines()) if e["event"] == "goal" and e["source"] == "advisor"]
+    assert goals
+    assert {goal["reason"] for goal in goals} == {"drawn by lot"}

@@ -1,0 +1,206 @@
+"""The equations of motion against hand values, invariants and a plain NumPy twin."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from coral.errors import InputError
+from coral.reef.vehicle.dynamics import (
+    PARAMETER_SETS,
+    THRUST_MAX_N,
+    Thrusters,
+    allocate_horizontal,
+    parameter_set,
+    planar,
+    six_dof,
+    thrust_n,
+    thruster_input,
+)
+from coral.reef.vehicle.dynamics_kernels import (
+    coriolis_force,
+    limit_six,
+    limit_wrench,
+    planar_acceleration,
+    planar_rk4,
+    rotation,
+    six_acceleration,
+    six_rk4,
+)
+
+A = planar(parameter_set("A"), Thrusters())
+A6 = six_dof(parameter_set("A"), Thrusters())
+settings.register_profile("kernels", deadline=None)  # the first call compiles
+settings.load_profile("kernels")
+speeds = st.floats(-1.0, 1.0)
+STILL = np.zeros(2)
+
+
+def numpy_acceleration(nu, tau, p):
+    """Twin of `six_acceleration` without restoring forces, with full 6x6 matrices as in Fossen's book."""
+    rigid = np.array([p.mass_kg] * 3 + list(p.inertia_kg_m2))
+    mass = np.diag(rigid + np.array(p.added_mass))
+
+    def skew(a):
+        return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+
+    momentum = mass @ nu
+    coriolis = np.zeros((6, 6))
+    coriolis[:3, 3:] = -skew(momentum[:3])
+    coriolis[3:, :3] = -skew(momentum[:3])
+    coriolis[3:, 3:] = -skew(momentum[3:])
+    drag = np.diag(np.array(p.linear_drag) + np.array(p.quadratic_drag) * np.abs(nu))
+    return np.linalg.solve(mass, tau - coriolis @ nu - drag @ nu)
+
+
+@given(st.lists(speeds, min_size=6, max_size=6), st.lists(st.floats(-50, 50), min_size=6, max_size=6))
+def test_six_dof_matches_the_matrix_form(nu, tau):
+    nu, tau = np.array(nu), np.array(tau)
+    weightless = A6._replace(weight_n=0.0, buoyancy_n=0.0)
+    found = six_acceleration(nu, np.zeros(3), tau, weightless)
+    assert found == pytest.approx(numpy_acceleration(nu, tau, parameter_set("A")), abs=1e-9)
+
+
+@given(speeds, speeds, speeds, st.floats(-80, 80), st.floats(-80, 80), st.floats(-20, 20))
+def test_planar_is_six_dof_restricted(u, v, r, fx, fy, n):
+    full = six_acceleration(np.array([u, v, 0, 0, 0, r]), np.zeros(3), np.array([fx, fy, 0, 0, 0, n]), A6)
+    assert planar_acceleration(u, v, r, fx, fy, n, A) == pytest.approx(full[[0, 1, 5]], abs=1e-12)
+
+
+def test_planar_masses_of_set_a_match_hand_values():
+    assert (A.m11, A.m22, A.m66) == pytest.approx((19.86, 20.62, 0.592))
+
+
+@given(st.lists(speeds, min_size=6, max_size=6))
+def test_coriolis_does_no_work(nu):
+    nu = np.array(nu)
+    assert float(nu @ coriolis_force(nu, A6.inertia)) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("name", "surge", "sway"), [("A", 0.734, 0.629), ("B", 2.067, 1.854), ("C", 1.213, 1.249)])
+def test_steady_speed_at_full_thrust(name, surge, sway):
+    """Hand values: the root of d u + dd u^2 = 4 cos45 30.4 N."""
+    m = planar(parameter_set(name), Thrusters())
+    fx, fy, _ = limit_wrench(1e9, 0.0, 0.0, m)[0], limit_wrench(0.0, 1e9, 0.0, m)[1], 0.0
+    assert (fx, fy) == pytest.approx((85.98, 85.98), abs=0.01)
+    for i, force, expected in ((3, (fx, 0.0, 0.0), surge), (4, (0.0, fy, 0.0), sway)):
+        s = np.zeros(9)
+        for _ in range(3000):
+            planar_rk4(s, np.array(force), STILL, 0.0287, 0.01, m)
+        assert s[i] == pytest.approx(expected, abs=0.001)
+
+
+def test_static_thrust_curve_and_its_inverse():
+    assert pytest.approx(30.4, abs=1e-9) == THRUST_MAX_N
+    forces = np.linspace(-30, 30, 61)
+    assert thrust_n(thruster_input(forces)) == pytest.approx(forces, abs=1e-3)
+    assert thruster_input(1000.0) == 1.0
+    assert np.all(np.diff(thrust_n(np.linspace(-0.97, 0.97, 500))) > 0)
+
+
+@given(st.floats(-300, 300), st.floats(-300, 300), st.floats(-80, 80))
+def test_limited_wrench_is_within_every_thruster(fx, fy, n):
+    limited = limit_wrench(fx, fy, n, A)
+    forces = allocate_horizontal(limited, A)
+    assert np.abs(forces).max() <= A.thrust_max + 1e-9
+    # and those four forces, at 45 degrees, make that wrench
+    geometry = [(0.156, 0.111, -1), (0.156, -0.111, 1), (-0.156, 0.111, 1), (-0.156, -0.111, -1)]
+    c = math.sqrt(0.5)
+    made = np.zeros(3)
+    for (x, y, side), f in zip(geometry, forces, strict=True):
+        made += f * np.array([c, side * c, x * side * c - y * c])
+    assert made == pytest.approx(limited, abs=1e-9)
+
+
+def test_yaw_is_served_before_surge():
+    fx, _, n = limit_wrench(1e6, 0.0, 12.0, A)
+    assert n == pytest.approx(12.0)
+    assert 0.0 < fx < 86.0
+
+
+def test_vertical_thrusters_cancel_the_tipping_of_the_horizontal_ones():
+    made = limit_six(np.array([60.0, 5.0, 3.0, 0.0, 0.0, 1.0]), A6)
+    assert made == pytest.approx([60.0, 5.0, 3.0, 0.0, 0.0, 1.0])
+
+
+def kinetic_energy(s):
+    return 0.5 * (A.m11 * s[3] ** 2 + A.m22 * s[4] ** 2 + A.m66 * s[5] ** 2)
+
+
+def test_energy_lost_without_thrust_is_the_work_of_drag():
+    s = np.array([0, 0, 0, 0.6, 0.3, 0.8, 0, 0, 0], dtype=float)
+    before, work, h = kinetic_energy(s), 0.0, 1e-3
+    for _ in range(2000):
+        u, v, r = s[3:6]
+        power = (A.du + A.duu * abs(u)) * u**2 + (A.dv + A.dvv * abs(v)) * v**2 + (A.dr + A.drr * abs(r)) * r**2
+        last = kinetic_energy(s)
+        planar_rk4(s, np.zeros(3), STILL, 0.0287, h, A)
+        assert kinetic_energy(s) < last
+        u, v, r = s[3:6]
+        after = (A.du + A.duu * abs(u)) * u**2 + (A.dv + A.dvv * abs(v)) * v**2 + (A.dr + A.drr * abs(r)) * r**2
+        work += 0.5 * h * (power + after)
+    assert before - kinetic_energy(s) == pytest.approx(work, rel=1e-5)
+
+
+def test_energy_is_kept_without_drag_and_thrust():
+    m = A._replace(du=0.0, dv=0.0, dr=0.0, duu=0.0, dvv=0.0, drr=0.0)
+    s = np.array([0, 0, 0, 0.6, 0.3, 0.8, 0, 0, 0], dtype=float)
+    before = kinetic_energy(s)
+    for _ in range(500):
+        planar_rk4(s, np.zeros(3), STILL, 0.0287, 0.02, m)
+    assert kinetic_energy(s) == pytest.approx(before, rel=1e-8)
+
+
+def turn_and_go(h, seconds=2.0):
+    s = np.array([0, 0, 0, 0.1, 0.05, 0.1, 0, 0, 0], dtype=float)
+    for _ in range(round(seconds / h)):
+        planar_rk4(s, np.array([60.0, 5.0, 0.6]), np.array([0.1, -0.05]), 0.0287, h, A)
+    return s
+
+
+def test_integration_converges_with_the_order_of_rk4_and_is_converged_at_the_default_step():
+    truth = turn_and_go(0.000625)
+    error = [np.abs(turn_and_go(h) - truth).max() for h in (0.02, 0.01, 0.005)]
+    assert error[0] / error[1] > 12.0
+    assert error[1] / error[2] > 12.0
+    assert np.abs(turn_and_go(0.02) - truth)[:2].max() < 1e-4  # metres, at the default step
+
+
+def test_a_passive_vehicle_drifts_with_the_current():
+    s = np.zeros(9)
+    s[3:5] = -0.1, 0.05  # at rest over ground
+    water = np.array([0.1, -0.05])
+    for _ in range(200):
+        planar_rk4(s, np.zeros(3), water, 0.0287, 0.02, A)
+    start = s.copy()
+    for _ in range(30000):
+        planar_rk4(s, np.zeros(3), water, 0.0287, 0.02, A)
+    c, si = math.cos(s[2]), math.sin(s[2])
+    ground = np.array([c * s[3] - si * s[4], si * s[3] + c * s[4]]) + water
+    assert ground == pytest.approx(water, abs=2e-3)
+    assert np.hypot(*(s[:2] - start[:2])) > 50.0
+
+
+def test_buoyancy_rights_a_tipped_vehicle():
+    s = np.zeros(18)
+    s[3], s[4] = 0.3, -0.2
+    for _ in range(6000):
+        six_rk4(s, np.zeros(6), STILL, 0.0287, 0.01, A6)
+    assert np.abs(s[3:5]).max() < 0.03
+    assert s[2] < 0.0  # set A is 1 N heavy: it sinks
+
+
+def test_rotation_is_z_y_x():
+    assert rotation(0.0, 0.0, math.pi / 2) @ [1, 0, 0] == pytest.approx([0, 1, 0])
+    assert rotation(0.0, math.pi / 2, 0.0) @ [1, 0, 0] == pytest.approx([0, 0, -1])
+    assert rotation(math.pi / 2, 0.0, 0.0) @ [0, 1, 0] == pytest.approx([0, 0, 1])
+    turn = rotation(0.3, -0.4, 2.0)
+    assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-12)
+
+
+def test_unknown_set_is_named():
+    assert set(PARAMETER_SETS) == {"A", "B", "C"}
+    with pytest.raises(InputError, match=r"found D, expected one of A, B, C"):
+        parameter_set("D")
