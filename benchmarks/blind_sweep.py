@@ -12,7 +12,7 @@ import argparse
 
 import numpy as np
 
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.tour import drive_lines, lanes
 from coral.reef.simulation.imaging import ImagingMeter
 from coral.reef.vehicle.tour_kernels import advance

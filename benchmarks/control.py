@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from coral.reef.drive.controller import DdpMppi, MppiCfg
 from coral.reef.map.costfield import CostField
 from coral.reef.vehicle.dynamics import Thrusters, parameter_set, planar
-from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 
 CELL_M = 0.05
 CASES = {
@@ -151,7 +151,7 @@ def drive(controller: DdpMppi, steps: int) -> tuple[Array, list[tuple[float, flo
     """Times (ms) of every control step of a drive through the discs, and the commands."""
     distance = field_of_discs()
     cost_field = CostField.compute(distance, (11.0, 11.0), start=(1.5, 1.5))
-    vehicle = Vehicle(VehicleCfg(), VehicleState(1.5, 1.5, 0.5))
+    vehicle = VehicleDynamics(VehicleCfg(), VehicleState(1.5, 1.5, 0.5))
     times, commands = [], []
     for _ in range(steps):
         begun = time.process_time()

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from coral.reef.drive.controller import DdpMppi, MppiCfg
 from coral.reef.map.costfield import CostField
-from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 
 GOAL, START = (11.0, 11.0), VehicleState(1.5, 1.5, 0.5)
 PEER = Path(__file__).parent / "peers" / "pytorch_mppi_step.py"
@@ -58,7 +58,7 @@ class World:
 
 def drive(world: World, cfg: MppiCfg, steps: int) -> list[VehicleState]:
     """States of a drive by our own controller."""
-    controller, vehicle = DdpMppi(cfg, rng=np.random.default_rng(0)), Vehicle(VehicleCfg(), START)
+    controller, vehicle = DdpMppi(cfg, rng=np.random.default_rng(0)), VehicleDynamics(VehicleCfg(), START)
     states = []
     for _ in range(steps):
         states.append(VehicleState(*map(float, vehicle.state[:6])))

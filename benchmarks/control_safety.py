@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from coral.reef.drive.controller import DdpMppi, MppiCfg
 from coral.reef.drive.pd import PdController
 from coral.reef.map.costfield import CostField
-from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 
 SIZE_M, CELL_M, HULL_M = 20.0, 0.05, 0.3
 PATIENCE = 200
@@ -135,7 +135,7 @@ def mission(
     rng = np.random.default_rng(seed)
     shapes = clutter(rng)
     x, y = free_point(rng, shapes, 0.5)
-    vehicle = Vehicle(VehicleCfg(), VehicleState(x, y, rng.uniform(-np.pi, np.pi)))
+    vehicle = VehicleDynamics(VehicleCfg(), VehicleState(x, y, rng.uniform(-np.pi, np.pi)))
     angle = rng.uniform(-np.pi, np.pi)
     current = (0.1 * math.cos(angle), 0.1 * math.sin(angle))
     driver = (

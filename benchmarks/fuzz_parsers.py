@@ -104,7 +104,7 @@ def parsers() -> dict[str, Parser]:
     from coral.contact.scene.task_file import load_task_file
     from coral.desk.inbox import Inbox
     from coral.reef.decide.answers import CentroidChoice
-    from coral.reef.mission.mission import MissionCfg
+    from coral.reef.mission.mission_cfg import MissionCfg
     from coral.reef.pilot.checks import UnfitMeasurement
     from coral.reef.products.cover_calibration import read_calibration
     from coral.reef.recordings.picture_folder import read_folder

@@ -14,7 +14,8 @@ from typing import Any
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.fault_outcome import STANDS_M_S
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import resolve_mission, with_sonar
 from coral.reef.world.generated import find_world

@@ -28,7 +28,7 @@ from pathlib import Path
 
 from coral.commands.reef_sail import ReefSail
 from coral.errors import InputError, RunError
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.ardusub import load_dialect
 from coral.reef.sea.safety import SafetyCfg

@@ -26,7 +26,8 @@ from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.map.belief import Belief
 from coral.reef.map.mapping import OccupancyMap
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.sea.known_ground import KnownGround
 from coral.reef.sea.local_frame import LocalFrame, turned_about

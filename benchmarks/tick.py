@@ -81,7 +81,8 @@ def measure(edge_m: float, ticks: int, seed: int, perception: str) -> dict[str, 
     from coral.reef.eyes.reef_net import ReefNetEyes
     from coral.reef.map.belief import Belief
     from coral.reef.map.mapping import OccupancyMap
-    from coral.reef.mission.mission import Mission, MissionCfg
+    from coral.reef.mission.mission import Mission
+    from coral.reef.mission.mission_cfg import MissionCfg
     from coral.reef.mission.record import FrameRecorder, RecordCfg
     from coral.reef.pilot.pilot import Pilot
     from coral.reef.vehicle.camera import Camera

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from coral.config import read_config, to_mapping
 from coral.errors import InputError
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.world.world import load_world, shipped_worlds
 
 HUGE = int("9" * 400)

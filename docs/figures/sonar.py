@@ -19,7 +19,8 @@ import numpy as np
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import resolve_mission, with_sonar
 from coral.reef.vehicle.camera import Camera
 from coral.reef.world.generated import find_world

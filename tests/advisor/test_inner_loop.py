@@ -10,7 +10,8 @@ from coral.advisor.consult import BudgetCfg
 from coral.advisor.question import AdvisorUnavailable
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.pilot.pilot import PilotCfg
 from coral.reef.world.world import load_world

@@ -6,7 +6,8 @@ import numpy as np
 
 from coral.advisor.registry import make_advisor
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.world.world import load_world
 

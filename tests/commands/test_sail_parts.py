@@ -6,7 +6,7 @@ import pytest
 from coral.commands.reef_sail import ReefSail
 from coral.commands.sail_parts import open_parts, read_area
 from coral.errors import InputError
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import with_sonar
 
 SURVEY = "format: coral-survey/1\nname: tank\nsize_m: [22, 22]\nstart: {x: 4, y: 5}\ndepth_m: 2.5\n"

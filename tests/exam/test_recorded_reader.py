@@ -24,7 +24,8 @@ from coral.contact.tasks import load_task
 from coral.contact.worlds.registry import make_world
 from coral.exam.contact_outcome import episode_cfg
 from coral.exam.item import ANSWERS
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.world.world import load_world
 from coral.view.questions import question_pictures

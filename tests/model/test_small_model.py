@@ -20,7 +20,8 @@ import pytest
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.registry import make_advisor
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.world.world import load_world
 

@@ -13,7 +13,8 @@ from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.map.belief import Belief, BeliefCfg
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.variants import VARIANTS, apply_variant
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.fleet import Neighbour

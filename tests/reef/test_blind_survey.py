@@ -9,7 +9,8 @@ import pytest
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.world.generated import find_world

@@ -10,7 +10,8 @@ import pytest
 
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start
 from coral.view import time_slider
 from coral.view.decisions import decisions

@@ -92,7 +92,8 @@ def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str,
     from coral.advisor.rules import RuleAdvisor
     from coral.reef.decide.heuristic import REEF_RULES
     from coral.reef.decide.planner import KIND, WITHOUT_CHAIN
-    from coral.reef.mission.mission import Mission, MissionCfg
+    from coral.reef.mission.mission import Mission
+    from coral.reef.mission.mission_cfg import MissionCfg
     from coral.reef.mission.variants import apply_variant
     from coral.reef.world.generated import find_world
     from coral.view.questions import question_pictures

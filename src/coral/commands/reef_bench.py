@@ -43,7 +43,7 @@ from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.drive.controllers import controller_maker
 from coral.reef.mission.campaign_episode import run_episode
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, apply_preset, named, preset_help
 from coral.reef.mission.resolution import with_fallback
 from coral.reef.mission.sweep import apply_setting

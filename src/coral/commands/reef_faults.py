@@ -17,7 +17,8 @@ from coral.config import checked
 from coral.errors import InputError, nearest
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.fault_outcome import outcome_of
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.simulation.faults import FAULTS, SensorFault

@@ -32,7 +32,7 @@ from coral.errors import InputError, RunError
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.map.sonar_3d15 import SonarCfg
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_sonar
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.operator import OperatorWords

@@ -17,7 +17,8 @@ from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.map.sonar_3d15 import Sonar3d15
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWatchedByDvl, LinkWithDvl

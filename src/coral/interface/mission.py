@@ -22,7 +22,8 @@ from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.decide.own_trigger import MakeTrigger, Wanted
 from coral.reef.decide.own_verifier import Check
 from coral.reef.drive.controllers import MakeController
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import resolve_mission
 from coral.reef.world.generated import find_world
 from coral.reef.world.world import ReefWorld

@@ -13,7 +13,8 @@ from coral.advisor.sloppy import Earlier
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 
 ERR = {mistake.name: mistake.err for mistake in REEF_MISTAKES}

@@ -33,7 +33,7 @@ from coral.reef.drive.controller_kernels import (
 from coral.reef.map.costfield import UNREACHABLE, CostField
 from coral.reef.vehicle.dynamics import Thrusters, parameter_set, planar
 from coral.reef.vehicle.response import VehicleResponse
-from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 
 CELL = 0.05
 MODEL = planar(parameter_set("A"), Thrusters())
@@ -177,7 +177,7 @@ def test_coarse_rollouts_stay_close_to_the_simulated_vehicle():
     path, _, _ = run((6.0, 6.0, 0.3, 0.3, 0.0, 0.1), controls.copy(), scene_of(OPEN, field))
     dt = schedule(MppiCfg(), SIMULATED).dt
     for k in range(10):
-        vehicle = Vehicle(VehicleCfg(), VehicleState(6.0, 6.0, 0.3, 0.3, 0.0, 0.1))
+        vehicle = VehicleDynamics(VehicleCfg(), VehicleState(6.0, 6.0, 0.3, 0.3, 0.0, 0.1))
         for t in range(10):
             vehicle.step(tuple(controls[k, t]), dt=dt[t])
             s = vehicle.state
@@ -245,7 +245,7 @@ def test_guided_rollouts_steer_themselves_around():
 
 def go(controller, distance, start, goal, seconds, cfg=None):
     field = CostField.compute(distance, goal, start=start[:2])
-    vehicle, trace, plans = Vehicle(cfg, VehicleState(*start)), [], []
+    vehicle, trace, plans = VehicleDynamics(cfg, VehicleState(*start)), [], []
     for _ in range(round(seconds / 0.1)):
         plans.append(controller.plan(vehicle.state, field, distance))
         trace.extend(vehicle.step(plans[-1].command))

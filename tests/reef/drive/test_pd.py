@@ -7,7 +7,7 @@ import pytest
 
 from coral.reef.drive.pd import PdCfg, PdController
 from coral.reef.map.costfield import CostField
-from coral.reef.vehicle.vehicle import Vehicle, VehicleState
+from coral.reef.vehicle.vehicle import VehicleDynamics, VehicleState
 
 CFG = PdCfg()
 
@@ -18,7 +18,7 @@ def plan(state, goal):
 
 def test_it_drives_straight_and_through():
     goal, solid = (9.0, 6.0), np.zeros((240, 240), np.float32)
-    field, vehicle, trace = CostField.straight((240, 240), goal), Vehicle(state=VehicleState(3.0, 6.0, 0.5)), []
+    field, vehicle, trace = CostField.straight((240, 240), goal), VehicleDynamics(state=VehicleState(3.0, 6.0, 0.5)), []
     controller = PdController()
     for _ in range(200):
         command = controller.plan(vehicle.state, field, solid).command

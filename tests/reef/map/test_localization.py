@@ -7,7 +7,8 @@ import pytest
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.map.localization import LocalizationCfg, Localizer
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.simulation.noise import SensorNoiseCfg
 from coral.reef.simulation.simulator import SimulatorCfg

@@ -12,7 +12,8 @@ from coral.errors import RunError
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.campaign_episode import run_episode
 from coral.reef.mission.metrics import compute_metrics
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 
 CFG = MissionCfg(time_limit_s=10.0, latency="fixed:1")

@@ -14,7 +14,8 @@ from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.drive.controller import shift_matrix
 from coral.reef.map.costfield import CostField
 from coral.reef.mission.metrics import compute_metrics
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.pilot.guard import GuardCfg
 from coral.reef.vehicle.vehicle import VehicleState

@@ -5,7 +5,7 @@ import pytest
 
 from coral.config import to_mapping
 from coral.errors import InputError
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import NOISE, PRESETS, apply_preset, preset_help
 from coral.reef.simulation.noise import PoseDrift, SensorNoiseCfg
 from coral.reef.world.geometry import Pose

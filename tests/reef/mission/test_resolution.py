@@ -1,7 +1,7 @@
 import pytest
 
 from coral.errors import InputError
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import PERSON_DEADLINE_S, resolve_mission
 
 

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from coral.errors import InputError
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.sweep import SHORT, apply_setting
 from coral.reef.world.world import Current, load_world
 

@@ -7,13 +7,14 @@ import pytest
 
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.oracle import plan_tour
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.tour import drive_lines, lanes
 from coral.reef.mission.variants import apply_variant
 from coral.reef.vehicle.tour_kernels import advance, follow
-from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Pose
 
 QUIET = MissionCfg(time_limit_s=300.0, record=RecordCfg(pictures=False, frames=False))
@@ -87,7 +88,7 @@ def test_a_kinematic_vehicle_drives_what_was_planned():
     planned = [start]
     for v, omega in commands:
         planned.append(Pose(*advance(*planned[-1], v, omega, 0.1)))
-    vehicle = Vehicle(VehicleCfg(model="kinematic"), VehicleState(*start))
+    vehicle = VehicleDynamics(VehicleCfg(model="kinematic"), VehicleState(*start))
     for v, omega in commands:
         trace = vehicle.step((v, omega), 0.1, current=(0.3, 0.3))
         assert trace.shape == (5, 2)

@@ -8,11 +8,12 @@ import pytest
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.oracle import plan_tour
 from coral.reef.mission.tours import planned
 from coral.reef.mission.variants import apply_variant
-from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start
 
@@ -26,7 +27,7 @@ def test_missions_that_decide_have_no_plan(pond, variant):
 
 def test_a_sweep_passes_every_lane_of_its_spacing(pond):
     commands = planned(pond, dataclasses.replace(CFG, decider="sweep", lane_m=7.0))
-    vehicle = Vehicle(VehicleCfg(model="kinematic"), VehicleState(*Pose(2.0, 3.0, 0.0)))
+    vehicle = VehicleDynamics(VehicleCfg(model="kinematic"), VehicleState(*Pose(2.0, 3.0, 0.0)))
     places = np.concatenate([vehicle.step((v, omega), CFG.control_period_s) for v, omega in commands])
     for y in (3.5, 10.5):  # two lanes of 7 m in 14 m
         lane = places[np.abs(places[:, 1] - y) < 0.1]

@@ -8,7 +8,8 @@ from coral.advisor.rules import RuleAdvisor
 from coral.config import to_mapping
 from coral.errors import InputError
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.variants import VARIANTS, apply_variant
 

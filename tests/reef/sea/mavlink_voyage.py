@@ -6,7 +6,7 @@ from voyage import WORLD
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.sea import ardusub
 from coral.reef.sea.autopilot import AutopilotCfg, SimulatedAutopilot

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from voyage import WORLD, Voyage
 
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.recordings.find_recording import find_recording
 from coral.reef.sea.map_alignment import AlignmentCfg
 from coral.reef.sea.saved_survey import load_survey, save_survey

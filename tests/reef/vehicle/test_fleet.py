@@ -12,7 +12,8 @@ from coral.config import checked
 from coral.errors import InputError
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.metrics import compute_metrics
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.world.world import load_world
 

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Pose
 
 
 def drive(cfg, command, seconds=6.0, current=(0.0, 0.0), **keys):
-    vehicle = Vehicle(cfg, VehicleState(0.0, 0.0, 0.0))
+    vehicle = VehicleDynamics(cfg, VehicleState(0.0, 0.0, 0.0))
     for _ in range(round(seconds / 0.1)):
         vehicle.step(command, current=current, **keys)
     return vehicle
@@ -35,7 +35,7 @@ def test_every_parameter_set_can_be_driven():
 
 def test_unknown_model_is_named():
     with pytest.raises(InputError, match="planar, six_dof or kinematic"):
-        Vehicle(VehicleCfg(model="submarine"))  # type: ignore[arg-type]
+        VehicleDynamics(VehicleCfg(model="submarine"))  # type: ignore[arg-type]
 
 
 def test_acceleration_follows_from_the_thrusters():
@@ -62,12 +62,12 @@ def test_stops_within_twenty_centimetres():
 
 
 def test_every_substep_is_returned():
-    vehicle = Vehicle(VehicleCfg(), VehicleState(1.0, 2.0, 0.0))
+    vehicle = VehicleDynamics(VehicleCfg(), VehicleState(1.0, 2.0, 0.0))
     trace = vehicle.step((0.6, 0.0))
     assert trace.shape == (5, 2)
     assert trace[-1] == pytest.approx(vehicle.state[:2])
     assert vehicle.step((0.6, 0.0), dt=1.0).shape == (50, 2)
-    fine = Vehicle(VehicleCfg(substep_s=0.005))
+    fine = VehicleDynamics(VehicleCfg(substep_s=0.005))
     assert fine.step((0.6, 0.0)).shape == (20, 2)
 
 
@@ -75,7 +75,7 @@ def test_the_default_step_is_converged():
     """Half and quarter of the default integration step move the end of a ten second drive by under 0.1 mm."""
     ends = []
     for substep in (0.02, 0.01, 0.0025):
-        vehicle = Vehicle(VehicleCfg(substep_s=substep))
+        vehicle = VehicleDynamics(VehicleCfg(substep_s=substep))
         for i in range(100):
             vehicle.step((0.5, 0.5 * math.sin(0.1 * i)), current=(0.05, 0.1))
         ends.append(np.array(vehicle.state))
@@ -95,7 +95,7 @@ def test_contact_stops_the_hull_at_the_surface_and_lets_it_slide():
     def wall(x, y):
         return 1.0 - x
 
-    vehicle = Vehicle(VehicleCfg(), VehicleState(0.0, 0.0, 0.5))
+    vehicle = VehicleDynamics(VehicleCfg(), VehicleState(0.0, 0.0, 0.5))
     for _ in range(60):
         vehicle.step((0.4, 0.0), contact=wall)
         assert vehicle.state.x <= 0.7 + 1e-9
@@ -104,13 +104,13 @@ def test_contact_stops_the_hull_at_the_surface_and_lets_it_slide():
 
 
 def test_trace_shows_the_penetration_that_contact_removes():
-    vehicle = Vehicle(VehicleCfg(), VehicleState(0.69, 0.0, 0.0, 0.5, 0.0, 0.0))
+    vehicle = VehicleDynamics(VehicleCfg(), VehicleState(0.69, 0.0, 0.0, 0.5, 0.0, 0.0))
     trace = vehicle.step((0.5, 0.0), contact=lambda x, y: 1.0 - x)
     assert trace[:, 0].max() > 0.7
 
 
 def test_heading_wraps():
-    vehicle = Vehicle(VehicleCfg(), VehicleState(0.0, 0.0, 3.1))
+    vehicle = VehicleDynamics(VehicleCfg(), VehicleState(0.0, 0.0, 3.1))
     for _ in range(20):
         vehicle.step((0.0, 0.6))
         assert -math.pi < vehicle.state.theta <= math.pi
@@ -118,7 +118,7 @@ def test_heading_wraps():
 
 
 def test_a_bare_pose_is_a_state_at_rest_and_reset_forgets():
-    vehicle = Vehicle(VehicleCfg(), Pose(1.0, 2.0, 0.5))
+    vehicle = VehicleDynamics(VehicleCfg(), Pose(1.0, 2.0, 0.5))
     assert vehicle.state == (1.0, 2.0, 0.5, 0.0, 0.0, 0.0)
     first = [tuple(vehicle.step((0.4, 0.1), current=(0.1, 0.0))[-1]) for _ in range(5)]
     vehicle.reset(Pose(1.0, 2.0, 0.5))
@@ -128,7 +128,7 @@ def test_a_bare_pose_is_a_state_at_rest_and_reset_forgets():
 @pytest.mark.parametrize("substep_s", [0.02, 0.008])
 def test_an_obstacle_that_is_near_but_not_met_changes_nothing(substep_s):
     cfg = VehicleCfg(substep_s=substep_s)
-    alone, beside = Vehicle(cfg), Vehicle(cfg)
+    alone, beside = VehicleDynamics(cfg), VehicleDynamics(cfg)
     rng = np.random.default_rng(4)
     for _ in range(50):
         command, current = rng.uniform(-0.8, 0.8, 2), rng.uniform(-0.1, 0.1, 2)
@@ -139,7 +139,7 @@ def test_an_obstacle_that_is_near_but_not_met_changes_nothing(substep_s):
 
 
 def test_an_obstacle_met_within_a_tick_stops_the_hull():
-    vehicle = Vehicle(VehicleCfg(), VehicleState(0.0, 0.0, 0.0, u=0.6))
+    vehicle = VehicleDynamics(VehicleCfg(), VehicleState(0.0, 0.0, 0.0, u=0.6))
     wall = 0.33
     track = vehicle.step((0.6, 0.0), contact=lambda x, y: wall - x)
     assert track[:, 0].max() > wall - 0.3

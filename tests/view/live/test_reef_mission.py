@@ -9,7 +9,8 @@ from coral.advisor import clock as clock_module
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.world.world import load_world
 from coral.view.live.pace import STOPPED, Pace

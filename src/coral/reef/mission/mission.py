@@ -7,12 +7,10 @@ import itertools
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import numpy as np
-from pydantic import Field
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.consult import DEADLINE_S
@@ -21,80 +19,39 @@ from coral.advisor.log import AttemptRecorder
 from coral.advisor.prompt import render as render_prompt
 from coral.advisor.question import Advisor, Picture
 from coral.advisor.rules import RuleAdvisor
-from coral.config import Positive, TimeStep, checked, to_mapping
+from coral.config import checked, to_mapping
 from coral.errors import InputError
 from coral.reef.decide.baselines import baseline_rules
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.own_trigger import MakeTrigger, Wanted, trigger_maker
 from coral.reef.decide.own_verifier import Check, find_verifier
-from coral.reef.decide.planner import HighLevelPlanner, PlannerCfg
+from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.decide.trigger import SmartTrigger
-from coral.reef.drive.controller import MppiCfg
 from coral.reef.drive.controllers import ControllerSetup, MakeController, controller_maker, part_name
-from coral.reef.eyes.backends import EXACT, open_eyes
-from coral.reef.map.belief import Belief, BeliefCfg
-from coral.reef.map.localization import LocalizationCfg, Localizer
-from coral.reef.map.mapping import MapCfg, OccupancyMap
+from coral.reef.eyes.backends import open_eyes
+from coral.reef.map.belief import Belief
+from coral.reef.map.localization import Localizer
+from coral.reef.map.mapping import OccupancyMap
 from coral.reef.mission.bound import oracle_bound
 from coral.reef.mission.judge import MissionJudge
 from coral.reef.mission.metrics import compute_metrics
-from coral.reef.mission.record import COLUMNS, FrameRecorder, RecordCfg
+from coral.reef.mission.mission_cfg import MissionCfg
+from coral.reef.mission.record import COLUMNS, FrameRecorder
 from coral.reef.mission.robot import Robot
 from coral.reef.mission.tour import TourPilot
 from coral.reef.mission.tours import planned
 from coral.reef.pilot.leftover import what_is_left
-from coral.reef.pilot.pilot import NOTHING_LEFT, Pilot, PilotCfg
+from coral.reef.pilot.pilot import NOTHING_LEFT, Pilot
 from coral.reef.simulation.encounter import Encounters
 from coral.reef.simulation.faults import FAULTS, FaultySensors, parse_fault
-from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.simulation.simulator import ReefSimulator
 from coral.reef.simulation.starts import starts_beside
-from coral.reef.vehicle.fleet import MOST_ROBOTS
 from coral.reef.world.world import ReefWorld, save_world
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter, provenance
 
 PAPER_LATENCY = "fixed:10"
 """Median latency of a call in the paper's CORAL experiments (IV-E)."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class MissionCfg:
-    """Everything that defines a mission except the world, the advisor and the seed."""
-
-    time_limit_s: Positive = 600.0
-    control_period_s: TimeStep = 0.1
-    """10 Hz (paper IV-F)."""
-    latency: str = "auto"
-    """Reply time of the advisor in simulated seconds: fixed:S, lognormal:MEDIAN:SIGMA or measured. auto: as recorded
-    for a recording, measured for models and people, fixed:10 for rules, the paper's median for CORAL (IV-E)."""
-    stop_when_covered: bool = True
-    """End when every true cluster is covered. The experimenter stops the mission, as for the paper's coverage time; the
-    robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
-    perception: str = EXACT
-    """Where classes and depth come from: exact, by the simulator's ray caster; rgb, from the colour pictures by the
-    network that comes with the package; or a network of your own, FILE.onnx."""
-    depth: str = ""
-    """File of a relative depth network (Depth Anything V2), whose depth replaces that of `perception`; its scale and
-    shift are fitted to the sea floor and the sonar's echoes."""
-    driver: str = "ddp-mppi"
-    """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
-    decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"
-    """Who answers the questions: the advisor, or a baseline's rules in its place. sweep and oracle ask no questions:
-    they follow lanes, or a tour planned on the true reef."""
-    lane_m: Positive = 10.0
-    """Distance between the lanes of a blind sweep (m)."""
-    robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 1
-    """Number of robots that survey the reef together with one shared map (not in the paper)."""
-    faults: tuple[str, ...] = ()
-    """Faults of the sensors, each NAME@START:DURATION in seconds (`--fault`); all robots have them."""
-    simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
-    localization: LocalizationCfg = field(default_factory=LocalizationCfg)
-    map: MapCfg = field(default_factory=MapCfg)
-    belief: BeliefCfg = field(default_factory=BeliefCfg)
-    planner: PlannerCfg = field(default_factory=PlannerCfg)
-    pilot: PilotCfg = field(default_factory=PilotCfg)
-    controller: MppiCfg = field(default_factory=MppiCfg)
-    record: RecordCfg = field(default_factory=RecordCfg)
 
 
 class Mission:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from coral.errors import InputError, nearest
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.sweep import CURRENT, apply_setting
 from coral.reef.world.world import ReefWorld
 

@@ -9,7 +9,7 @@ from coral.advisor.consult import DEADLINE_S
 from coral.advisor.fallback import Fallback
 from coral.config import checked
 from coral.errors import InputError
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, apply_preset
 from coral.reef.mission.variants import apply_variant
 from coral.reef.vehicle.fleet import MOST_ROBOTS

@@ -9,7 +9,7 @@ from typing import Any
 from coral.config import merge, to_mapping
 from coral.errors import InputError, nearest
 from coral.reef.drive.controllers import controller_maker
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.world.world import Current, ReefWorld
 
 WHERE = "--sweep"

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.mission.bound import oracle_bound
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.tour import drive_lines, lanes
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld
-
-if TYPE_CHECKING:
-    from coral.reef.mission.mission import MissionCfg
 
 
 def planned(world: ReefWorld, cfg: MissionCfg) -> NDArray[np.float64] | None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from coral.advisor.fallback import Fallback
 from coral.errors import InputError, nearest
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 
 Change = Callable[[MissionCfg], MissionCfg]
 

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
-from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg
+from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics
 from coral.reef.world.generated import find_world
 from coral.reef.world.geometry import Pose
 
@@ -23,7 +23,7 @@ class PlanarMover(Protocol):
     """What moves in the plane; `ReefSimulator` is one, with obstacles, contacts and coverage."""
 
     @property
-    def vehicle(self) -> Vehicle:
+    def vehicle(self) -> VehicleDynamics:
         """The vehicle that moves."""
         ...
 
@@ -36,7 +36,7 @@ class OpenWater:
     """A vehicle in water without obstacles."""
 
     def __init__(self, cfg: VehicleCfg | None = None, start: Pose | None = None) -> None:
-        self.vehicle = Vehicle(cfg, start or Pose(0.0, 0.0, 0.0))
+        self.vehicle = VehicleDynamics(cfg, start or Pose(0.0, 0.0, 0.0))
 
     def act(self, command: tuple[float, float], dt: float) -> Sequence[Any]:
         """Drive for `dt` seconds."""
@@ -60,7 +60,7 @@ class ReefWaters:
         self.distance_m = 0.0
 
     @property
-    def vehicle(self) -> Vehicle:
+    def vehicle(self) -> VehicleDynamics:
         """The vehicle that swims."""
         return self.mover.vehicle
 

@@ -28,7 +28,7 @@ from coral.reef.drive.delay_aware_driver import DelayAwareDriver
 from coral.reef.map.belief import Belief
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.mission.metrics import compute_metrics
-from coral.reef.mission.mission import MissionCfg
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import PicturePose
 from coral.reef.pilot.guard import Reading
 from coral.reef.pilot.leftover import what_is_left

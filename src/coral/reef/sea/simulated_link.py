@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 
 from coral.reef.sea.link import LinkRefused, StatusText, VehicleReport
-from coral.reef.vehicle.vehicle import Clearance, Vehicle, VehicleCfg, VehicleState
+from coral.reef.vehicle.vehicle import Clearance, VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Pose, wrap
 
 STEP_S = 0.02
@@ -47,7 +47,7 @@ class SimulatedLink:
             contact: Signed distance (m) from a point to the nearest obstacle, which stops the hull.
             clock: Monotonic time (s).
         """
-        self._vehicle = Vehicle(cfg, VehicleState(*start))
+        self._vehicle = VehicleDynamics(cfg, VehicleState(*start))
         self._depth_m, self._current, self._contact, self._clock = depth_m, current, contact, clock
         self._lock = threading.RLock()
         self._began = self._now = clock()

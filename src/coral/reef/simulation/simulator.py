@@ -24,7 +24,7 @@ from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.collision import ContactCounter, clearance
 from coral.reef.vehicle.range_image import RangeImage
 from coral.reef.vehicle.sensing import Attitude
-from coral.reef.vehicle.vehicle import Vehicle, VehicleCfg, VehicleState
+from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld
@@ -123,7 +123,7 @@ class ReefSimulator:
             )
         else:
             self.coverage, self.imaging = first.coverage, first.imaging
-        self.vehicle = Vehicle(cfg.vehicle, VehicleState(begin.x, begin.y, begin.theta))
+        self.vehicle = VehicleDynamics(cfg.vehicle, VehicleState(begin.x, begin.y, begin.theta))
         self.distance_m = 0.0
         self.track: NDArray[np.float64] = np.array([begin[:2]])
         """Positions of the vehicle in the last tick, before contacts were resolved (m). Shape=(N, 2)."""

@@ -65,7 +65,7 @@ class VehicleCfg:
     """Set point of the depth controller, z in the world frame (six_dof only)."""
 
 
-class Vehicle:
+class VehicleDynamics:
     """The simulated vehicle: keeps the state and advances it tick by tick.
 
     The velocity loop measures ground-relative velocity, as a Doppler log does, and does not know the current. The force

@@ -1,0 +1,60 @@
+"""The configuration of a mission: everything but the world, the vehicle, the advisor and the seed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from coral.config import Positive, TimeStep
+from coral.reef.decide.planner import PlannerCfg
+from coral.reef.drive.controller import MppiCfg
+from coral.reef.eyes.backends import EXACT
+from coral.reef.map.belief import BeliefCfg
+from coral.reef.map.localization import LocalizationCfg
+from coral.reef.map.mapping import MapCfg
+from coral.reef.mission.record import RecordCfg
+from coral.reef.pilot.pilot import PilotCfg
+from coral.reef.simulation.simulator import SimulatorCfg
+from coral.reef.vehicle.fleet import MOST_ROBOTS
+
+
+@dataclass(frozen=True, kw_only=True)
+class MissionCfg:
+    """Everything that defines a mission except the world, the advisor and the seed."""
+
+    time_limit_s: Positive = 600.0
+    control_period_s: TimeStep = 0.1
+    """10 Hz (paper IV-F)."""
+    latency: str = "auto"
+    """Reply time of the advisor in simulated seconds: fixed:S, lognormal:MEDIAN:SIGMA or measured. auto: as recorded
+    for a recording, measured for models and people, fixed:10 for rules, the paper's median for CORAL (IV-E)."""
+    stop_when_covered: bool = True
+    """End when every true cluster is covered. The experimenter stops the mission, as for the paper's coverage time; the
+    robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
+    perception: str = EXACT
+    """Where classes and depth come from: exact, by the simulator's ray caster; rgb, from the colour pictures by the
+    network that comes with the package; or a network of your own, FILE.onnx."""
+    depth: str = ""
+    """File of a relative depth network (Depth Anything V2), whose depth replaces that of `perception`; its scale and
+    shift are fitted to the sea floor and the sonar's echoes."""
+    driver: str = "ddp-mppi"
+    """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
+    decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"
+    """Who answers the questions: the advisor, or a baseline's rules in its place. sweep and oracle ask no questions:
+    they follow lanes, or a tour planned on the true reef."""
+    lane_m: Positive = 10.0
+    """Distance between the lanes of a blind sweep (m)."""
+    robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 1
+    """Number of robots that survey the reef together with one shared map (not in the paper)."""
+    faults: tuple[str, ...] = ()
+    """Faults of the sensors, each NAME@START:DURATION in seconds (`--fault`); all robots have them."""
+    simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
+    localization: LocalizationCfg = field(default_factory=LocalizationCfg)
+    map: MapCfg = field(default_factory=MapCfg)
+    belief: BeliefCfg = field(default_factory=BeliefCfg)
+    planner: PlannerCfg = field(default_factory=PlannerCfg)
+    pilot: PilotCfg = field(default_factory=PilotCfg)
+    controller: MppiCfg = field(default_factory=MppiCfg)
+    record: RecordCfg = field(default_factory=RecordCfg)
