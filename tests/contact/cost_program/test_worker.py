@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import struct
 import sys
 
 import numpy as np
@@ -117,35 +118,70 @@ def test_a_quantity_of_the_wrong_shape_is_named(worker, schema, states):
         cost(wrong)
 
 
-@pytest.mark.parametrize(
-    "reply",
-    [
-        b'{"terms": ["a"], "lines": {}}',
-        b'{"terms": ["\\ud800"], "lines": {"\\ud800": 1}, "distances": []}',
-        b'{"terms": ["\\u001b[2J"], "lines": {"\\u001b[2J": 1}, "distances": []}',
-        b"[]",
-        b"not json",
-        b'{"terms": 3}',
-        b'{"error": ["made up", "x", "y", "z"]}',
-    ],
-)
-def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(reply, schema, states, monkeypatch):
-    honest = (
-        "import sys,os,struct\nr = "
-        + repr(reply)
-        + (
-            "\ndef send(b): os.write(1, struct.pack('<I', len(b)) + b)\n"
-            'send(b\'{"ready": true, "filtered": true}\')\nn = 0\n'
-            "while (h := os.read(0, 4)):\n    os.read(0, struct.unpack('<I', h)[0])\n    n += 1\n"
-            '    send(b\'{"reads": [], "source": ""}\' if n == 1 else r)\n'
-        )
+def impostor(*answers):
+    """A process that gives these answers, one after the other and then the last one for ever."""
+    framed = [struct.pack("<I", len(answer)) + answer for answer in answers]
+    return (
+        f"import os,struct\nanswers = {framed!r}\nwhile True:\n"
+        "    os.write(1, answers.pop(0) if len(answers) > 1 else answers[0])\n"
+        "    if not (h := os.read(0, 4)): break\n    os.read(0, struct.unpack('<I', h)[0])\n"
     )
-    monkeypatch.setattr("coral.contact.cost_program.worker.START", honest)
+
+
+READY, LOADED = b'{"ready": true, "filtered": true}', b'{"reads": [], "source": "", "dropped": []}'
+NO_RUN = [
+    b'{"terms": ["a"], "lines": {}}',
+    b'{"terms": ["\\ud800"], "lines": {"\\ud800": 1}, "distances": []}',
+    b'{"terms": ["\\u001b[2J"], "lines": {"\\u001b[2J": 1}, "distances": []}',
+    b'{"terms": ["a"], "lines": {"a": Infinity}, "distances": []}',
+    b'{"terms": ["a"], "lines": {"a": 1e400}, "distances": []}',
+    b'{"terms": ["a"], "lines": [], "distances": []}',
+    b'{"terms": ["a", "a"], "lines": {}, "distances": []}',
+    b'{"terms": ["a"], "lines": {}, "distances": [[1e400, [[1, 1]]]]}',
+    b'{"terms": ["a"], "lines": {}, "distances": [[1, [[-1, -1]]]]}',
+    b'{"terms": ["a"], "lines": {}, "distances": [[1, [[4611686018427387904, 4]]]]}',
+    b'{"terms": ["a"], "lines": {}, "distances": [[1, []]]}',
+    b'{"terms": 3}',
+    b'{"error": ["made up", "x", 1e400, "z"]}',
+    b'{"error": [[], "x", 1, "z"]}',
+    b'{"error": null}',
+    b"[]",
+    b"not json",
+    b"\xff\xfe",
+    b"[" * 100_000,
+]
+NO_LOAD = [
+    b"{}",
+    b'{"reads": 3, "source": "", "dropped": []}',
+    b'{"reads": [[]], "source": "", "dropped": []}',
+    b'{"reads": [], "dropped": []}',
+    b'{"reads": [], "source": "", "dropped": [[]]}',
+    b'{"reads": [], "source": "", "dropped": [1e400]}',
+]
+NO_START = [b"null", b"3", b'{"ready": true}', b'{"ready": true, "filtered": 1}']
+
+
+@pytest.mark.parametrize(
+    "answers",
+    [(READY, LOADED, answer) for answer in NO_RUN]
+    + [(READY, answer) for answer in NO_LOAD]
+    + [(answer,) for answer in NO_START],
+)
+def test_an_answer_of_a_process_that_was_taken_over_is_not_believed(answers, schema, states, monkeypatch):
+    monkeypatch.setattr("coral.contact.cost_program.worker.START", impostor(*answers))
     with CostWorker() as one:
-        cost = one.load("def state_cost(self):\n    return 1.0", schema)
-        with pytest.raises(CostError) as caught:
-            cost(states(np.random.default_rng(8)))
-    assert caught.value.code in ("killed", "internal")
+        with pytest.raises(CostError, match="nonsense") as caught:
+            one.load("def state_cost(self):\n    return 1.0", schema)(states(np.random.default_rng(8)))
+        assert caught.value.code == "killed"
+        assert one.pid is None
+
+
+def test_an_error_of_an_unknown_code_is_an_internal_one(schema, monkeypatch):
+    answers = (READY, b'{"error": ["made up", "x", 1, "z"]}')
+    monkeypatch.setattr("coral.contact.cost_program.worker.START", impostor(*answers))
+    with CostWorker() as one, pytest.raises(CostError) as caught:
+        one.load("def state_cost(self):\n    return 1.0", schema)
+    assert (caught.value.code, caught.value.line) == ("internal", 1)
 
 
 UNUSUAL = {

@@ -16,21 +16,23 @@ import time
 import weakref
 from dataclasses import asdict, dataclass, field
 from mmap import mmap
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Schema, Terms
+from coral.contact.cost_program.answers import Loaded, Ran, Ready, WorkerAnswer, WorkerFailure
 from coral.contact.cost_program.errors import CODES, CostError, is_term_name, printable
 from coral.contact.cost_program.limits import LimitsCfg
-from coral.contact.cost_program.sandbox import HEADER, LONGEST_MESSAGE, Reply, Request
+from coral.contact.cost_program.sandbox import HEADER, LONGEST_MESSAGE, Request
 from coral.contact.cost_program.seccomp import MACHINES
 from coral.contact.cost_program.trace import Distance, Traced
 from coral.errors import InputError
 
 START = "from coral.contact.cost_program.sandbox import main; main()"
 ALLOW_UNFILTERED = "CORAL_ALLOW_UNFILTERED_COSTS"
+A = TypeVar("A", bound=WorkerAnswer)
 KEPT_ENVIRONMENT = ("LD_LIBRARY_PATH", "SYSTEMROOT")  # nothing else, so that API keys stay outside
 
 
@@ -95,9 +97,9 @@ class CostWorker:
         with self._lock:
             number, self._next = self._next, self._next + 1
             cost = WorkerCost(self, number, source, schema, name)
-            reply = self._load(cost)
-            cost.reads = [str(item) for item in reply["reads"] if item in schema]
-            cost.source = printable(str(reply["source"]), 2 * self.cfg.limits.characters)
+            loaded = self._load(cost)
+            cost.reads = [item for item in loaded.reads if item in schema]
+            cost.source = printable(loaded.source, 2 * self.cfg.limits.characters)
             return cost
 
     def close(self) -> None:
@@ -105,18 +107,18 @@ class CostWorker:
         with self._lock:
             self._stop()
 
-    def _load(self, cost: WorkerCost) -> Reply:
+    def _load(self, cost: WorkerCost) -> Loaded:
         self._start()
         schema = {key: [q.size, q.truth, q.constant] for key, q in cost.schema.items()}
-        reply = self._ask(
-            {"op": "load", "id": cost.number, "source": cost.given, "schema": schema, "limits": asdict(self.cfg.limits)}
+        limits = asdict(self.cfg.limits)
+        loaded = self._ask(
+            Loaded, {"op": "load", "id": cost.number, "source": cost.given, "schema": schema, "limits": limits}
         )
-        dropped = reply.get("dropped")
-        self._loaded -= {one for one in dropped if isinstance(one, int)} if isinstance(dropped, list) else set()
+        self._loaded -= set(loaded.dropped)
         self._loaded.add(cost.number)
-        return reply
+        return loaded
 
-    def _evaluate(self, cost: WorkerCost, state: Context, zeroed: int | None) -> tuple[Reply, int]:
+    def _evaluate(self, cost: WorkerCost, state: Context, zeroed: int | None) -> tuple[Ran, int]:
         sizes = {name: math.prod(state[name].shape) for name in cost.reads if name in state}
         inputs = sum(sizes.values())
         room = (self.cfg.limits.terms + (300 if zeroed is not None else 1)) * math.prod(state.shape)
@@ -137,17 +139,8 @@ class CostWorker:
             np.copyto(self._memory[offset : offset + values.size].reshape(parts.shape), parts)
             listed.append([name, offset, list(values.shape[:2]), size])
             offset += values.size
-        reply = self._ask(
-            {
-                "op": "run",
-                "id": cost.number,
-                "shape": list(state.shape),
-                "inputs": listed,
-                "output": offset,
-                "zeroed": zeroed,
-            }
-        )
-        return reply, offset
+        run = {"op": "run", "id": cost.number, "shape": list(state.shape), "inputs": listed, "output": offset}
+        return self._ask(Ran, {**run, "zeroed": zeroed}), offset
 
     def run(self, cost: WorkerCost, state: Context, zeroed: int | None = None) -> Traced:
         """Evaluate a program.
@@ -161,36 +154,27 @@ class CostWorker:
             CostError: The program cannot be evaluated, is not finite, or killed its process.
         """
         with self._lock:
-            reply, offset = self._evaluate(cost, state, zeroed)
-            try:
-                return self._check_reply(cost, reply, offset, state.shape)
-            except (KeyError, TypeError, ValueError, IndexError):
-                self._stop()
-                raise CostError("killed", "the process of the cost answered nonsense and was killed") from None
-
-    def _check_reply(self, cost: WorkerCost, reply: Reply, offset: int, shape: tuple[int, int]) -> Traced:
-        """Check an answer: a compromised process could send anything."""
-        names = list(reply["terms"])
-        if not 0 < len(names) <= self.cfg.limits.terms or not all(map(is_term_name, names)):
-            raise ValueError("terms")
-        if len(set(names)) != len(names):
-            raise ValueError("names")
-        terms: Terms = {}
-        for name in names:
-            terms[name], offset = self._copy_shared(offset, shape)
-        lines = reply["lines"]
-        cost.lines = {name: int(lines[name]) for name in names}
-        distances = []
-        for line, shapes in reply["distances"]:
-            parts = []
-            for k, h in shapes:
-                part, offset = self._copy_shared(offset, (int(k), int(h)))
-                parts.append(part)
-            distances.append(Distance(int(line), tuple(parts[:-1]), parts[-1]))
-        return Traced(terms, distances)
+            ran, offset = self._evaluate(cost, state, zeroed)
+            names = ran.terms
+            if len(set(names)) < len(names) or len(names) > self.cfg.limits.terms or not all(map(is_term_name, names)):
+                raise self._taken_over()
+            terms: Terms = {}
+            for name in names:
+                terms[name], offset = self._copy_shared(offset, state.shape)
+            cost.lines = {name: ran.lines.get(name, 0) for name in names}
+            distances = []
+            for line, shapes in ran.distances:
+                parts = []
+                for shape in shapes:
+                    part, offset = self._copy_shared(offset, shape)
+                    parts.append(part)
+                distances.append(Distance(line, tuple(parts[:-1]), parts[-1]))
+            return Traced(terms, distances)
 
     def _copy_shared(self, offset: int, shape: tuple[int, int]) -> tuple[NDArray[np.float64], int]:
         end = offset + math.prod(shape)
+        if end > self._memory.size:
+            raise self._taken_over()
         return self._memory[offset:end].reshape(shape).copy(), end
 
     def _start(self) -> None:
@@ -232,8 +216,7 @@ class CostWorker:
         self._finalizer = weakref.finalize(self, _end, process)
         self._loaded.clear()
         self.starts += 1
-        reply = self._receive(time.monotonic() + self.cfg.start_s)
-        self.filtered = reply.get("filtered") is True
+        self.filtered = self._receive(Ready, time.monotonic() + self.cfg.start_s).filtered
         if not self.filtered and not self.cfg.allow_unfiltered:
             self._stop()
             raise InputError(
@@ -258,7 +241,7 @@ class CostWorker:
             self._process = None
         self._loaded.clear()
 
-    def _ask(self, request: Request) -> Reply:
+    def _ask(self, wanted: type[A], request: Request) -> A:
         assert self._process is not None
         assert self._process.stdin is not None
         body = json.dumps({**request, "cpu_s": self.cfg.cpu_s}).encode()
@@ -267,32 +250,24 @@ class CostWorker:
             self._process.stdin.flush()
         except OSError:
             raise self._died() from None
-        reply = self._receive(time.monotonic() + self.cfg.wait_s)
-        if "error" in reply:
-            raise self._reported_error(reply["error"])
-        return reply
+        return self._receive(wanted, time.monotonic() + self.cfg.wait_s)
 
-    def _reported_error(self, error: Any) -> CostError:
-        """Make the exception for an error that the process reports."""
+    def _receive(self, wanted: type[A], until: float) -> A:
+        size = HEADER.unpack(self._bytes(HEADER.size, until))[0]
+        if size > LONGEST_MESSAGE:
+            raise self._taken_over()
+        body = self._bytes(size, until)
         try:
-            code, text, line, shown = error
-            return CostError(code if code in CODES else "internal", str(text), int(line), str(shown)[:200])
-        except (TypeError, ValueError):
-            self._stop()
-            return CostError("killed", "the process of the cost answered nonsense and was killed")
+            if not body.startswith(b'{"error"'):
+                return wanted.model_validate_json(body)
+            code, text, line, shown = WorkerFailure.model_validate_json(body).error
+        except ValueError:
+            raise self._taken_over() from None
+        raise CostError(code if code in CODES else "internal", text, line, shown[:200])
 
-    def _receive(self, until: float) -> Reply:
-        try:
-            size = HEADER.unpack(self._bytes(HEADER.size, until))[0]
-            if size > LONGEST_MESSAGE:
-                raise ValueError("length")
-            reply = json.loads(self._bytes(size, until))
-            if not isinstance(reply, dict):
-                raise ValueError("no object")
-            return reply
-        except (ValueError, RecursionError):
-            self._stop()
-            raise CostError("killed", "the process of the cost answered nonsense and was killed") from None
+    def _taken_over(self) -> CostError:
+        self._stop()
+        return CostError("killed", "the process of the cost answered nonsense and was killed")
 
     def _bytes(self, size: int, until: float) -> bytes:
         assert self._process is not None
