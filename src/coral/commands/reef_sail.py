@@ -64,7 +64,7 @@ class ReefSail:
     """A simulated reef to rehearse in (s1, gen:3, a world file), or a survey file with a real area and its geofence."""
     vehicle: str = "simulated"
     """simulated: ours, in real time. mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:PORT or
-    mavlink:serial:DEVICE:BAUD: ArduSub, real or in the loop."""
+    mavlink:serial:DEVICE:BAUD: ArduSub, real or in the loop; #ID behind it names the vehicle of that system id."""
     camera: str = "simulated"
     """simulated: pictures of the simulated reef from where the vehicle is. Else a file, an RTSP address or a device for
     OpenCV; such pictures have no labels yet, so that nothing arms."""

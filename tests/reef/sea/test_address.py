@@ -14,6 +14,7 @@ from coral.reef.sea.address import VehicleAddress, parse_address
         ("mavlink:tcp:localhost:5760", VehicleAddress("tcp", "localhost", 5760)),
         ("mavlink:tcp:[::1]:5760", VehicleAddress("tcp", "::1", 5760)),
         ("mavlink:serial:/dev/ttyACM0:115200", VehicleAddress("serial", "/dev/ttyACM0", 115200)),
+        ("mavlink:udpin:0.0.0.0:14550#2", VehicleAddress("udpin", "0.0.0.0", 14550, system=2)),
     ],
 )
 def test_the_four_forms(text, address):
@@ -33,6 +34,8 @@ def test_the_four_forms(text, address):
         ("mavlink:udp:host:65536", "port: found 65536"),
         ("mavlink:udp:host:" + "9" * 5000, "port: found 999"),
         ("mavlink:serial:/dev/x:0", "baud: found 0"),
+        ("mavlink:udp:host:1#256", "system id: found '256'"),
+        ("mavlink:udp:host:1#", "system id: found ''"),
     ],
 )
 def test_everything_else_is_one_line(text, says):

@@ -243,7 +243,7 @@ def test_an_order_into_a_broken_link_says_so(simulated):
 
 
 def test_something_else_than_a_submarine_is_not_armed(simulated):
-    simulated.link.telemetry.kind = 2
+    simulated.link._stations.vehicle.kind = 2
     with pytest.raises(LinkRefused, match="type 2, not a submarine"):
         simulated.link.arm()
     assert not simulated.autopilot.armed
@@ -253,7 +253,7 @@ def test_a_restart_ends_driving_and_the_streams_come_back(simulated):
     simulated.link.arm()
     simulated.run(3.0, AHEAD)
     simulated.autopilot.reboot()
-    report = simulated.run(8.0, AHEAD)
+    report = simulated.run(12.0, AHEAD)
     assert report.reboots == 1
     assert not report.armed
     assert report.has_position
@@ -301,7 +301,7 @@ def test_a_closed_link_leaves_the_vehicle_to_its_failsafes(simulated):
 def test_a_third_of_the_packets_lost_still_drives(simulated):
     simulated.line.loss = 0.33
     simulated.link.arm()
-    report = simulated.run(8.0, AHEAD)
+    report = simulated.run(12.0, AHEAD)
     assert report.velocity[0] == pytest.approx(0.43, abs=0.03)
     assert not report.manual_override
 
@@ -365,7 +365,60 @@ def test_another_vehicle_on_the_line_is_not_listened_to(simulated):
     assert report.mode == "GUIDED"
     assert abs(report.pose.x) < 10
     assert report.reboots == 0
-    assert simulated.link.telemetry.others == {2}
+    assert "systems 1 and 2 are on the line" in report.identity_faults[0]
+    assert any("systems 1 and 2" in text.text for text in report.texts)
+
+
+def as_second_sender(simulated, data):
+    """Let a second station send once, from another address."""
+    simulated.line.sender = "another address"
+    simulated.line.receive = lambda timeout: bytes(data)
+    simulated.link.poll()
+    del simulated.line.sender, simulated.line.receive
+
+
+def test_a_second_vehicle_of_the_same_identity_keeps_both_from_arming(simulated):
+    twin = mavlink.MAVLink(None, 1, 1)
+    as_second_sender(simulated, mavlink.MAVLink_heartbeat_message(12, 3, 81, 19, 3, 3).pack(twin))
+    assert "a second sender calls itself system 1" in simulated.link.report().identity_faults[0]
+    with pytest.raises(LinkRefused, match="a second sender calls itself system 1"):
+        simulated.link.arm()
+    assert not simulated.run(0.5).armed
+
+
+def test_a_twin_that_comes_later_is_told_and_neither_heard_nor_commanded(simulated):
+    answered = []
+    simulated.line.answer = answered.append
+    simulated.link.arm()
+    simulated.run(1.0, AHEAD)
+    twin = mavlink.MAVLink(None, 1, 1)
+    data = mavlink.MAVLink_heartbeat_message(12, 3, 81, 19, 3, 3).pack(twin)
+    data += mavlink.MAVLink_local_position_ned_message(1, 900, 900, 0, 0, 0, 0).pack(twin)
+    as_second_sender(simulated, data)
+    report = simulated.run(1.0, AHEAD)
+    assert (report.mode, report.reboots, answered) == ("GUIDED", 0, [])
+    assert abs(report.pose.x) < 10
+    assert any("a second sender" in text.text for text in report.texts)
+
+
+def test_a_vehicle_that_moves_to_another_address_is_followed_but_has_to_be_armed_again(simulated):
+    answered = []
+    simulated.link.arm()
+    simulated.line.answer = answered.append
+    simulated.line.sender = "another port"
+    report = simulated.run(12.0, AHEAD)
+    assert answered == ["another port"]
+    assert any("speaks from another port now" in text.text for text in report.texts)
+    assert report.velocity[0] == pytest.approx(0.0, abs=0.1)
+    simulated.link.arm()
+    assert simulated.run(4.0, AHEAD).velocity[0] > 0.3
+
+
+def test_half_a_message_of_a_stranger_does_not_garble_the_vehicle_s(simulated):
+    for _ in range(20):
+        as_second_sender(simulated, b"\xfd\x1c" + bytes(8))
+        simulated.run(0.1)
+    assert simulated.run(1.0).heartbeat_age_s < 1.5
 
 
 def test_a_failsafe_that_surfaces_is_not_fought(simulated):

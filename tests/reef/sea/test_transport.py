@@ -28,6 +28,18 @@ def test_udp_sends_and_receives():
         line.send(b"into nothing")
 
 
+def test_udp_takes_nothing_from_a_stranger():
+    with bound() as vehicle, bound() as stranger:
+        line = open_transport(VehicleAddress("udp", "127.0.0.1", vehicle.getsockname()[1]))
+        line.send(b"hello")
+        _, ours = vehicle.recvfrom(99)
+        stranger.sendto(b"forged", ours)
+        assert line.receive(5.0) == b""
+        vehicle.sendto(b"true", ours)
+        assert line.receive(5.0) == b"true"
+        line.close()
+
+
 def test_udpin_answers_whoever_sends_and_remembers_few():
     line = UdpLine(VehicleAddress("udpin", "127.0.0.1", 0 or bound_free()))
     line.send(b"to nobody")
@@ -36,8 +48,15 @@ def test_udpin_answers_whoever_sends_and_remembers_few():
         vehicle.sendto(b"x", ("127.0.0.1", line.port))
         assert line.receive(5.0) == b"x"
     assert len(line.peers) == PEERS
+    assert line.sender == vehicles[-1].getsockname()
     line.send(b"all")
-    assert vehicles[-1].recv(9) == b"all"
+    assert [vehicle.recv(9) for vehicle in vehicles[-2:]] == [b"all", b"all"]
+    line.answer(vehicles[-2].getsockname())
+    line.send(b"you")
+    assert vehicles[-2].recv(9) == b"you"
+    vehicles[-1].setblocking(False)
+    with pytest.raises(BlockingIOError):
+        vehicles[-1].recv(9)
     for vehicle in vehicles:
         vehicle.close()
     line.close()

@@ -8,7 +8,10 @@ from typing import Literal, get_args
 from coral.errors import InputError, nearest
 
 Medium = Literal["udp", "udpin", "tcp", "serial"]
-EXPECTED = "mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:PORT or mavlink:serial:DEVICE:BAUD"
+EXPECTED = (
+    "mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:PORT or mavlink:serial:DEVICE:BAUD; with #ID "
+    "behind it, the vehicle of that system id"
+)
 
 
 @dataclass(frozen=True)
@@ -21,15 +24,20 @@ class VehicleAddress:
     """Host name or address; the device for serial."""
     port: int
     """Port number; baud rate for serial."""
+    system: int = 0
+    """MAVLink system id of the vehicle; 0: the only one on the line."""
 
 
 def parse_address(text: str) -> VehicleAddress:
-    """Read `mavlink:MEDIUM:WHERE:NUMBER`.
+    """Read `mavlink:MEDIUM:WHERE:NUMBER`, or `mavlink:MEDIUM:WHERE:NUMBER#SYSTEM`.
 
     Raises:
         InputError: It is none of the four forms, or the number is out of range.
     """
-    scheme, _, rest = text.partition(":")
+    place, marked, system = text.partition("#")
+    if marked and not (system.isascii() and system.isdigit() and len(system) < 4 and 1 <= int(system) <= 255):
+        raise InputError("--vehicle", "system id", repr(system), "a number from 1 to 255")
+    scheme, _, rest = place.partition(":")
     medium, _, rest = rest.partition(":")
     host, _, number = rest.rpartition(":")
     if scheme != "mavlink":
@@ -42,4 +50,4 @@ def parse_address(text: str) -> VehicleAddress:
     if len(number) > 9 or not 1 <= int(number) <= most:
         field = "baud" if medium == "serial" else "port"
         raise InputError("--vehicle", field, number, f"a number from 1 to {most}")
-    return VehicleAddress(medium, host.strip("[]"), int(number))  # type: ignore[arg-type]
+    return VehicleAddress(medium, host.strip("[]"), int(number), int(system or 0))  # type: ignore[arg-type]

@@ -23,6 +23,9 @@ MODES = {
 NUMBERS = {name: number for number, name in MODES.items()}
 SUBMARINE = 12
 """MAV_TYPE_SUBMARINE."""
+ARDUPILOT = 3
+"""MAV_AUTOPILOT_ARDUPILOTMEGA."""
+MAKERS = {ARDUPILOT: "ArduPilot", 12: "PX4"}
 AUTOPILOT_COMPONENT = 1
 ARMED_BIT = 128
 EKF_POSITION = 8 | 16
@@ -50,12 +53,18 @@ def version_of(number: int) -> tuple[int, int, int]:
     return number >> 24 & 255, number >> 16 & 255, number >> 8 & 255
 
 
-def version_text(number: int, git: bytes) -> str:
-    """Describe a version: "ArduSub 4.7.0-dev (507e6101)"."""
+def maker_name(number: int) -> str:
+    """Name a MAV_AUTOPILOT."""
+    return MAKERS.get(number, f"number {number}")
+
+
+def version_text(number: int, git: bytes, maker: int = ARDUPILOT, kind_of_vehicle: int = SUBMARINE) -> str:
+    """Describe a version: "ArduSub 4.7.0-dev (507e6101)"; another vehicle's autopilot by its maker's name."""
     kind = number & 255
     stage = "" if kind == 255 else "-rc" if kind >= 192 else "-beta" if kind >= 128 else "-dev"
     text = "".join(chr(c) for c in git if 48 <= c < 123)
-    return "ArduSub " + ".".join(map(str, version_of(number))) + stage + (f" ({text})" if text else "")
+    name = "ArduSub" if (maker, kind_of_vehicle) == (ARDUPILOT, SUBMARINE) else maker_name(maker)
+    return f"{name} {'.'.join(map(str, version_of(number)))}{stage}" + (f" ({text})" if text else "")
 
 
 def version_warning(number: int) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+
 import numpy as np
 
 from coral.reef.sea.autopilot import SimulatedAutopilot
@@ -13,6 +15,8 @@ class AutopilotLine:
     Faults on command: `cut` breaks the line in both directions, `loss` drops that share of the datagrams, `garble`
     flips a bit in that share of those that come, `delay_s` keeps them back.
     """
+
+    sender: Hashable = None
 
     def __init__(self, autopilot: SimulatedAutopilot, rng: np.random.Generator | None = None) -> None:
         self.autopilot = autopilot
@@ -34,6 +38,9 @@ class AutopilotLine:
         ready = [data for at, data in self._waiting if at <= self.clock()]
         self._waiting = [(at, data) for at, data in self._waiting if at > self.clock()]
         return b"".join(ready)
+
+    def answer(self, peer: Hashable) -> None:
+        """There is one peer."""
 
     def send(self, data: bytes) -> None:
         """Send bytes to the autopilot."""

@@ -132,8 +132,11 @@ def _bad(wrong: bool) -> Level:
 def _link(report: VehicleReport, equipment: Equipment) -> CheckLine:
     if not math.isfinite(report.heartbeat_age_s):
         return CheckLine("vehicle", f"{equipment.vehicle}: no heartbeat - nothing arms", "blocking")
-    text = f"{report.autopilot or 'version unknown'} at {equipment.vehicle}, mode {report.mode or 'unknown'}"
-    return CheckLine("vehicle", f"{text}, {'ARMED' if report.armed else 'disarmed'}")
+    text = f"{report.autopilot or 'version unknown'} at {equipment.vehicle}"
+    if report.identity_faults:
+        return CheckLine("vehicle", f"{text}: {'; '.join(report.identity_faults)} - nothing arms", "blocking")
+    mode = f"mode {report.mode or 'unknown'}, {'ARMED' if report.armed else 'disarmed'}"
+    return CheckLine("vehicle", f"{text}, {mode}")
 
 
 def _pose(now: float, report: VehicleReport, rates: StampRates, equipment: Equipment, safety: SafetyCfg) -> CheckLine:

@@ -70,6 +70,8 @@ class VehicleReport:
     """Water was detected inside the hull at some time since the link opened."""
     autopilot: str = ""
     """Name and version as reported, such as "ArduSub 4.7.0-dev (547e6101)"; "" while unknown."""
+    identity_faults: tuple[str, ...] = ()
+    """Why it is not certain who is on the link, such as a second vehicle of the same name. Nothing arms until then."""
     texts: tuple[StatusText, ...] = ()
     """Messages since the last report, oldest first."""
     heartbeat_age_s: float = math.inf

@@ -6,8 +6,8 @@ import contextlib
 import math
 import threading
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from coral.config import NonNegative, Positive
@@ -15,6 +15,7 @@ from coral.reef.sea import ardusub
 from coral.reef.sea.address import VehicleAddress
 from coral.reef.sea.link import LinkRefused, VehicleReport
 from coral.reef.sea.setpoints import NEUTRAL, VELOCITY_AND_YAW_RATE, StickLoop, StickLoopCfg, climb_rate
+from coral.reef.sea.stations import MOST, Stations, place
 from coral.reef.sea.telemetry import Telemetry
 from coral.reef.sea.transport import Transport, open_transport
 from coral.reef.world.geometry import Pose
@@ -26,6 +27,8 @@ POLL_S = 0.02
 SET_MESSAGE_INTERVAL, REQUEST_MESSAGE, SET_MODE, ARM_DISARM = 511, 512, 176, 400
 AUTOPILOT_VERSION = 148
 ACCEPTED, IN_PROGRESS = 0, 5
+STREAMS_KEPT = MOST + 1
+"""So many senders have a decoder."""
 RESULTS = {
     1: "temporarily rejected",
     2: "denied",
@@ -40,8 +43,6 @@ RESULTS = {
 class MavlinkCfg:
     """How the link behaves."""
 
-    system: int = 0
-    """System id of the vehicle; 0: the first autopilot heard."""
     own_system: int = 255
     """Our system id. ArduSub takes joystick axes from MAV_GCS_SYSID alone (255), and counts its heartbeats."""
     own_component: int = 191
@@ -105,10 +106,12 @@ class MavlinkLink:
         self._clock = clock
         self._lock = threading.RLock()
         self._heard = threading.Condition(self._lock)
-        self._codec = self._dialect.MAVLink(None, self.cfg.own_system, self.cfg.own_component)
-        self._codec.robust_parsing = True
+        self._codecs: dict[Hashable, Any] = {}
         self._out = self._dialect.MAVLink(None, self.cfg.own_system, self.cfg.own_component)
-        self.telemetry = Telemetry(self.cfg.system, start)
+        system = address.system if isinstance(address, VehicleAddress) else 0
+        self.telemetry = Telemetry(system, start)
+        self._stations = Stations(system)
+        self._warned: tuple[str, ...] = ()
         self._sticks = StickLoop(self.cfg.stick_loop)
         self._charge = self._driving = False  # in charge since `arm`; driving until the next order
         self._ordered = ""
@@ -129,7 +132,9 @@ class MavlinkLink:
     def report(self) -> VehicleReport:
         """Return the latest state."""
         with self._lock:
-            return self.telemetry.report(self._clock(), self._override)
+            now = self._clock()
+            report = self.telemetry.report(now, self._override)
+            return replace(report, identity_faults=self._stations.faults(now))
 
     def measure_speed(self, forward_m_s: float, stamp_s: float) -> None:
         """Tell the forward speed of a sensor that the autopilot does not have, for driving without a position."""
@@ -185,8 +190,9 @@ class MavlinkLink:
             state = self.telemetry
             if state.heartbeat_s == -math.inf:
                 raise LinkRefused("no autopilot has been heard")
-            if state.kind != ardusub.SUBMARINE:
-                raise LinkRefused(f"the vehicle calls itself type {state.kind}, not a submarine (12)")
+            faults = self._stations.faults(self._clock())
+            if faults:
+                raise LinkRefused(f"not armed: {'; '.join(faults)}")
             mode = "GUIDED" if ardusub.has_position(state.flags) else "ALT_HOLD"
             self._axes, self._sticks.integral = NEUTRAL, 0.0
         self._enter(mode)
@@ -279,8 +285,9 @@ class MavlinkLink:
         data = self._line.receive(POLL_S)
         with self._heard:
             now = self._clock()
-            for message in self._parse(data):
-                self._take(message, now)
+            sender = self._line.sender
+            for message in self._parse(data, sender):
+                self._take(message, sender, now)
             self._watch(now)
             self._keep_alive(now)
             if data:
@@ -299,35 +306,58 @@ class MavlinkLink:
             self.poll()
         return done()
 
-    def _parse(self, data: bytes) -> list[Any]:
-        """Decode what is valid; garbage is skipped."""
+    def _parse(self, data: bytes, sender: Hashable) -> list[Any]:
+        """Decode what is valid and skip garbage. Each sender has a stream of its own: none garbles another's."""
         if not data:
             return []
+        codec = self._codecs.pop(sender, None)
+        if codec is None:
+            codec = self._dialect.MAVLink(None, self.cfg.own_system, self.cfg.own_component)
+            codec.robust_parsing = True
         try:
-            return self._codec.parse_buffer(data) or []
+            messages = codec.parse_buffer(data) or []
         except Exception:  # the codec promises not to raise in robust mode; a bad line must not end the thread
-            self._codec = self._dialect.MAVLink(None, self.cfg.own_system, self.cfg.own_component)
-            self._codec.robust_parsing = True
             return []
+        self._codecs[sender] = codec
+        while len(self._codecs) > STREAMS_KEPT:
+            del self._codecs[next(iter(self._codecs))]
+        return messages
 
-    def _take(self, message: Any, now: float) -> None:
+    def _take(self, message: Any, sender: Hashable, now: float) -> None:
         name = message.get_type()
         if name in ("BAD_DATA", "UNKNOWN") or name.startswith("UNKNOWN"):
             return
-        ours = self.telemetry.take(message, now)
-        if not ours:
+        unknown = self._stations.vehicle is None
+        if not self._stations.take(message, sender, now):
+            return
+        if unknown:
+            self._line.answer(sender)
+        if not self.telemetry.take(message, now):
             return
         if name == "COMMAND_ACK" and message.target_system in (0, self.cfg.own_system):
             if getattr(message, "target_component", 0) in (0, self.cfg.own_component):
                 self._acks[message.command] = (message.result, now)
+                self._stations.answered()
         elif name == "STATUSTEXT":
             self._words = [*self._words[-19:], (now, str(message.text).rstrip("\0"))]
         elif name == "TIMESYNC" and message.tc1 and message.ts1 in self._sync_sent:
+            self._stations.answered()
             self.telemetry.clock.synchronise(self._sync_sent.pop(message.ts1), message.tc1 * 1e-9, now)
 
     def _watch(self, now: float) -> None:
-        """See who else gives orders."""
+        """See who else speaks, and who else gives orders."""
         state = self.telemetry
+        if self._stations.moved(now):
+            assert self._stations.vehicle is not None
+            self._line.answer(self._stations.vehicle.peer)
+            self._charge = self._driving = False
+            self._asked_s, self._ordered = -math.inf, ""
+            state.tell(2, f"coral: the vehicle speaks from {place(self._stations.vehicle.peer)} now; arm again")
+        faults = self._stations.faults(now) if self._charge else ()
+        for fault in faults:
+            if fault not in self._warned:
+                state.tell(2, f"coral: {fault}")
+        self._warned = faults
         if state.clock.reboots != self._reboots:
             self._reboots = state.clock.reboots
             self._charge = self._driving = False

@@ -11,6 +11,7 @@ from coral.reef.sea import ardusub
 from coral.reef.sea.boot_clock import BootClock
 from coral.reef.sea.frames import alignment, compose, pose_from_ned, tilt_from_frd, velocity_from_ned
 from coral.reef.sea.link import StatusText, VehicleReport
+from coral.reef.sea.stations import NO_AUTOPILOT
 from coral.reef.world.geometry import Pose, wrap
 
 TEXTS = 64
@@ -29,14 +30,12 @@ class Telemetry:
         self.clock = BootClock()
         self.mode = ""
         self.armed = False
-        self.kind = 0
+        self.kind = self.maker = 0
         self.version = 0
         self.autopilot = ""
         self.flags = 0
         self.malformed = 0
         """Messages with numbers that are not finite."""
-        self.others: set[int] = set()
-        """Other autopilots on the link."""
         self.heartbeat_s = self.position_heard_s = -math.inf
         self.channels: tuple[int, ...] = ()
         self.channels_s = -math.inf
@@ -72,10 +71,8 @@ class Telemetry:
         """Take one message that came at `now` (monotonic s). Return whether it came from our autopilot."""
         name = message.get_type()
         source = (message.get_srcSystem(), message.get_srcComponent())
-        if name == "HEARTBEAT" and source[1] == ardusub.AUTOPILOT_COMPONENT and message.autopilot != 8:
+        if name == "HEARTBEAT" and source[1] == ardusub.AUTOPILOT_COMPONENT and message.autopilot != NO_AUTOPILOT:
             self.system = self.system or source[0]
-            if source[0] != self.system:
-                self.others.add(source[0])
         if source != (self.system, ardusub.AUTOPILOT_COMPONENT):
             if name in ("MANUAL_CONTROL", "RC_CHANNELS_OVERRIDE") and _addressed(message, self.system):
                 self.foreign_stick_s = now
@@ -109,7 +106,7 @@ class Telemetry:
 
     def _heartbeat(self, message: Any, now: float) -> None:
         self.heartbeat_s = now
-        self.kind = message.type
+        self.kind, self.maker = message.type, message.autopilot
         self.mode = ardusub.MODES.get(message.custom_mode, f"MODE {message.custom_mode}")
         self.armed = bool(message.base_mode & ardusub.ARMED_BIT)
 
@@ -185,7 +182,7 @@ class Telemetry:
 
     def _version(self, message: Any, now: float) -> None:
         first, self.version = self.version == 0, message.flight_sw_version
-        self.autopilot = ardusub.version_text(self.version, bytes(message.flight_custom_version))
+        self.autopilot = ardusub.version_text(self.version, bytes(message.flight_custom_version), self.maker, self.kind)
         warning = ardusub.version_warning(self.version)
         if first and warning:
             self.tell(4, f"coral: {warning}")

@@ -7,7 +7,7 @@ import importlib
 import select
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import Any, Protocol
 
 from coral.errors import InputError, first_line
@@ -22,6 +22,15 @@ PEERS = 8
 
 class Transport(Protocol):
     """A line that may lose bytes and never raises for it."""
+
+    @property
+    def sender(self) -> Hashable:
+        """Who sent what `receive` returned last; None on a line that has one end."""
+        ...
+
+    def answer(self, peer: Hashable) -> None:
+        """From now on send to this peer alone; None: to everybody who has been heard."""
+        ...
 
     def receive(self, timeout_s: float) -> bytes:
         """Wait so long (s) at most for bytes; b"" if none came."""
@@ -46,6 +55,8 @@ class UdpLine:
             InputError: The host is unknown, or the port is taken.
         """
         self._listens = address.medium == "udpin"
+        self.sender: Hashable = None
+        self._only: Hashable = None
         self.peers: list[Any] = []
         """Where to send to; senders, latest last, if we listen."""
         try:
@@ -75,13 +86,20 @@ class UdpLine:
             data, sender = self._socket.recvfrom(CHUNK)
         except (OSError, ValueError):  # the peer's port is closed, or ours was closed meanwhile
             return b""
+        if not self._listens and sender[:2] != self.peers[0][:2]:
+            return b""  # we asked one host; anybody may send to our port
         if self._listens and sender not in self.peers:
             self.peers = [*self.peers[1 - PEERS :], sender]
+        self.sender = sender
         return data
 
+    def answer(self, peer: Hashable) -> None:
+        """See `Transport.answer`."""
+        self._only = peer
+
     def send(self, data: bytes) -> None:
-        """Send one datagram to every peer."""
-        for peer in self.peers:
+        """Send one datagram to the peer that is answered, or to all."""
+        for peer in self.peers if self._only is None else [self._only]:
             with contextlib.suppress(OSError):
                 self._socket.sendto(data, peer)
 
@@ -92,6 +110,8 @@ class UdpLine:
 
 class StreamLine:
     """A line that is opened again when it breaks: TCP or serial. `connect` returns a file with recv, send, fileno."""
+
+    sender = None
 
     def __init__(self, connect: Callable[[], Any], clock: Callable[[], float] = time.monotonic) -> None:
         self._connect, self._clock = connect, clock
@@ -127,6 +147,9 @@ class StreamLine:
         if not data:
             self._break()
         return bytes(data)
+
+    def answer(self, peer: Hashable) -> None:
+        """There is one peer."""
 
     def send(self, data: bytes) -> None:
         """Send bytes if the line takes them now."""
