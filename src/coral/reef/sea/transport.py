@@ -56,7 +56,7 @@ class UdpLine:
         """
         self._listens = address.medium == "udpin"
         self.sender: Hashable = None
-        self._only: Hashable = None
+        self._only: Any = None
         self.peers: list[Any] = []
         """Where to send to; senders, latest last, if we listen."""
         try:
