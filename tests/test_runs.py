@@ -16,7 +16,6 @@ from coral.runs import (
     read_events,
     read_rows,
     trajectory_name,
-    write_whole,
 )
 
 ODD = "a\ud800b\x00\x1b[31m\u202e\uffff"
@@ -119,10 +118,3 @@ def test_a_full_disk_names_the_file_and_the_log_can_still_be_closed(tmp_path):
     with pytest.raises(OSError, match=r"No space left on device: .*events\.jsonl"):
         writer.event(0, 0.0, "start")
     writer.close()
-
-
-def test_a_file_that_was_not_written_whole_is_not_there(tmp_path):
-    (tmp_path / "taken").mkdir()
-    with pytest.raises(OSError, match="taken"):
-        write_whole(tmp_path / "taken", b"content")
-    assert [path.name for path in tmp_path.iterdir()] == ["taken"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import gzip
 import os
 import re
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import IO
 
 from coral.errors import naming
+from coral.file_writer import open_log, scratch_for
 
 MOST_BYTES = 64_000_000
 """A part that has grown to this size is packed, to about a tenth of it. Missions in simulation never reach it."""
@@ -52,7 +52,7 @@ class RotatingLog:
         self._log.close()
 
     def _open(self) -> None:
-        self._log: IO[str] = open(self._path, "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+        self._log: IO[str] = open_log(self._path)
         self._size = 0
         if self._header:
             self._log.write(self._header + "\n")
@@ -63,14 +63,14 @@ class RotatingLog:
         full = self._path.with_name(f"{self._path.stem}.{self._parts:04d}{self._path.suffix}")
         os.rename(self._path, full)
         self._open()
-        packed, partial = Path(f"{full}.gz"), Path(f"{full}.gz.part")
         try:
-            with open(full, "rb") as plain, gzip.open(partial, "wb", compresslevel=5) as out:
+            with (
+                scratch_for(Path(f"{full}.gz")) as packed,
+                open(full, "rb") as plain,
+                gzip.open(packed, "wb", compresslevel=5) as out,
+            ):
                 shutil.copyfileobj(plain, out)
-            os.replace(partial, packed)
         except OSError:  # no room to pack it: the part stays as it is
-            with contextlib.suppress(OSError):
-                partial.unlink()
             return
         full.unlink()
 

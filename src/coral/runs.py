@@ -17,7 +17,8 @@ from typing import Any
 import yaml
 
 from coral import __version__
-from coral.errors import InputError, naming
+from coral.errors import InputError
+from coral.file_writer import PRIVATE, write_whole
 from coral.odd_text import encodable, encodable_values
 from coral.rotating_log import RotatingLog, read_lines
 
@@ -38,7 +39,7 @@ class RunWriter:
         """
         self.folder = folder
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            folder.mkdir(PRIVATE, parents=True, exist_ok=True)
             if any(folder.iterdir()):
                 raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
             self._events = RotatingLog(folder / "events.jsonl")
@@ -82,33 +83,6 @@ class RunWriter:
         for log in (self._events, *self._rows):
             with contextlib.suppress(OSError):
                 log.close()
-
-
-def write_whole(path: Path, content: bytes, *, durable: bool = False) -> None:
-    """Write a file atomically, and its folder if that is missing.
-
-    Args:
-        path: Path of the file; an existing file is replaced.
-        content: The complete content.
-        durable: Whether to write atomically even if the machine loses power, which takes milliseconds more.
-
-    Raises:
-        OSError: The file cannot be written; the error names it.
-    """
-    with naming(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial = path.with_name(path.name + ".part")
-        try:
-            with open(partial, "wb") as out:
-                out.write(content)
-                if durable:
-                    out.flush()
-                    os.fsync(out.fileno())
-            os.replace(partial, path)
-        except OSError:
-            with contextlib.suppress(OSError):
-                partial.unlink()
-            raise
 
 
 def read_events(path: Path) -> Iterator[dict[str, Any]]:

@@ -3,8 +3,9 @@ import os
 import pytest
 
 from coral.campaign import store as store_module
-from coral.campaign.store import Store, write_whole
+from coral.campaign.store import Store
 from coral.errors import InputError
+from coral.file_writer import write_whole
 
 
 @pytest.fixture

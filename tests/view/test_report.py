@@ -6,6 +6,7 @@ import pytest
 
 from coral.errors import InputError
 from coral.view.report import write_report
+from coral.view.runmap import write_map
 
 
 def page(folder):
@@ -104,6 +105,17 @@ def test_a_report_is_replaced_and_a_missing_run_is_named(fresh, tmp_path):
     assert not list(fresh.glob("*.part"))
     with pytest.raises(InputError, match="nowhere"):
         write_report(tmp_path / "nowhere")
+
+
+def test_a_planted_link_leads_no_report_to_another_file(fresh, tmp_path):
+    precious = tmp_path / "precious"
+    precious.write_text("mine")
+    for name in ("report.html", "report.html.part", "map.png", "map.png.part"):
+        (fresh / name).unlink(missing_ok=True)
+        (fresh / name).symlink_to(precious)
+    write_map(fresh)
+    write_report(fresh)
+    assert precious.read_text() == "mine"
 
 
 def test_a_picture_shown_twice_is_held_once(fresh):

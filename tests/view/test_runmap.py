@@ -57,6 +57,7 @@ def test_a_run_without_anything_has_an_empty_map(fresh):
 
 
 def test_a_map_that_cannot_be_written_is_one_line(fresh):
-    (fresh / "map.png.part").mkdir()
+    (fresh / "map.png").unlink(missing_ok=True)
+    (fresh / "map.png").mkdir()
     with pytest.raises(InputError, match=r"map\.png: found .*, expected a file that can be written"):
         write_map(fresh)

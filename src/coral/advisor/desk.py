@@ -19,6 +19,7 @@ from coral.advisor.log import plain_json
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply, Usage
 from coral.errors import InputError
+from coral.file_writer import PRIVATE, write_whole
 
 if TYPE_CHECKING:
     from coral.advisor.setting import Setting
@@ -76,13 +77,13 @@ class DeskAdvisor:
             state = "answered"
             text = file.read_text(encoding="utf-8", errors="replace")
         finally:
-            _write(folder / "closed.json", json.dumps({"state": state}).encode())
+            write_whole(folder / "closed.json", json.dumps({"state": state}))
         usage = Usage(requests=1)
         return Reply(value=parse_answer(text, question.answer_type, usage), raw=text, usage=usage)
 
     def _post(self, question: Question[Any], rejections: Sequence[Rejection]) -> Path:
         """Write a question folder, numbered with the first free number."""
-        self._inbox.mkdir(parents=True, exist_ok=True)
+        self._inbox.mkdir(PRIVATE, parents=True, exist_ok=True)
         numbers = [int(p.name.partition("-")[0]) for p in self._inbox.iterdir() if p.name.partition("-")[0].isdigit()]
         number = max(numbers, default=0) + 1
         name = f"{number:06d}-{question.kind}"
@@ -100,7 +101,7 @@ class DeskAdvisor:
                 number += 1
                 name = f"{number:06d}-{question.kind}"
                 content["id"] = name
-                (aside / "question.json").write_text(plain_json(content, indent=2), encoding="utf-8")
+                write_whole(aside / "question.json", plain_json(content, indent=2))
 
 
 def question_folder(
@@ -124,7 +125,7 @@ def question_folder(
     """
     folder.mkdir(parents=True)
     for picture in question.pictures:
-        (folder / f"{picture.name}.png").write_bytes(picture.png)
+        write_whole(folder / f"{picture.name}.png", picture.png)
     content = {
         "id": name or folder.name,
         "kind": question.kind,
@@ -143,14 +144,8 @@ def question_folder(
         **({"asker": {"host": socket.gethostname(), "pid": os.getpid()}} if waiting else {}),
         "rejections": [dataclasses.asdict(r) for r in rejections],
     }
-    (folder / "question.json").write_text(plain_json(content, indent=2), encoding="utf-8")
+    write_whole(folder / "question.json", plain_json(content, indent=2))
     return content
-
-
-def _write(path: Path, content: bytes) -> None:
-    partial = path.with_name(path.name + ".part")
-    partial.write_bytes(content)
-    os.replace(partial, path)
 
 
 def make_desk(name: str, rest: str, setting: Setting) -> DeskAdvisor:

@@ -17,8 +17,8 @@ from pydantic import BaseModel
 from coral.advisor.consult import Attempt
 from coral.advisor.question import Question
 from coral.errors import naming
+from coral.file_writer import open_log, write_whole
 from coral.odd_text import encodable
-from coral.runs import write_whole
 
 RAW_LIMIT = 65_536
 """Characters of a raw reply that are kept."""
@@ -84,7 +84,7 @@ class AttemptRecorder:
         self._folder = folder / "pictures"
         self._seen: set[str] = set()
         folder.mkdir(parents=True, exist_ok=True)
-        self._file = open(folder / "attempts.jsonl", "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+        self._file = open_log(folder / "attempts.jsonl")
 
     def __call__(self, attempt: Attempt) -> None:
         """Append one attempt; pass the recorder itself as `consult`'s `log`."""

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from coral.campaign.store import write_whole
 from coral.campaign.sweep import setting_text
 from coral.errors import InputError
+from coral.file_writer import write_whole
 
 Row = dict[str, Any]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from coral.campaign.reef_tables import name
 from coral.campaign.spec import called
-from coral.campaign.store import write_whole
+from coral.file_writer import write_whole
 from coral.odd_text import printable
 from coral.view.mapsvg import footprint
 from coral.view.run import RunFolder

@@ -11,9 +11,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from coral import runs
 from coral.campaign.spec import Spec
 from coral.errors import InputError
+from coral.file_writer import open_log, write_whole
 
 FORMAT = "coral-campaign/1"
 Record = dict[str, Any]
@@ -49,7 +49,7 @@ class Store:
                     f"a folder with other things in it ({strangers[0]})",
                     "a new or empty folder, or one that a campaign made",
                 )
-            handle = open(self.folder / ".lock", "a")  # noqa: SIM115
+            handle = open_log(self.folder / ".lock", new=False)
         except OSError as error:
             raise InputError(
                 str(self.folder), "--out", error.strerror or error, "a folder that can be written"
@@ -192,12 +192,7 @@ class Store:
         return {path.stem for path in (self.folder / kind).glob("*.json") if _read(path) is not None}
 
     def _write(self, path: Path, content: Mapping[str, Any]) -> None:
-        write_whole(path, json.dumps(content, allow_nan=False, indent=1).encode() + b"\n")
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file atomically, also when the machine loses power."""
-    runs.write_whole(path, content, durable=True)
+        write_whole(path, json.dumps(content, allow_nan=False, indent=1) + "\n", durable=True)
 
 
 def _read(path: Path) -> Record | None:

@@ -10,8 +10,8 @@ from typing import Any
 
 from coral.campaign.measures import Measure, Row, mean
 from coral.campaign.overlay import COLORS, MORE_COLORS
-from coral.campaign.store import write_whole
 from coral.campaign.sweep import in_order
+from coral.file_writer import write_whole
 from coral.odd_text import printable
 
 EDGED = "#3a3000"

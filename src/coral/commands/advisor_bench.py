@@ -30,6 +30,7 @@ from coral.exam.question_set import load_set
 from coral.exam.report import write_report
 from coral.exam.result import Result
 from coral.exam.sitting import sit
+from coral.file_writer import write_whole, writing
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 
@@ -137,15 +138,10 @@ class AdvisorBench:
     def _write(self, results: list[Result], rows: list[dict[str, Any]], about: str) -> dict[str, str]:
         folder = self.out
         assert folder is not None
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / "results.json").write_text(json.dumps({"sets": about, "rows": rows}, indent=1), encoding="utf-8")
-            with open(folder / "answers.jsonl", "w", encoding="utf-8") as file:
-                for result in results:
-                    for one in result.graded:
-                        file.write(json.dumps(_line(result.name, one)) + "\n")
-        except OSError as error:
-            raise InputError("--out", str(folder), error.strerror or error, "a folder that can be written") from None
+        with writing("--out", str(folder), "a folder that can be written"):
+            write_whole(folder / "results.json", json.dumps({"sets": about, "rows": rows}, indent=1))
+            lines = (json.dumps(_line(result.name, one)) + "\n" for result in results for one in result.graded)
+            write_whole(folder / "answers.jsonl", "".join(lines))
         return {"report": str(write_report(folder / "report.html", results, rows, about))}
 
     def describe(self, result: Mapping[str, Any]) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -14,6 +13,7 @@ import tyro
 
 from coral.advisor.prompt import FOLDER, kinds, render, version
 from coral.errors import InputError, RunError, nearest
+from coral.file_writer import write_whole, writing
 from coral.odd_text import encodable
 
 
@@ -57,13 +57,10 @@ class AdvisorShow:
     def _write(self, prompt: str, pictures: Mapping[str, Path]) -> list[str]:
         folder = self.out
         assert folder is not None
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / "prompt.md").write_text(encodable(prompt), encoding="utf-8")
+        with writing("--out", str(folder), "a folder that can be written"):
+            write_whole(folder / "prompt.md", encodable(prompt))
             for name, picture in pictures.items():
-                shutil.copyfile(picture, folder / f"{name}.png")
-        except OSError as error:
-            raise InputError("--out", str(folder), error.strerror or error, "a folder that can be written") from None
+                write_whole(folder / f"{name}.png", picture.read_bytes())
         return [str(folder / "prompt.md"), *(str(folder / f"{name}.png") for name in pictures)]
 
     def describe(self, result: Mapping[str, Any]) -> str:

@@ -15,9 +15,10 @@ from coral.campaign.episode import Episode
 from coral.campaign.progress import CampaignProgress
 from coral.campaign.slurm import SlurmCfg
 from coral.campaign.spec import Spec
-from coral.campaign.store import Store, write_whole
+from coral.campaign.store import Store
 from coral.campaign.table import Table, document
 from coral.errors import InputError, RunError
+from coral.file_writer import write_whole
 from coral.words import many
 
 

@@ -24,7 +24,7 @@ from coral.campaign.contact_ablation import NAMES, ablations, chosen
 from coral.campaign.contact_tables import contact_tables
 from coral.campaign.dataset import Row
 from coral.campaign.spec import Spec, called, grid, parse_names, parse_seeds
-from coral.campaign.store import Store, write_whole
+from coral.campaign.store import Store
 from coral.campaign.version import code_version
 from coral.commands.campaigns import (
     CampaignFlags,
@@ -57,6 +57,7 @@ from coral.contact.tasks import load_task
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
+from coral.file_writer import write_whole
 from coral.runs import provenance
 
 

@@ -13,6 +13,7 @@ import tyro
 
 from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
 from coral.errors import InputError
+from coral.file_writer import write_whole
 
 if TYPE_CHECKING:
     from coral.contact.perception.camera import RgbdFrame
@@ -93,8 +94,7 @@ class ContactCalibrate:
         if path.exists():
             raise InputError("--draw", "", str(path), "a new file")
         board = CharucoBoard(self.board)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        cv2.imwrite(str(path), board.draw(200))
+        write_whole(path, cv2.imencode(".png", board.draw(200))[1].tobytes())
         columns, rows = board.size
         return {"drawn": str(path), "width_m": columns * board.square_m, "height_m": rows * board.square_m}
 

@@ -15,6 +15,7 @@ import tyro
 
 from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
 from coral.errors import InputError, RunError
+from coral.file_writer import write_whole
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +79,4 @@ class ContactClick:
 
     def _write(self, clicks: Mapping[str, tuple[int, int]]) -> None:
         lines = [f"  {json.dumps(name)}: [{column}, {row}]" for name, (column, row) in clicks.items()]
-        self.out.parent.mkdir(parents=True, exist_ok=True)
-        with self.out.open("x", encoding="utf-8") as file:
-            file.write("\n".join(["objects:", *lines]) + "\n")
+        write_whole(self.out, "\n".join(["objects:", *lines]) + "\n", replace=False)

@@ -19,6 +19,7 @@ from coral.contact.perception.cameras.camera_registry import camera_help, make_c
 from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.errors import InputError, RunError
+from coral.file_writer import write_whole
 from coral.terminal import fitted
 
 
@@ -99,8 +100,7 @@ class ContactPoses:
             raise RunError(f"the camera {self.camera} sent no picture")
         if self.picture is not None:
             drawn = draw_poses(last[0], models, last[1])
-            self.picture.parent.mkdir(parents=True, exist_ok=True)
-            cv2.imwrite(str(self.picture), drawn[..., ::-1])
+            write_whole(self.picture, cv2.imencode(".png", drawn[..., ::-1])[1].tobytes())
         return {
             "camera": self.camera,
             "masks": self.masks,

@@ -14,6 +14,7 @@ from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import Memory, Stored
 from coral.contact.memory.store_sqlite import SqliteStore
 from coral.errors import InputError
+from coral.file_writer import write_whole, writing
 from coral.words import many
 
 FILE = "memory.sqlite"
@@ -145,11 +146,8 @@ class MemoryExport:
     def __call__(self) -> Mapping[str, Any]:
         """Write the file."""
         content = _open_existing(self.file).export()
-        try:
-            with open(self.to, "x", encoding="utf-8") as out:
-                out.write(json_text.dumps(content, indent=1, allow_nan=False) + "\n")
-        except OSError as error:
-            raise InputError(str(self.to), "", error.strerror or error, "a new file that can be written") from None
+        with writing(self.to, expected="a new file that can be written"):
+            write_whole(self.to, json_text.dumps(content, indent=1, allow_nan=False) + "\n", replace=False)
         return {"file": str(self.to), "experiences": len(content["experiences"])}
 
     def describe(self, result: Mapping[str, Any]) -> str:

@@ -21,7 +21,7 @@ from coral.campaign.presets import KEY as PRESET
 from coral.campaign.presets import by_preset, with_presets
 from coral.campaign.reef_tables import DRAWN, REFERENCE, TABLE_I, TABLE_II, reef_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, called, grid, parse_names, parse_seeds
-from coral.campaign.store import Store, write_whole
+from coral.campaign.store import Store
 from coral.campaign.study_tables import study_csv, study_tables
 from coral.campaign.sweep import parse_sweeps
 from coral.campaign.table import document
@@ -39,6 +39,7 @@ from coral.commands.config_flag import config_words, configured, given_keys, set
 from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.errors import InputError
+from coral.file_writer import write_whole
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.drive.controllers import controller_maker

@@ -17,11 +17,11 @@ from coral.commands.keyboard import Keyboard
 from coral.commands.sail_parts import proves_simulation
 from coral.config import Positive, checked, to_mapping
 from coral.errors import InputError, RunError
+from coral.file_writer import write_whole
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.response_trial import Leg, TrialLog, drive, identify, legs
 from coral.reef.vehicle.response import VehicleResponse
-from coral.runs import write_whole
 
 POSITION_S = 120.0
 """A position is waited for so long."""

@@ -12,6 +12,7 @@ import numpy as np
 import tyro
 
 from coral.errors import InputError
+from coral.file_writer import write_whole, writing
 from coral.reef.paint.daylight import PainterCfg
 
 
@@ -76,11 +77,8 @@ class ReefPicture:
             for water in waters
         ]  # fmt: skip
         picture = taken[0][1] if len(taken) == 1 else contact_sheet(taken, columns=2 if len(taken) <= 4 else 5)
-        try:
-            self.out.parent.mkdir(parents=True, exist_ok=True)
-            self.out.write_bytes(png(picture))
-        except OSError as error:
-            raise InputError("--out", str(self.out), error.strerror or error, "a file that can be written") from None
+        with writing("--out", str(self.out)):
+            write_whole(self.out, png(picture))
         return {
             "picture": str(self.out),
             "waters": {water.name: round(water.visibility_m, 2) for water in waters},

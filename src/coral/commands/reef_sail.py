@@ -29,6 +29,7 @@ from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
 from coral.desk.notice import mission_notice
 from coral.errors import InputError, RunError
+from coral.file_writer import write_whole
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.map.sonar_3d15 import SonarCfg
@@ -44,7 +45,7 @@ from coral.reef.sea.survey_alignment import SavedMap
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.vehicle.response import VehicleResponse
 from coral.run_loop import Observer
-from coral.runs import new_run_folder, write_whole
+from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
 from coral.words import many
 

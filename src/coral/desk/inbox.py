@@ -6,7 +6,6 @@ import contextlib
 import json
 import os
 import re
-import secrets
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
@@ -17,6 +16,7 @@ from coral.advisor.parse import MAX_CHARS
 from coral.desk.notice import is_alive
 from coral.desk.schema import SchemaFault, faults
 from coral.errors import InputError
+from coral.file_writer import PRIVATE, write_whole
 from coral.odd_text import encodable
 
 State = Literal["open", "sent", "answered", "withdrawn", "abandoned", "unreadable"]
@@ -83,7 +83,7 @@ class Inbox:
         if folder.exists() and not folder.is_dir():
             raise InputError(str(folder), "INBOX", "a file", "a folder")
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            folder.mkdir(PRIVATE, parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(str(folder), "INBOX", error.strerror or error, "a folder that can be written") from None
         if not os.access(folder, os.R_OK | os.W_OK | os.X_OK):
@@ -174,18 +174,11 @@ class Inbox:
             wrong = [SchemaFault((), f"has {len(text)} characters; at most {MAX_CHARS} are read")]
         if wrong:
             raise Unfit(wrong)
-        tag = secrets.token_hex(8)
-        partial = folder / f".answer-{tag}.part"
         try:
-            partial.write_text(text, encoding="utf-8")
-            _claim(partial, folder / "answer.json")
+            write_whole(folder / "answer.json", text, replace=False)
         except FileExistsError:
             raise NotOpen(_taken_text(folder)) from None
-        finally:
-            partial.unlink(missing_ok=True)
-        note = folder / f".operator-{tag}.part"
-        note.write_text(json.dumps({"operator": operator, "answered_at": round(time.time(), 3)}), encoding="utf-8")
-        os.replace(note, folder / "operator.json")
+        write_whole(folder / "operator.json", json.dumps({"operator": operator, "answered_at": round(time.time(), 3)}))
 
     def _refuse_closed(self, question_id: str) -> None:
         entry, _ = self._entry(question_id)
@@ -254,24 +247,6 @@ class Inbox:
 def entry_json(entry: InboxEntry) -> dict[str, Any]:
     """Convert an entry to JSON."""
     return asdict(entry)
-
-
-def _claim(partial: Path, target: Path) -> None:
-    """Move a complete file to its name, unless the name is taken.
-
-    Raises:
-        FileExistsError: The name is taken.
-    """
-    try:
-        os.link(partial, target)
-    except FileExistsError:
-        raise
-    except OSError:
-        # A file system without hard links: claim the name with a file that only one process can create.
-        os.close(os.open(target.with_name("answer.claim"), os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
-        if target.exists():
-            raise FileExistsError(target) from None
-        os.replace(partial, target)
 
 
 def _taken_text(folder: Path) -> str:

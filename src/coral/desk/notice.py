@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import socket
@@ -10,6 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+from coral.file_writer import PRIVATE, write_whole
 
 
 class MissionNotice:
@@ -82,10 +85,6 @@ def is_alive(host: str, pid: int) -> bool:
 
 
 def _write(path: Path, content: dict[str, Any]) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial = path.with_name(f".{path.name}.part")
-        partial.write_text(json.dumps(content, indent=2, default=str), encoding="utf-8")
-        os.replace(partial, path)
-    except OSError:
-        pass
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(PRIVATE, parents=True, exist_ok=True)
+        write_whole(path, json.dumps(content, indent=2, default=str))

@@ -12,6 +12,7 @@ from coral.advisor.question import BadAnswer, Usage
 from coral.errors import InputError
 from coral.exam.item import ExamItem
 from coral.exam.sitting import Sheet
+from coral.file_writer import write_whole
 
 SET = "set.json"
 """Index of an inbox: the name of the set, and the question's id for each folder."""
@@ -35,7 +36,7 @@ def export(items: Sequence[ExamItem], inbox: Path, about: str) -> int:
         for number, item in enumerate(items, start=1):
             question_folder(inbox / folder_name(number, item), item.question(), waiting=False)
         places = {folder_name(number, item): item.id for number, item in enumerate(items, start=1)}
-        (inbox / SET).write_text(json.dumps({"set": about, "questions": places}, indent=1), encoding="utf-8")
+        write_whole(inbox / SET, json.dumps({"set": about, "questions": places}, indent=1))
     except OSError as error:
         raise InputError("--export", str(inbox), error.strerror or error, "a folder that can be written") from None
     return len(items)

@@ -20,6 +20,7 @@ from coral.advisor.log import plain_json
 from coral.advisor.question import Picture
 from coral.errors import InputError, nearest
 from coral.exam.item import ANSWERS, ExamItem
+from coral.file_writer import scratch_for
 
 FORMAT = "coral-questions/1"
 SHIPPED = ("public",)
@@ -50,8 +51,7 @@ def save_set(path: Path, made: QuestionSet) -> None:
     }
     head = {"format": FORMAT, "name": made.name, **made.about, "answer_schemas": schemas}
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with zipfile.ZipFile(path, "w") as folder:
+        with scratch_for(path) as scratch, zipfile.ZipFile(scratch, "w") as folder:
             _put(folder, "set.json", plain_json(head, indent=1).encode())
             _put(folder, "questions.jsonl", _lines(_item_to_json(item) for item in made.items))
             _put(folder, "keys.jsonl", _lines({"id": item.id, **item.key} for item in made.items))

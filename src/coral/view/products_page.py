@@ -14,6 +14,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from coral.file_writer import write_whole
 from coral.odd_text import encodable
 from coral.reef.products.cover import CoverCfg
 from coral.reef.products.files import make_layers
@@ -21,7 +22,6 @@ from coral.reef.products.placement import EarthPlacement
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, Stop
 from coral.reef.products.survey_products import SurveyProducts
 from coral.reef.recordings.recording import EXACT, RECORDED
-from coral.runs import write_whole
 from coral.view.svg import clock
 
 TEMPLATES = Path(__file__).parent / "templates"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from markupsafe import Markup
 
 from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
-from coral.errors import InputError
+from coral.file_writer import write_whole, writing
 from coral.odd_text import encodable
 from coral.reef.mission.metrics import DEFINITIONS, fleet_metrics, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
@@ -64,12 +63,8 @@ def write_page(folder: Path, page: str) -> Path:
         InputError: The page cannot be written.
     """
     path = folder / "report.html"
-    partial = path.with_name("report.html.part")
-    try:
-        partial.write_text(encodable(page), encoding="utf-8")
-        os.replace(partial, path)
-    except OSError as error:
-        raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
+    with writing(path):
+        write_whole(path, encodable(page))
     return path
 
 

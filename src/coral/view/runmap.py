@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError
+from coral.file_writer import write_whole, writing
 from coral.reef.world.geometry import Pose
 from coral.view.companions import COLORS, Companion
 from coral.view.decisions import Decision, decisions
@@ -25,12 +24,9 @@ def write_map(run_folder: str | Path) -> Path:
         InputError: There is no run in the folder, or the picture cannot be written.
     """
     run = RunFolder.read(run_folder)
-    path, partial = run.path / "map.png", run.path / "map.png.part"
-    try:
-        partial.write_bytes(png(draw_map(scene_at(run, decisions(run), run.duration_s)).rgb))
-        os.replace(partial, path)
-    except OSError as error:
-        raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
+    path = run.path / "map.png"
+    with writing(path):
+        write_whole(path, png(draw_map(scene_at(run, decisions(run), run.duration_s)).rgb))
     return path
 
 

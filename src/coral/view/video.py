@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import cv2
 import numpy as np
 
 from coral.errors import InputError
+from coral.file_writer import scratch_for, writing
 from coral.view.cameraview import Kind, camera_picture
 from coral.view.decisions import Decision, decisions
 from coral.view.mapview import MapViewCfg, draw_map
@@ -40,28 +40,25 @@ def write_video(run_folder: str | Path) -> Path:
     run = RunFolder.read(run_folder)
     if not run.frame_steps:
         raise InputError(str(run.path), "frames/", "no snapshots", "a run that kept its frames")
-    path, partial = run.path / "mission.mp4", run.path / "mission.part.mp4"
+    path = run.path / "mission.mp4"
     import imageio_ffmpeg
 
-    film = imageio_ffmpeg.write_frames(
-        str(partial),
-        (WIDTH, HEIGHT),
-        fps=FPS,
-        codec="libx264",
-        macro_block_size=8,
-        quality=None,
-        pix_fmt_out="yuv420p",
-        output_params=["-crf", "27", "-preset", "veryfast", "-movflags", "+faststart"],
-        ffmpeg_log_level="error",
-    )
-    try:
+    with writing(path), scratch_for(path) as scratch:
+        film = imageio_ffmpeg.write_frames(
+            str(scratch),
+            (WIDTH, HEIGHT),
+            fps=FPS,
+            codec="libx264",
+            macro_block_size=8,
+            quality=None,
+            pix_fmt_out="yuv420p",
+            output_params=["-crf", "27", "-preset", "veryfast", "-movflags", "+faststart"],
+            ffmpeg_log_level="error",
+        )
         film.send(None)
         for picture in pictures(run):
             film.send(np.ascontiguousarray(picture))
         film.close()
-        os.replace(partial, path)
-    except OSError as error:
-        raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
     return path
 
 

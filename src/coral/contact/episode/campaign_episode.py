@@ -18,6 +18,7 @@ from coral.contact.scene.task import Task
 from coral.contact.scene.trial import sample_trial
 from coral.contact.thinker.think_cfg import resolved
 from coral.errors import RunError
+from coral.file_writer import write_whole
 
 
 def run_episode(
@@ -88,4 +89,4 @@ def _keep_new(own: Memory, known: int, folder: Path) -> None:
     new = everything["experiences"][known:]
     if new:
         text = json.dumps({**everything, "experiences": new}, indent=1)
-        (folder / "remembered.json").write_text(f"{text}\n", encoding="utf-8")
+        write_whole(folder / "remembered.json", f"{text}\n")

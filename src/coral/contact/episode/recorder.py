@@ -15,6 +15,7 @@ from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Array, BodyState, Contact, HandTarget, Observation, Truth
 from coral.contact.worlds.evaluation_world import simulation_of
 from coral.contact.worlds.robot_world import RobotWorld
+from coral.file_writer import open_log
 from coral.runs import RunWriter
 
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
@@ -121,7 +122,7 @@ class EpisodeRecorder:
         data = simulation.data
         if self._states is None:
             path = self._writer.folder / "states.csv"
-            self._states = open(path, "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+            self._states = open_log(path)
             self._states.write(",".join(["step", "t", *(f"q{k}" for k in range(len(data.qpos)))]) + "\n")
         self._states.write(",".join([str(step), f"{t:.6g}", *(f"{value:.6g}" for value in data.qpos)]) + "\n")
 

@@ -19,6 +19,7 @@ from coral.contact.perception.recorded_accuracy import RecordedPose
 from coral.contact.perception.symmetry import Symmetry
 from coral.contact.scene.rigid_transform import inverse_transform
 from coral.errors import InputError
+from coral.file_writer import write_whole
 
 Array = NDArray[np.float64]
 DEPTH_SCALE_MM = 0.1
@@ -41,8 +42,6 @@ class BopWriter:
             raise InputError(str(folder), "", "something is there", "a new or empty folder")
         self._folder = folder
         self._numbers = {name: 1 + k for k, name in enumerate(models)}
-        for part in ("depth", "mask_visib", "rgb", "models"):
-            (folder / part).mkdir(parents=True, exist_ok=True)
         for name, number in self._numbers.items():
             write_ply(folder / "models" / f"obj_{number:06d}.ply", models[name].triangles)
         self._write("models/models_info.json", {str(self._numbers[name]): _info(one) for name, one in models.items()})
@@ -68,20 +67,23 @@ class BopWriter:
             {**_written(camera @ truth[name], "m2c"), "obj_id": number} for name, number in self._numbers.items()
         ]
         depth = np.clip(np.rint(frame.depth / (MM * DEPTH_SCALE_MM)), 0, 65535).astype(np.uint16)
-        cv2.imwrite(str(self._folder / "depth" / f"{index:06d}.png"), depth)
+        self._picture(f"depth/{index:06d}.png", depth)
         for k, name in enumerate(self._numbers):
             mask = frame.mask(name).astype(np.uint8) * 255
-            cv2.imwrite(str(self._folder / "mask_visib" / f"{index:06d}_{k:06d}.png"), mask)
+            self._picture(f"mask_visib/{index:06d}_{k:06d}.png", mask)
         if frame.rgb is not None:
-            cv2.imwrite(str(self._folder / "rgb" / f"{index:06d}.png"), frame.rgb[..., ::-1])
+            self._picture(f"rgb/{index:06d}.png", frame.rgb[..., ::-1])
 
     def close(self) -> None:
         """Write the poses."""
         self._write("scene_camera.json", self._cameras)
         self._write("scene_gt.json", self._truth)
 
+    def _picture(self, name: str, image: NDArray[Any]) -> None:
+        write_whole(self._folder / name, cv2.imencode(".png", image)[1].tobytes())
+
     def _write(self, name: str, content: Mapping[str, Any]) -> None:
-        (self._folder / name).write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        write_whole(self._folder / name, json.dumps(content, indent=1) + "\n")
 
 
 def write_ply(path: Path, triangles: Array) -> None:
@@ -93,7 +95,7 @@ def write_ply(path: Path, triangles: Array) -> None:
         *(" ".join(f"{value:.6g}" for value in corner) for corner in corners),
         *(f"3 {a} {b} {c}" for a, b, c in faces.reshape(-1, 3)),
     ]  # fmt: skip
-    path.write_text("\n".join(lines) + "\n", encoding="ascii")
+    write_whole(path, "\n".join(lines) + "\n")
 
 
 def _written(pose: Array, kind: str) -> dict[str, list[float]]:
@@ -128,15 +130,13 @@ def write_bop_results(path: Path, scene: BopScene, poses: Iterable[RecordedPose]
     Columns: scene_id, im_id, obj_id, score, R (row by row), t (mm), time (s). Poses that were followed are left out.
     """
     name = scene.folder.resolve().name
-    with path.open("w", encoding="utf-8", newline="\n") as stream:
-        stream.write("scene_id,im_id,obj_id,score,R,t,time\n")
-        for one in poses:
-            if one.followed or one.estimate.lost:
-                continue
-            camera = inverse_transform(scene.cameras[one.picture].T_world_camera)
-            pose = camera @ one.estimate.T_world_object
-            turn, place = (
-                " ".join(f"{value:.6f}" for value in part) for part in (pose[:3, :3].ravel(), pose[:3, 3] / MM)
-            )
-            score, scene_id = one.estimate.confidence, int(name) if name.isdecimal() else 0
-            stream.write(f"{scene_id},{one.picture},{one.number},{score:.4f},{turn},{place},{one.seconds:.4f}\n")
+    lines = ["scene_id,im_id,obj_id,score,R,t,time"]
+    for one in poses:
+        if one.followed or one.estimate.lost:
+            continue
+        camera = inverse_transform(scene.cameras[one.picture].T_world_camera)
+        pose = camera @ one.estimate.T_world_object
+        turn, place = (" ".join(f"{value:.6f}" for value in part) for part in (pose[:3, :3].ravel(), pose[:3, 3] / MM))
+        score, scene_id = one.estimate.confidence, int(name) if name.isdecimal() else 0
+        lines.append(f"{scene_id},{one.picture},{one.number},{score:.4f},{turn},{place},{one.seconds:.4f}")
+    write_whole(path, "\n".join(lines) + "\n")

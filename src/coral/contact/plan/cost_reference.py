@@ -17,6 +17,7 @@ from coral.contact.cost_program.library import MODULES as LIBRARIES
 from coral.contact.cost_program.pybullet import PyBullet
 from coral.contact.cost_program.rotations import MAKERS, OF_ROTATION
 from coral.contact.cost_program.state import StateSpace
+from coral.file_writer import write_whole
 
 BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
@@ -105,4 +106,4 @@ def updated(page: str) -> str:
 
 if __name__ == "__main__":
     path = Path(sys.argv[1])
-    path.write_text(updated(path.read_text()))
+    write_whole(path, updated(path.read_text()))

@@ -15,6 +15,7 @@ from coral.contact.scene.shapes import Shape
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_validation import check_task
 from coral.errors import InputError, nearest
+from coral.file_writer import write_whole
 from coral.validation_errors import input_error
 
 TASKS_DIR = Path(__file__).parent / "tasks"
@@ -94,4 +95,4 @@ def task_schema() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    (TASKS_DIR / "schema.json").write_text(json.dumps(task_schema(), indent=1) + "\n", encoding="utf-8")
+    write_whole(TASKS_DIR / "schema.json", json.dumps(task_schema(), indent=1) + "\n")

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import to_mapping
+from coral.file_writer import write_whole
 from coral.reef.mission.oracle import plan_tour
 from coral.reef.simulation.imaging import ImagingCfg
 from coral.reef.vehicle.camera import CameraCfg
@@ -79,11 +80,8 @@ def oracle_bound(
     tour = plan_tour(world, camera, imaging, visibility_m=visibility_m, vehicle=vehicle, dt=dt)
     found = _kept[key] = Bound({share: tour.time_to(share) for share in SHARES}, tour.commands)
     with contextlib.suppress(OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_name(f".{path.name}.{os.getpid()}.part")
         content = {"times": [found.times[share] for share in SHARES], "commands": found.commands.tolist()}
-        part.write_text(json.dumps(content), encoding="utf-8")
-        os.replace(part, path)
+        write_whole(path, json.dumps(content))
     return found
 
 

@@ -11,6 +11,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.file_writer import open_log
 from coral.reef.map.chain import Track
 from coral.reef.map.mapping import distance_to
 from coral.reef.simulation.imaging import ImagingMeter
@@ -37,7 +38,7 @@ class MissionJudge:
         there = np.zeros((height, width), np.bool_)
         there[_cells(reef[:, 1], height), _cells(reef[:, 0], width)] = True
         self._away = distance_to(there, CELL_M)
-        self._file: IO[str] = open(folder / JUDGE_FILE, "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+        self._file: IO[str] = open_log(folder / JUDGE_FILE)
         self._file.write(",".join(COLUMNS) + "\n")
 
     def note(self, step: int, t: float, positions: Sequence[tuple[float, float]]) -> None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from coral.config import Positive
 from coral.errors import naming
+from coral.file_writer import open_log
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
 from coral.reef.world.geometry import Frame, Pose
 from coral.runs import RunWriter
@@ -183,7 +184,7 @@ class FrameRecorder:
         path = self._writer.folder / POSES
         with naming(path):
             if self._poses is None:
-                self._poses = open(path, "x", encoding="utf-8", buffering=1)  # noqa: SIM115
+                self._poses = open_log(path)
                 self._poses.write(",".join(POSE_COLUMNS) + "\n")
             values = (t, at.pose.x, at.pose.y, at.height_m, at.roll, at.pitch, at.pose.theta, *at.odometry)
             self._poses.write(",".join([*(f"{v:.9g}" for v in values), *names]) + "\n")

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from coral.errors import InputError, RunError
+from coral.file_writer import write_whole
 from coral.reef.paint import caustics
 from coral.reef.paint.blender_scene import solid_of_index
 from coral.reef.paint.daylight import PainterCfg
@@ -99,7 +100,7 @@ def render_views(
             }  # fmt: skip
             sun = job["sun"]
             whole["sun"] = {**sun, "energy": most * sun["energy"], "sky_energy": most * sun["sky_energy"]}
-        (folder / "job.json").write_text(json.dumps(whole), encoding="utf-8")
+        write_whole(folder / "job.json", json.dumps(whole))
         _run(python, folder / "job.json", told)
         for view in job["views"]:
             yield view["name"], _develop(folder / f"{view['name']}.npz", scene, camera, cfg, view["seed"])

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import MALFORMED, InputError
+from coral.file_writer import open_log, write_whole
 from coral.reef.world.geometry import Frame, Label, Pose
 
 INDEX = "pictures.csv"
@@ -57,14 +58,13 @@ def write_picture(folder: Path, about: TakenPicture, frame: Frame) -> None:
         "labels": frame.labels,
     }
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         for kind, image in images.items():
             encoded = cv2.imencode(".png", image)[1]
-            (folder / f"{about.name}_{kind}.png").write_bytes(encoded.tobytes())
+            write_whole(folder / f"{about.name}_{kind}.png", encoded.tobytes())
         index = folder / INDEX
         fresh = not index.exists()
-        with index.open("a", newline="", encoding="utf-8") as file:
-            lines = csv.writer(file)
+        with open_log(index, new=False) as file:
+            lines = csv.writer(file, lineterminator="\n")
             if fresh:
                 lines.writerow(COLUMNS)
             place = (about.pose.x, about.pose.y, about.pose.theta, about.height)

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import MALFORMED, InputError
+from coral.file_writer import write_whole
 from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.reef_net import SHIPPED
-from coral.runs import write_whole
 from coral.yaml_file import read_regular
 
 SUFFIX = ".cover.json"

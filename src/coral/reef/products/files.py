@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from coral.errors import InputError
+from coral.file_writer import write_whole
 from coral.reef.products.feature import Feature, Layer, Value, closed_ring
 from coral.reef.products.geojson import write_geojson
 from coral.reef.products.geopackage import write_geopackage
@@ -20,7 +21,6 @@ from coral.reef.products.placement import EarthPlacement, place_raster
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, outline_style, raster_style
 from coral.reef.products.survey_products import SurveyProducts
 from coral.reef.recordings.picture_files import encode_png
-from coral.runs import write_whole
 
 NOTHING = -9999.0
 CLUSTER_COLUMNS = (

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.file_writer import write_whole
 from coral.reef.products.feature import Feature, Layer, closed_ring
 from coral.reef.products.placement import EarthPlacement
-from coral.runs import write_whole
 
 DIGITS = 8
 """A millimetre."""

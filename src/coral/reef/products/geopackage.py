@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sqlite3
 import struct
 from collections.abc import Sequence
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import naming
+from coral.file_writer import scratch_for
 from coral.reef.products.feature import Feature, Layer, closed_ring
 from coral.reef.products.placement import EarthPlacement
 
@@ -52,15 +51,11 @@ def write_geopackage(path: Path, layers: Sequence[Layer], placement: EarthPlacem
     Raises:
         OSError: The file cannot be written.
     """
-    partial = path.with_name(path.name + ".part")
-    partial.unlink(missing_ok=True)
-    with naming(path):
+    with scratch_for(path) as scratch:
         try:
-            _write(partial, layers, placement)
+            _write(scratch, layers, placement)
         except sqlite3.Error as error:
-            partial.unlink(missing_ok=True)
             raise OSError(5, str(error), str(path)) from None
-        os.replace(partial, path)
 
 
 def _write(path: Path, layers: Sequence[Layer], placement: EarthPlacement) -> None:

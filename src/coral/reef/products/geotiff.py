@@ -11,8 +11,8 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from coral.errors import InputError
+from coral.file_writer import write_whole
 from coral.reef.products.placement import PlacedRaster
-from coral.runs import write_whole
 
 _SHORT, _DOUBLE, _ASCII = 3, 12, 2
 _PIXEL_SCALE, _TIE_POINT, _GEO_KEYS, _GDAL_METADATA, _NO_DATA = 33550, 33922, 34735, 42112, 42113

@@ -7,8 +7,6 @@ the robot's own localization corrects. The origin of z is the sea floor.
 from __future__ import annotations
 
 import math
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.file_writer import scratch_for
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
 from coral.reef.recordings.picture_export import colour_of
@@ -68,15 +67,12 @@ def write_bag(recording: Recording, path: Path, *, single_file: bool, only_colou
         raise InputError(
             str(path), "", "no package rosbags", "the extra bags: pip install 'coral-robotics[bags]'"
         ) from None
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
-        folder = Path(scratch) / path.stem
+    with scratch_for(path) as scratch:
+        folder = scratch.with_name(f"{path.stem}.bag") if single_file else scratch
         with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
             counts = _BagWriter(writer, only_colour).write(recording)
         if single_file:
-            shutil.move(next(folder.glob("*.mcap")), path)
-        else:
-            shutil.move(folder, path)
+            next(folder.glob("*.mcap")).rename(scratch)
     return counts
 
 

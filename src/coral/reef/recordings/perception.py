@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.file_writer import write_whole
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt, unpack_doubt
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
 from coral.reef.recordings.picture_files import encode_depth, encode_png, frame_of
@@ -64,11 +65,11 @@ class PicturePerception:
         if camera.rectifier is not None:
             labels = np.where(camera.rectifier.outside, np.uint8(Label.WATER), labels).astype(np.uint8)
             depth = np.where(camera.rectifier.outside, np.uint16(0), depth).astype(np.uint16)
-        self._path(number, "labels").write_bytes(encode_png(labels))
-        self._path(number, "depth").write_bytes(encode_png(depth))
-        self._path(number, "doubt").write_bytes(encode_png(pack_doubt(seen.doubt, LABEL_STEPS)))
+        write_whole(self._path(number, "labels"), encode_png(labels))
+        write_whole(self._path(number, "depth"), encode_png(depth))
+        write_whole(self._path(number, "doubt"), encode_png(pack_doubt(seen.doubt, LABEL_STEPS)))
         if seen.depth_doubt is not None:
-            self._path(number, "depth_doubt").write_bytes(encode_png(pack_doubt(seen.depth_doubt, DEPTH_STEPS)))
+            write_whole(self._path(number, "depth_doubt"), encode_png(pack_doubt(seen.depth_doubt, DEPTH_STEPS)))
 
     def _read(self, number: int, part: str) -> NDArray[Any]:
         path = self._path(number, part)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-import shutil
-import tempfile
 from pathlib import Path
 
 import yaml
 
 from coral.errors import InputError
+from coral.file_writer import scratch_for, write_whole
 from coral.reef.recordings.picture_files import encode_jpeg
 from coral.reef.recordings.picture_folder import TABLE
 from coral.reef.recordings.recording import PosedFrame, Recording
@@ -30,22 +29,18 @@ def write_pictures(recording: Recording, path: Path) -> dict[str, int]:
     """
     if path.exists():
         raise InputError(str(path), "--out", "something there already", "a new path")
-    path.parent.mkdir(parents=True, exist_ok=True)
     table = io.StringIO()
     rows = csv.writer(table, lineterminator="\n")
     rows.writerow(COLUMNS)
     count = 0
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
-        folder = Path(scratch) / path.name
-        folder.mkdir()
+    with scratch_for(path) as folder:
         for count, one in enumerate(recording.keyframes(), 1):
             name = f"{count:06d}.jpg"
-            (folder / name).write_bytes(colour_of(one, recording))
+            write_whole(folder / name, colour_of(one, recording))
             values = (one.t, one.pose.x, one.pose.y, one.height_m, one.roll, one.pitch, one.pose.theta)
             rows.writerow([*(f"{value:.9g}" for value in values), name])
-        (folder / TABLE).write_text(table.getvalue(), encoding="utf-8")
-        (folder / "camera.yaml").write_text(yaml.safe_dump(_camera(recording.camera), sort_keys=False))
-        shutil.move(folder, path)
+        write_whole(folder / TABLE, table.getvalue())
+        write_whole(folder / "camera.yaml", yaml.safe_dump(_camera(recording.camera), sort_keys=False))
     return {"pictures": count}
 
 

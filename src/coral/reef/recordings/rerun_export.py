@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from coral.errors import InputError
+from coral.file_writer import scratch_for
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.recordings.bag_export import MAP_EVERY_S
 from coral.reef.recordings.class_colours import CLASS_COLOURS
@@ -37,12 +36,8 @@ def write_rerun(recording: Recording, path: Path) -> dict[str, int]:
             "no package rerun",
             "rerun-sdk (some 500 MB: pip install 'coral-robotics[rerun]'), or --to mcap",
         ) from None
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
-        whole = Path(scratch) / path.name
-        counts = _write(rr, recording, whole)
-        shutil.move(whole, path)
-    return counts
+    with scratch_for(path) as scratch:
+        return _write(rr, recording, scratch)
 
 
 def _write(rr: Any, recording: Recording, path: Path) -> dict[str, int]:

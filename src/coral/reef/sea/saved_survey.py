@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from coral.errors import InputError, first_line
+from coral.file_writer import write_whole
 from coral.reef.map.belief import Belief, BeliefCfg
 from coral.reef.map.chain import Track
 from coral.reef.map.mapping import MapCfg, OccupancyMap
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
-from coral.runs import write_whole
 
 FILE = "survey.npz"
 FORMAT = "coral-saved-survey/1"

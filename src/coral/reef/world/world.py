@@ -6,7 +6,6 @@ Angles in radians, counter-clockwise, 0 along +x.
 
 from __future__ import annotations
 
-import contextlib
 import os
 from pathlib import Path
 from typing import Any, Literal
@@ -14,6 +13,7 @@ from typing import Any, Literal
 from pydantic import Field, ValidationError
 
 from coral.errors import InputError, nearest
+from coral.file_writer import write_whole, writing
 from coral.odd_text import encodable
 from coral.reef.world.structures import (
     Angle,
@@ -154,14 +154,8 @@ def save_world(world: ReefWorld, path: Path, comment: str = "") -> None:
         InputError: The file cannot be written.
     """
     text = to_text(world.model_dump(mode="json", exclude_none=True), comment.splitlines())
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        part.write_text(encodable(text), encoding="utf-8")
-        os.replace(part, path)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            part.unlink()
-        raise InputError(str(path), "", (error.strerror or "an error").lower(), "a file that can be written") from None
+    with writing(path):
+        write_whole(path, encodable(text))
 
 
 def world_schema() -> dict[str, Any]:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import io
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from coral.errors import InputError
+from coral.file_writer import write_whole, writing
 from coral.odd_text import printable
 from coral.view.run import RunFolder
 
@@ -66,12 +65,8 @@ def draw_ablation(runs: Mapping[str, Sequence[Path]], path: Path, title: str) ->
     figure.suptitle(printable(title), fontsize=9, parse_math=False)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=140, metadata={"Software": None})
-    partial = path.with_name(f"{path.name}.part")
-    try:
-        partial.write_bytes(buffer.getvalue())
-        os.replace(partial, path)
-    except OSError as error:
-        raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
+    with writing(path):
+        write_whole(path, buffer.getvalue())
 
 
 def _scene(axes: Any, run: RunFolder) -> None:

@@ -14,6 +14,7 @@ from pydantic import Field
 
 from coral.config import Count
 from coral.errors import InputError
+from coral.file_writer import scratch_for, write_whole
 from coral.view.contact.replay import ReplayedScene
 from coral.view.pictures import Image
 from coral.view.run import RunFolder
@@ -95,12 +96,13 @@ def write_lerobot(runs: Sequence[Path], out: Path, cfg: LerobotCfg | None = None
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise InputError(str(out), "--out", "a file or a folder that is not empty", "a new or empty folder")
     found = _Dataset()
-    for number, frames in enumerate(taken):
-        _append(found, number, frames, cfg)
-        if scenes:
-            path = out / VIDEO / f"file-{number:03d}.mp4"
-            _write_video(path, (scenes[number].at(float(t)) for t in frames.times_s), cfg)
-    _write_tables(found, out, cfg)
+    with scratch_for(out) as folder:
+        for number, frames in enumerate(taken):
+            _append(found, number, frames, cfg)
+            if scenes:
+                path = folder / VIDEO / f"file-{number:03d}.mp4"
+                _write_video(path, (scenes[number].at(float(t)) for t in frames.times_s), cfg)
+        _write_tables(found, folder, cfg)
     successes = sum(frames.success for frames in taken)
     total = len(found.columns["index"])
     return {"episodes": len(taken), "frames": total, "successes": successes, "dataset": str(out)}
@@ -264,7 +266,7 @@ def _stats(values: Sequence[Any]) -> dict[str, list[float]]:
 
 
 def _write_json(path: Path, content: Any) -> None:
-    path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_whole(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
 
 
 def _write_video(path: Path, pictures: Iterator[Image], cfg: LerobotCfg) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from base64 import b64encode
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,6 +17,7 @@ from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.contact.episode.metrics import DEFINITIONS, metrics_of
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError, RunError
+from coral.file_writer import write_whole, writing
 from coral.view.contact.figures import (
     cost_chart,
     force_chart,
@@ -76,12 +76,8 @@ def write_contact_report(run_folder: str | Path) -> Path:
             notes.append(f"No pictures: {error}")
     if frames:
         path = run.path / "keyframes.png"
-        try:
-            partial = path.with_name("keyframes.png.part")
-            partial.write_bytes(png(sheet(frames)))
-            os.replace(partial, path)
-        except OSError as error:
-            raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
+        with writing(path):
+            write_whole(path, png(sheet(frames)))
     return write_page(run.path, render_contact_report(run, frames, notes))
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from coral.errors import InputError
+from coral.file_writer import scratch_for, writing
 from coral.view.contact.figures import stage_spans
 from coral.view.contact.replay import ReplayedScene
 from coral.view.pictures import Image, draw_text
@@ -33,28 +32,25 @@ def write_contact_video(run_folder: str | Path) -> Path:
     """
     run = RunFolder.read(run_folder)
     scene = ReplayedScene(run, (WIDTH, HEIGHT))
-    path, partial = run.path / "episode.mp4", run.path / "episode.part.mp4"
+    path = run.path / "episode.mp4"
     import imageio_ffmpeg
 
-    film = imageio_ffmpeg.write_frames(
-        str(partial),
-        (WIDTH, HEIGHT + STRIP),
-        fps=FPS,
-        codec="libx264",
-        macro_block_size=8,
-        quality=None,
-        pix_fmt_out="yuv420p",
-        output_params=["-crf", "24", "-preset", "veryfast", "-movflags", "+faststart"],
-        ffmpeg_log_level="error",
-    )
-    try:
+    with writing(path), scratch_for(path) as scratch:
+        film = imageio_ffmpeg.write_frames(
+            str(scratch),
+            (WIDTH, HEIGHT + STRIP),
+            fps=FPS,
+            codec="libx264",
+            macro_block_size=8,
+            quality=None,
+            pix_fmt_out="yuv420p",
+            output_params=["-crf", "24", "-preset", "veryfast", "-movflags", "+faststart"],
+            ffmpeg_log_level="error",
+        )
         film.send(None)
         for picture in pictures(run, scene):
             film.send(np.ascontiguousarray(picture))
         film.close()
-        os.replace(partial, path)
-    except OSError as error:
-        raise InputError(str(path), "", error.strerror or error, "a file that can be written") from None
     return path
 
 

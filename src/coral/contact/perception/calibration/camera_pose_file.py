@@ -14,6 +14,7 @@ from coral.config import read_yaml
 from coral.contact.scene.geometry import quaternion_of, rotation_of
 from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import MALFORMED, InputError
+from coral.file_writer import write_whole
 
 Array = NDArray[np.float64]
 FORMAT = "coral-camera-pose/1"
@@ -41,7 +42,7 @@ def write_camera_pose(path: Path, T_world_camera: Array, method: str, residuals:
         "method": method,
         "residuals": {name: round(float(value), 4) for name, value in residuals.items()},
     }
-    path.write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
+    write_whole(path, yaml.safe_dump(content, sort_keys=False))
 
 
 def read_camera_pose(path: Path) -> Array:

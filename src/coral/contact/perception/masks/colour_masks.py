@@ -17,6 +17,7 @@ from coral.config import Fraction, merge, read_yaml
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.masks.mask_shape import clean_mask, hue_saturation_value
 from coral.errors import InputError
+from coral.file_writer import write_whole
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -120,4 +121,4 @@ def write_colours(path: Path, regions: Mapping[str, ColourRegion]) -> None:
         name: {"hue_deg": [*one.hue_deg], "saturation": [*one.saturation], "value": [*one.value]}
         for name, one in regions.items()
     }
-    path.write_text(yaml.safe_dump({"objects": objects}, sort_keys=False), encoding="utf-8")
+    write_whole(path, yaml.safe_dump({"objects": objects}, sort_keys=False))
