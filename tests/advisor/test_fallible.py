@@ -71,7 +71,7 @@ def ask(advisor, question=CHOICE, n=1):
 )
 @pytest.mark.parametrize("question", [CHOICE, WAYPOINT])
 def test_each_error_looks_like_a_real_one(kind, code, question):
-    assert set(ask(make(**{kind: 1.0}), question, 30)) == {code}
+    assert set(ask(make(**{kind: 1.0}), question, 30)) <= {code, "cut-off" if kind == "malformed" else code}
 
 
 def test_stale_repeats_the_answer_before():
@@ -81,7 +81,7 @@ def test_stale_repeats_the_answer_before():
 def test_rates_are_met_and_seeded():
     cfg = dict.fromkeys(("malformed", "empty", "refusal"), 0.1)
     answers = ask(make(seed=5, **cfg), CHOICE, 3000)
-    counts = Counter(a if isinstance(a, str) else "good" for a in answers)
+    counts = Counter({"cut-off": "not-json"}.get(a, a) if isinstance(a, str) else "good" for a in answers)
     for code in ("not-json", "empty", "refusal"):
         assert counts[code] / 3000 == pytest.approx(0.1, abs=0.025)
     assert ask(make(seed=5, **cfg), CHOICE, 50) == answers[:50]

@@ -141,10 +141,30 @@ def test_refusal_is_not_repaired(stub):
         assert len(server.requests) == 1
 
 
-def test_answer_that_breaks_off(stub):
+DRAFT = 'Dot {"index": 1, "reason": "near"} would do, but there is a wall, so this must NOT be chosen. The better one'
+
+
+@pytest.mark.parametrize(
+    ("text", "finish"),
+    [
+        ('{"index": 2, "reason": "because', "length"),
+        (f"<think>\n{DRAFT}", "length"),
+        (DRAFT, "length"),
+        (GOOD, "length"),
+        ("", "length"),
+        (f"<think>\n{DRAFT}", "stop"),
+        ('{"index": 2, "reason": "because', "stop"),
+    ],
+)
+def test_a_reply_that_broke_off_is_asked_for_again(stub, text, finish):
+    server = stub(stub.completion(text, finish), stub.completion(f"<think>{DRAFT}</think>{GOOD}"))
+    reply = ask(server)
+    assert reply.value == Choice(index=2, reason="ok")
+    assert reply.usage.faults == ("cut-off",)
+    assert "broke off" in texts(server.requests[1])[-1] or "inside its thoughts" in texts(server.requests[1])[-1]
     with pytest.raises(BadAnswer) as bad:
-        ask(stub(stub.completion('{"index": 2, "reason": "because', finish="length")))
-    assert bad.value.rejection.code == "cut-off"
+        ask(stub(stub.completion(text, finish)))
+    assert (bad.value.rejection.code, bad.value.raw) == ("cut-off", text)
 
 
 @pytest.mark.parametrize(
@@ -234,6 +254,31 @@ def test_server_that_is_not_there(stub):
     with pytest.raises(AdvisorUnavailable) as gone:
         ask(server)
     assert gone.value.code == "connection"
+
+
+def test_a_dead_server_is_noticed_within_three_seconds(stub, monkeypatch):
+    slept = []
+
+    async def sleep(seconds):
+        slept.append(seconds)
+
+    monkeypatch.setattr("coral.advisor.models.asyncio.sleep", sleep)
+    server = stub(stub.DROP)
+    server.close()
+    with pytest.raises(AdvisorUnavailable, match="nothing answers at that address"):
+        ask(server, replace(FAST, backoff_s=2.0))
+    assert slept == [2.0]
+
+
+@pytest.mark.parametrize(("path", "hint"), [("", "/v1#stub"), ("/v1/chat/completions", "/v1#stub"), ("/v1", "")])
+def test_an_address_without_v1_is_told(stub, path, hint):
+    server = stub(stub.error(404, "Not Found"))
+    server.url = server.url.removesuffix("/v1")
+    wanted = f" (most servers want local:{server.url}{hint})" if hint else ""
+    server.url += path
+    with pytest.raises(AdvisorUnavailable) as gone:
+        ask(server)
+    assert gone.value.reason.startswith(f"local:{server.url}#stub{wanted} was not found: ")
 
 
 @pytest.mark.parametrize(("spend", "unit"), [(SpendCfg(max_calls=2), "calls"), (SpendCfg(max_tokens=150), "tokens")])

@@ -40,10 +40,66 @@ def code_of(text, answer_type=Answer):
         "({'index': 3, 'reason': \"it's \" \"near\"})",
         '{"index": "3", "reason": "it\'s near", "confidence": 0.9}',
         '{"index": 3.0, "reason": "it\'s near"}',
+        '{"name": "answer", "arguments": {"index": 3, "reason": "it\'s near"}}',
+        '{"name": "answer", "arguments": "{\\"index\\": 3, \\"reason\\": \\"it\'s near\\"}"}',
+        '<tool_call>\n{"name": "answer", "parameters": {"index": 3, "reason": "it\'s near"}}\n</tool_call>',
+        '{"tool_calls": [{"type": "function", "function": {"arguments": {"index": 3, "reason": "it\'s near"}}}]}',
+        '{"response": {"index": 3, "reason": "it\'s near"}}',
+        '{"result": {"answer": [{"index": 3, "reason": "it\'s near"}]}, "confidence": 1}',
+        '{"properties": {"index": 3, "reason": "it\'s near"}, "required": ["index"], "type": "object"}',
+        '```json\n{\n  "index": 3, // the "nearest} one\n  "reason": "it\'s near",\n}\n```',
+        'So {\n  # first\n  "index": 3, /* or 4 */ "reason": "it\'s near"\n}',
+        "{“index”: 3, “reason”: “it's near”}",
+        "{„index“: 3, „reason“: “it's near”}",
+        '```json\n{"index": 3, "reason": "it\'s near"}',
+        '```json\n{"index": 3, "reason": "it\'s near"\n```',
+        'I say {"index": 3, "reason": "it\'s near"',
+        '{"response": {"index": 3, "reason": "it\'s near"}',
+        '<think>{"index": 1} or not</think>{"index": 3, "reason": "it\'s near"}',
+        'or {"index": 1}, "the</THINK>{"index": 3, "reason": "it\'s near"}',
+        '[THINK]{"index": 1}[/THINK]{"index": 3, "reason": "it\'s near"}<thought>so {"index": 2}</thought>',
+        '<|channel|>analysis<|message|>{"index": 1<|channel|>final<|message|>{"index": 3, "reason": "it\'s near"}',
+        '[see http://x] {"index": 3, "reason": "it\'s near"}',
     ],
 )
 def test_forms_that_models_use(text):
     assert parse_answer(text, Answer) == Answer(index=3, reason="it's near")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<think>\nCluster {"index": 1, "reason": "near"} would do, but the picture shows a wall, so the better one is',
+        '{"index": 1}<think>or rather',
+        "<|channel|>analysis<|message|>{'index': 1}",
+        '{"index": 1, "reason": "the',
+        '{"index": 1, "more": {"index": 2}, "reason": "x',
+        "I first thought of {'index': 1}, but {'index': 3, 'reason': 'it is near",
+        '{"index": 1',
+        '{"reason": "x", "more": {"index": 2',
+        '[{"index": 1}, {"index": 2}, {"index": 3, "rea',
+        '{"more": {"index": 2, "reason": "x"',
+    ],
+)
+def test_no_draft_and_no_part_of_an_answer_that_broke_off_is_an_answer(text):
+    assert code_of(text) == "cut-off"
+
+
+def test_a_mark_of_thoughts_inside_an_answer_is_text():
+    assert parse_answer('{"index": 1, "reason": "<think> is a tag"}', Answer).reason == "<think> is a tag"
+
+
+def test_quotes_and_escapes_inside_curly_quotes():
+    assert parse_answer('{“index”: 1, “reason”: “a "b" \\n c”}', Answer).reason == 'a "b" \n c'
+
+
+def test_an_envelope_is_not_opened_where_the_answer_has_that_field():
+    assert parse_answer('{"value": {"value": 1}, "answer": {"value": 2}}', Any_).value == {"value": 1}
+
+
+def test_faults_inside_an_envelope_are_those_of_its_answer():
+    with pytest.raises(BadAnswer, match=r"index: .* \(found 12\)"):
+        parse_answer('{"name": "answer", "arguments": {"index": 12}}', Answer)
 
 
 def test_line_breaks_inside_strings():
@@ -75,7 +131,7 @@ def test_mixed_json_and_python_words():
         ('"3"', "not-json"),
         ("[1, 2]", "wrong-type"),
         ("I'm sorry, but I can’t help with that.", "refusal"),
-        ('{"index": 3', "not-json"),
+        ('{"index": 3', "cut-off"),
         ("__import__('os').system('true')", "not-json"),
         ("{'index': abs(3)}", "not-json"),
         ("{'index': 1+2}", "not-json"),
@@ -110,7 +166,7 @@ def test_reason_tells_the_field_and_what_was_found():
     ],
 )
 def test_hostile_text_is_refused_without_harm(text):
-    assert code_of(text) in ("not-json", "missing-field", "wrong-type")
+    assert code_of(text) in ("not-json", "cut-off", "missing-field", "wrong-type")
 
 
 def test_size_bound():
@@ -119,19 +175,6 @@ def test_size_bound():
 
 def test_depth_bound():
     assert code_of('{"index": 1, "more": ' + "[" * 40 + "]" * 40 + "}") == "not-json"
-
-
-class Code(BaseModel):
-    code: str
-
-    @classmethod
-    def from_text(cls, text):
-        return {"code": text.split("```")[1]} if "```" in text else None
-
-
-def test_a_model_may_read_its_own_form():
-    assert parse_answer("here:```def f(): return {}```", Code).code == "def f(): return {}"
-    assert parse_answer('{"code": "x"}', Code).code == "x"
 
 
 json_values = st.recursive(

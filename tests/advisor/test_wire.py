@@ -40,3 +40,9 @@ def test_the_cause_of_an_error_is_found_however_deep_it_lies():
     assert not caused_by(outer, KeyError)
     outer.__cause__.__context__ = outer  # a circle ends too
     assert not caused_by(outer, KeyError)
+
+
+def test_a_connection_is_waited_for_three_seconds_at_most():
+    for timeout_s, connect_s in ((45.0, 3.0), (2.0, 2.0)):
+        timeout = http_client(1000, timeout_s).timeout
+        assert (timeout.connect, timeout.read) == (connect_s, timeout_s)

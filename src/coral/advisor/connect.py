@@ -71,21 +71,15 @@ def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> tuple[Model, 
     from pydantic_ai.profiles.openai import OpenAIModelProfile
     from pydantic_ai.providers.openai import OpenAIProvider
 
-    if provider == "openai":
-        return OpenAIChatModel(
-            model, provider=OpenAIProvider(openai_client=AsyncOpenAI(api_key=key, max_retries=0, http_client=client))
-        ), client
-    # A local server's capabilities do not follow from its model's name: try the requested output mode.
-    profile = OpenAIModelProfile(
-        supports_json_schema_output=True,
-        supports_json_object_output=True,
-        supports_tools=True,
-        openai_chat_supports_max_completion_tokens=False,
-    )
-    return OpenAIChatModel(
-        model,
-        profile=profile,
-        provider=OpenAIProvider(
-            openai_client=AsyncOpenAI(api_key=key, base_url=url, max_retries=0, http_client=client)
-        ),
-    ), client
+    # The library would drop the mark of a thought that is not closed, and pass the thought off as the reply.
+    profile = OpenAIModelProfile(thinking_tags=("\0", "\0"))
+    if provider == "local":
+        # A local server's capabilities do not follow from its model's name: try the requested output mode.
+        profile |= OpenAIModelProfile(
+            supports_json_schema_output=True,
+            supports_json_object_output=True,
+            supports_tools=True,
+            openai_chat_supports_max_completion_tokens=False,
+        )
+    made = AsyncOpenAI(api_key=key, base_url=url or None, max_retries=0, http_client=client)
+    return OpenAIChatModel(model, profile=profile, provider=OpenAIProvider(openai_client=made)), client

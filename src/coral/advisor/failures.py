@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
+from urllib.parse import urlsplit
 
+import httpx2
 from pydantic_ai import exceptions as wrong
 
 from coral.advisor.question import AdvisorUnavailable, BadAnswer
 from coral.advisor.scrub import scrub
-from coral.advisor.wire import ReplyTooLarge, caused_by
+from coral.advisor.wire import CONNECT_S, ReplyTooLarge, caused_by
 
 RETRIED = (408, 409, 425, 429)
 """HTTP statuses below 500 after which the same request may succeed."""
@@ -26,6 +29,8 @@ class Failure:
     retry: bool = False
     wait_s: float | None = None
     """Wait requested by the server (s)."""
+    patience_s: float = math.inf
+    """Time from the first request after which it is not tried again (s)."""
 
     @property
     def code(self) -> str:
@@ -41,18 +46,30 @@ def diagnose(error: BaseException, who: str, limit_bytes: int) -> Failure:
         who: Name of the advisor, for the message.
         limit_bytes: The size limit of replies.
     """
+    who += _address_hint(who)
     said = scrub(str(error))[:300]
     if caused_by(error, ReplyTooLarge):
         return Failure(BadAnswer("too-large", f"The reply was longer than {limit_bytes} bytes; keep it short."))
     if caused_by(error, json.JSONDecodeError) or isinstance(error, wrong.UnexpectedModelBehavior):
-        return Failure(BadAnswer("bad-reply", f"The server's reply is not of its API: {said}"))
+        return Failure(BadAnswer("bad-reply", f"The reply of {who} is not of its API: {said}"))
     if isinstance(error, wrong.ModelHTTPError):
         return _http(error, who)
     if isinstance(error, wrong.ModelAPIError):
-        return Failure(AdvisorUnavailable("connection", f"{who} cannot be reached: {said}"), retry=True)
+        dead = caused_by(error, httpx2.ConnectError) or caused_by(error, httpx2.ConnectTimeout)
+        reason = f"{who} cannot be reached: {'nothing answers at that address' if dead else said}"
+        return Failure(AdvisorUnavailable("connection", reason), retry=True, patience_s=CONNECT_S if dead else math.inf)
     return Failure(
         AdvisorUnavailable("client-error", f"{type(error).__name__}: {said}", final=isinstance(error, wrong.UserError))
     )
+
+
+def _address_hint(who: str) -> str:
+    """Return what to change in a local server's address that does not look like one of the API."""
+    url = urlsplit(who.removeprefix("local:"))
+    if not who.startswith("local:") or url.path.endswith("/v1"):
+        return ""
+    path = url.path.rstrip("/").removesuffix("/chat/completions").removesuffix("/v1") + "/v1"
+    return f" (most servers want local:{url.scheme}://{url.netloc}{path}#{url.fragment})"
 
 
 def _http(error: wrong.ModelHTTPError, who: str) -> Failure:

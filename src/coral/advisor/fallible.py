@@ -154,7 +154,8 @@ class FallibleAdvisor:
         if error == "refusal":
             return "I'm sorry, but I can't help with that request."
         if error == "malformed":
-            return text[: int(rng.integers(1, max(2, len(text))))]
+            cut = int(rng.integers(1, max(2, len(text))))
+            return text[: max(1, min(cut, len(text) - 2))]  # the last brace alone may be missing
         if error == "stale" and previous is not None:
             return json.dumps(previous)
         return json.dumps(self._hooks.get(question.kind, corrupt)(error, question, right, rng))

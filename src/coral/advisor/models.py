@@ -148,7 +148,7 @@ class ModelAdvisor:
             )
             raw = _raw(response)
             try:
-                value = _parse(response, raw, question.answer_type)
+                value = _parse(response, raw, question.answer_type, self.cfg.max_output_tokens)
             except BadAnswer as bad:
                 code, reason = bad.rejection.code, bad.rejection.reason
                 if not repairs_left or code not in REPAIRED:
@@ -216,7 +216,7 @@ class ModelAdvisor:
         settings = ModelSettings(max_tokens=self.cfg.max_output_tokens)
         if self.cfg.temperature is not None:
             settings["temperature"] = self.cfg.temperature
-        pause_s = self.cfg.backoff_s
+        pause_s, began_s = self.cfg.backoff_s, asyncio.get_running_loop().time()
         for retries_left in range(self.cfg.max_retries, -1, -1):
             self.ledger.open_call()
             spent.add(requests=1)
@@ -237,7 +237,10 @@ class ModelAdvisor:
             if not failure.retry or not retries_left:
                 raise failure.error
             wait_s = pause_s if failure.wait_s is None else failure.wait_s
-            if asyncio.get_running_loop().time() + wait_s >= deadline:
+            next_s = asyncio.get_running_loop().time() + wait_s
+            if next_s - began_s > failure.patience_s:
+                raise failure.error
+            if next_s >= deadline:
                 raise AdvisorUnavailable(
                     failure.code, f"{failure.error}; the next try would be in {wait_s:g} s, after the deadline"
                 )
@@ -270,16 +273,14 @@ def _raw(response: ModelResponse) -> str:
     return "\n".join([*texts, *calls])
 
 
-def _parse(response: ModelResponse, raw: str, answer_type: type[A]) -> A:
+def _parse(response: ModelResponse, raw: str, answer_type: type[A], most_tokens: int) -> A:
     if response.finish_reason == "content_filter":
         said = str((response.provider_details or {}).get("refusal", ""))
         raise BadAnswer("refusal", "The request was declined; choose one of the options as asked.", raw or said)
-    try:
-        return parse_answer(raw, answer_type)
-    except BadAnswer as bad:
-        if response.finish_reason == "length" and bad.rejection.code in ("empty", "not-json"):
-            raise BadAnswer("cut-off", "The reply broke off at its length limit; answer more briefly.", raw) from None
-        raise
+    if response.finish_reason == "length":
+        # Whatever parses in a reply that broke off may be a draft, or the first half of the answer.
+        raise BadAnswer("cut-off", f"The reply broke off at its limit of {most_tokens} tokens; think less.", raw)
+    return parse_answer(raw, answer_type)
 
 
 def make_provider(name: str, rest: str, setting: Setting) -> ModelAdvisor:

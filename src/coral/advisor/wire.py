@@ -6,6 +6,9 @@ from collections.abc import AsyncIterator
 
 import httpx2
 
+CONNECT_S = 3.0
+"""Time in which a server that is there accepts a connection, over a satellite too (s)."""
+
 
 class ReplyTooLarge(httpx2.TransportError):
     """A reply was truncated because it was too long."""
@@ -33,7 +36,7 @@ def http_client(max_reply_bytes: int, timeout_s: float) -> httpx2.AsyncClient:
     Args:
         max_reply_bytes: Limit on the body. A body that is compressed although this was not requested gets a twentieth
             of it, so that it cannot unpack to much more.
-        timeout_s: Longest wait for a connection or between two pieces of a reply (s).
+        timeout_s: Longest wait between two pieces of a reply (s); for a connection, `CONNECT_S` if that is less.
     """
 
     async def cap(response: httpx2.Response) -> None:
@@ -42,7 +45,9 @@ def http_client(max_reply_bytes: int, timeout_s: float) -> httpx2.AsyncClient:
             response.stream = _Capped(response.stream, max_reply_bytes // 20 if packed else max_reply_bytes)
 
     return httpx2.AsyncClient(
-        event_hooks={"response": [cap]}, headers={"Accept-Encoding": "identity"}, timeout=timeout_s
+        event_hooks={"response": [cap]},
+        headers={"Accept-Encoding": "identity"},
+        timeout=httpx2.Timeout(timeout_s, connect=min(CONNECT_S, timeout_s)),
     )
 
 
