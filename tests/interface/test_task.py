@@ -7,8 +7,10 @@ import pytest
 
 import coral
 from coral.cli import main
+from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.mppi_controller import Controller
 from coral.contact.scene.condition import BaseCondition
+from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.state_conditions import Lifted
 from coral.errors import InputError
 from coral.interface.task import with_conditions
@@ -68,6 +70,38 @@ def test_a_controller_of_ones_own_plans(short_task):
 
     coral.run_task(short_task, cost=reach, controller=controller, **QUICK)
     assert made == [8]
+
+
+class Waits:
+    """The least that a controller of the hand needs: it commands the pose in which the hand is."""
+
+    def __init__(self, world, cfg, rng):
+        self.horizon, self.resets, self.told = cfg.horizon, 0, []
+
+    def reset(self, now):
+        self.resets += 1
+
+    def plan(self, now, stage, step, since=None, target=None, executed=0):
+        self.told.append((step, executed, target.opening_m))
+        return HandPlan((HandTarget(now.tool.position, now.tool.quaternion, now.opening_m, 600.0),) * self.horizon)
+
+
+@pytest.mark.parametrize("latency", ["0", "fixed:0.04"])
+def test_plan_and_reset_are_all_that_a_controller_needs(short_task, latency, tmp_path):
+    made = []
+
+    def controller(*setup):
+        made.append(Waits(*setup))
+        return made[0]
+
+    quick = {**QUICK, "cfg": {**COARSE, "planning.latency": latency}}
+    result = coral.run_task(short_task, cost=reach, controller=controller, out=tmp_path / "run", **quick)
+    assert made[0].resets == 1
+    assert [executed for _, executed, _ in made[0].told][:3] == [0, 2, 2]
+    assert result.metrics["end_reason"] == "timeout"
+    assert result.metrics["plans"] == len(made[0].told)
+    assert result.metrics["path_length_m"] < 0.05
+    assert (tmp_path / "run" / "report.html").is_file()
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,6 @@ def watching(episode: Episode, flags: LiveFlags) -> Iterator[list[LiveTask]]:
     if not flags.live:
         yield []
         return
-    from coral.contact.control.term_weights import TermWeights
     from coral.view.live.live_task import LiveTask
     from coral.view.live.pace import Pace
     from coral.view.live.page import LivePage
@@ -55,7 +54,7 @@ def watching(episode: Episode, flags: LiveFlags) -> Iterator[list[LiveTask]]:
     world = episode.world
     stop_now = (lambda: world.stream.stop(StopCause.PAGE)) if isinstance(world, FrankaWorld) else None
     pace = Pace(flags.speed)
-    controls = TaskControls(pace, TermWeights(), stop_now)
+    controls = TaskControls(pace, episode.weights, stop_now)
     with LivePage(flags.port, controls, label="CORAL task", flag="--live-port") as page:
         print(f"watch the task at {page.url}", file=sys.stderr, flush=True)
         yield [LiveTask(episode, page, pace, controls)]

@@ -62,9 +62,9 @@ def test_targets_keep_to_speed_workspace_and_opening():
 @pytest.mark.parametrize("spline", ["hold", "linear", "cubic"])
 def test_the_hand_is_led_away_whatever_the_spline(spline):
     planner, now = controller(replace(CFG, mppi=replace(CFG.mppi, spline=spline)))
+    target = None
     for step in range(5):
-        target = planner.plan(now, REACH, step).targets[1]
-        planner.executed(target, 2)
+        target = planner.plan(now, REACH, step, None, target, 2 if step else 0).targets[1]
         now = replace(now, tool=replace(now.tool, position=target.position))
     assert np.linalg.norm(now.tool.position - GOAL) < np.linalg.norm(seen(make_trial()).tool.position - GOAL) - 0.03
 
@@ -74,9 +74,10 @@ def test_the_wrist_is_led_no_further_than_the_arm_reaches():
     wrists = {}
     for reach in (0.5, 0.0):
         planner, now = controller(replace(CFG, reach_m=reach, sigma_m=(0.3, 0.3, 0.3), sigma_rad=(0.0, 0.0, 0.0)))
+        latest = None
         for step in range(8):
-            plan = planner.plan(now, away, step)
-            planner.executed(plan.targets[1], 2)
+            plan = planner.plan(now, away, step, None, latest, 2 if step else 0)
+            latest = plan.targets[1]
             now = replace(now, tool=replace(now.tool, position=plan.targets[1].position))
         ends = np.array([target.position for target in plan.targets]) - np.array([0, 0, -FLANGE_TO_TOOL_M])
         wrists[reach] = np.linalg.norm(ends - CFG.shoulder_m, axis=1).max()
@@ -88,18 +89,17 @@ def test_the_next_plan_begins_where_the_last_one_was_left():
     planner, now = controller()
     plan = replanned(planner, now)[-1]
     left = plan.targets[2]
-    planner.executed(left, 3)
     planner._sigma = np.zeros(7)
-    again = planner.plan(replace(now, tool=replace(now.tool, position=left.position)), REACH, 3)
+    again = planner.plan(replace(now, tool=replace(now.tool, position=left.position)), REACH, 3, None, left, 3)
     assert again.targets[0].position == pytest.approx(plan.targets[3].position, abs=5e-3)
     assert again.targets[5].position == pytest.approx(plan.targets[8].position, abs=5e-3)
 
 
 def test_the_target_does_not_run_ahead_of_a_hand_that_is_held():
     planner, now = controller()
-    planner.restart(now)
-    planner.executed(replace(planner._target, position=now.tool.position + np.array([0.5, 0, 0])), 1)
-    plan = planner.plan(now, REACH, 1)
+    planner.reset(now)
+    ahead = replace(planner._target, position=now.tool.position + np.array([0.5, 0, 0]))
+    plan = planner.plan(now, REACH, 1, None, ahead, 1)
     assert np.linalg.norm(plan.update.sampled[0, 0, :3] - now.tool.position) == pytest.approx(CFG.lead_m)
 
 
@@ -193,10 +193,11 @@ def pressed_n(stage):
     now = seen(trial, tool=(-0.15, -0.15, 0.03), opening_m=0.02)
     world = PlanningWorld(trial, stated_beliefs(trial), now, PlanningCfg(threads=1))
     planner = Controller(world, replace(CFG, mppi=KnotMppiCfg(samples=48, knots=3)), np.random.default_rng(0))
+    latest = None
     for step in range(12):
-        plan = planner.plan(now, stage, step)
+        plan = planner.plan(now, stage, step, None, latest, 2 if step else 0)
         now = state_after(world, now, plan.targets[:2], step)
-        planner.executed(plan.targets[1], 2)
+        latest = plan.targets[1]
     world.close()
     return float(np.linalg.norm(plan.expected_force, axis=-1).mean())
 
@@ -220,8 +221,7 @@ def test_a_stiffer_stage_begins_with_the_force_of_the_softer_one_before():
     soft = replace(planner._target, position=now.tool.position + ahead, quaternion=turned, stiffness=150.0)
 
     def begun(stiffness):
-        planner.executed(soft, 1)
-        plan = planner.plan(now, replace(REACH, stiffness_n_m=stiffness), 1)
+        plan = planner.plan(now, replace(REACH, stiffness_n_m=stiffness), 1, None, soft, 1)
         return plan.update.sampled[0, 0, :3] - now.tool.position, angle_between(planner._centre, now.tool.quaternion)
 
     for stiffness, share in ((150.0, 1.0), (600.0, 0.25), (100.0, 1.0)):

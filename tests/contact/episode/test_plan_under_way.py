@@ -54,3 +54,9 @@ def test_a_late_plan_is_used_from_where_it_still_holds():
     assert float(under_way.coming(1)[0].position[0]) == pytest.approx(0.13)
     under_way.compare(2, seen(0.125), reactive)
     assert reactive.position_error == pytest.approx([0.005, 0, 0], abs=1e-12)
+
+
+def test_a_robot_that_outruns_a_plan_goes_on_at_its_end():
+    now = seen(0.15)
+    under_way = PlanUnderWay.beginning(plan(), 12, seen(0.1), now)
+    assert under_way.moved == pytest.approx([0.01, 0.0, 0.0])

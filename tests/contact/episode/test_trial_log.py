@@ -59,6 +59,12 @@ def test_success_at_the_last_moment_counts_and_a_lost_object_counts_more():
     assert end_reason(judge, truth(0.2, body(np.array([0.5, 0.0, -0.2]))), True) == "dropped: box"
 
 
+def test_an_episode_ends_with_a_condition_that_is_broken_for_good():
+    judge = Judge(make_trial({"kind": "never-touched", "thing": "hand"}, {"kind": "released"}))
+    assert end_reason(judge, truth(0.0), True) == ""
+    assert end_reason(judge, truth(0.02, body(), touch("box", "hand")), True) == "broken: never-touched of box"
+
+
 def test_a_timeout_tells_which_conditions_do_not_hold():
     trial = make_trial()
     kinds = [one.kind for one in trial.task.success.conditions]

@@ -68,9 +68,10 @@ def test_the_palm_stays_above_the_block_and_the_fingertips_above_the_table(seed)
 def test_a_push_goes_ahead_and_leaves_height_orientation_and_opening_alone():
     world, now = at_the_block(0)
     planner = Controller(world, ControllerCfg(mppi=KnotMppiCfg(samples=40)), np.random.default_rng(0))
+    latest = None
     for _ in range(10):
-        plan = planner.plan(now, PUSH, 0)
-        planner.executed(plan.targets[1], 2)
+        plan = planner.plan(now, PUSH, 0, None, latest, 2 if latest else 0)
+        latest = plan.targets[1]
     last = plan.targets[-1]
     assert last.position[0] > now.tool.position[0] + 0.004
     assert -0.005 < last.position[2] - now.tool.position[2] < 0.002  # SINK_M lower
@@ -81,10 +82,11 @@ def test_a_push_goes_ahead_and_leaves_height_orientation_and_opening_alone():
 def test_the_hand_lets_go_although_the_plan_before_leads_over_the_block():
     world, now = at_the_block(0)
     planner = Controller(world, ControllerCfg(mppi=KnotMppiCfg(samples=40)), np.random.default_rng(0))
-    planner.restart(now)
+    planner.reset(now)
     ahead = np.linspace(0.0, 1.0, len(planner.mppi.knots))
     planner.mppi.knots[:, :3] += ahead[:, None] * np.array([0.15, 0.0, 0.05])
+    latest = None
     for _ in range(4):
-        plan = planner.plan(now, LET_GO, 0)
-        planner.executed(plan.targets[1], 2)
+        plan = planner.plan(now, LET_GO, 0, None, latest, 2 if latest else 0)
+        latest = plan.targets[1]
     assert plan.targets[-1].position[0] < now.tool.position[0] - 0.01

@@ -25,6 +25,16 @@ def test_all_conditions_hold_at_once():
     assert judge.holding == (True, False)
 
 
+def test_only_what_can_never_hold_again_is_broken():
+    judge = Judge(make_trial({"kind": "never-touched", "thing": "hand"}, {"kind": "released"}))
+    assert judge.broken == ()
+    judge.success(truth(0.0))
+    assert judge.broken == ()
+    judge.success(truth(0.02, body(), touch("box", "hand")))
+    judge.success(truth(0.04))
+    assert [one.kind for one in judge.broken] == ["never-touched"]
+
+
 @pytest.mark.parametrize(
     ("position", "failure"),
     [

@@ -7,7 +7,7 @@ import pytest
 
 from coral.advisor.question import AdvisorUnavailable, Reply
 from coral.advisor.rules import RuleAdvisor
-from coral.contact.control.mppi_controller import HandPlan
+from coral.contact.control.hand_plan import HandPlan
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress
 from coral.contact.cost_program import CostError, CostWorker
@@ -27,7 +27,6 @@ from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinker import Thinker
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
 from coral.errors import InputError
-from coral.mppi.knots import Update
 
 
 def thinker(one, advisor=None, memory=None, given=None, rehearsed=0, **cfg):
@@ -54,16 +53,7 @@ def plan_report(one, t, stage, cost, taken=()):
     body = one.now.objects["box"]
     now = type(one.now)(t, one.now.tool, one.now.opening_m, one.now.wrench, one.now.objects)
     state = one.world.present(now)
-    plan = HandPlan(
-        (),
-        np.zeros((1, 3)),
-        np.zeros((1, 4)),
-        *np.zeros((2, 1, 3)),
-        Update(*[np.zeros(1)] * 4, 1.0, True),
-        {"all": cost},
-        state,
-        0,
-    )
+    plan = HandPlan((), terms={"all": cost}, now=state)
     assert body is not None
     return PlanReport(0, now, plan, stage, taken, next_state=plan.now, present=plan.now)
 
@@ -394,6 +384,8 @@ class WeakPlanner:
     """Notes what it adopts."""
 
     adopted = ()
+    samples = 2
+    plan = reset = with_samples = None
 
     def adopt(self, other):
         self.adopted = (*self.adopted, other)

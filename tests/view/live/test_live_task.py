@@ -47,7 +47,8 @@ def run(folder, page=None, pace=None, weights=None):
     episode = Episode(
         sample_trial(task, 0), "hand", FixedStrategist(expert(task, "expert-fsm")), CFG, folder, variant="expert-fsm"
     )
-    viewers = [LiveTask(episode, page, pace or Pace(), TaskControls(pace or Pace(), weights))] if page else []
+    episode.weights = weights or episode.weights
+    viewers = [LiveTask(episode, page, pace or Pace(), TaskControls(pace or Pace(), episode.weights))] if page else []
     return episode.run(viewers)
 
 

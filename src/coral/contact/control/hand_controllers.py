@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from coral.contact.control.mppi_controller import Controller, ControllerCfg, HandPlan
+from coral.contact.control.hand_plan import HandPlan
+from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Stage
 from coral.contact.scene.observation import HandTarget, Observation
@@ -16,14 +17,60 @@ from coral.plugins import named_plugin
 
 
 class HandController(Protocol):
-    """Interface of a controller of the hand; `Controller` is the one by MPPI."""
+    """A controller of the hand; `Controller` is the one by MPPI.
 
-    def plan(self, now: Observation, stage: Stage, step: int, since: Observation | None = None) -> HandPlan:
-        """Plan from the measured state; see `Controller.plan`."""
+    Two methods are all: episodes, records, live pages and diagnoses read the `HandPlan` that `plan` returns, of which
+    only the targets are necessary. What else a controller can do (`AdjustableController`) is its own affair.
+    """
+
+    def reset(self, now: Observation) -> None:
+        """Forget the plan: the hand stands still. Called before the first plan.
+
+        Args:
+            now: The first observation.
+        """
         ...
 
-    def executed(self, target: HandTarget, steps: int) -> None:
-        """Take note of the last command and the number of executed steps."""
+    def plan(
+        self,
+        now: Observation,
+        stage: Stage,
+        step: int,
+        since: Observation | None = None,
+        target: HandTarget | None = None,
+        executed: int = 0,
+    ) -> HandPlan:
+        """Plan the targets of the next control steps; the episode follows the first of them, and plans again.
+
+        Args:
+            now: The state from which to plan: measured, or predicted for the time when the plan will be ready.
+            stage: The active stage, whose cost is to be minimised.
+            step: Control steps since the episode began, at `now`.
+            since: The observation with which the stage began; None if it begins now.
+            target: The target that the hand follows at `now`; None for the one of the plan before.
+            executed: Control steps of the plan before that are executed at `now`.
+
+        Raises:
+            CostError: The stage's cost cannot be evaluated.
+        """
+        ...
+
+
+@runtime_checkable
+class AdjustableController(HandController, Protocol):
+    """A controller that can be given more rehearsals when it is stuck, which `probe_effort` tries."""
+
+    @property
+    def samples(self) -> int:
+        """Return the number of rehearsals of a plan."""
+        ...
+
+    def with_samples(self, samples: int, rng: np.random.Generator) -> AdjustableController:
+        """Copy the controller, its present plan included, with another number of rehearsals."""
+        ...
+
+    def adopt(self, other: AdjustableController) -> None:
+        """Go on as such a copy."""
         ...
 
 

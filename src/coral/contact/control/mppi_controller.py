@@ -12,15 +12,15 @@ from pydantic import Field
 
 from coral.config import Fraction, NonNegative, Positive, Signed
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M, SQUEEZE_M
+from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.planning_world import ControlSequences, PlanningWorld
-from coral.contact.control.rehearsed_paths import RehearsedPaths, keep_paths
-from coral.contact.control.term_weights import TermWeights
+from coral.contact.control.rehearsed_paths import keep_paths
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage
 from coral.contact.scene.geometry import column_of, conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.scene.observation import HandTarget, Observation
 from coral.errors import InputError
-from coral.mppi.knots import KnotMppi, KnotMppiCfg, Update
+from coral.mppi.knots import KnotMppi, KnotMppiCfg
 from coral.mppi.risk import RiskCfg, risk
 from coral.mppi.spline import interpolate
 
@@ -85,39 +85,6 @@ class ControllerCfg:
             )
 
 
-@dataclass(frozen=True)
-class HandPlan:
-    """One plan and the prediction of its rehearsals."""
-
-    targets: tuple[HandTarget, ...]
-    """One target for each control step of the horizon."""
-    expected_position: Array
-    """Predicted position of the tool, Shape=(H, 3) m."""
-    expected_quaternion: Array
-    """Predicted orientation of the tool, Shape=(H, 4)."""
-    expected_force: Array
-    """Predicted force on the hand, Shape=(H, 3) N."""
-    expected_torque: Array
-    """Predicted torque on the hand, Shape=(H, 3) N m."""
-    update: Update
-    """Update of the sampler."""
-    terms: dict[str, float]
-    """Expected value of each cost term over the horizon."""
-    now: Context
-    """State after one step, a batch of one, for a stage's conditions."""
-    diverged: int
-    """Number of excluded rehearsals."""
-    paths: RehearsedPaths | None = None
-    """Paths of rehearsals, if the controller keeps them."""
-    at_edge: float = 0.0
-    """Share of the targets at the edge of the workspace or of the arm's reach."""
-
-    @property
-    def cost(self) -> float:
-        """Return the expected cost of the plan."""
-        return float(sum(self.terms.values()))
-
-
 class Controller:
     """Minimise over hand targets u the risk over beliefs of phi(x_H) + mean_t l(x_t), subject to bounds on u.
 
@@ -135,34 +102,36 @@ class Controller:
         self.mppi = KnotMppi(cfg.mppi, sigma, rng, GROUPS)
         self.span_s = cfg.horizon * world.cfg.step_s
         self._times: Array = world.cfg.step_s * np.arange(1.0, cfg.horizon + 1)
-        self.weights = TermWeights()
-        """Factors on the terms of the costs; a live page sets them."""
-        self.keeps_paths = False
-        """Whether plans keep the paths of some rehearsals, for a viewer."""
         self._target: HandTarget | None = None
         self._centre: Array | None = None
 
-    def restart(self, now: Observation) -> None:
-        """Reset the plan to standing still at the hand's position."""
+    @property
+    def samples(self) -> int:
+        """Return the number of rehearsals of a plan."""
+        return self.cfg.mppi.samples
+
+    def reset(self, now: Observation) -> None:
+        """See `HandController.reset`."""
         self._target = HandTarget(
             now.tool.position.copy(), now.tool.quaternion.copy(), now.opening_m, self.world.cfg.hand.stiffness_n_m
         )
         self.mppi.knots[:] = np.concatenate([now.tool.position, np.zeros(3), [now.opening_m]])
 
-    def plan(self, now: Observation, stage: Stage, step: int, since: Observation | None = None) -> HandPlan:
-        """Rehearse and improve the plan from the measured state.
-
-        Args:
-            now: The latest observation.
-            stage: The active stage.
-            step: Control steps since the episode began.
-            since: The observation with which the stage began; None if it begins now.
-
-        Raises:
-            CostError: The stage's cost cannot be evaluated.
-        """
+    def plan(
+        self,
+        now: Observation,
+        stage: Stage,
+        step: int,
+        since: Observation | None = None,
+        target: HandTarget | None = None,
+        executed: int = 0,
+    ) -> HandPlan:
+        """Shift the plan before by its executed steps, rehearse and improve it; see `HandController.plan`."""
+        if executed:
+            self.mppi.advance(executed * self.world.cfg.step_s, self.span_s)
         if self._target is None:
-            self.restart(now)
+            self.reset(now)
+        self._target = target or self._target
         assert self._target is not None
         start = self._bounded_start(now, self._target, stage.stiffness_n_m)
         self._recentre(start)
@@ -172,7 +141,7 @@ class Controller:
         def evaluate(knots: Array) -> Array:
             controls = self._controls(knots, start.quaternion, stage.stiffness_n_m)
             context, sane = self.world.rollout(now, controls, step, since)
-            terms = self.weights.weigh(stage.name, stage.cost(context))
+            terms = stage.cost(context)
             rehearsed[:] = [(context, sane, terms, controls)]
             each = self._total(terms, context.shape)
             each[~sane] = np.inf
@@ -202,13 +171,14 @@ class Controller:
             expected_force=np.tensordot(weights[counted], context.ee_force[counted], axes=1),
             expected_torque=np.tensordot(weights[counted], context.ee_torque[counted], axes=1),
             update=update,
+            valid=update.ok,
             terms={
                 name: float(weights[counted] @ self._total({name: term}, context.shape)[counted])
                 for name, term in terms.items()
             },
             now=context.first(),
             diverged=int((~sane).sum()),
-            paths=keep_paths(context, sane, weights, self.world.object_names) if self.keeps_paths else None,
+            paths=keep_paths(context, sane, weights, self.world.object_names),
             at_edge=self._share_at_edge(targets),
         )
 
@@ -217,7 +187,6 @@ class Controller:
         cfg = replace(self.cfg, mppi=replace(self.cfg.mppi, samples=samples))
         other = Controller(self.world, cfg, rng)
         other.mppi.knots = self.mppi.knots.copy()
-        other.weights = self.weights
         other._target, other._centre = self._target, self._centre
         return other
 
@@ -225,11 +194,6 @@ class Controller:
         """Go on with the sampler and the plan of another controller of the same hand."""
         self.cfg, self.mppi, self._rng = other.cfg, other.mppi, other._rng
         self._target, self._centre = other._target, other._centre
-
-    def executed(self, target: HandTarget, steps: int) -> None:
-        """Record the last command, and shift the plan by the executed steps."""
-        self._target = target
-        self.mppi.advance(steps * self.world.cfg.step_s, self.span_s)
 
     def _total(self, terms: Terms, shape: tuple[int, int]) -> Array:
         total = np.zeros(shape)

@@ -9,7 +9,8 @@ import numpy as np
 from pydantic import Field
 
 from coral.config import Fraction
-from coral.contact.control.mppi_controller import Controller, HandPlan
+from coral.contact.control.hand_controllers import AdjustableController
+from coral.contact.control.hand_plan import HandPlan
 from coral.contact.cost.stages import Stage
 from coral.contact.scene.observation import Observation
 
@@ -48,7 +49,7 @@ class EffortProbe:
     """The difference, as a share of the sum of the terms' magnitudes."""
     plans: int
     """Plans made for it, counted in plans with the present number of samples: the time that it took."""
-    stronger: Controller
+    stronger: AdjustableController
     """The planner with more samples and the plan that it found."""
 
     def sentence(self) -> str:
@@ -60,7 +61,7 @@ class EffortProbe:
 
 
 def probe_effort(
-    controller: Controller,
+    controller: AdjustableController,
     now: Observation,
     stage: Stage,
     step: int,
@@ -82,15 +83,15 @@ def probe_effort(
     Raises:
         CostError: The stage's cost cannot be evaluated.
     """
-    samples = controller.mppi.cfg.samples
+    samples = controller.samples
     found: list[HandPlan] = []
     for count in (samples, cfg.factor * samples):
         other = controller.with_samples(count, np.random.default_rng(SEED))
         plans = [other.plan(now, stage, step, since) for _ in range(cfg.plans)]
-        found.append(min((plan for plan in plans if plan.update.ok), key=lambda plan: plan.cost, default=plans[-1]))
+        found.append(min((plan for plan in plans if plan.valid), key=lambda plan: plan.cost, default=plans[-1]))
     present, better = found
     whole = sum(abs(value) for value in present.terms.values())
-    gain = (present.cost - better.cost) / whole if whole and better.update.ok else 0.0
+    gain = (present.cost - better.cost) / whole if whole and better.valid else 0.0
     gain = float(gain) if np.isfinite(gain) else 0.0
     made = cfg.plans * (1 + cfg.factor)
     return EffortProbe(samples, cfg.factor * samples, present.cost, better.cost, gain, made, other)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
+from dataclasses import replace
 
-from coral.contact.cost.context import Terms
+from coral.contact.cost.context import Context, Terms
+from coral.contact.cost.stages import Stage
 
 
 class TermWeights:
@@ -28,6 +30,17 @@ class TermWeights:
             latest = {(stage, term): factor for stage, term, factor in self._news}
             self._news = []
         return [(stage, term, factor) for (stage, term), factor in latest.items()]
+
+    def weighed(self, stage: Stage) -> Stage:
+        """Return a stage whose cost has the factors of now; the stage itself where there are none."""
+        with self._lock:
+            if stage.name not in self._factors:
+                return stage
+
+        def cost(state: Context) -> Terms:
+            return self.weigh(stage.name, stage.cost(state))
+
+        return replace(stage, cost=cost)
 
     def weigh(self, stage: str, terms: Terms) -> Terms:
         """Return the terms of a stage's cost times their factors."""

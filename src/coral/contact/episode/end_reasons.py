@@ -6,6 +6,7 @@ END_REASONS = {
     "success": "all of the task's conditions held long enough",
     "timeout": "the task's time limit was reached",
     "dropped": "an object fell off the table",
+    "broken": "a condition of success was broken that can never hold again",
     "tunnelling": "an object went through the table or a fixture: the simulation is invalid",
     "diverged": "the evaluation world's simulation diverged",
     "unreachable": "the robot's arm cannot reach its commanded pose",

@@ -14,8 +14,8 @@ import numpy as np
 
 from coral.config import checked, to_mapping, whole_steps
 from coral.contact.control.hand_controllers import HandController, MakeHandController, hand_controller_maker
+from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.measured_contacts import sunk_into, touched_by, with_measured_contacts
-from coral.contact.control.mppi_controller import Controller, HandPlan
 from coral.contact.control.plan_latency import PlanLatency
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
@@ -92,6 +92,8 @@ class Episode:
         self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""
         self.plan_ms: list[float] = []
         self.interventions = 0
+        self.weights = TermWeights()
+        """Factors on the terms of the costs; a live page sets them."""
         self.latest_plan: HandPlan | None = None
         whole_steps(cfg.planning.step_s, cfg.planning.physics_dt_s, "--cfg", "planning.physics_dt_s")
         whole_steps(cfg.planning.step_s, cfg.think.outer.replay_dt_s, "--cfg", "think.outer.replay_dt_s")
@@ -127,7 +129,7 @@ class Episode:
         self.recorder = EpisodeRecorder(self.writer, cfg.record, objects)
         self.listeners: list[Callable[[Mapping[str, Any]], None]] = []
         self._under_way: PlanUnderWay | None = None
-        self._ahead = 0
+        self._ahead, self._followed = 0, 0
         self._predicted: Observation
         self._without_plan = 0
         self._taken: list[Transition] = []
@@ -152,9 +154,15 @@ class Episode:
     def planner_limits(self) -> PlannerLimits:
         """Return what the planner can do now: it may have been given more samples, and a measured latency varies."""
         cfg, step_s = self.cfg, self.cfg.planning.step_s
-        controller = self.controller.cfg if isinstance(self.controller, Controller) else cfg.controller
+        mppi = dataclasses.replace(cfg.controller.mppi, samples=self._samples)
+        controller = dataclasses.replace(cfg.controller, mppi=mppi)
         replan_s = self.latency.expected_steps() * step_s
         return PlannerLimits.of(controller, step_s, replan_s, self.latency.plan_s, cfg.reactive.force_limit_n)
+
+    @property
+    def _samples(self) -> int:
+        """Return the rehearsals of a plan: a controller that can be given more tells how many it has now."""
+        return int(getattr(self.controller, "samples", self.cfg.controller.mppi.samples))
 
     def run(self, observers: Sequence[Observer[Episode]] = ()) -> dict[str, Any]:
         """Run to the end and return metrics and timing together.
@@ -196,8 +204,7 @@ class Episode:
 
     def _tell_interventions(self) -> None:
         """Record what a person has changed in the cost: the result is not the strategy's alone."""
-        weights = getattr(self.controller, "weights", None)
-        for stage, term, factor in weights.news() if isinstance(weights, TermWeights) else ():
+        for stage, term, factor in self.weights.news():
             self.interventions += 1
             self.emit("weight", stage=stage, term=term, factor=round(factor, 4), by="operator")
 
@@ -218,7 +225,7 @@ class Episode:
             taken += 1
             if self.end_reason:
                 break
-        self.controller.executed(plan.targets[max(taken - 1, 0)], taken)
+        self._followed = taken
 
     def _await(self, plan: HandPlan) -> None:
         """Follow the plan under way until `plan` is ready, and hand over to it."""
@@ -238,20 +245,21 @@ class Episode:
         going = self._hold_still() if self._under_way is None else self._act(self._under_way)
         return going and not self.end_reason
 
-    def _plan_start(self) -> tuple[Observation, int]:
-        """Return the state from which to plan and its step: now, or when the plan will be ready."""
+    def _plan_start(self) -> tuple[Observation, int, HandTarget, int]:
+        """Return state, step, target of the hand and executed steps where the plan begins: now, or when it is ready."""
         if not self.latency.charged:
-            return self.now, self.step
-        if isinstance(self.controller, Controller):  # it may have got more samples
-            self.latency.effort = self.controller.mppi.cfg.samples / self.cfg.controller.mppi.samples
+            followed, self._followed = self._followed, 0
+            return self.now, self.step, self._still, followed
+        self.latency.effort = self._samples / self.cfg.controller.mppi.samples
         self._ahead = self.latency.expected_steps()
+        followed = 0
         if self._under_way is None:
             coming = (self._still,) * self._ahead
         else:
             coming = self._under_way.coming(self._ahead)
-            self.controller.executed(coming[-1], self._under_way.next + self._ahead)
+            followed = self._under_way.next + self._ahead
         self._predicted = state_after(self.planner, self.now, coming, self.step)
-        return self._predicted, self.step + self._ahead
+        return self._predicted, self.step + self._ahead, coming[-1], followed
 
     def emit(self, event: str, **fields: Any) -> None:
         """Append an event at the present step and notify listeners."""
@@ -312,7 +320,6 @@ class Episode:
         taken, self._taken = tuple(self._taken), []
         step = self.step
         try:
-            planner = self.controller if isinstance(self.controller, Controller) else None
             predicted = self._next_state(plan)
             plan_s = 0.0 if self._meanwhile is not None else self.latency.plan_s
             sunk_m = sunk_into(self.planner, self.now)
@@ -325,7 +332,7 @@ class Episode:
                 touched=self._touched,
                 sunk_m=sunk_m,
                 next_state=predicted,
-                planner=planner,
+                planner=self.controller,
                 plan_s=plan_s,
                 since=since,
                 present=self._present,
@@ -363,15 +370,15 @@ class Episode:
         """
         stage = self.progress.stage
         begun = time.perf_counter()
-        start, step = self._plan_start()
+        start, step, target, followed = self._plan_start()
         with contextlib.nullcontext() if self._meanwhile is None else self._meanwhile:
-            plan = self.controller.plan(start, stage, step, self._since)
+            plan = self.controller.plan(start, self.weights.weighed(stage), step, self._since, target, followed)
         if self.end_reason:  # the world ended the episode meanwhile
             return None
         opening_m = self._still.opening_m
         self._touched = touched_by(self.planner, self.now, opening_m)
         present = plan.now
-        if self.latency.charged:
+        if present is None or self.latency.charged:
             present = self.planner.present(self.now, self.step, opening_m, self._since)
         self._present = with_measured_contacts(present, self.now, self._touched)
         changed = self.progress.update(self._present)
@@ -381,9 +388,9 @@ class Episode:
             "plan",
             stage=stage.name,
             cost=_number(plan.cost),
-            ess=round(plan.update.effective_samples, 2),
+            ess=round(plan.effective_samples, 2),
             diverged=plan.diverged,
-            ok=plan.update.ok,
+            ok=plan.valid,
             terms={name: _number(value) for name, value in plan.terms.items()},
             aim=numbers(plan.targets[-1].position, 4),
             touched=sorted({name for names in self._touched.values() for name in names}),
@@ -395,7 +402,7 @@ class Episode:
         ):
             self.end_reason, self.detail = "no-plan", "the plan contains a value that is not finite"
             return None
-        self._without_plan = 0 if plan.update.ok else self._without_plan + 1
+        self._without_plan = 0 if plan.valid else self._without_plan + 1
         if self._without_plan >= self.cfg.patience_plans:
             self.end_reason = "no-plan"
             self.detail = f"{self._without_plan} plans in a row had no valid rehearsal"
@@ -471,6 +478,7 @@ class Episode:
         self.controller = self._make_controller(
             self.planner, cfg.controller, np.random.default_rng([self.trial.seed, 1])
         )
+        self.controller.reset(self.now)
         self.reactive = Reactive(
             cfg.reactive,
             cfg.planning.step_s,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coral.contact.control.mppi_controller import HandPlan
+from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.reactive import Reactive
 from coral.contact.cost.context import Array
 from coral.contact.scene.geometry import conjugate, multiply
@@ -31,10 +31,10 @@ class PlanUnderWay:
     @classmethod
     def beginning(cls, plan: HandPlan, first: int, predicted: Observation, now: Observation) -> PlanUnderWay:
         """Begin a plan at step `first`, that was made from the state `predicted`."""
-        if first:
-            position, quaternion = plan.expected_position[first - 1], plan.expected_quaternion[first - 1]
-        else:
-            position, quaternion = predicted.tool.position, predicted.tool.quaternion
+        position, quaternion = predicted.tool.position, predicted.tool.quaternion
+        if first and plan.expected_position is not None and plan.expected_quaternion is not None:
+            k = min(first, len(plan.expected_position)) - 1  # on a busy machine the robot outruns a plan
+            position, quaternion = plan.expected_position[k], plan.expected_quaternion[k]
         turned = multiply(now.tool.quaternion, conjugate(quaternion))
         return cls(plan, first, now.tool.position - position, np.asarray(turned))
 
@@ -44,9 +44,12 @@ class PlanUnderWay:
         return tuple(targets[min(self.next + k, len(targets) - 1)] for k in range(steps))
 
     def compare(self, k: int, now: Observation, reactive: Reactive) -> None:
-        """Tell the feedback what step k was predicted to lead to, and what it led to."""
+        """Tell the feedback what step k was predicted to lead to, if it was predicted, and what it led to."""
         plan = self.plan
-        position, quaternion = plan.expected_position[k], plan.expected_quaternion[k]
+        positions, quaternions, forces = plan.expected_position, plan.expected_quaternion, plan.expected_force
+        if positions is None or quaternions is None or forces is None or plan.expected_torque is None:
+            return
+        position, quaternion = positions[k], quaternions[k]
         if self.moved is not None and self.turned is not None:
             position, quaternion = position + self.moved, multiply(self.turned, quaternion)
-        reactive.observe(position, plan.expected_force[k], now, k - self.first, quaternion, plan.expected_torque[k])
+        reactive.observe(position, forces[k], now, k - self.first, quaternion, plan.expected_torque[k])

@@ -59,6 +59,8 @@ def end_reason(judge: Judge, truth: Truth, time_left: bool) -> str:
         return lost
     if done:
         return "success"
+    for condition in judge.broken:
+        return f"broken: {condition.kind} of {condition.object}"
     return "" if time_left else "timeout"
 
 

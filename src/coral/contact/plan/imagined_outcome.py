@@ -73,11 +73,7 @@ class ImaginedJudge:
     def _broken(self, truth: Truth) -> tuple[str, ...]:
         # Blows are coarser here than in a world: good plans too break a limit on them, so it only counts among the
         # conditions.
-        found = [
-            f"{one.kind} of {one.object}"
-            for one, holds in zip(self._trial.task.success.conditions, self._judge.holding, strict=True)
-            if one.breaks_for_good and not one.reads_forces and not holds
-        ]
+        found = [f"{one.kind} of {one.object}" for one in self._judge.broken if not one.reads_forces]
         failure = self._judge.failure(truth) or ""
         # Real bodies do not pass through each other; coarse steps of the planning world let them.
         return (*found, *([failure] if failure and not failure.startswith("tunnelling") else []))

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from coral.config import Count, Positive
-from coral.contact.control.mppi_controller import Controller, ControllerCfg, HandPlan
+from coral.contact.control.hand_plan import HandPlan
+from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.prediction import observation_of, states_under
 from coral.contact.cost.context import Context
@@ -67,12 +68,12 @@ def imagine(
     """
     cfg = cfg or ImaginedRunCfg()
     controller = Controller(world, cfg.controller, np.random.default_rng(SEED))
-    progress, since = Progress(strategy), now
+    progress, since, latest = Progress(strategy), now, None
     for step in range(0, round(cfg.most_s / world.cfg.step_s), cfg.replan_steps):
         stage = progress.stage
         try:
-            plan = controller.plan(now, stage, step, since)
-            if not plan.update.ok:
+            plan = controller.plan(now, stage, step, since, latest, cfg.replan_steps if latest else 0)
+            if not plan.valid or plan.now is None:
                 return
             if progress.update(plan.now):
                 since = now
@@ -81,4 +82,4 @@ def imagine(
         after = states_under(world, now, plan.targets[: cfg.replan_steps], step)
         yield ImaginedMoment(now, stage.name, progress.stage.name, plan, after)
         now = now if after is None else observation_of(after, now)
-        controller.executed(plan.targets[cfg.replan_steps - 1], cfg.replan_steps)
+        latest = plan.targets[cfg.replan_steps - 1]

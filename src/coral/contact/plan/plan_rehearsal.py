@@ -107,10 +107,11 @@ def _period_s(moments: Sequence[ImaginedMoment]) -> float:
 
 
 def _touches(moment: ImaginedMoment, name: str) -> bool:
+    now = moment.plan.now
+    if now is None:
+        return False
     state: Mapping[str, Array] = {
-        part: moment.plan.now[f"{name}_{part}_contact"]
-        for part in TOUCHING
-        if f"{name}_{part}_contact" in moment.plan.now
+        part: now[f"{name}_{part}_contact"] for part in TOUCHING if f"{name}_{part}_contact" in now
     }
     return any(bool(np.asarray(value).any()) for value in state.values())
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.geometry import conjugate, from_rotvec, rotate, rotation_of
 from coral.contact.scene.observation import Truth
 from coral.contact.scene.shapes import Fixture
@@ -54,6 +55,14 @@ class Judge:
         if self._since is None:
             self._since = truth.time_s
         return truth.time_s - self._since >= self._success.hold_s - 1e-9
+
+    @property
+    def broken(self) -> tuple[BaseCondition, ...]:
+        """Return the conditions that do not hold and can never hold again, as of the last call of `success`."""
+        conditions = self._success.conditions[: len(self.holding)]
+        return tuple(
+            one for one, holds in zip(conditions, self.holding, strict=True) if one.breaks_for_good and not holds
+        )
 
     def failure(self, truth: Truth) -> str | None:
         """Return why the episode has failed for good, or None. Call it at every control step."""

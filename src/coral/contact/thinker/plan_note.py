@@ -47,7 +47,8 @@ def note_of(report: PlanReport, end: StageEnd | None = None) -> PlanNote:
         end: The end of its stage, if there is one.
     """
     plan = report.plan
-    x, y, z = np.mean(np.asarray(plan.expected_force)[:FORCE_STEPS], axis=0)
+    force = plan.expected_force
+    x, y, z = (0.0, 0.0, 0.0) if force is None else np.mean(np.asarray(force)[:FORCE_STEPS], axis=0)
     return PlanNote(
         report.now.time_s,
         report.stage,

@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from coral.contact.control.mppi_controller import Controller, HandPlan
+from coral.contact.control.hand_controllers import HandController
+from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context
@@ -51,8 +52,8 @@ class PlanReport:
     """How deep (m) the hand is inside each object by the believed poses."""
     next_state: Context | None = None
     """Predicted state after the next control step; None if the hand holds still until this plan is ready."""
-    planner: Controller | None = None
-    """The planner, which may be given more samples; None if it is not ours."""
+    planner: HandController | None = None
+    """The planner, which may be given more samples if it is an `AdjustableController`."""
     plan_s: float = 0.0
     """Simulated time (s) that passes while it plans; 0 if the world stands still, or goes on by itself."""
     since: Observation | None = None

@@ -10,6 +10,7 @@ import numpy as np
 
 from coral.advisor.question import Picture
 from coral.advisor.rules import Rule
+from coral.contact.control.hand_controllers import AdjustableController
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_effort import probe_effort
 from coral.contact.control.planning_world import PlanningWorld
@@ -351,7 +352,7 @@ class Thinker:
     def _plan_harder(self, report: PlanReport, kind: Diagnosis) -> bool:
         """Give the planner more samples if they find a way down the cost; return False to throw the plan away."""
         cfg = self.cfg.effort
-        if report.planner is None or self._harder >= cfg.retries:
+        if not isinstance(report.planner, AdjustableController) or self._harder >= cfg.retries:
             return False
         stage = next(one for one in self._attempt.stages if one.name == report.stage)
         try:

@@ -43,6 +43,7 @@ ENDED = {
     "timeout": "not done in time",
     "killed": "cut off",
     "dropped": "failed: an object fell off the table",
+    "broken": "failed: a condition was broken that can never hold again",
     "tunnelling": "void: an object went through something solid",
     "diverged": "void: the simulation diverged",
     "unreachable": "failed: the arm could not reach its commanded pose",

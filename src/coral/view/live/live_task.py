@@ -8,7 +8,6 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.control.mppi_controller import Controller
 from coral.contact.episode.episode import Episode
 from coral.view.live.history import History
 from coral.view.live.pace import Pace
@@ -81,7 +80,6 @@ class LiveTask:
 
     def tick(self, episode: Episode) -> None:
         """Show a plan's moment if the page is ready, then wait as the page requires."""
-        self._keep_paths(episode)
         self._force.add(episode.t, float(np.linalg.norm(episode.now.wrench[:3])))
         self._trail.append(episode.now.tool.position.copy())
         if episode.end_reason:
@@ -103,14 +101,6 @@ class LiveTask:
     def _meanwhile(self, episode: Episode) -> None:
         if self.page.due(only_new=True):
             self.page.show(self.state(episode))
-
-    def _keep_paths(self, episode: Episode) -> None:
-        """Have the controller keep paths for the page, and take its weights: it is made when the episode begins."""
-        controller = getattr(episode, "controller", None)
-        if isinstance(controller, Controller) and not controller.keeps_paths:
-            controller.keeps_paths = True
-            if self.controls.weights is not None:
-                controller.weights = self.controls.weights
 
     def _add_terms(self, t: float, stage: str, terms: Mapping[str, float]) -> None:
         names = tuple(terms)

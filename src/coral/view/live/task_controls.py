@@ -20,7 +20,7 @@ class TaskControls:
 
     Args:
         pace: The viewer's requests.
-        weights: The controller's factors; None for a controller without them.
+        weights: The episode's factors; None for an episode without them.
         stop_now: Called by the stop button besides, at once and from its own thread: it stops an arm.
     """
 

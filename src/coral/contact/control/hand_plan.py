@@ -1,0 +1,56 @@
+"""A plan of the hand, which every controller of the hand returns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.control.rehearsed_paths import RehearsedPaths
+from coral.contact.cost.context import Context
+from coral.contact.scene.observation import HandTarget
+from coral.mppi.knots import Update
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class HandPlan:
+    """One plan. Only its targets are necessary; without predictions there is no reactive feedback (Eq. 7)."""
+
+    targets: tuple[HandTarget, ...]
+    """One target for each control step of the horizon."""
+    expected_position: Array | None = None
+    """Predicted position of the tool, Shape=(H, 3) m; None, like the next three, without a prediction."""
+    expected_quaternion: Array | None = None
+    """Predicted orientation of the tool, Shape=(H, 4)."""
+    expected_force: Array | None = None
+    """Predicted force on the hand, Shape=(H, 3) N."""
+    expected_torque: Array | None = None
+    """Predicted torque on the hand, Shape=(H, 3) N m."""
+    terms: Mapping[str, float] = field(default_factory=dict)
+    """Expected value of each cost term over the horizon."""
+    now: Context | None = None
+    """State after one step, a batch of one, for a stage's conditions; None leaves it to the planning world."""
+    update: Update | None = None
+    """Update of the sampler; None of a controller that does not sample."""
+    valid: bool = True
+    """Whether there is a valid rehearsal; if not, the plan before is kept."""
+    diverged: int = 0
+    """Number of excluded rehearsals."""
+    paths: RehearsedPaths | None = None
+    """Paths of rehearsals, for a viewer."""
+    at_edge: float = 0.0
+    """Share of the targets at the edge of the workspace or of the arm's reach."""
+
+    @property
+    def cost(self) -> float:
+        """Return the expected cost of the plan."""
+        return float(sum(self.terms.values()))
+
+    @property
+    def effective_samples(self) -> float:
+        """Return the effective sample size; 1 of a controller that does not sample."""
+        return 1.0 if self.update is None else self.update.effective_samples
