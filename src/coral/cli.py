@@ -50,7 +50,7 @@ COMMANDS = {
     "memory export": ("coral.commands.memory:MemoryExport", "write them into a JSON file"),
     "memory import": ("coral.commands.memory:MemoryImport", "import an exported file"),
     "memory bench": ("coral.commands.memory_bench:MemoryBench", "measure what the memory finds for changed tasks"),
-    "export": ("coral.commands.export:Export", "write a reef run as a ROS 2 bag, an MCAP or a rerun file"),
+    "export": ("coral.commands.export:Export", "write a reef run as a ROS 2 bag, an MCAP file or pictures"),
     "replay": ("coral.commands.replay:Replay", "watch a run folder again in a browser"),
     "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),
     "desk": ("coral.commands.desk:Desk", "answer a mission's questions in a browser"),

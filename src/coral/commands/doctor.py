@@ -50,7 +50,6 @@ EXTRAS = {
     "franka": ("franky", "a Franka arm (coral contact run --world franka)"),
     "franka-sim": ("franky_sim", "a simulated arm that speaks a Franka arm's protocol"),
     "warp": ("mujoco_warp", "rehearsals on an NVIDIA GPU (--cfg.planning.rollouts warp)"),
-    "rerun": ("rerun", "runs as recordings for rerun"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),
 }
 KEYS = ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY")

@@ -12,11 +12,10 @@ import tyro
 from coral.errors import InputError
 from coral.reef.recordings.bag_export import write_bag
 from coral.reef.recordings.picture_export import write_pictures
-from coral.reef.recordings.rerun_export import write_rerun
 from coral.reef.recordings.run_recording import read_run
 from coral.words import many
 
-SUFFIX = {"bag": "_bag", "mcap": ".mcap", "rerun": ".rrd", "pictures": "_pictures"}
+SUFFIX = {"bag": "_bag", "mcap": ".mcap", "pictures": "_pictures"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,8 +24,8 @@ class Export:
 
     run: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN")]
     """Run folder of a reef mission."""
-    to: Literal["mcap", "bag", "rerun", "pictures"] = "mcap"
-    """mcap: one file, for Foxglove and others. bag: a ROS 2 bag, a folder. rerun: a recording for rerun. pictures: a
+    to: Literal["mcap", "bag", "pictures"] = "mcap"
+    """mcap: one file, for Foxglove and others. bag: a ROS 2 bag, a folder. pictures: a
     folder of colour pictures with their poses, and nothing else."""
     only_colour: bool = False
     """Leave out of a bag or MCAP file all that was made of the colour pictures: classes, depth, points, maps."""
@@ -41,11 +40,9 @@ class Export:
         out = self.out or self.run / f"{self.run.resolve().name}{SUFFIX[self.to]}"
         if out.exists():
             raise InputError(str(out), "--out", "something there already", "a new path")
-        if self.only_colour and self.to in ("rerun", "pictures"):
+        if self.only_colour and self.to == "pictures":
             raise InputError("--only-colour", "", f"--to {self.to}", "--to mcap or --to bag")
-        if self.to == "rerun":
-            counts = write_rerun(recording, out)
-        elif self.to == "pictures":
+        if self.to == "pictures":
             counts = write_pictures(recording, out)
         else:
             counts = write_bag(recording, out, single_file=self.to == "mcap", only_colour=self.only_colour)
