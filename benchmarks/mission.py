@@ -75,8 +75,8 @@ def run(world: ReefWorld, ticks: int, folder: Path, robots: int) -> list[dict[st
     )
     advisor = make_advisor("heuristic", rules=REEF_RULES, rng=np.random.default_rng(0))
     mission, watch = Mission(world, cfg, advisor, folder, seed=0), Stopwatch()
-    for robot in mission.robots:
-        robot.simulator.sense = watch.watch("sense", robot.simulator.sense)
+    for robot, vehicle in zip(mission.robots, mission.vehicles, strict=True):
+        vehicle.simulator.sense = watch.watch("sense", vehicle.simulator.sense)
         robot.belief.update = watch.watch("map", robot.belief.update)
         robot.driver.plan = watch.watch("control", robot.driver.plan)
         robot.pilot.sense = watch.watch("check", robot.pilot.sense)

@@ -324,6 +324,8 @@ class WallClock:
         self._start_s = time.monotonic()
         self._thread = thread
         self._stepped: SimulatedClock | None = None
+        self.waited_s = 0.0
+        """Always 0: nothing waits for a reply."""
 
     def now(self) -> float:
         """Return wall seconds since this clock was made."""

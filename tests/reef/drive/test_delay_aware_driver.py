@@ -27,7 +27,7 @@ def least_clearance(planned_with):
     """Drive a slow vehicle between the posts with a controller; return the least clearance of its hull (m)."""
     distance = posts()
     field = CostField.compute(distance, (7.0, 3.0))
-    driver = DelayAwareDriver(DdpMppi(rng=np.random.default_rng(0), response=planned_with))
+    driver = DelayAwareDriver(DdpMppi(rng=np.random.default_rng(0), response=planned_with), planned_with, 0.6)
     state, trailing, least = VehicleState(1.5, 3.0, 0.0), Trailing(), np.inf
     sent = [(0.0, 0.0)] * 4
     for _ in range(250):
@@ -45,7 +45,7 @@ def test_a_slow_vehicle_keeps_the_margin_only_if_the_controller_knows_it():
 
 
 def test_the_plan_begins_where_the_command_will_find_the_vehicle():
-    driver = DelayAwareDriver(DdpMppi(rng=np.random.default_rng(0), response=SLOW))
+    driver = DelayAwareDriver(DdpMppi(rng=np.random.default_rng(0), response=SLOW), SLOW, 0.6)
     for _ in range(40):
         driver.note((0.5, 0.0))
     field = CostField.straight((160, 160), (7.0, 3.0))

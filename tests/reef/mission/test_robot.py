@@ -14,11 +14,14 @@ from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.localization import Localizer
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.sonar_3d15 import SonarCfg
-from coral.reef.mission.robot import Robot
+from coral.reef.mission.robot import Robot, naming
 from coral.reef.pilot.pilot import NOTHING_LEFT, Pilot
 from coral.reef.simulation.doppler_log import DvlCfg
 from coral.reef.simulation.simulated_navigation import NavigationCfg
+from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.states import PilotState
 from coral.reef.vehicle.vehicle import VehicleCfg
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
@@ -36,7 +39,7 @@ def robot():
     """Makes robots whose events are kept in `events`."""
     clocks = []
 
-    def make(number=0, alone=True, eyes=None, **simulator):
+    def make(eyes=None, **simulator):
         cfg = SimulatorCfg(**simulator)
         clocks.append(SimulatedClock("fixed:3", np.random.default_rng(0)))
         events = []
@@ -46,16 +49,20 @@ def robot():
             planner = HighLevelPlanner(one.belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda belief: ())
             return Pilot(one.belief, planner, one.driver, rules, rules, one.clock, one.emit, lambda attempt: None)
 
+        def emit(event, **fields):
+            events.append({"event": event, **fields})
+
+        world = ReefSimulator(POOL, cfg, np.random.default_rng(0))
+        cells = OccupancyMap(POOL.size_m, cfg.camera, None, cfg.sonar)
         made = Robot(
-            number,
-            ReefSimulator(POOL, cfg, np.random.default_rng(0)),
-            Belief(OccupancyMap(POOL.size_m, cfg.camera)),
+            SimulatedVehicle(world, 0.1, emit),
+            world.pose,
+            Belief(cells),
             Localizer(cfg.camera),
             PdController(),
             clocks[-1],
-            lambda event, **fields: events.append({"event": event, **fields}),
+            emit,
             pilot,
-            alone,
             eyes=eyes,
         )
         made.events = events
@@ -68,41 +75,44 @@ def robot():
 
 def test_it_senses_decides_and_drives(robot):
     one = robot()
-    assert one.position == (3.0, 5.0)
-    one.sense(0.0, 0.0)
-    one.localize(0.0)
-    assert one.think(()) >= 0.0
+    assert one.vehicle.position == (3.0, 5.0)
+    for k in range(10):
+        one.sense(0.1 * k)
+        one.localize(0.1 if k else 0.0)
+        assert one.think(()) >= 0.0
+        one.act()
     assert one.command[0] > 0.0
-    one.act(1.0, ())
-    x, y = one.position
+    x, y = one.vehicle.position
     assert x > 3.1
     assert y == pytest.approx(5.0, abs=0.05)
 
 
-def test_a_contact_is_told_once_with_the_obstacle(robot):
-    one = robot()
-    one.command = (0.6, 0.0)
-    for _ in range(30):
-        one.act(0.1, ())
-    (contact,) = [e for e in one.events if e["event"] == "collision"]
-    assert contact["obstacle"] == 0
-    assert contact["x"] == pytest.approx(3.5, abs=0.02)
-
-
 @pytest.mark.parametrize(("alone", "named"), [(True, {}), (False, {"robot": 2})])
-def test_only_one_of_several_names_itself_in_its_events(robot, alone, named):
-    one = robot(number=2, alone=alone)
-    one.emit("mode", mode="waypoint")
-    assert one.events == [{"event": "mode", **named, "mode": "waypoint"}]
+def test_only_one_of_several_names_itself_in_its_events(alone, named):
+    events = []
+    naming(lambda event, **fields: events.append({"event": event, **fields}), 2, alone=alone)("mode", mode="waypoint")
+    assert events == [{"event": "mode", **named, "mode": "waypoint"}]
+
+
+def test_another_map_brings_another_pilot_and_keeps_the_state(robot):
+    one = robot()
+    one.sense(0.0)
+    one.localize(0.0)
+    before, states, belief = one.pilot, one.pilot.safety.states, Belief(OccupancyMap(POOL.size_m, CameraCfg()))
+    assert states.state is PilotState.SURVEYING
+    one.rebuild(belief, Localizer(CameraCfg()))
+    assert one.pilot is not before
+    assert one.pilot.belief is one.belief is belief
+    assert one.pilot.safety.states is states
 
 
 def test_it_tells_the_others_where_it_is_and_where_it_goes(robot):
     one = robot()
-    one.sense(0.0, 0.0)
+    one.sense(0.0)
     one.localize(0.0)
     one.think(())
     said = one.says()
-    assert said.pose == one.sensed.pose
+    assert said.pose == one.observed.pose.value
     assert said.radius_m == 0.3
     assert said.goal == one.belief.goal
     assert said.goal[0] > 4.0  # the initial goal, straight ahead
@@ -112,7 +122,7 @@ def test_it_tells_the_others_where_it_is_and_where_it_goes(robot):
 
 def test_one_that_has_nothing_to_do_claims_no_goal(robot):
     one = robot()
-    one.sense(0.0, 0.0)
+    one.sense(0.0)
     assert one.says().path.shape == (0, 2)
     one.localize(0.0)
     one.think(())
@@ -124,11 +134,11 @@ def test_one_that_has_nothing_to_do_claims_no_goal(robot):
 def test_dead_reckoning_reaches_guard_and_localizer_with_its_covariance(robot):
     one = robot(navigation=NavigationCfg(source="dvl-imu"))
     for k in range(20):
-        one.sense(0.1 * k, 0.1 if k else 0.0)
+        one.sense(0.1 * k)
         one.localize(0.1 if k else 0.0)
         one.command = (0.3, 0.0)
-        one.act(0.1, ())
-    assert np.array_equal(one.seen.covariance, one.sensed.covariance)
+        one.act()
+    assert np.array_equal(one.seen.covariance, one.observed.covariance)
     assert one.localizer.active
     assert one.localizer.sigma[0] > 0.0
     assert one.seen.velocity.t == pytest.approx(0.1 * 19)
@@ -138,7 +148,7 @@ def test_a_velocity_without_bottom_lock_keeps_its_old_stamp(robot):
     lost = NavigationCfg(source="dvl-imu", dvl=DvlCfg(range_m=0.5))  # the floor is 1 m away
     one = robot(navigation=lost)
     for k in range(4):
-        one.sense(0.1 * k, 0.1 if k else 0.0)
+        one.sense(0.1 * k)
     assert one.seen.velocity.t == pytest.approx(0.0)
     assert one.seen.pose.t == pytest.approx(0.3)
 
@@ -146,20 +156,20 @@ def test_a_velocity_without_bottom_lock_keeps_its_old_stamp(robot):
 def test_a_picture_is_kept_with_the_height_that_was_measured(robot):
     floating = robot(vehicle=VehicleCfg(model="six_dof"))
     for k in range(3):
-        floating.sense(0.1 * k, 0.1)
+        floating.sense(0.1 * k)
         floating.localize(0.1)
         floating.think(())
-        floating.act(0.1, ())
-    floating.sense(0.3, 0.1)
+        floating.act()
+    floating.sense(0.3)
     floating.localize(0.1)
-    assert floating.taken_at.height_m == floating.simulator.camera_attitude.height != 1.0
+    assert floating.taken_at.height_m == floating.vehicle.simulator.camera_attitude.height != 1.0
 
 
 def test_eyes_are_told_what_the_sonar_hears_in_the_picture(robot):
     eyes = FlatEyes()
     listening = robot(pictures=True, sonar=SonarCfg(enabled=True), eyes=eyes)
-    listening.sense(0.0, 0.0)
+    listening.sense(0.0)
     assert eyes.attitude.echoes.shape[1] == 3
     assert len(eyes.attitude.echoes) > 1000
-    listening.sense(0.1, 0.1)  # the next image is due after 0.2 s
+    listening.sense(0.1)  # the next image is due after 0.2 s
     assert eyes.attitude.echoes is None

@@ -13,6 +13,7 @@ from coral.plugins import named_plugin
 from coral.reef.drive.controller import DdpMppi, MppiCfg
 from coral.reef.drive.local_planner import LocalPlanner
 from coral.reef.drive.pd import PdController
+from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.vehicle.vehicle import VehicleCfg
 
 
@@ -28,13 +29,16 @@ class ControllerSetup:
     """Random generator of this robot's controller."""
     control_period_s: float
     """Time between two calls of `plan`."""
+    response: VehicleResponse | None = None
+    """How the vehicle follows its set-points; None: at once, as the simulated one does."""
 
 
 MakeController = Callable[[ControllerSetup], LocalPlanner]
 
 
 def _ddp_mppi(setup: ControllerSetup) -> LocalPlanner:
-    return DdpMppi(setup.cfg, setup.vehicle, setup.rng, control_period_s=setup.control_period_s)
+    period_s = setup.control_period_s
+    return DdpMppi(setup.cfg, setup.vehicle, setup.rng, control_period_s=period_s, response=setup.response)
 
 
 def _pd(setup: ControllerSetup) -> LocalPlanner:

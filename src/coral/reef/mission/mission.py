@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,44 +13,36 @@ import numpy as np
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.consult import DEADLINE_S
-from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
 from coral.advisor.log import AttemptRecorder
-from coral.advisor.prompt import render as render_prompt
 from coral.advisor.question import Advisor, Picture
-from coral.advisor.rules import RuleAdvisor
 from coral.config import checked, to_mapping
 from coral.errors import InputError
-from coral.reef.decide.baselines import baseline_rules
-from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.own_trigger import MakeTrigger, Wanted, trigger_maker
 from coral.reef.decide.own_verifier import Check, find_verifier
-from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.decide.trigger import SmartTrigger
-from coral.reef.drive.controllers import ControllerSetup, MakeController, controller_maker, part_name
+from coral.reef.drive.controllers import MakeController, controller_maker, part_name
 from coral.reef.eyes.backends import open_eyes
 from coral.reef.map.belief import Belief
-from coral.reef.map.localization import Localizer
 from coral.reef.map.mapping import OccupancyMap
+from coral.reef.mission.assembly import Deciding, decider_of, latency_of, make_robot
 from coral.reef.mission.bound import oracle_bound
 from coral.reef.mission.judge import MissionJudge
+from coral.reef.mission.loop import MissionLoop, SimulatedTicks
 from coral.reef.mission.metrics import compute_metrics
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import COLUMNS, FrameRecorder
-from coral.reef.mission.robot import Robot
-from coral.reef.mission.tour import TourPilot
+from coral.reef.mission.robot import naming
 from coral.reef.mission.tours import planned
 from coral.reef.pilot.leftover import what_is_left
-from coral.reef.pilot.pilot import NOTHING_LEFT, Pilot
+from coral.reef.pilot.pilot import NOTHING_LEFT
 from coral.reef.simulation.encounter import Encounters
-from coral.reef.simulation.faults import FAULTS, FaultySensors, parse_fault
+from coral.reef.simulation.faults import FAULTS, parse_fault
+from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
 from coral.reef.simulation.simulator import ReefSimulator
 from coral.reef.simulation.starts import starts_beside
 from coral.reef.world.world import ReefWorld, save_world
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter, provenance
-
-PAPER_LATENCY = "fixed:10"
-"""Median latency of a call in the paper's CORAL experiments (IV-E)."""
 
 
 class Mission:
@@ -105,16 +96,11 @@ class Mission:
         cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
         # Three streams per robot: those of the first do not depend on the number of robots.
         streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3 * cfg.robots)]
-        if cfg.decider != "advisor":
-            advisor = RuleAdvisor(baseline_rules(cfg.decider, np.random.default_rng([seed, 11])), name=cfg.decider)
+        advisor = decider_of(cfg, advisor, seed)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
         eyes = open_eyes(cfg.perception, depth=cfg.depth)
         self.preset = preset
         """Name of the water and sensors, for the record; `cfg` and `world` have their values."""
-        self.step, self.t = 0, 0.0
-        self.control_ms: list[float] = []
-        """Wall time of each robot's computation at each tick (ms)."""
-        self.tick_ms: list[float] = []
         if eyes is not None and not cfg.simulator.pictures:
             cfg = self.cfg = dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, pictures=True))
         first = ReefSimulator(world, cfg.simulator, streams[0])
@@ -135,22 +121,9 @@ class Mission:
         cells = OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map, cfg.simulator.sonar)
         belief = Belief(cells, cfg.belief)
         beliefs = [belief, *(belief.companion() for _ in starts[1:])]
-        localizers = [Localizer(cfg.simulator.camera, cfg.localization) for _ in starts]
-        latency = _latency(advisor, cfg.latency)
-        drivers = [
-            make_driver(
-                ControllerSetup(
-                    cfg=cfg.controller,
-                    vehicle=cfg.simulator.vehicle,
-                    rng=streams[3 * k + 1],
-                    control_period_s=cfg.control_period_s,
-                )
-            )
-            for k in range(cfg.robots)
-        ]
+        latency = latency_of(cfg, advisor)
         commands = planned(world, cfg)
-        faults = [parse_fault(text) for text in cfg.faults]
-        for fault in faults:
+        for fault in map(parse_fault, cfg.faults):
             if FAULTS[fault.name].needs_sonar and not cfg.simulator.sonar.enabled:
                 raise InputError("--fault", "", fault.name, "a fault of a sensor that the vehicle has: add --sonar")
         # All inputs have been validated: create the folder only now.
@@ -161,40 +134,44 @@ class Mission:
         # A clock per robot, which may withdraw that robot's question, and one thread for the one advisor.
         clocks = [SimulatedClock(latency, streams[2])]
         clocks += [SimulatedClock(latency, streams[3 * k + 2], thread=clocks[0].thread) for k in range(1, cfg.robots)]
+        self._clocks = clocks
         clocks[0].thread.warm_up(advisor)
-        numbers: Iterator[int] = itertools.count()
-
-        def pilot(robot: Robot) -> Pilot:
-            planner = HighLevelPlanner(
-                robot.belief, cfg.pilot.fields, render_prompt, draw or (lambda belief: ()), cfg.planner, verifier=verify
-            )
-            pilot = (Pilot if commands is None else TourPilot)(
-                robot.belief,
-                planner,
-                robot.driver,
-                advisor,
-                RuleAdvisor(REEF_RULES),
-                robot.clock,
-                robot.emit,
-                self.attempts,
-                cfg.pilot,
-                numbers,
-                make_trigger,
-            )
-            if isinstance(pilot, TourPilot) and commands is not None:
-                pilot.commands = commands
-            return pilot
-
+        deciding = Deciding(
+            advisor=advisor,
+            log=self.attempts,
+            draw=draw or (lambda belief: ()),
+            make_driver=make_driver,
+            make_trigger=make_trigger,
+            verify=verify,
+            commands=commands,
+        )
+        emits = [naming(self.emit, k, alone=cfg.robots == 1) for k in range(cfg.robots)]
+        encounters = Encounters(cfg.simulator.vehicle.hull_radius_m) if cfg.robots > 1 else None
+        self.vehicles = [
+            SimulatedVehicle(simulator, cfg.control_period_s, emit, encounters)
+            for simulator, emit in zip(simulators, emits, strict=True)
+        ]
+        for vehicle in self.vehicles:
+            vehicle.fleet = self.vehicles
         self.robots = [
-            Robot(k, *parts, self.emit, pilot, alone=cfg.robots == 1, faults=FaultySensors(faults), eyes=eyes)
-            for k, parts in enumerate(zip(simulators, beliefs, localizers, drivers, clocks, strict=True))
+            make_robot(
+                cfg,
+                deciding,
+                self.vehicles[k],
+                simulators[k].pose,
+                beliefs[k],
+                clocks[k],
+                streams[3 * k + 1],
+                emits[k],
+                eyes=eyes,
+            )
+            for k in range(cfg.robots)
         ]
         lead = self.robots[0]
-        self.simulator, self.belief, self.driver, self.pilot = lead.simulator, lead.belief, lead.driver, lead.pilot
+        self.simulator, self.belief, self.driver, self.pilot = first, lead.belief, lead.driver, lead.pilot
         """Parts of the first robot."""
-        self.encounters = Encounters(cfg.simulator.vehicle.hull_radius_m)
+        self.loop = MissionLoop(self.robots, SimulatedTicks(cfg.control_period_s), self)
         self.collisions = self.calls = 0
-        self.end_reason = ""
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
         """Functions called with every event, as written to events.jsonl."""
         self._covered: set[int] = set()
@@ -211,8 +188,8 @@ class Mission:
     def stood_still(self, seconds: float) -> None:
         """Exclude a pause of `seconds` of wall time, ending now, from the run's time and from measured latencies."""
         self._stood_still_s += seconds
-        for robot in self.robots:
-            robot.clock.stood_still(seconds)
+        for clock in self._clocks:
+            clock.stood_still(seconds)
 
     def run(self, observers: Sequence[Observer[Mission]] = ()) -> dict[str, Any]:
         """Run to the end. Return metrics and timing together."""
@@ -230,8 +207,8 @@ class Mission:
                 judging = self._judged()
                 self.emit("end", reason=self.end_reason or "failed")
             finally:  # even if the disk is full
-                for robot in reversed(self.robots):  # the first one's clock owns the advisor's thread
-                    robot.clock.close()
+                for clock in reversed(self._clocks):  # the first one owns the advisor's thread
+                    clock.close()
                 try:
                     self.frames.close()
                 finally:
@@ -241,43 +218,47 @@ class Mission:
             self._wall = time.perf_counter() - started - self._stood_still_s - judging
         return self._finish()
 
+    @property
+    def step(self) -> int:
+        """Number of ticks that are done."""
+        return self.loop.step
+
+    @property
+    def t(self) -> float:
+        """Simulated time (s)."""
+        return self.loop.t
+
+    @property
+    def end_reason(self) -> str:
+        """Why the mission is over, or ""."""
+        return self.loop.end_reason
+
+    @end_reason.setter
+    def end_reason(self, reason: str) -> None:
+        self.loop.end_reason = reason
+
     def advance(self) -> None:
-        """Run one control tick: all robots sense, each thinks, all act. Record it."""
-        cfg, dt, robots = self.cfg, self.cfg.control_period_s, self.robots
-        begun, waited = time.perf_counter(), 0.0
-        for robot in robots:
-            robot.sense(self.t, dt if self.step else 0.0)
-        located_ms = []
-        for robot in robots:  # all of them first: each tells the others where it is
-            thinking = time.perf_counter()
-            robot.localize(dt if self.step else 0.0)
-            located_ms.append(1e3 * (time.perf_counter() - thinking))
-        self.frames.offer(self.step, self.t, self.belief.map.cells, robots[0].picture, robots[0].taken_at)
-        for robot, already_ms in zip(robots, located_ms, strict=True):
-            thinking = time.perf_counter()
-            # The wait for a due reply, while simulated time stands still, is no part of the control period.
-            idle = robot.think(other.says() for other in robots if other is not robot)
-            waited += idle
-            self.control_ms.append(already_ms + 1e3 * (time.perf_counter() - thinking - idle))
-        self.step += 1
-        self.t = round(self.step * dt, 9)
-        for robot in robots:
-            robot.act(dt, [other.position for other in robots if other is not robot])
-            for x, y, other in self.encounters.follow(
-                robot.number, robot.simulator.track, [each.position for each in robots]
-            ):
-                robot.emit("robot_collision", x=round(x, 3), y=round(y, 3), other=other)
+        """Run one control tick."""
+        self.loop.advance()
+
+    def located(self) -> None:
+        """Keep pictures and map, if they are due."""
+        lead = self.robots[0]
+        assert lead.picture is not None
+        self.frames.offer(self.step, self.t, self.belief.map.cells, lead.picture, lead.taken_at)
+
+    def decided(self) -> None:
+        """Let the robots do what they decided."""
+
+    def commanded(self) -> str:
+        """Judge and record the tick. Return why the mission is over, or ""."""
         self._cover()
-        self.judge.note(self.step, self.t, [robot.position for robot in robots])
-        for robot in robots:
-            self._row(robot)
-        self.tick_ms.append(1e3 * (time.perf_counter() - begun - waited))
-        if cfg.stop_when_covered and len(self._covered) == len(self.world.clusters):
-            self.end_reason = "coverage complete"
-        elif reason := self._given_up():
-            self.end_reason = reason
-        elif self.t >= cfg.time_limit_s - 1e-9:
-            self.end_reason = "time limit"
+        self.judge.note(self.step, self.t, [vehicle.position for vehicle in self.vehicles])
+        for number in range(len(self.robots)):
+            self._row(number)
+        if self.cfg.stop_when_covered and len(self._covered) == len(self.world.clusters):
+            return "coverage complete"
+        return self._given_up() or ("time limit" if self.t >= self.cfg.time_limit_s - 1e-9 else "")
 
     def _given_up(self) -> str:
         """Return why no robot continues, or "". A robot without a task waits: others may still find one for it."""
@@ -295,9 +276,10 @@ class Mission:
                 self._covered.add(int(k))
                 self.emit("cluster_covered", name=self.world.clusters[k].name, fraction=round(float(fractions[k]), 4))
 
-    def _row(self, robot: Robot) -> None:
-        sensed, simulator, goal, plan = robot.sensed, robot.simulator, robot.belief.goal, robot.pilot.plan
-        assert sensed is not None
+    def _row(self, number: int) -> None:
+        robot, simulator = self.robots[number], self.vehicles[number].simulator
+        odometry, goal, plan = robot.observed.pose, robot.belief.goal, robot.pilot.plan
+        assert odometry is not None
         self.writer.row(
             self.step,
             self.t,
@@ -310,8 +292,8 @@ class Mission:
             int(plan.ok) if plan else 1,
             self.coverage,
             len(self._covered),
-            *sensed.pose,
-            robot=robot.number,
+            *odometry.value,
+            robot=number,
         )
 
     @property
@@ -347,7 +329,7 @@ class Mission:
             **self._fleet(),
         )
         self._cover()
-        self.judge.note(0, 0.0, [robot.position for robot in self.robots])
+        self.judge.note(0, 0.0, [vehicle.position for vehicle in self.vehicles])
 
     def _fleet(self) -> dict[str, Any]:
         """Return the fields of the start event about several robots."""
@@ -373,8 +355,10 @@ class Mission:
         return time.perf_counter() - begun
 
     def _finish(self) -> dict[str, Any]:
-        control = np.array(self.control_ms) if self.control_ms else np.zeros(1)
-        timing: dict[str, Any] = timing_of(self._wall, self.t, control_ms=self.control_ms, tick_ms=self.tick_ms)
+        control = np.array(self.loop.control_ms) if self.loop.control_ms else np.zeros(1)
+        timing: dict[str, Any] = timing_of(
+            self._wall, self.t, control_ms=self.loop.control_ms, tick_ms=self.loop.tick_ms
+        )
         metrics = compute_metrics(self.writer.folder)
         self.writer.json("metrics.json", metrics)
         histogram, edges = np.histogram(control, bins=np.linspace(0.0, max(10.0, math.ceil(control.max())), 41))
@@ -386,8 +370,3 @@ class Mission:
             },
         )
         return {**metrics, **timing}
-
-
-def _latency(advisor: Advisor, spec: str) -> LatencyCfg:
-    latency = latency_for(advisor, spec)
-    return parse_latency(PAPER_LATENCY) if spec == "auto" and latency == parse_latency("0") else latency

@@ -1,4 +1,4 @@
-"""One robot of a mission: a vehicle with its sensors in the simulated reef, and the pilot that drives it."""
+"""One robot of a mission: a vehicle, eyes, a localizer and a pilot, in the simulator as at sea."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from coral.advisor.clock import SimulatedClock
+from coral.advisor.clock import SimulatedClock, WallClock
 from coral.reef.drive.local_planner import LocalPlanner
-from coral.reef.eyes.perception import RgbPerception, perceive_frame
+from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
 from coral.reef.map.belief import Belief
 from coral.reef.map.echo_points import echoes_in_picture
 from coral.reef.map.localization import Localizer
@@ -18,9 +18,9 @@ from coral.reef.mission.record import PicturePose
 from coral.reef.pilot.guard import Reading
 from coral.reef.pilot.pilot import Command, Pilot
 from coral.reef.simulation.faults import FaultySensors
-from coral.reef.simulation.simulator import ReefSimulator, Sensed
 from coral.reef.vehicle.fleet import Neighbour
-from coral.reef.vehicle.sensing import Stamped, VehicleObservation
+from coral.reef.vehicle.protocol import Vehicle
+from coral.reef.vehicle.sensing import VehicleObservation
 from coral.reef.vehicle.states import PilotState
 from coral.reef.world.geometry import Frame, Pose
 
@@ -29,85 +29,107 @@ Build = Callable[["Robot"], Pilot]
 
 
 class Robot:
-    """Couples a simulated vehicle with its pilot."""
+    """Couples a vehicle with its pilot."""
 
     def __init__(
         self,
-        number: int,
-        simulator: ReefSimulator,
+        vehicle: Vehicle,
+        start: Pose,
         belief: Belief,
         localizer: Localizer,
         driver: LocalPlanner,
-        clock: SimulatedClock,
+        clock: SimulatedClock | WallClock,
         emit: Callable[..., None],
         build: Build,
-        alone: bool,
+        *,
+        hull_radius_m: float = 0.3,
         faults: FaultySensors | None = None,
         eyes: RgbPerception | None = None,
     ) -> None:
-        self.number, self.simulator, self.belief, self.driver, self.clock = number, simulator, belief, driver, clock
-        self.localizer, self.pose = localizer, simulator.pose
-        """Where the robot believes it is: the odometry, corrected. It knows its start."""
-        self._emit, self._alone = emit, alone
-        self.sensed: Sensed | None = None
-        """What the simulator measured, before any fault."""
+        """Set up.
+
+        Args:
+            vehicle: What is driven.
+            start: Where it begins: it knows that.
+            belief: Its map.
+            localizer: Corrects its odometry.
+            driver: Its low-level planner.
+            clock: Of its questions.
+            emit: emit(event, **fields) records an event.
+            build: Builds its pilot.
+            hull_radius_m: Radius of its hull, which it tells the others.
+            faults: Spoil what is measured; none by default.
+            eyes: Find classes and depth in the vehicle's colour pictures; None if its pictures have them.
+        """
+        self.vehicle, self.belief, self.driver, self.clock, self.emit = vehicle, belief, driver, clock, emit
+        self.localizer, self.pose = localizer, start
+        """Where the robot believes it is: the odometry, corrected."""
+        self.hull_radius_m, self._build = hull_radius_m, build
+        self.observed = VehicleObservation(t=0.0)
+        """What the vehicle measured, before any fault."""
         self.faults, self._eyes = faults or FaultySensors(()), eyes
-        self.seen: VehicleObservation
+        self.seen = self.observed
         """What reached the pilot."""
-        self._reading: Reading
+        self.reading: Reading
+        """What of it can be used."""
         self._unlocated_s = 0.0
-        self._odometry = self.pose
+        self.odometry = start
+        """Where odometry alone put the last picture."""
         self.command: Command = (0.0, 0.0)
         self.pilot = build(self)
 
-    def emit(self, event: str, **fields: Any) -> None:
-        """Emit an event, with the number of the robot if it is not alone."""
-        self._emit(event, **(fields if self._alone else {"robot": self.number, **fields}))
+    def rebuild(self, belief: Belief, localizer: Localizer) -> None:
+        """Go on with another map: a new pilot keeps the vehicle's state alone."""
+        self.clock.withdraw()
+        self.belief, self.localizer, states = belief, localizer, self.pilot.safety.states
+        self.pilot = self._build(self)
+        self.pilot.safety.states = states
+        self.driver.reset()
 
-    def sense(self, t: float, dt: float) -> VehicleObservation:
-        """Measure at time `t` (s), `dt` seconds after the last time. Faults that are due spoil what is measured."""
-        sensed = self.simulator.sense(dt)
-        if self._eyes is not None:
-            camera, attitude = self.simulator.cfg.camera, self.simulator.camera_attitude
-            if sensed.sonar is not None:
-                tilt = self.simulator.cfg.sonar.pitch_down_deg
-                attitude = replace(attitude, echoes=echoes_in_picture(sensed.sonar, tilt, camera))
-            sensed = replace(sensed, frame=perceive_frame(sensed.frame, self._eyes, camera, attitude))
-        self.sensed = sensed
-        seen = VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude, sensed.sonar)
-        if sensed.covariance is not None:
-            measured = Stamped(t - sensed.velocity_age_s, sensed.velocity)
-            seen = replace(seen, covariance=sensed.covariance, velocity=measured)
-        self.seen = self.faults.apply(seen)
+    def sense(self, t: float) -> VehicleObservation:
+        """Measure at time `t` (s). Faults that are due spoil what is measured."""
+        observed = self.vehicle.observe(t)
+        if self._eyes is not None and observed.frame is not None:
+            attitude = self.camera_attitude(observed)
+            frame = perceive_frame(observed.frame.value, self._eyes, self.belief.map.camera, attitude)
+            observed = replace(observed, frame=replace(observed.frame, value=frame))
+        self.observed = observed
+        self.seen = self.faults.apply(observed)
         return self.seen
 
+    def camera_attitude(self, seen: VehicleObservation) -> CameraAttitude:
+        """Return the camera's attitude as it is measured, with what the sonar hears in the picture."""
+        attitude, layer = seen.attitude, self.belief.map.layer
+        found = CameraAttitude()
+        if attitude is not None:
+            found = CameraAttitude(attitude.value.altitude_m, attitude.value.roll, attitude.value.pitch)
+        if seen.sonar is None or layer is None:
+            return found
+        echoes = echoes_in_picture(seen.sonar.value, layer.sonar.pitch_down_deg, self.belief.map.camera)
+        return replace(found, echoes=echoes)
+
     @property
-    def picture(self) -> Frame:
+    def picture(self) -> Frame | None:
         """The last picture, as it reached the pilot if it is one of this camera, for the record."""
-        assert self.sensed is not None
-        exact, seen = self.sensed.frame, self.seen.frame
-        return seen.value if seen is not None and seen.value.depth.shape == exact.depth.shape else exact
+        whole, seen = self.observed.frame, self.seen.frame
+        if whole is None:
+            return None
+        return seen.value if seen is not None and seen.value.depth.shape == whole.value.depth.shape else whole.value
 
     @property
     def taken_at(self) -> PicturePose | None:
         """Where the last picture was taken, by the robot's own estimate; None if no new one reached the pilot."""
-        assert self.sensed is not None
-        reading, attitude = self._reading, self.seen.attitude
+        reading, attitude = self.reading, self.seen.attitude
         if reading.frame is None or reading.frame_pose is None:
             return None
+        measured = None if attitude is None else attitude.value.altitude_m
         return PicturePose(
             pose=reading.frame_pose,
-            odometry=self._odometry,
-            height_m=self._height_m(),
+            odometry=self.odometry,
+            height_m=self.belief.map.camera.altitude_m if measured is None else measured,
             roll=attitude.value.roll if attitude else 0.0,
             pitch=attitude.value.pitch if attitude else 0.0,
         )
-
-    def _height_m(self) -> float:
-        """Return the camera's height above the sea floor as it is measured, or as configured (m)."""
-        attitude = self.seen.attitude
-        measured = None if attitude is None else attitude.value.altitude_m
-        return self.simulator.cfg.camera.altitude_m if measured is None else measured
 
     def localize(self, dt: float) -> Pose:
         """Check the last observation, `dt` seconds after the one before, and correct its odometry."""
@@ -117,26 +139,25 @@ class Robot:
             self.localizer.update(reading.frame, reading.frame_pose, self._unlocated_s, reading.covariance)
             self._unlocated_s = 0.0
         if reading.frame_pose is not None:
-            self._odometry = reading.frame_pose
+            self.odometry = reading.frame_pose
         if reading.pose is not None:
             locate = self.localizer.locate
             self.pose = locate(reading.pose)
             there = None if reading.frame_pose is None else locate(reading.frame_pose)
             heard = None if reading.sonar_pose is None else locate(reading.sonar_pose)
             reading = replace(reading, pose=self.pose, frame_pose=there, sonar_pose=heard)
-        self._reading = reading
+        self.reading = reading
         return self.pose
 
     def think(self, others: Iterable[Neighbour]) -> float:
         """Choose the next command. Return the wall time spent waiting for a reply (s)."""
         waited, self.belief.others = self.clock.waited_s, tuple(others)
-        self.command = self.pilot.drive(self._reading)
+        self.command = self.pilot.drive(self.reading)
         return self.clock.waited_s - waited
 
-    def act(self, dt: float, others: Iterable[tuple[float, float]]) -> None:
-        """Drive for `dt` seconds among robots at the positions `others` (m)."""
-        for x, y, obstacle in self.simulator.act(self.command, dt, tuple(others)):
-            self.emit("collision", x=round(x, 3), y=round(y, 3), obstacle=obstacle)
+    def act(self) -> None:
+        """Send the command."""
+        self.vehicle.command(self.command)
 
     def says(self) -> Neighbour:
         """Return what it tells the other robots."""
@@ -145,7 +166,7 @@ class Robot:
         path, times = (np.empty((0, 2)), np.empty(0)) if plan is None else (plan.path[:, :2], plan.times)
         return Neighbour(
             pose=self.pose,
-            radius_m=self.simulator.cfg.vehicle.hull_radius_m,
+            radius_m=self.hull_radius_m,
             goal=belief.goal if busy else None,
             index=belief.goal_index if busy else None,
             later=frozenset(g.index for g in about.route.goals[1:] if g.index is not None) if busy else frozenset(),
@@ -159,8 +180,13 @@ class Robot:
         states = self.pilot.safety.states
         return f"surfaced: {states.reason}" if states.state is PilotState.SURFACING else ""
 
-    @property
-    def position(self) -> tuple[float, float]:
-        """True position (m)."""
-        x, y, _ = self.simulator.pose
-        return x, y
+
+def naming(emit: Callable[..., None], number: int, *, alone: bool) -> Callable[..., None]:
+    """Return what records the events of a robot: with its number, if it is not alone."""
+    if alone:
+        return emit
+
+    def named(event: str, **fields: Any) -> None:
+        emit(event, **{"robot": number, **fields})
+
+    return named

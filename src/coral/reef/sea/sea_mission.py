@@ -143,7 +143,8 @@ class SeaMission:
             control_period_s=mission.control_period_s,
             response=self.response,
         )
-        self.driver = DelayAwareDriver(controller, mission.control_period_s)
+        top_m_s = mission.simulator.vehicle.max_speed_m_s
+        self.driver = DelayAwareDriver(controller, self.response, top_m_s, mission.control_period_s)
         self.step, self.t, self.end_reason = 0, 0.0, ""
         self.calls = self.collisions = 0
         self.control_ms: list[float] = []

@@ -1,0 +1,152 @@
+"""A robot from its configuration: the same at sea as in the simulator."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.advisor.clock import SimulatedClock, WallClock
+from coral.advisor.consult import Attempt
+from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
+from coral.advisor.prompt import render as render_prompt
+from coral.advisor.question import Advisor, Picture
+from coral.advisor.rules import RuleAdvisor
+from coral.reef.decide.baselines import baseline_rules
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.own_trigger import MakeTrigger
+from coral.reef.decide.own_verifier import Verifier
+from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.decide.trigger import SmartTrigger
+from coral.reef.drive.controllers import ControllerSetup, MakeController, controller_maker
+from coral.reef.drive.delay_aware_driver import DelayAwareDriver
+from coral.reef.eyes.perception import RgbPerception
+from coral.reef.map.belief import Belief
+from coral.reef.map.localization import Localizer
+from coral.reef.mission.mission_cfg import MissionCfg
+from coral.reef.mission.robot import Robot
+from coral.reef.mission.tour import TourPilot
+from coral.reef.pilot.pilot import Pilot
+from coral.reef.simulation.faults import FaultySensors, parse_fault
+from coral.reef.vehicle.protocol import Vehicle
+from coral.reef.vehicle.response import VehicleResponse
+from coral.reef.world.geometry import Pose
+
+PAPER_LATENCY = "fixed:10"
+"""Median latency of a call in the paper's CORAL experiments (IV-E)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deciding:
+    """Who decides for a mission's robots, and what replaces our own parts. The robots share it."""
+
+    advisor: Advisor
+    log: Callable[[Attempt], None]
+    draw: Callable[[Belief], tuple[Picture, ...]] = lambda belief: ()
+    """Draws the pictures of a question."""
+    make_driver: MakeController | None = None
+    """None: `driver` of the configuration."""
+    make_trigger: MakeTrigger = SmartTrigger
+    verify: Verifier | None = None
+    commands: NDArray[np.float64] | None = None
+    """A plan to follow in place of questions. Shape=(K, 2)."""
+    numbers: Iterator[int] = field(default_factory=itertools.count)
+    """Numbers the decisions."""
+
+
+def make_robot(
+    cfg: MissionCfg,
+    deciding: Deciding,
+    vehicle: Vehicle,
+    start: Pose,
+    belief: Belief,
+    clock: SimulatedClock | WallClock,
+    rng: np.random.Generator,
+    emit: Callable[..., None],
+    *,
+    eyes: RgbPerception | None = None,
+    response: VehicleResponse | None = None,
+) -> Robot:
+    """Make a robot.
+
+    Args:
+        cfg: Configuration.
+        deciding: Who decides.
+        vehicle: What is driven.
+        start: Where it begins.
+        belief: Its map.
+        clock: Of its questions.
+        rng: Of its controller.
+        emit: emit(event, **fields) records an event.
+        eyes: Applied to the vehicle's pictures in the loop; None if they have classes and depth when they arrive.
+        response: How the vehicle follows its set-points; None: at once, as the simulated one does.
+    """
+    vehicle_cfg = cfg.simulator.vehicle
+    make_driver = deciding.make_driver or controller_maker(cfg.driver)
+    setup = ControllerSetup(
+        cfg=cfg.controller,
+        vehicle=vehicle_cfg,
+        rng=rng,
+        control_period_s=cfg.control_period_s,
+        response=response,
+    )
+    driver = make_driver(setup)
+    if response is not None:
+        driver = DelayAwareDriver(driver, response, vehicle_cfg.max_speed_m_s, cfg.control_period_s)
+
+    def build(robot: Robot) -> Pilot:
+        planner = HighLevelPlanner(
+            robot.belief, cfg.pilot.fields, render_prompt, deciding.draw, cfg.planner, verifier=deciding.verify
+        )
+        pilot = (Pilot if deciding.commands is None else TourPilot)(
+            robot.belief,
+            planner,
+            robot.driver,
+            deciding.advisor,
+            RuleAdvisor(REEF_RULES),
+            robot.clock,
+            robot.emit,
+            deciding.log,
+            cfg.pilot,
+            deciding.numbers,
+            deciding.make_trigger,
+        )
+        if isinstance(pilot, TourPilot) and deciding.commands is not None:
+            pilot.commands = deciding.commands
+        return pilot
+
+    return Robot(
+        vehicle,
+        start,
+        belief,
+        Localizer(cfg.simulator.camera, cfg.localization),
+        driver,
+        clock,
+        emit,
+        build,
+        hull_radius_m=vehicle_cfg.hull_radius_m,
+        faults=FaultySensors(parse_fault(text) for text in cfg.faults),
+        eyes=eyes,
+    )
+
+
+def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int) -> Advisor:
+    """Return who answers the questions: the advisor, or a baseline in its place, as configured."""
+    if cfg.decider == "advisor":
+        return advisor
+    return RuleAdvisor(baseline_rules(cfg.decider, np.random.default_rng([seed, 11])), name=cfg.decider)
+
+
+def latency_of(cfg: MissionCfg, advisor: Advisor) -> LatencyCfg:
+    """Return the latency that simulated time gives an advisor: as configured, or that of the paper for rules."""
+    latency = latency_for(advisor, cfg.latency)
+    return parse_latency(PAPER_LATENCY) if cfg.latency == "auto" and latency == parse_latency("0") else latency
+
+
+def with_response(cfg: MissionCfg, response: VehicleResponse) -> MissionCfg:
+    """Return the configuration with the clearance that a vehicle's response needs added to the controller's."""
+    margin_m = cfg.controller.margin_m + response.margin_m
+    return replace(cfg, controller=replace(cfg.controller, margin_m=margin_m))

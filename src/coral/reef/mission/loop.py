@@ -1,0 +1,93 @@
+"""The mission loop: tick by tick all robots observe, each decides, all are commanded (paper Alg. 1)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Protocol
+
+from coral.reef.mission.robot import Robot
+
+
+class Ticks(Protocol):
+    """When the ticks of a mission are: in simulated or in real time."""
+
+    def begin(self, step: int) -> tuple[float, float]:
+        """Wait until tick number `step` is due. Return its time since the mission began, and since the last tick (s)."""
+        ...
+
+    def end(self, step: int) -> float:
+        """Return the time (s) after the commands of a tick; `step` ticks are done."""
+        ...
+
+
+class SimulatedTicks:
+    """Ticks in simulated time, which never waits: a command moves the world by one period."""
+
+    def __init__(self, period_s: float) -> None:
+        self.period_s = period_s
+
+    def begin(self, step: int) -> tuple[float, float]:
+        """Return the time of a tick and the period (s)."""
+        return self.end(step), self.period_s if step else 0.0
+
+    def end(self, step: int) -> float:
+        """Return the time after `step` periods (s)."""
+        return round(step * self.period_s, 9)
+
+
+class LoopHooks(Protocol):
+    """What stands round the loop: record and judge; at sea also the operator, the limits and the way home."""
+
+    def located(self) -> None:
+        """Every robot has observed, and knows where it is."""
+        ...
+
+    def decided(self) -> None:
+        """Every robot has decided; its command may still be changed."""
+        ...
+
+    def commanded(self) -> str:
+        """The commands are out and the step is counted. Return why the mission is over, or ""."""
+        ...
+
+
+class MissionLoop:
+    """Drives robots, one or several, whatever vehicles and whatever time they have."""
+
+    def __init__(self, robots: Sequence[Robot], ticks: Ticks, hooks: LoopHooks) -> None:
+        self._robots, self._ticks, self._hooks = robots, ticks, hooks
+        self.step, self.t = 0, 0.0
+        """Ticks that are done, and the time of the mission (s)."""
+        self.end_reason = ""
+        self.control_ms: list[float] = []
+        """Wall time of each robot's computation at each tick (ms)."""
+        self.tick_ms: list[float] = []
+        """Wall time of each tick (ms), without waiting."""
+
+    def advance(self) -> None:
+        """Run one control tick."""
+        robots = self._robots
+        self.t, dt = self._ticks.begin(self.step)
+        begun, waited = time.perf_counter(), 0.0
+        for robot in robots:
+            robot.sense(self.t)
+        located_ms = []
+        for robot in robots:  # all of them first: each tells the others where it is
+            thinking = time.perf_counter()
+            robot.localize(dt)
+            located_ms.append(1e3 * (time.perf_counter() - thinking))
+        self._hooks.located()
+        for robot, already_ms in zip(robots, located_ms, strict=True):
+            thinking = time.perf_counter()
+            # The wait for a due reply, while simulated time stands still, is no part of the control period.
+            idle = robot.think(other.says() for other in robots if other is not robot)
+            waited += idle
+            self.control_ms.append(already_ms + 1e3 * (time.perf_counter() - thinking - idle))
+        self._hooks.decided()
+        self.step += 1
+        self.t = self._ticks.end(self.step)
+        for robot in robots:
+            robot.act()
+        self.end_reason = self._hooks.commanded()
+        self.tick_ms.append(1e3 * (time.perf_counter() - begun - waited))

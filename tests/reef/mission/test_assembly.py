@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from coral.advisor.clock import SimulatedClock
+from coral.advisor.rules import RuleAdvisor
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.drive.controller import DdpMppi
+from coral.reef.drive.delay_aware_driver import DelayAwareDriver
+from coral.reef.drive.pd import PdController
+from coral.reef.map.belief import Belief
+from coral.reef.map.localization import LocalizationCfg
+from coral.reef.map.mapping import OccupancyMap
+from coral.reef.mission.assembly import Deciding, decider_of, latency_of, make_robot, with_response
+from coral.reef.mission.mission_cfg import MissionCfg
+from coral.reef.mission.tour import TourPilot
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.response import VehicleResponse
+from coral.reef.world.geometry import Pose
+
+RULES = RuleAdvisor(REEF_RULES)
+SLOW = VehicleResponse(surge_delay_s=0.4, margin_m=0.1)
+
+
+def robot_of(cfg, response=None, **deciding):
+    belief, clock = Belief(OccupancyMap((10.0, 10.0), CameraCfg())), SimulatedClock("0", np.random.default_rng(0))
+    deciding = Deciding(advisor=RULES, log=lambda attempt: None, **deciding)
+    rng = np.random.default_rng(0)
+    made = make_robot(
+        cfg, deciding, None, Pose(1.0, 1.0, 0.0), belief, clock, rng, lambda event, **_: None, response=response
+    )
+    clock.close()
+    return made
+
+
+def test_driver_localizer_and_faults_are_those_of_the_configuration():
+    drift = LocalizationCfg(drift_xy=0.02)
+    robot = robot_of(MissionCfg(driver="pd", localization=drift, faults=("blind-camera@1:2",)))
+    assert isinstance(robot.driver, PdController)
+    assert robot.localizer.cfg == drift
+    assert [fault.name for fault in robot.faults.faults] == ["blind-camera"]
+
+
+@pytest.mark.parametrize(("driver", "kind"), [("pd", PdController), ("ddp-mppi", DdpMppi)])
+def test_every_driver_plans_ahead_for_a_vehicle_that_obeys_late(driver, kind):
+    robot = robot_of(MissionCfg(driver=driver), SLOW)
+    assert isinstance(robot.driver, DelayAwareDriver)
+    assert isinstance(robot.driver.driver, kind)
+
+
+def test_the_clearance_of_a_slow_vehicle_is_added():
+    cfg = MissionCfg()
+    assert with_response(cfg, SLOW).controller.margin_m == pytest.approx(cfg.controller.margin_m + 0.1)
+
+
+def test_a_plan_made_before_the_dive_takes_the_place_of_questions():
+    assert isinstance(robot_of(MissionCfg(), commands=np.zeros((3, 2))).pilot, TourPilot)
+
+
+def test_a_baseline_answers_in_place_of_the_advisor():
+    assert decider_of(MissionCfg(), RULES, 0) is RULES
+    assert decider_of(MissionCfg(decider="nearest"), RULES, 0).name == "nearest"
+
+
+def test_rules_take_the_papers_time_unless_told_otherwise():
+    assert str(latency_of(MissionCfg(), RULES)) == "fixed:10"
+    assert str(latency_of(MissionCfg(latency="fixed:3"), RULES)) == "fixed:3"
