@@ -13,7 +13,7 @@ class Ticks(Protocol):
     """When the ticks of a mission are: in simulated or in real time."""
 
     def begin(self, step: int) -> tuple[float, float]:
-        """Wait until tick number `step` is due. Return its time since the mission began, and since the last tick (s)."""
+        """Wait until tick number `step` is due. Return its time, and that since the last one (s)."""
         ...
 
     def end(self, step: int) -> float:
