@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import importlib
-import io
 import json
 import os
 import sys
@@ -14,12 +11,14 @@ from typing import Any, Protocol
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from coral.completion import completion_script
+from coral.completion import completion_script, completions
 from coral.errors import NO_ROOM, InputError, RunError, nearest
+from coral.flag_parser import build, scan
+from coral.help_page import flag_page, help_page
 from coral.odd_text import encodable, printable
+from coral.surface import described, load
 from coral.terminal import fitted
 from coral.termination import orderly_termination
-from coral.usage import usage_error
 
 COMMANDS = {
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
@@ -58,9 +57,19 @@ COMMANDS = {
     "advisor probe": ("coral.commands.advisor_probe:AdvisorProbe", "test what a model's endpoint can do"),
     "advisor bench": ("coral.commands.advisor_bench:AdvisorBench", "measure whether a model is good enough"),
     "advisor questions": ("coral.commands.advisor_questions:AdvisorQuestions", "make a set of questions for it"),
+    "config": ("coral.commands.config:ListConfig", "list or explain the configuration of a survey or an attempt"),
     "doctor": ("coral.commands.doctor:Doctor", "check this installation"),
     "version": ("coral.commands.version:Version", "print the version"),
 }
+
+
+FIRST = {
+    "reef run": "coral.reef.world.generated:find_world",
+    "reef faults": "coral.reef.world.generated:find_world",
+    "contact run": "coral.contact.tasks:load_task",
+}
+"""What checks the first word before the command is imported: a mistyped name is answered at once."""
+HELP = ("-h", "--help")
 
 
 class Command(Protocol):
@@ -90,19 +99,27 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(words: Sequence[str]) -> int:
     try:
-        if not words or words[0] in ("-h", "--help"):
+        if not words or words[0] in HELP:
             print(_overview(""))
             return 0
         if words[0] in ("-V", "--version"):
             words = ["version", *words[1:]]
         if words[0] == "--print-completion":
-            print(completion_script("".join(words[1:2]), COMMANDS))
+            print(completion_script("".join(words[1:2])), end="")
+            return 0
+        if words[0] == "--complete":
+            for word in completions(words[1:], COMMANDS):
+                print(word)
             return 0
         name = _command(words)
         if name is None:
             print(_overview(" ".join(w for w in words if not w.startswith("-"))))
             return 0
-        command = _parse(name, words[len(name.split()) :])
+        words = words[len(name.split()) :]
+        if any(word in HELP for word in words):
+            print(_help(name, words))
+            return 0
+        command = _parse(name, words)
         result = command()
         as_json = command.json
         text = json.dumps(result, allow_nan=False, default=str) if as_json else command.describe(result)
@@ -139,7 +156,7 @@ def _command(words: Sequence[str]) -> str | None:
         if name in COMMANDS:
             return name
     group = [name for name in COMMANDS if name.split()[0] == words[0] and " " in name]
-    if group and (len(words) == 1 or words[1] in ("-h", "--help")):
+    if group and (len(words) == 1 or words[1] in HELP):
         return None
     tried = " ".join(words[:2]) if group else words[0]
     known = group or [*COMMANDS, *{name.split()[0] for name in COMMANDS}]
@@ -147,21 +164,23 @@ def _command(words: Sequence[str]) -> str | None:
 
 
 def _parse(name: str, words: Sequence[str]) -> Command:
-    """Parse flags into the command's dataclass; tyro's complaint becomes one line."""
-    import tyro
-
-    module, _, kind = COMMANDS[name][0].partition(":")
-    command_type = getattr(importlib.import_module(module), kind)
-    default = command_type.from_file(words) if hasattr(command_type, "from_file") else None
-    complaint = io.StringIO()
-    try:
-        with contextlib.redirect_stderr(complaint):
-            parsed: Command = tyro.cli(command_type, args=list(words), prog=f"coral {name}", default=default)
-    except SystemExit as end:
-        if end.code in (0, None):
-            raise
-        raise usage_error(name, complaint.getvalue()) from None
+    """Parse flags into the command's dataclass."""
+    place = COMMANDS[name][0]
+    if name in FIRST and words and not words[0].startswith("-"):
+        load(FIRST[name])(words[0])
+    about = described(place)
+    given = scan(words, about, name)
+    kind = load(place)
+    default = kind.from_file(words) if hasattr(kind, "from_file") else None
+    parsed: Command = build(kind, given, about, name, default)
     return parsed
+
+
+def _help(name: str, words: Sequence[str]) -> str:
+    """Return the help of a command, or of the flags that follow `--help`."""
+    about = described(COMMANDS[name][0])
+    asked = words[min(words.index(word) for word in HELP if word in words) + 1 :]
+    return "\n\n".join(flag_page(name, about, word) for word in asked) or help_page(name, about)
 
 
 def _overview(group: str) -> str:

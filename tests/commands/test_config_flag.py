@@ -1,12 +1,13 @@
 from dataclasses import dataclass, field
 
 import pytest
-import tyro
 
 from coral.commands.config_flag import config_words, configured, given_keys, set_keys
 from coral.commands.contact_bench import ContactBench
 from coral.commands.reef_bench import ReefBench
 from coral.errors import InputError
+from coral.flag_parser import build, scan
+from coral.flags import describe
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +53,8 @@ def test_the_words_name_the_file_and_what_differs_from_it(file):
 def test_the_words_are_such_that_the_command_line_takes_them():
     words = config_words(Cfg(noisy_picture=False, sigma=(1.0, 2.0)), Cfg(), None)
     assert words == ["--cfg.no-noisy-picture", "--cfg.sigma", "1.0", "2.0"]
-    assert tyro.cli(Command, args=words).cfg == Cfg(noisy_picture=False, sigma=(1.0, 2.0))
+    about = describe(Command)
+    assert build(Command, scan(words, about, "x"), about, "x").cfg == Cfg(noisy_picture=False, sigma=(1.0, 2.0))
 
 
 @pytest.mark.parametrize(

@@ -258,7 +258,7 @@ def test_a_full_disk_is_one_line(place, environment):
         (("--help",), "coral reef run"),
         ((), "usage: coral"),
         (("reef",), "coral reef envs"),
-        (("reef", "run", "--help"), "--cfg.time-limit-s"),
+        (("reef", "run", "--help"), "coral config reef"),
         (("version",), "coral 0"),
         (("doctor",), "ready"),
     ],

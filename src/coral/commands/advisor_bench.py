@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import tyro
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
@@ -31,6 +30,7 @@ from coral.exam.report import write_report
 from coral.exam.result import Result
 from coral.exam.sitting import sit
 from coral.file_writer import write_whole, writing
+from coral.flags import Option
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 
@@ -41,7 +41,7 @@ HELP = advisor_help("Advisors, separated by commas; also the controls random and
 class AdvisorBench:
     """Ask advisors frozen questions with scored answers, each question once, without a mission or an episode."""
 
-    advisors: Annotated[str, tyro.conf.arg(help=HELP)] = "random,heuristic"
+    advisors: Annotated[str, Option(help=HELP)] = "random,heuristic"
     sets: str = "public"
     """Sets of questions, separated by commas: public, or files of `coral advisor questions`."""
     only: str = ""

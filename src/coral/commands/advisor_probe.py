@@ -6,16 +6,15 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Annotated, Any
 
-import tyro
-
 from coral.advisor.model_cfg import ModelCfg
+from coral.flags import Argument
 
 
 @dataclass(frozen=True, kw_only=True)
 class AdvisorProbe:
     """Ask a model a few small questions and report which output modes work and whether it sees pictures."""
 
-    model: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="MODEL")]
+    model: Annotated[str, Argument(metavar="MODEL")]
     """The model, as for --advisor: PROVIDER:MODEL or local:URL#MODEL."""
     json: bool = False
     """Print one JSON object."""

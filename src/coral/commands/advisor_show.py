@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from coral.advisor.prompt import FOLDER, kinds, render, version
 from coral.errors import InputError, RunError, nearest
 from coral.file_writer import write_whole, writing
+from coral.flags import Argument
 from coral.odd_text import encodable
 
 
@@ -21,7 +20,7 @@ from coral.odd_text import encodable
 class AdvisorShow:
     """Print the rendered prompt of a kind of question, and write its pictures."""
 
-    kind: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="KIND")]
+    kind: Annotated[str, Argument(metavar="KIND")]
     """Kind of question, such as reef-centroid; `list` lists them all."""
     out: Path | None = None
     """Folder for prompt.md and the pictures; without it only the text is printed."""

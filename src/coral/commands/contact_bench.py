@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import tyro
 
 from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
@@ -58,6 +57,7 @@ from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
 from coral.file_writer import write_whole
+from coral.flags import Option
 from coral.runs import provenance
 
 
@@ -114,12 +114,10 @@ class ContactBench(CampaignFlags):
     """Evaluation worlds, separated by commas: panda, hand."""
     seeds: str = "0-9"
     """Numbers and ranges, such as 0-4 or 0,3,7-9; the paper makes ten trials of each task."""
-    advisors: Annotated[str, tyro.conf.arg(help=advisor_help("Separated by commas"))] = "heuristic"
+    advisors: Annotated[str, Option(help=advisor_help("Separated by commas"))] = "heuristic"
     poses: Literal["tracked", "ground-truth"] | None = None
     """Source of the objects' poses: tracked, a simulated depth camera's pictures (the default); ground-truth."""
-    tracker: Annotated[
-        str | None, tyro.conf.arg(help=f"{TRACKER_HELP} Every worker must be able to reach a server.")
-    ] = None
+    tracker: Annotated[str | None, Option(help=f"{TRACKER_HELP} Every worker must be able to reach a server.")] = None
     memory: str | None = None
     """Initial memory of variants with memory: a memory (an SQLite file, or lance:FOLDER_OR_URI), or an export of one
     (such as the memory.json of a campaign). Every trial has its own copy. By default it is empty."""

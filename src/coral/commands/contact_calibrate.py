@@ -9,11 +9,10 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import tyro
-
 from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
 from coral.errors import InputError
 from coral.file_writer import write_whole
+from coral.flags import Option
 
 if TYPE_CHECKING:
     from coral.contact.perception.camera import RgbdFrame
@@ -29,18 +28,18 @@ class ContactCalibrate:
     a known place. By --board with --hand-poses: the hand holds the board, one picture for each of its poses.
     """
 
-    camera: Annotated[str | None, tyro.conf.arg(metavar="CAMERA", help=f"The camera: {camera_help()}.")] = None
+    camera: Annotated[str | None, Option(metavar="CAMERA", help=f"The camera: {camera_help()}.")] = None
     touches: Path | None = None
     """File with a list `touches` of `pixel: [column, row]` and `touched_m: [x, y, z]`, four or more."""
-    board: Annotated[str | None, tyro.conf.arg(metavar="BOARD")] = None
+    board: Annotated[str | None, Option(metavar="BOARD")] = None
     """The board, COLUMNSxROWS:SQUARE_M:MARKER_M[:DICTIONARY], for example 7x5:0.04:0.03."""
-    board_at: Annotated[tuple[float, float, float, float] | None, tyro.conf.arg(metavar="X Y Z YAW_DEG")] = None
+    board_at: Annotated[tuple[float, float, float, float] | None, Option(metavar="X Y Z YAW_DEG")] = None
     """Place of the board, face up: its first corner in the world (m), and the direction of its columns."""
     hand_poses: Path | None = None
     """File with a list `poses` of `position` and `quaternion` of the tool, one for each picture."""
     pictures: int = 10
     """Pictures of a live camera."""
-    draw: Annotated[Path | None, tyro.conf.arg(metavar="PNG")] = None
+    draw: Annotated[Path | None, Option(metavar="PNG")] = None
     """Draw the board into this file to print it, and calibrate nothing."""
     out: Path = Path("camera.yaml")
     """The file to write, new."""

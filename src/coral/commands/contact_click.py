@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
+from coral.contact.scene.task_file import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
+from coral.flags import Argument, Option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,10 +25,10 @@ class ContactClick:
     Leave camera and objects as they are until tracking has begun.
     """
 
-    task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
+    task: Annotated[str, Argument(metavar="TASK", names=shipped_tasks)]
     """A shipped task or a task file."""
-    camera: Annotated[str, tyro.conf.arg(metavar="CAMERA", help=f"The camera: {camera_help()}.")]
-    out: Annotated[Path, tyro.conf.arg(metavar="YAML")]
+    camera: Annotated[str, Option(metavar="CAMERA", help=f"The camera: {camera_help()}.")]
+    out: Annotated[Path, Option(metavar="YAML")]
     """File of clicks to write, new."""
     port: int = 0
     """Port of the page on this machine; 0 chooses a free one."""

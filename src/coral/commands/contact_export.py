@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import tyro
-
 from coral.config import checked
 from coral.errors import InputError
+from coral.flags import Argument
 from coral.view.contact.lerobot import LerobotCfg, write_lerobot
 from coral.view.run import RunFolder
 from coral.words import many
@@ -20,7 +19,7 @@ from coral.words import many
 class ContactExport:
     """Write finished runs of contact tasks as a data set for learners: one episode for each run."""
 
-    runs: Annotated[tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="RUN...")]
+    runs: Annotated[tuple[Path, ...], Argument(metavar="RUN...")]
     """Run folders of `coral contact run`, or of the episodes of a campaign."""
     out: Path
     """Folder of the data set, new or empty."""

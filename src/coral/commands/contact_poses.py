@@ -13,13 +13,14 @@ from typing import Annotated, Any
 
 import cv2
 import numpy as np
-import tyro
 
 from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
 from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
+from coral.contact.scene.task_file import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
+from coral.flags import Argument, Option
 from coral.terminal import fitted
 
 
@@ -30,20 +31,20 @@ class ContactPoses:
     No true pose or mask is read: shapes, symmetries and colours are those of the task file.
     """
 
-    task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
+    task: Annotated[str, Argument(metavar="TASK", names=shipped_tasks)]
     """A shipped task or a task file, with the exact sizes of your objects."""
-    camera: Annotated[str, tyro.conf.arg(metavar="CAMERA", help=f"The camera: {camera_help()}.")]
+    camera: Annotated[str, Option(metavar="CAMERA", help=f"The camera: {camera_help()}.")]
     camera_pose: Path | None = None
     """Where it stands, a file of coral contact calibrate; by default what a recording says."""
-    masks: Annotated[str, tyro.conf.arg(metavar="MASKS", help=f"What segments the pictures: {mask_help()}.")] = "colour"
-    tracker: Annotated[str, tyro.conf.arg(help=f"The tracker: {tracker_help()}.")] = "model"
+    masks: Annotated[str, Option(metavar="MASKS", help=f"What segments the pictures: {mask_help()}.")] = "colour"
+    tracker: Annotated[str, Option(help=f"The tracker: {tracker_help()}.")] = "model"
     seed: int = 0
     """Seed of the trial, if the task file leaves sizes open."""
-    send: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
+    send: Annotated[str | None, Option(metavar="HOST:PORT")] = None
     """Send the poses of objects that are not lost as UDP datagrams, as coral contact run --world franka takes them."""
     pictures: int = 0
     """End after so many pictures; 0 for the end of the recording, or Ctrl-C."""
-    picture: Annotated[Path | None, tyro.conf.arg(metavar="PNG")] = None
+    picture: Annotated[Path | None, Option(metavar="PNG")] = None
     """Write the last picture with the objects' outlines into this file, new."""
     json: bool = False
     """Print one JSON object on standard output."""

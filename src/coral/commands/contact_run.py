@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import tyro
 
 from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import Fallback
@@ -42,6 +41,7 @@ from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import tracker_help
 from coral.contact.policy.address import parse_address
 from coral.contact.rules.mistakes import CONTACT_MISTAKES
+from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.strategist import FixedStrategist
@@ -51,6 +51,7 @@ from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
 from coral.contact.worlds.robot_world import RobotWorld
 from coral.errors import InputError
+from coral.flags import Argument, Option
 from coral.runs import new_run_folder
 from coral.words import many
 
@@ -63,22 +64,22 @@ TRACKER_HELP = f"Tracker of the objects in those pictures: {tracker_help()}."
 class ContactRun:
     """Attempt a contact task and write a run folder with logs, metrics, pictures and report."""
 
-    task: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="TASK")]
+    task: Annotated[str, Argument(metavar="TASK", names=shipped_tasks)]
     """A shipped task (see coral contact tasks) or a task file."""
     world: str = "panda"
     """World: panda, the robot in robosuite; hand, its hand alone, free-flying; franka, the arm of --robot."""
-    robot: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS|sim")] = None
+    robot: Annotated[str | None, Option(metavar="ADDRESS|sim")] = None
     """The arm of --world franka: its address, or sim, a simulated arm that speaks the same protocol."""
     dry_run: bool = False
     """Read the arm and show its commands without sending them."""
     yes: bool = False
     """Move the simulated arm without asking; at an arm a person says the word."""
-    camera: Annotated[str | None, tyro.conf.arg(metavar="CAMERA", help=CAMERA_HELP)] = None
+    camera: Annotated[str | None, Option(metavar="CAMERA", help=CAMERA_HELP)] = None
     camera_pose: Path | None = None
     """Where that camera stands: a file of coral contact calibrate."""
-    masks: Annotated[str | None, tyro.conf.arg(metavar="MASKS", help=MASKS_HELP)] = None
-    advisor: Annotated[str, tyro.conf.arg(help=advisor_help("The advisor, in variants with one"))] = "heuristic"
-    variant: str = "expert-fsm"
+    masks: Annotated[str | None, Option(metavar="MASKS", help=MASKS_HELP)] = None
+    advisor: Annotated[str, Option(help=advisor_help("The advisor, in variants with one"))] = "heuristic"
+    variant: Annotated[str, Option(names=VARIANTS)] = "expert-fsm"
     """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, unguided, no-regions and
     no-tracking disable one part; unified asks one question for everything. expert and expert-fsm follow hand-written
     costs without an advisor."""
@@ -88,14 +89,14 @@ class ContactRun:
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
     """Seed of all random numbers: poses, masses, frictions, sizes and the planner's noise."""
-    cost: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    cost: Annotated[str | None, Option(metavar="FILE")] = None
     """A cost of your own, instead of a variant: a .py file with `def state_cost(self)`, a YAML or JSON file with
     stages, or an entry point of the group coral.costs. Files are checked and confined like a model's costs."""
     policy: str | None = None
     """[NAME=]ws://HOST:PORT: run a vision-language-action policy on this server instead of planner and variant."""
     poses: Literal["tracked", "ground-truth"] | None = None
     """Source of the objects' poses: tracked, a simulated depth camera's pictures (the default); ground-truth."""
-    tracker: Annotated[str | None, tyro.conf.arg(help=TRACKER_HELP)] = None
+    tracker: Annotated[str | None, Option(help=TRACKER_HELP)] = None
     samples: int | None = None
     """Rehearsals per plan, instead of the configuration's."""
     believe: str | None = None
@@ -130,7 +131,7 @@ class ContactRun:
     def from_file(cls, words: Sequence[str]) -> ContactRun | None:
         """Read the defaults of the flags from the file of `--config`, before the flags themselves."""
         cfg = configured(words, EpisodeCfg())
-        return None if cfg is None else cls(task=tyro.MISSING, cfg=cfg)
+        return None if cfg is None else cls(task="", cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the episode."""

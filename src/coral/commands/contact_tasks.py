@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-import tyro
-
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
+from coral.flags import Argument
 
 DRAWN = 5
 """Number of sampled trials that check whether all objects find a place."""
@@ -21,7 +20,7 @@ DRAWN = 5
 class ContactTasks:
     """List the shipped contact tasks, or check and describe the given task files."""
 
-    tasks: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[TASK ...]")] = ()
+    tasks: Annotated[tuple[str, ...], Argument(metavar="[TASK ...]", names=shipped_tasks)] = ()
     """Names or task files; by default all shipped tasks are listed."""
     json: bool = False
     """Print one JSON object."""

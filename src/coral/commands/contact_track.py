@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import tyro
-
 from coral.contact.perception.depth_noise import Sensor
 from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.errors import InputError
+from coral.flags import Argument, Option
 
 if TYPE_CHECKING:
     from coral.contact.perception.object_model import ObjectModel
@@ -30,9 +29,9 @@ class ContactTrack:
     the hand, for a second each. Folders are recorded scenes in the format of BOP, with true poses.
     """
 
-    tasks: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[TASK|FOLDER ...]")] = ()
+    tasks: Annotated[tuple[str, ...], Argument(metavar="[TASK|FOLDER ...]")] = ()
     """Names or task files, all shipped tasks by default; or folders with scene_gt.json."""
-    tracker: Annotated[str, tyro.conf.arg(help=f"The tracker: {tracker_help()}.")] = "model"
+    tracker: Annotated[str, Option(help=f"The tracker: {tracker_help()}.")] = "model"
     seed: int = 0
     """Seed of the trials and of the noise."""
     width: int = 320
@@ -45,7 +44,7 @@ class ContactTrack:
     """Whose noise it is: a short-range structured-light camera's, or that of a stereo camera as the D435."""
     losses: bool = True
     """Also measure loss and recovery."""
-    masks: Annotated[str | None, tyro.conf.arg(metavar="MASKS", help=MASKS_HELP)] = None
+    masks: Annotated[str | None, Option(metavar="MASKS", help=MASKS_HELP)] = None
     models: Path | None = None
     """Folder of the models of recorded scenes (obj_000001.ply ...); by default `models_eval` or `models` in the scene's
     folder or above it."""

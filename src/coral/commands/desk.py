@@ -11,7 +11,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import tyro
+from coral.flags import Argument
 
 if TYPE_CHECKING:
     from coral.access import Access
@@ -23,7 +23,7 @@ TOKEN_KEY = "CORAL_DESK_TOKEN"
 class Desk:
     """Serve an inbox as a web page on which a person answers the questions of `--advisor desk`; Ctrl-C ends it."""
 
-    inbox: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="INBOX")]
+    inbox: Annotated[Path, Argument(metavar="INBOX")]
     """Folder of questions, the same as for `coral reef run --advisor desk --inbox`; created if it does not exist."""
     port: int = 8765
     """Port to listen on; 0 chooses a free one."""

@@ -20,7 +20,6 @@ CORE = (
     "pydantic",
     "pydantic-ai-slim",
     "httpx2",
-    "tyro",
     "rich",
     "PyYAML",
     "Jinja2",

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import tyro
-
 from coral.errors import InputError
+from coral.flags import Argument
 from coral.reef.recordings.bag_export import write_bag
 from coral.reef.recordings.picture_export import write_pictures
 from coral.reef.recordings.run_recording import read_run
@@ -22,7 +21,7 @@ SUFFIX = {"bag": "_bag", "mcap": ".mcap", "pictures": "_pictures"}
 class Export:
     """Write what a reef run saw and did: pictures, odometry, transforms, maps and points, as of REP-103 and REP-105."""
 
-    run: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN")]
+    run: Annotated[Path, Argument(metavar="RUN")]
     """Run folder of a reef mission."""
     to: Literal["mcap", "bag", "pictures"] = "mcap"
     """mcap: one file, for Foxglove and others. bag: a ROS 2 bag, a folder. pictures: a

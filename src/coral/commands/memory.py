@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import Memory, Stored
 from coral.contact.memory.store_sqlite import SqliteStore
 from coral.errors import InputError
 from coral.file_writer import write_whole, writing
+from coral.flags import Argument
 from coral.words import many
 
 FILE = "memory.sqlite"
@@ -84,7 +83,7 @@ class MemoryList:
 class MemoryShow:
     """Show one experience: task, numbers, programs, regions, provenance."""
 
-    id: tyro.conf.Positional[int]
+    id: Annotated[int, Argument()]
     """Number of the experience, from `coral memory list`."""
     file: str = FILE
     """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
@@ -115,7 +114,7 @@ class MemoryShow:
 class MemoryForget:
     """Delete one experience."""
 
-    id: tyro.conf.Positional[int]
+    id: Annotated[int, Argument()]
     """Number of the experience, from `coral memory list`."""
     file: str = FILE
     """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
@@ -136,7 +135,7 @@ class MemoryForget:
 class MemoryExport:
     """Export all experiences into a JSON file."""
 
-    to: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
+    to: Annotated[Path, Argument(metavar="FILE")]
     """The JSON file; it must not exist yet."""
     file: str = FILE
     """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
@@ -159,7 +158,7 @@ class MemoryExport:
 class MemoryImport:
     """Import exported experiences; known ones are skipped, and each is verified again before use."""
 
-    source: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
+    source: Annotated[Path, Argument(metavar="FILE")]
     """The JSON file."""
     file: str = FILE
     """The memory, an SQLite file or lance:FOLDER_OR_URI; created if it does not exist."""

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from coral.config import read_yaml
 from coral.errors import InputError
+from coral.flags import Argument
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +21,7 @@ class ReefAutopilot:
     The rehearsal of `coral reef sail --vehicle mavlink:...`. It also appears in QGroundControl.
     """
 
-    world: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="[WORLD]")] = ""
+    world: Annotated[str, Argument(metavar="[WORLD]")] = ""
     """Reef to swim in (a name or a file), with its obstacles; open water by default."""
     listen: str = "udp:127.0.0.1:14560"
     """udp:HOST:PORT or tcp:HOST:PORT; port 0 chooses a free one. Vehicles do not ask who speaks to them, nor does this

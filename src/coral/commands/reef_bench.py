@@ -8,8 +8,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
@@ -40,6 +38,7 @@ from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.errors import InputError
 from coral.file_writer import write_whole
+from coral.flags import Option
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.drive.controllers import controller_maker
@@ -102,12 +101,12 @@ class ReefBench(CampaignFlags):
     forty generated ones; gen:0-9: ten of them."""
     seeds: str = "0"
     """Numbers and ranges, such as 0-4 or 0,3,7-9."""
-    advisors: Annotated[str, tyro.conf.arg(help=advisor_help("Separated by commas"))] = "heuristic"
-    presets: Annotated[str, tyro.conf.arg(help=preset_help("Water and sensors, separated by commas"))] = CLEAR
+    advisors: Annotated[str, Option(help=advisor_help("Separated by commas"))] = "heuristic"
+    presets: Annotated[str, Option(help=preset_help("Water and sensors, separated by commas"))] = CLEAR
     study: bool = False
     """The study: all variants of Tables I and II and the references, with the rules and two sloppy advisors, in clear
     and hard water, each mission to its own end; writes study.md and study.csv too. Flags change these defaults."""
-    sweep: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
+    sweep: Annotated[tuple[str, ...], Option(repeated=True)] = ()
     """KEY=V1,V2,...: repeat the whole grid for each value. KEY: current, visibility, mask_errors, depth_noise,
     pose_drift, or a key of the configuration. If given several times, each key is swept separately."""
     fallback: Fallback | None = None
@@ -121,7 +120,7 @@ class ReefBench(CampaignFlags):
     """Calls of a real model, and the spending limit of each mission."""
     cfg: MissionCfg = field(default_factory=mission_alone)
     """The mission."""
-    given: tyro.conf.Suppress[tyro.conf.Fixed[tuple[str, ...]]] = ()
+    given: Annotated[tuple[str, ...], Option(hidden=True)] = ()
     """Keys of the mission that flags or the file set: they win over a preset."""
 
     @classmethod

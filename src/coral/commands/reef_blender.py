@@ -10,21 +10,22 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import tyro
 
 from coral.config import Count
 from coral.errors import InputError
+from coral.flags import Argument, Option
+from coral.reef.world.world import shipped_worlds
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReefBlender:
     """Build a reef in Blender and render pictures with Cycles. Needs the extra `blender`."""
 
-    world: Annotated[str, tyro.conf.Positional]
+    world: Annotated[str, Argument(names=shipped_worlds)]
     """Name of a reef or a world file."""
     out: Path
     """The .blend file to write. Pictures go into a folder of the same name without .blend."""
-    render: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    render: Annotated[int, Option(metavar="N")] = 0
     """Number of pictures, from random places near oysters, with depth and classes."""
     water: str = "clear"
     """Water: a Jerlov type (jerlov-3C) or a preset's name."""
@@ -32,7 +33,7 @@ class ReefBlender:
     """Width and height of the pictures (px)."""
     samples: Count = 24
     """Paths that Cycles follows for each pixel."""
-    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    seed: Annotated[int, Option(metavar="N")] = 0
     """Of the places."""
     json: bool = False
     """Print one JSON object."""

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from coral.errors import InputError
+from coral.flags import Argument
 from coral.reef.world.generated import expand_names, find_world
+from coral.reef.world.world import shipped_worlds
 from coral.runs import file_stem
 
 
@@ -18,7 +18,7 @@ from coral.runs import file_stem
 class ReefEnvs:
     """List the shipped reefs, or check and describe the given world files; draw previews on request."""
 
-    worlds: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="[WORLD ...]")] = ()
+    worlds: Annotated[tuple[str, ...], Argument(metavar="[WORLD ...]", names=shipped_worlds)] = ()
     """Names or world files; all shipped reefs by default. generated: the forty generated ones, or gen:0-9 some."""
     preview: Path | None = None
     """Draw one PNG for each world into this folder, and sheet.png with all of them."""

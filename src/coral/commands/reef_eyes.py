@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-import tyro
 
 from coral.config import Count, Positive
 from coral.errors import InputError
+from coral.flags import Argument
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 class ReefEyes:
     """Train our network on pictures of generated reefs, or score eyes on pictures whose truth is known."""
 
-    action: Annotated[Literal["train", "score", "calibrate"], tyro.conf.Positional]
+    action: Annotated[Literal["train", "score", "calibrate"], Argument()]
     """train: write --out FILE.onnx; needs the extra `train`. score: overlap of classes and error of depth by range.
     calibrate: measure on runs what true cover its oysters mean; write --out FILE.cover.json."""
     perception: str = "rgb"

@@ -9,12 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from coral.advisor.rules import RuleAdvisor
 from coral.commands.config_flag import configured
 from coral.config import checked
 from coral.errors import InputError, nearest
+from coral.flags import Argument
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.fault_outcome import outcome_of
 from coral.reef.mission.mission import Mission
@@ -23,6 +22,7 @@ from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.simulation.faults import FAULTS, SensorFault
 from coral.reef.world.generated import find_world
+from coral.reef.world.world import shipped_worlds
 from coral.runs import read_events, read_rows
 
 AFTER_S = 3.0
@@ -34,7 +34,7 @@ HEADER = "| fault | what it is | what the vehicle says | held after | stands aft
 class ReefFaults:
     """Run one short mission for each fault of the sensors, and print what the vehicle did about it."""
 
-    world: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="[WORLD]")] = "s1"
+    world: Annotated[str, Argument(metavar="[WORLD]", names=shipped_worlds)] = "s1"
     """A reef or a world file."""
     only: str = ""
     """Names of some faults, separated by commas; all by default."""

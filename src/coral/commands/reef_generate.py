@@ -9,9 +9,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from coral.errors import InputError
+from coral.flags import Option
 from coral.reef.world.generate import GeneratorCfg, command_line, generate
 from coral.reef.world.world import save_world
 from coral.words import many
@@ -29,7 +28,7 @@ class ReefGenerate:
     """Print one JSON object."""
     preview: Path | None = None
     """Also draw it as a PNG."""
-    cfg: Annotated[GeneratorCfg, tyro.conf.arg(name="")] = field(default_factory=GeneratorCfg)
+    cfg: Annotated[GeneratorCfg, Option(name="")] = field(default_factory=GeneratorCfg)
     """Properties of the reef."""
 
     def __call__(self) -> Mapping[str, Any]:

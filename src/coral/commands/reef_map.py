@@ -8,11 +8,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from coral.commands.reef_products import describe_products, make_products
 from coral.config import NonNegative, checked
 from coral.errors import InputError, nearest
+from coral.flags import Argument, Option
 from coral.reef.eyes.backends import RGB, open_eyes
 from coral.reef.eyes.doubt import DoubtCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
@@ -33,27 +32,27 @@ from coral.words import many
 class ReefMap:
     """Make the map and all products from a recorded dive: pictures with poses, MCAP, a ROS 2 bag, or a run."""
 
-    recording: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RECORDING")]
+    recording: Annotated[Path, Argument(metavar="RECORDING")]
     """Folder of pictures with poses.csv, MCAP file, ROS 2 bag or run folder."""
     out: Path
     """Folder of the map and the products, new or empty."""
-    camera: Annotated[Path | None, tyro.conf.arg(metavar="FILE.yaml")] = None
+    camera: Annotated[Path | None, Option(metavar="FILE.yaml")] = None
     """The camera: width, height, and hfov_deg or fx, fy, cx, cy, model, distortion; pitch_down_deg, altitude_m. By
     default the recording's own."""
-    perception: Annotated[str, tyro.conf.arg(metavar="recorded|rgb|FILE.onnx")] = RECORDED
+    perception: Annotated[str, Option(metavar="recorded|rgb|FILE.onnx")] = RECORDED
     """Where classes and depth come from. recorded: pictures of classes and depth in the recording. rgb: its colour
     pictures, by the network that comes with CORAL. FILE.onnx: the same by a network of yours."""
-    depth: Annotated[Path | None, tyro.conf.arg(metavar="FILE.onnx")] = None
+    depth: Annotated[Path | None, Option(metavar="FILE.onnx")] = None
     """A relative depth network (Depth Anything V2) whose depth replaces that of --perception, which still gives the
     classes."""
     period_s: NonNegative = 0.2
     """Least time between two pictures that are used (s); 0 for all."""
-    datum: Annotated[str | None, tyro.conf.arg(metavar="LAT,LON[,HEADING]")] = None
+    datum: Annotated[str | None, Option(metavar="LAT,LON[,HEADING]")] = None
     """Latitude and longitude of the first picture (WGS 84, degrees), and the compass heading there if the recording's x
     axis does not point east. A table with lat and lon has its own."""
     topics: BagTopics = field(default_factory=BagTopics)
     """Topics of a bag or an MCAP file."""
-    sonar_file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.sonar")] = None
+    sonar_file: Annotated[Path | None, Option(metavar="FILE.sonar")] = None
     """A recording of a Sonar 3D-15 that hung beside the camera: packets as its own page or wlsonar writes them. Its
     tilt is --sonar.pitch-down-deg."""
     sonar_start_s: float | None = None

@@ -9,30 +9,31 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import tyro
 
 from coral.errors import InputError
 from coral.file_writer import write_whole, writing
+from coral.flags import Argument, Option
 from coral.reef.paint.daylight import PainterCfg
+from coral.reef.world.world import shipped_worlds
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReefPicture:
     """Take one colour picture of a reef; with several waters, a contact sheet."""
 
-    world: Annotated[str, tyro.conf.Positional]
+    world: Annotated[str, Argument(names=shipped_worlds)]
     """Name of a reef or a world file."""
     out: Path
     """The PNG file to write."""
     water: tuple[str, ...] = ("clear",)
     """Jerlov types (jerlov-3C) or presets (clear, bay, hard); all: every Jerlov type."""
-    at: Annotated[tuple[float, float, float] | None, tyro.conf.arg(metavar="X Y HEADING")] = None
+    at: Annotated[tuple[float, float, float] | None, Option(metavar="X Y HEADING")] = None
     """Place of the robot (m) and heading (degrees, counter-clockwise from +x); a place near oysters by default."""
     size: tuple[int, int] = (640, 480)
     """Width and height of a picture (px)."""
     t: float = 0.0
     """Time (s): waves and snow move."""
-    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    seed: Annotated[int, Option(metavar="N")] = 0
     """Of the place, where --at names none."""
     painter: PainterCfg = field(default_factory=PainterCfg)
     json: bool = False

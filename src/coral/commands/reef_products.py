@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
-
 from coral.config import checked
 from coral.errors import InputError
+from coral.flags import Argument, Option
 from coral.reef.products.files import summary, write_products
 from coral.reef.products.placement import EarthPlacement, parse_datum
 from coral.reef.products.survey_products import ProductsCfg, measure
@@ -26,9 +25,9 @@ from coral.words import many
 class ReefProducts:
     """Make maps, tables and pictures for an ecologist from a run: orthomosaic, areas, densities, files for QGIS."""
 
-    run: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN")]
+    run: Annotated[Path, Argument(metavar="RUN")]
     """Run folder of a reef mission."""
-    datum: Annotated[str | None, tyro.conf.arg(metavar="LAT,LON[,HEADING]")] = None
+    datum: Annotated[str | None, Option(metavar="LAT,LON[,HEADING]")] = None
     """Latitude and longitude of the start (WGS 84, degrees), and the compass heading there if the run's x axis does not
     point east."""
     out: Path | None = None

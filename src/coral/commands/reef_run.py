@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import tyro
 
 from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import Fallback
@@ -23,14 +22,17 @@ from coral.commands.progress import MissionProgress
 from coral.config import checked
 from coral.desk.notice import mission_notice
 from coral.errors import InputError
+from coral.flags import Argument, Option
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission.compiled import NOTICE, is_compiled
-from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission import Mission, MissionCfg
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.presets import CLEAR, preset_help
+from coral.reef.mission.presets import CLEAR, PRESETS, preset_help
 from coral.reef.mission.resolution import resolve_mission, with_sonar
+from coral.reef.mission.variants import VARIANTS
 from coral.reef.world.generated import find_world
+from coral.reef.world.world import shipped_worlds
 from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
@@ -41,13 +43,13 @@ from coral.words import many
 class ReefRun:
     """Survey a reef with CORAL and write a run folder with logs, metrics, map and report."""
 
-    world: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="WORLD")]
+    world: Annotated[str, Argument(metavar="WORLD", names=shipped_worlds)]
     """A shipped reef (l1 l2 s1 s2 k1 k2 e1 e2 o1 o2), a generated one (gen:0 to gen:39) or a world file."""
-    advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who decides"))] = "heuristic"
-    variant: str = "full"
+    advisor: Annotated[str, Option(help=advisor_help("Who decides"))] = "heuristic"
+    variant: Annotated[str, Option(names=VARIANTS)] = "full"
     """Configuration of the pipeline: full, or an ablation or baseline."""
-    preset: Annotated[str, tyro.conf.arg(help=preset_help("Water and sensors"))] = CLEAR
-    robots: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    preset: Annotated[str, Option(help=preset_help("Water and sensors"), names=PRESETS)] = CLEAR
+    robots: Annotated[int | None, Option(metavar="N")] = None
     """Number of robots that survey the reef together, 1 to 4; by default as configured, which is 1."""
     fallback: Fallback | None = None
     """Fallback when the advisor does not decide: rules (the default, reported at the end), hold (keep the goal, ask
@@ -56,15 +58,15 @@ class ReefRun:
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     sonar: bool = False
     """Give the vehicle an imaging sonar, a simulated Sonar 3D-15, whose obstacles go onto the map."""
-    perception: Annotated[str | None, tyro.conf.arg(metavar="exact|rgb|FILE.onnx")] = None
+    perception: Annotated[str | None, Option(metavar="exact|rgb|FILE.onnx")] = None
     """Where classes and depth come from: the ray caster (exact, the default), the network that comes with CORAL (rgb)
     or one of yours, both on colour pictures alone."""
-    depth: Annotated[Path | None, tyro.conf.arg(metavar="FILE.onnx")] = None
+    depth: Annotated[Path | None, Option(metavar="FILE.onnx")] = None
     """A relative depth network (Depth Anything V2) whose depth replaces that of --perception, which still gives the
     classes."""
     seed: int = 0
     """Seed of all random numbers."""
-    fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
+    fault: Annotated[tuple[str, ...], Option(repeated=True, metavar="NAME@START:DURATION")] = ()
     """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. `coral reef faults`
     lists them."""
     out: Path | None = None
@@ -95,14 +97,14 @@ class ReefRun:
     """Calls of a real model, and the spending limit of the run."""
     cfg: MissionCfg = field(default_factory=MissionCfg)
     """The mission."""
-    given: tyro.conf.Suppress[tyro.conf.Fixed[tuple[str, ...]]] = ()
+    given: Annotated[tuple[str, ...], Option(hidden=True)] = ()
     """Keys of the mission that flags or the file set: they win over the preset."""
 
     @classmethod
     def from_file(cls, words: Sequence[str]) -> ReefRun | None:
         """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
         cfg, given = configured(words, MissionCfg()), given_keys(words)
-        return cls(world=tyro.MISSING, cfg=cfg or MissionCfg(), given=given) if given or cfg is not None else None
+        return cls(world="", cfg=cfg or MissionCfg(), given=given) if given or cfg is not None else None
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the mission."""

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import tyro
 
 from coral.advisor.attribution import who_decided
 from coral.advisor.consult import DEADLINE_S
@@ -30,6 +29,7 @@ from coral.config import Positive, checked, read_config
 from coral.desk.notice import mission_notice
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
+from coral.flags import Argument, Option
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.map.sonar_3d15 import SonarCfg
@@ -44,6 +44,7 @@ from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
 from coral.reef.sea.survey_alignment import SavedMap
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.vehicle.response import VehicleResponse
+from coral.reef.world.world import shipped_worlds
 from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
@@ -61,7 +62,7 @@ AWAITED = "vehicle", "pose", "velocity", "depth", "camera", "sonar"
 class ReefSail:
     """Survey a reef in real time: rehearse with a simulated vehicle, or drive a BlueROV2."""
 
-    area: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="WORLD_OR_SURVEY")]
+    area: Annotated[str, Argument(metavar="WORLD_OR_SURVEY", names=shipped_worlds)]
     """A simulated reef to rehearse in (s1, gen:3, a world file), or a survey file with a real area and its geofence."""
     vehicle: str = "simulated"
     """simulated: ours, in real time. mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:PORT or
@@ -77,7 +78,7 @@ class ReefSail:
     (udp:ADDRESS:PORT with this computer's address on the sonar's network). Else the file of a recording (.sonar)."""
     truth: str = ""
     """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
-    advisor: Annotated[str, tyro.conf.arg(help=advisor_help("Who decides"))] = "heuristic"
+    advisor: Annotated[str, Option(help=advisor_help("Who decides"))] = "heuristic"
     seed: int = 0
     """Seed of the controller's samples."""
     depth: Positive | None = None
@@ -94,7 +95,7 @@ class ReefSail:
     matched with the saved one, shows the alignment, and uses it on your word. stated: it is exactly where stated."""
     put_in: tuple[float, float, float] | None = None
     """Rehearsals only: x, y (m) and heading (rad) where the vehicle truly begins, which the program is not told."""
-    fault: Annotated[tuple[str, ...], tyro.conf.UseAppendAction, tyro.conf.arg(metavar="NAME@START:DURATION")] = ()
+    fault: Annotated[tuple[str, ...], Option(repeated=True, metavar="NAME@START:DURATION")] = ()
     """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. For rehearsals only,
     as `--yes`. `coral reef faults --list` names them."""
     camera_latency: float = 0.0
@@ -137,7 +138,7 @@ class ReefSail:
     def from_file(cls, words: Sequence[str]) -> ReefSail | None:
         """Read the defaults of the flags from the file that `--config` names, before the flags themselves."""
         cfg = configured(words, MissionCfg())
-        return None if cfg is None else cls(area=tyro.MISSING, cfg=cfg)
+        return None if cfg is None else cls(area="", cfg=cfg)
 
     def __call__(self) -> Mapping[str, Any]:
         """Check, arm on the operator's word, survey."""

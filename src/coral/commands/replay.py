@@ -12,16 +12,15 @@ from pathlib import Path
 from types import FrameType
 from typing import Annotated, Any
 
-import tyro
-
 from coral.config import Positive, checked
+from coral.flags import Argument
 
 
 @dataclass(frozen=True, kw_only=True)
 class Replay:
     """Show a run folder again in a browser, also that of a killed run; Ctrl-C ends it."""
 
-    run: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN")]
+    run: Annotated[Path, Argument(metavar="RUN")]
     """Run folder."""
     port: int = 8080
     """Port of the page on this machine; 0 chooses a free one."""

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
+from coral.flags import Argument
 
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
     """Write report.html and its pictures (map.png or keyframes.png) of a run folder again, also of a killed run."""
 
-    run: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN")]
+    run: Annotated[Path, Argument(metavar="RUN")]
     """Run folder."""
     video: bool = False
     """Also write the film, mission.mp4 or episode.mp4."""

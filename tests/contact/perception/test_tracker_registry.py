@@ -78,9 +78,8 @@ def test_a_mistyped_tracker_is_told_the_forms_and_the_nearest_name():
 
 @pytest.mark.parametrize("command", ["run", "bench", "track"])
 def test_every_tracker_is_in_the_help_of_the_commands(command, capsys):
-    with pytest.raises(SystemExit):
-        main(["contact", command, "--help"])
-    text = re.sub(r"[\s│]+", "", capsys.readouterr().out)  # lines break anywhere
+    main(["contact", command, "--help", "--tracker"])
+    text = re.sub(r"\s+", "", capsys.readouterr().out)  # lines break anywhere
     for kind in TRACKERS.values():
         assert re.sub(r"\s", "", f"{kind.form}, {kind.help}") in text
 

@@ -1,0 +1,145 @@
+"""`coral config`: the keys of a configuration, or one of them explained."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from coral.configurations import CONFIGURATIONS
+from coral.errors import InputError, nearest
+from coral.flags import Argument, Flag, shown
+from coral.help_page import first_sentence
+from coral.surface import described, load
+
+WIDTH = 120
+UNITS = {
+    "1_s": "1/s",
+    "m_s2": "m/s²",
+    "m_s": "m/s",
+    "rad_s": "rad/s",
+    "deg_s": "deg/s",
+    "n_m": "N m",
+    "m2": "m²",
+    "s": "s",
+    "ms": "ms",
+    "m": "m",
+    "mm": "mm",
+    "deg": "deg",
+    "rad": "rad",
+    "hz": "Hz",
+    "kg": "kg",
+    "n": "N",
+    "usd": "USD",
+}
+"""Unit by the end of a key."""
+
+
+HELP = f"{'; '.join(f'{name}, {what}' for name, (_, _, what) in CONFIGURATIONS.items())}."
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListConfig:
+    """List the keys of a configuration with their values, or explain one key or group of keys."""
+
+    of: Annotated[str, Argument(metavar="CONFIGURATION", names=CONFIGURATIONS, help=HELP)]
+    key: Annotated[str, Argument(metavar="[KEY]")] = ""
+    """A key, such as pilot.trigger.stuck_s, or a group of keys, such as pilot.trigger."""
+    config: Path | None = None
+    """Show the values of this YAML file where it has some, such as the config.yaml of a run."""
+    variant: str | None = None
+    """Show the values of a variant of the survey (reef only)."""
+    json: bool = False
+    """Print one JSON object."""
+
+    def __call__(self) -> Mapping[str, Any]:
+        """Look up the keys."""
+        if self.of not in CONFIGURATIONS:
+            known = f"one of {', '.join(CONFIGURATIONS)}{nearest(self.of, CONFIGURATIONS)}"
+            raise InputError("coral config", "", repr(self.of), known)
+        place, flag, _ = CONFIGURATIONS[self.of]
+        about = described(place)
+        values = self._values(place)
+        asked = re.sub(rf"^({flag}|{flag[2:]})\.", "", self.key).replace("-", "_").strip(".")
+        chosen = [each for each in about.flags if f"{'.'.join(each.field)}.".startswith(f"{asked}." if asked else "")]
+        if not chosen:
+            keys = [".".join(each.field[:n]) for each in about.flags for n in range(1, len(each.field) + 1)]
+            raise InputError(f"coral config {self.of}", "", repr(self.key), f"one of its keys{_near(asked, keys)}")
+        about_group = next((group.text for group in about.groups if _key(group.prefix) == asked), about.text)
+        return {
+            "configuration": self.of,
+            "key": asked,
+            "text": about_group if asked and len(chosen) > 1 else about.text,
+            "keys": [_row(each, flag, values) for each in chosen],
+        }
+
+    def _values(self, place: str) -> Any:
+        """Return the configuration of the file and the variant; None for the default."""
+        if self.config is None and self.variant is None:
+            return None
+        from coral.config import read_config
+
+        values = load(place)()
+        if self.config is not None:
+            values = read_config(self.config, values)
+        if self.variant is not None:
+            if self.of != "reef":
+                raise InputError("--variant", "", self.of, "reef, the only one with variants of its configuration")
+            values = load("coral.reef.mission.variants:apply_variant")(self.variant, values)
+        return values
+
+    def describe(self, result: Mapping[str, Any]) -> str:
+        """Return a line for each key, or all about the only one."""
+        rows = result["keys"]
+        if len(rows) == 1 and rows[0]["key"] == result["key"]:
+            return _explained(rows[0])
+        keys = max(len(row["key"]) for row in rows) + 2
+        lines = [f"{row['key']:<{keys}}{_amount(row):<14} {first_sentence(row['text'])}".rstrip() for row in rows]
+        lines = [line if len(line) <= WIDTH else f"{line[: WIDTH - 1].rstrip()}…" for line in lines]
+        flag = CONFIGURATIONS[result["configuration"]][1]
+        ends = f"Set one by {flag}.KEY VALUE; explain one by: coral config {result['configuration']} KEY"
+        return "\n".join([textwrap.fill(result["text"], WIDTH), "", *lines, "", ends])
+
+
+def _near(asked: str, keys: list[str]) -> str:
+    """Suggest the nearest key; its last part alone is looked for too."""
+    whole = {key.rpartition(".")[2]: key for key in keys} | {key: key for key in keys}
+    return re.sub(r"'(.+)'", lambda match: repr(whole[match[1]]), nearest(asked, whole))
+
+
+def _key(prefix: str) -> str:
+    return prefix.removeprefix("--").replace("-", "_")
+
+
+def _row(flag: Flag, prefix: str, values: Any) -> dict[str, Any]:
+    key = ".".join(flag.field)
+    for name in flag.field if values is not None else ():
+        values = getattr(values, name)
+    end = next((unit for unit in UNITS if f"_{key}".endswith(f"_{unit}") and "number" in flag.type), "")
+    return {
+        "key": key,
+        "default": flag.default,
+        "value": flag.default if values is None else shown(values),
+        "unit": UNITS.get(end, ""),
+        "accepted": flag.type,
+        "text": flag.text,
+        "flag": f"{prefix}.{flag.name.removeprefix('--')}",
+    }
+
+
+def _amount(row: Mapping[str, Any]) -> str:
+    """Format the value with its unit, and mark one that is not the default."""
+    mark = "" if row["value"] == row["default"] else " *"
+    return f"{row['value'] or '-'} {row['unit']}".strip() + mark
+
+
+def _explained(row: Mapping[str, Any]) -> str:
+    lines = [f"{row['key']} = {_amount(row)}"]
+    if row["text"]:
+        lines.append(textwrap.fill(row["text"], WIDTH, initial_indent="  ", subsequent_indent="  "))
+    lines.append(f"  accepted: {row['accepted']}")
+    lines += [f"  default: {row['default']}"] if row["value"] != row["default"] else []
+    return "\n".join([*lines, f"  set by: {row['flag']} {'' if row['accepted'] == 'yes or no' else 'VALUE'}".rstrip()])
