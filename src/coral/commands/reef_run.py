@@ -26,7 +26,7 @@ from coral.flags import Argument, Option
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission.compiled import NOTICE, is_compiled
-from coral.reef.mission.mission import Mission, MissionCfg
+from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, PRESETS, preset_help
 from coral.reef.mission.resolution import resolve_mission, with_sonar
