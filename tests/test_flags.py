@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import Field
 
-from coral.flags import MANY, Argument, Group, Option, describe, shown
+from coral.flags import MANY, Argument, FlagGroup, Option, describe, shown
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def test_fields_become_flags_and_those_of_a_group_have_its_name(flags):
 
 
 def test_the_groups_are_told_with_the_place_of_their_class():
-    assert describe(Dive).groups == (Group(prefix="--lamp", place=f"{Lamp.__module__}:Lamp", text="A lamp."),)
+    assert describe(Dive).groups == (FlagGroup(prefix="--lamp", place=f"{Lamp.__module__}:Lamp", text="A lamp."),)
 
 
 def test_what_is_accepted_is_told_in_words(flags):

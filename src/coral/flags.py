@@ -77,7 +77,7 @@ class Flag:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Group:
+class FlagGroup:
     """A configuration among the flags of a command."""
 
     prefix: str
@@ -93,19 +93,19 @@ class Described:
 
     text: str
     flags: tuple[Flag, ...]
-    groups: tuple[Group, ...]
+    groups: tuple[FlagGroup, ...]
 
 
 def describe(kind: type) -> Described:
     """Describe a command's dataclass or a configuration."""
     flags: list[Flag] = []
-    groups: list[Group] = []
+    groups: list[FlagGroup] = []
     _walk(kind, MISSING, "--", (), flags, groups)
     return Described(text=class_doc(kind), flags=tuple(flags), groups=tuple(groups))
 
 
 def _walk(
-    kind: type, instance: Any, prefix: str, path: tuple[str, ...], flags: list[Flag], groups: list[Group]
+    kind: type, instance: Any, prefix: str, path: tuple[str, ...], flags: list[Flag], groups: list[FlagGroup]
 ) -> None:
     hints, docs = get_type_hints(kind, include_extras=True), field_docs(kind)
     for field in dataclasses.fields(kind):
@@ -119,7 +119,7 @@ def _walk(
         if dataclasses.is_dataclass(base) and isinstance(base, type):
             if name:
                 place = f"{base.__module__}:{base.__qualname__}"
-                groups.append(Group(prefix=f"{prefix}{name}", place=place, text=text or class_doc(base)))
+                groups.append(FlagGroup(prefix=f"{prefix}{name}", place=place, text=text or class_doc(base)))
             _walk(base, default, f"{prefix}{name}." if name else prefix, here, flags, groups)
             continue
         positional = isinstance(option, Argument)

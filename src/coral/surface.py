@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.errors import MALFORMED
-from coral.flags import Described, Flag, Group, describe
+from coral.flags import Described, Flag, FlagGroup, describe
 
 PACKAGE = Path(__file__).parent
 
@@ -52,7 +52,7 @@ def _read(content: Any) -> Described:
     return Described(
         text=content["text"],
         flags=tuple(map(flag, content["flags"])),
-        groups=tuple(Group(**group) for group in content["groups"]),
+        groups=tuple(FlagGroup(**group) for group in content["groups"]),
     )
 
 
