@@ -78,10 +78,9 @@ def test_names_that_mean_this_server(host, header, ours):
 
 
 def test_a_token_is_made_where_others_can_reach_the_port():
-    assert choose_token("127.0.0.1", "") == choose_token("localhost", "") == ""
-    assert len(choose_token("0.0.0.0", "")) >= 24
-    assert choose_token("0.0.0.0", "") != choose_token("0.0.0.0", "")
-    assert choose_token("127.0.0.1", TOKEN) == TOKEN
+    assert len(choose_token()) >= 24
+    assert choose_token() != choose_token()
+    assert choose_token(TOKEN) == TOKEN
     assert not is_loopback("192.168.0.2")
     assert not is_loopback("example.org")
 
@@ -89,5 +88,5 @@ def test_a_token_is_made_where_others_can_reach_the_port():
 @pytest.mark.parametrize("token", ["short", "with spaces in it", "a&b=c/d?e#f.g"])
 def test_an_unfit_token_is_refused_without_being_repeated(token):
     with pytest.raises(InputError, match=f"--token: found a token of {len(token)} characters") as error:
-        choose_token("127.0.0.1", token)
+        choose_token(token)
     assert token not in str(error.value)

@@ -10,7 +10,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -81,14 +80,12 @@ def main() -> None:
         shown = False
         try:
             with DeskServer(inbox, port=0) as server:
-                threading.Thread(target=server.serve_forever, daemon=True).start()
                 while not shown and mission.poll() is None:
                     asked = [entry.id for entry in inbox.entries() if entry.state == "open"]
                     shown = any(answer(inbox, question_id) for question_id in asked)
                     time.sleep(0.2)
                 if shown:
                     photograph(server.url)
-                server.shutdown()
         finally:
             mission.terminate()
             mission.wait()

@@ -121,22 +121,20 @@ class Access:
         return origin is None or origin == f"http://{headers.get('Host', '')}"
 
 
-def choose_token(host: str, token: str) -> str:
-    """Choose the token: the given one, none for access from this machine alone, else a new one.
+def choose_token(token: str = "") -> str:
+    """Choose the token: the given one, else a new one.
 
     Raises:
         InputError: The given token is too short or does not fit into an address.
     """
-    if token:
-        if not TOKEN.fullmatch(token):
-            raise InputError(
-                "--token",
-                "",
-                f"a token of {len(token)} characters",
-                "12 or more letters, digits, - or _, or no token to have one made",
-            )
-        return token
-    return "" if is_loopback(host) else new_token()
+    if token and not TOKEN.fullmatch(token):
+        raise InputError(
+            "--token",
+            "",
+            f"a token of {len(token)} characters",
+            "12 or more letters, digits, - or _, or no token to have one made",
+        )
+    return token or new_token()
 
 
 def new_token() -> str:

@@ -111,3 +111,23 @@ def interruptible() -> Iterator[None]:
 def _here() -> _Gate | None:
     """Return the gate, in the main thread only."""
     return _gate if threading.current_thread() is threading.main_thread() else None
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def sigterm_as_interrupt() -> Iterator[None]:
+    """Let SIGTERM end the block as Ctrl-C does: a server that is told to stop has done its work."""
+    before = signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def wait_for_interrupt() -> None:
+    """Wait until Ctrl-C or SIGTERM."""
+    with contextlib.suppress(KeyboardInterrupt), sigterm_as_interrupt():
+        threading.Event().wait()

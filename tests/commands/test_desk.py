@@ -15,8 +15,9 @@ def test_the_command_serves_until_it_is_told_to_stop(tmp_path):
     command = [sys.executable, "-m", "coral.cli", "desk", str(tmp_path / "inbox"), "--port", "0", "--json"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
-        url = re.search(r"http://127\.0\.0\.1:\d+/", process.stderr.readline()).group()
-        assert json.load(urllib.request.urlopen(f"{url}api/state", timeout=10)) == {"questions": [], "missions": []}
+        url = re.search(r"(http://127\.0\.0\.1:\d+/)\?token=(\S+)", process.stderr.readline())
+        asked = urllib.request.Request(f"{url[1]}api/state", headers={"Authorization": f"Bearer {url[2]}"})
+        assert json.load(urllib.request.urlopen(asked, timeout=10)) == {"questions": [], "missions": []}
         process.send_signal(signal.SIGTERM)
         out, _ = process.communicate(timeout=20)
     finally:

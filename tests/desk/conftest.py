@@ -130,10 +130,11 @@ def refused(reason="behind you"):
 class Client:
     def __init__(self, server):
         self.port = server.access.port
+        self.token = {"Authorization": f"Bearer {server.access.token}"}
 
     def __call__(self, method, path, body=None, headers=None, raw=False):
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
-        connection.request(method, path, body, headers or {})
+        connection.request(method, path, body, {**self.token, **(headers or {})})
         response = connection.getresponse()
         content = response.read()
         connection.close()
@@ -149,7 +150,7 @@ class Client:
             body,
             {
                 "Content-Type": "application/json",
-                "X-Coral-Desk": "1",
+                "X-Coral": "1",
                 **{name.replace("_", "-"): value for name, value in headers.items()},
             },
         )
@@ -157,14 +158,8 @@ class Client:
 
 @contextmanager
 def serving(inbox, **options):
-    with DeskServer(Inbox(inbox), port=0, watch_period_s=0.02, **options) as server:
-        thread = threading.Thread(target=server.serve_forever, args=(0.02,))
-        thread.start()
-        try:
-            yield server
-        finally:
-            server.shutdown()
-            thread.join()
+    with DeskServer(Inbox(inbox), port=0, **options) as server:
+        yield server
 
 
 @pytest.fixture

@@ -58,14 +58,11 @@ def visit(browser, server):
                 and complaints.append(line.text)
             ),
         )
-        page.on("request", lambda r: r.url.startswith((server.url, "data:")) or complaints.append(r.url))
+        page.on(
+            "request", lambda r: r.url.startswith((server.url.partition("?")[0], "data:")) or complaints.append(r.url)
+        )
         if stale is not None:
-            page.route(
-                "**/api/events",
-                lambda route: route.fulfill(
-                    content_type="text/event-stream", body=f"retry: 600000\ndata: {json.dumps(stale)}\n\n"
-                ),
-            )
+            page.route("**/api/state", lambda route: route.fulfill(json=stale, headers={"ETag": "stale"}))
         page.goto(server.url)
         page.get_by_label("Operator").fill(operator)
         page.get_by_label("Operator").press("Enter")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-import threading
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
@@ -59,17 +58,9 @@ class ContactClick:
             raise InputError("--camera", "", f"{self.camera}, without colours", "a camera or recording with colours")
         height, width = frame.rgb.shape[:2]
         png = cv2.imencode(".png", np.ascontiguousarray(frame.rgb[..., ::-1]))[1].tobytes()
-        try:
-            page = ClickPage(names, png, (width, height), self.port)
-        except OSError as error:
-            raise InputError("--port", "", f"{self.port} ({error.strerror})", "a free port, or 0 for any") from None
-        threading.Thread(target=page.serve_forever, args=(0.1,), daemon=True).start()
-        try:
+        with ClickPage(names, png, (width, height), self.port) as page:
             print(f"click {', '.join(names)} at {page.url}", file=sys.stderr, flush=True)
             clicks = page.answers.get()
-        finally:
-            page.shutdown()
-            page.server_close()
         self._write(clicks)
         return {"file": str(self.out), "objects": {name: list(pixel) for name, pixel in clicks.items()}}
 

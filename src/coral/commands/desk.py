@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from coral.flags import Argument
 
-if TYPE_CHECKING:
-    from coral.access import Access
+from coral.interrupts import sigterm_as_interrupt, wait_for_interrupt
 
 TOKEN_KEY = "CORAL_DESK_TOKEN"
 
@@ -28,9 +26,9 @@ class Desk:
     port: int = 8765
     """Port to listen on; 0 chooses a free one."""
     host: str = "127.0.0.1"
-    """Address to listen on; any but this machine's own needs the token."""
+    """Address to listen on."""
     token: str = ""
-    """Token that a browser must send; by default $CORAL_DESK_TOKEN, or a new one if the host needs it."""
+    """Token that a browser must send, part of the printed address; by default $CORAL_DESK_TOKEN, or a new one."""
     mcp: Literal["off", "stdio", "http"] = "off"
     """Serve agents over the Model Context Protocol instead of people: the program that starts this one (stdio), or by
     HTTP at /mcp with the same host, port and token."""
@@ -45,53 +43,34 @@ class Desk:
         token = self.token or os.environ.get(TOKEN_KEY, "")
         if self.mcp != "off":
             return self._serve_agents(token)
-        with DeskServer(Inbox(self.inbox), self.host, self.port, token) as server:
-            before = signal.signal(signal.SIGTERM, _interrupt)
-            print(f"the desk is open at {server.url}", file=sys.stderr, flush=True)
-            print(f"it shows the questions in {self.inbox}; Ctrl-C closes it", file=sys.stderr, flush=True)
-            try:
-                server.serve_forever()
-            except KeyboardInterrupt:
-                pass
-            finally:
-                signal.signal(signal.SIGTERM, before)
-            return {
-                "inbox": str(self.inbox),
-                "host": self.host,
-                "port": server.access.port,
-                "answered": server.answered,
-            }
+        server = DeskServer(Inbox(self.inbox), self.host, self.port, token)
+        print(f"the desk is open at {server.url}", file=sys.stderr, flush=True)
+        print(f"it shows the questions in {self.inbox}; Ctrl-C closes it", file=sys.stderr, flush=True)
+        with server:
+            wait_for_interrupt()
+        return self._result(server.access.port, server.answered)
 
     def _serve_agents(self, token: str) -> Mapping[str, Any]:
         from coral.desk.inbox import Inbox
         from coral.desk.mcp_server import PATH, McpDesk
 
         desk, port = McpDesk(Inbox(self.inbox)), 0
-
-        def opened(access: Access) -> None:
-            nonlocal port
-            port = access.port
-            address, _, query = access.url.partition("?")
-            needed = f", with the header Authorization: Bearer {query.removeprefix('token=')}" if query else ""
-            print(f"agents find the desk at {address.rstrip('/')}{PATH}{needed}", file=sys.stderr, flush=True)
-
-        before = signal.signal(signal.SIGTERM, _interrupt)
-        try:
-            if self.mcp == "stdio":
+        if self.mcp == "stdio":
+            with suppress(KeyboardInterrupt), sigterm_as_interrupt():
                 desk.serve_stdio()
-            else:
-                desk.serve_http(self.host, self.port, token, opened)
-        except KeyboardInterrupt:
-            pass
-        finally:
-            signal.signal(signal.SIGTERM, before)
-        return {"inbox": str(self.inbox), "host": self.host, "port": port, "answered": desk.answered}
+        else:
+            with desk.serve_http(self.host, self.port, token) as server:
+                port = server.access.port
+                address, _, query = server.url.partition("?")
+                needed = f"with the header Authorization: Bearer {query.removeprefix('token=')}"
+                print(f"agents find the desk at {address.rstrip('/')}{PATH}, {needed}", file=sys.stderr, flush=True)
+                wait_for_interrupt()
+        return self._result(port, desk.answered)
+
+    def _result(self, port: int, answered: int) -> Mapping[str, Any]:
+        return {"inbox": str(self.inbox), "host": self.host, "port": port, "answered": answered}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Report the number of accepted answers."""
         n = result["answered"]
         return f"the desk is closed; {n} {'answer' if n == 1 else 'answers'} went into {result['inbox']}"
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt

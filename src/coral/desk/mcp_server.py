@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import json
-import socket
 import time
-from collections.abc import Awaitable, Callable, MutableMapping
-from http import HTTPStatus
 from typing import TYPE_CHECKING, Any
 
-from coral.access import Access, choose_token
 from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit
-from coral.desk.server import NAME_LIMIT, binding_error
+from coral.desk.server import NAME_LIMIT
 from coral.errors import InputError
+from coral.web import WebServer
 
 if TYPE_CHECKING:
-    import uvicorn
     from mcp.server import MCPServer
 
 PATH = "/mcp"
@@ -29,10 +24,6 @@ INSTRUCTIONS = (
     "does not fit its schema comes back with the reasons. A verifier checks accepted answers; if it refuses one, the "
     "question is asked again, with the reason. The robot goes on while you think."
 )
-Scope = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
-Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
-App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 
 class McpDesk:
@@ -54,7 +45,6 @@ class McpDesk:
                 "--mcp", "", "no package mcp", "the extra mcp: pip install 'coral-robotics[mcp]'"
             ) from None
         self.inbox = inbox
-        self._http: uvicorn.Server | None = None
         self.answered = 0
         """Number of answers accepted by this server."""
         self.server: MCPServer[Any] = MCPServer("coral-desk", instructions=INSTRUCTIONS, log_level="ERROR")
@@ -121,66 +111,23 @@ class McpDesk:
         """Serve the program that started this one, until it closes standard input."""
         self.server.run("stdio")
 
-    def serve_http(self, host: str, port: int, token: str, opened: Callable[[Access], None]) -> None:
-        """Serve HTTP at `PATH` until interrupted, with the access rules of the desk's page.
+    def serve_http(self, host: str, port: int, token: str) -> WebServer:
+        """Return a server of HTTP at `PATH`, with the access rules of the desk's page.
 
         Args:
-            host: Address to listen on; any but this machine's own needs a token, made if none is given.
+            host: Address to listen on.
             port: Port; 0 chooses a free one.
-            token: Required in `Authorization: Bearer`.
-            opened: Called once the port is open.
+            token: Required in `Authorization: Bearer`; made if none is given.
 
         Raises:
             InputError: The port is in use, the address is not one of this machine's, or the token is unsuitable.
         """
-        import uvicorn
         from mcp.server.transport_security import TransportSecuritySettings
 
-        token = choose_token(host, token)
-        if not 0 <= port <= 65535:
-            raise InputError("--port", "", port, "a port from 1 to 65535, or 0 for a free one")
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        try:
-            listening = socket.create_server((host, port), family=family)
-        except OSError as error:
-            raise binding_error(error, host, port) from None
-        with listening:
-            access = Access(host, listening.getsockname()[1], token)
-            # Ours checks Host and Origin, too, and knows this machine's names.
-            open_to_all = TransportSecuritySettings(enable_dns_rebinding_protection=False)
-            app = self.server.streamable_http_app(streamable_http_path=PATH, transport_security=open_to_all)
-            config = uvicorn.Config(guarded(app, access), log_level="critical", lifespan="on")
-            self._http = uvicorn.Server(config)
-            opened(access)
-            asyncio.run(self._http.serve(sockets=[listening]))
-
-    def stop(self) -> None:
-        """End `serve_http`; may be called from another thread."""
-        if self._http is not None:
-            self._http.should_exit = True
-
-
-def guarded(app: App, access: Access) -> App:
-    """Return an ASGI application that refuses what the desk's page would refuse."""
-
-    async def answer(scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "http":
-            headers = {name.decode("latin-1").title(): value.decode("latin-1") for name, value in scope["headers"]}
-            if scope["path"] != PATH:
-                status, reason = HTTPStatus.NOT_FOUND, f"There is nothing here; the server is at {PATH}."
-            else:
-                refusal = access.refuse_or_redirect(scope["method"], scope["path"], headers)
-                if refusal is None:
-                    await app(scope, receive, send)
-                    return
-                status, reason = refusal.status, refusal.reason
-            head = [(b"content-type", b"application/json"), (b"cache-control", b"no-store")]
-            await send({"type": "http.response.start", "status": int(status), "headers": head})
-            await send({"type": "http.response.body", "body": json.dumps({"error": reason}).encode()})
-        elif scope["type"] == "lifespan":
-            await app(scope, receive, send)
-
-    return answer
+        # Ours checks Host and Origin, too, and knows this machine's names.
+        open_to_all = TransportSecuritySettings(enable_dns_rebinding_protection=False)
+        app = self.server.streamable_http_app(streamable_http_path=PATH, transport_security=open_to_all)
+        return WebServer(app, host=host, port=port, token=token)
 
 
 def _tool_error(reason: str) -> Exception:
