@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from coral.flags import Argument
-
 from coral.interrupts import sigterm_as_interrupt, wait_for_interrupt
 
 TOKEN_KEY = "CORAL_DESK_TOKEN"
