@@ -11,7 +11,6 @@ from coral.errors import InputError
 from coral.reef.drive.controller import (
     NO_FEASIBLE,
     NOT_FINITE,
-    CostCfg,
     DdpMppi,
     MppiCfg,
     boundary_points,
@@ -20,16 +19,13 @@ from coral.reef.drive.controller import (
     shift_matrix,
 )
 from coral.reef.drive.controller_kernels import (
-    GOAL,
-    N_COSTS,
-    PATH,
-    SPEED,
     RolloutScene,
     hull_is_free,
     rollout,
     shape_samples,
     turn,
 )
+from coral.reef.drive.cost_terms import COSTS, GOAL, PATH, SPEED, CostCfg, Scales
 from coral.reef.map.costfield import UNREACHABLE, CostField
 from coral.reef.vehicle.dynamics import Thrusters, parameter_set, planar
 from coral.reef.vehicle.response import VehicleResponse
@@ -50,14 +46,14 @@ def discs(*circles, size=240):
 
 
 def scene_of(distance, field, **changes):
-    scene = RolloutScene(distance, CELL, field.value, field.cell_m, 0.3, 0.08, 4.0, 0.3, 0.4, 3.0, 0.6, 0.6)
+    scene = RolloutScene(distance, CELL, field.value, field.cell_m, 0.3, 0.08, 4.0, Scales(0.4, 0.3, 3.0, 0.6, 0.6))
     return scene._replace(**changes)
 
 
 def run(start, controls, scene, cfg=None, guide=None, response=SIMULATED):
     table = schedule(cfg or MppiCfg(), response)
     k, n = controls.shape[:2]
-    path, costs, ok = np.empty((k, n + 1, 3)), np.empty((k, N_COSTS)), np.empty(k, np.bool_)
+    path, costs, ok = np.empty((k, n + 1, 3)), np.empty((k, len(COSTS))), np.empty(k, np.bool_)
     rollout(
         np.array([*start, 0.0, 0.0][:8], dtype=float), np.zeros(2), controls,
         np.zeros(k) if guide is None else guide, table, scene,

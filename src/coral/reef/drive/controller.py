@@ -13,7 +13,8 @@ from pydantic import Field
 from coral.config import Count, Fraction, Positive, TimeStep
 from coral.errors import InputError
 from coral.mppi.weights import effective_sample_size, softmax_weights, weighted_mean
-from coral.reef.drive.controller_kernels import N_COSTS, RolloutScene, Schedule, clearance_at, rollout, shape_samples
+from coral.reef.drive.controller_kernels import RolloutScene, Schedule, clearance_at, rollout, shape_samples
+from coral.reef.drive.cost_terms import COSTS, CostCfg, Scales
 from coral.reef.map.costfield import CostField
 from coral.reef.vehicle.dynamics import parameter_set, planar
 from coral.reef.vehicle.response import Trailing, VehicleResponse
@@ -21,33 +22,9 @@ from coral.reef.vehicle.vehicle import VehicleCfg, VehicleState
 
 Array = NDArray[np.float64]
 
-COSTS = ("goal", "obstacle", "speed", "path", "heading", "smooth")
 NOTHING_TRAILS = Trailing()
 NO_FEASIBLE = "no feasible rollout"
 NOT_FINITE = "the state is not finite"
-
-
-@dataclass(frozen=True, kw_only=True)
-class CostCfg:
-    """Weights of the cost terms. Each term has a fixed scale, so lambda means the same at every tick."""
-
-    goal: float = 0.6
-    """Mean of the cost-to-go at the end and along the rollout, minus its present value, divided by the longest rollout
-    (-1: full progress, 0: none). Paper IV-F."""
-    obstacle: float = 0.5
-    """Mean over time of ((1 - clearance / soft_m)+)^2. Paper IV-F."""
-    speed: float = 0.3
-    """Mean of 1 - u / v_max. Paper IV-F."""
-    path: float = 0.0
-    """(Metres driven + cost-to-go at the end - cost-to-go now) / longest rollout: metres without progress. Alg. 3 names
-    this term, but the paper gives no weight. 0, since the cost-to-go already penalises detours."""
-    heading: float = 0.2
-    """Mean of (1 - cos) / 2 of the angle between the heading and the descent of the cost-to-go. Not in the paper: the
-    camera looks forward and the vehicle drives only forward, so a goal behind it needs a turn first."""
-    smooth: float = 0.05
-    """Mean squared change of the command, in units of its limits. The paper names smoothness in III-E, but not in
-    Alg. 3, and gives no weight."""
-    soft_m: Positive = 0.4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -207,13 +184,12 @@ class DdpMppi:
         self.schedule = schedule(cfg, response)
         self._times = np.concatenate([[0.0], np.cumsum(self.schedule.dt)])
         self._shift = shift_matrix(self.schedule.dt, control_period_s)
-        c = cfg.costs
-        self._weights = np.array([c.goal, c.obstacle, c.speed, c.path, c.heading, c.smooth])
+        self._weights = cfg.costs.weights
         self._nominal = np.zeros((cfg.n_steps, 2))
         self._executed = np.zeros(2)
         k = cfg.n_rollouts
         self._path = np.empty((k, cfg.n_steps + 1, 3))
-        self._costs = np.empty((k, N_COSTS))
+        self._costs = np.empty((k, len(COSTS)))
         self._feasible = np.empty(k, np.bool_)
         self._n_guided = round(cfg.guided_fraction * k)
         self._n_warm = round(cfg.warm_fraction * k)
@@ -303,11 +279,13 @@ class DdpMppi:
             hull,
             margin,
             cfg.sensing_m,
-            hull,
-            cfg.costs.soft_m,
-            self.vehicle.max_speed_m_s * cfg.horizon_s,
-            self.vehicle.max_speed_m_s,
-            self.vehicle.max_yaw_rate_rad_s,
+            Scales(
+                cfg.costs.soft_m,
+                hull,
+                self.vehicle.max_speed_m_s * cfg.horizon_s,
+                self.vehicle.max_speed_m_s,
+                self.vehicle.max_yaw_rate_rad_s,
+            ),
         )
         # A robot that is already closer than the margin (a new obstacle, drift) must be able to leave: it may go
         # anywhere that is not closer still, except for its stopping distance and the blur of the map's cells.
@@ -360,7 +338,7 @@ class DdpMppi:
 
     def _one(self, start: Array, controls: Array, scene: RolloutScene) -> tuple[Array, Array, bool]:
         """Return the path, the cost terms and the feasibility of one sequence."""
-        path, costs, free = np.empty((1, len(controls) + 1, 3)), np.empty((1, N_COSTS)), np.empty(1, np.bool_)
+        path, costs, free = np.empty((1, len(controls) + 1, 3)), np.empty((1, len(COSTS))), np.empty(1, np.bool_)
         rollout(
             start, self._executed, controls[None].copy(), np.zeros(1), self.schedule, scene, self._model,
             path, costs, free,

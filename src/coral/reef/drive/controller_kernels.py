@@ -1,4 +1,4 @@
-"""Rollouts of DDP-MPPI: propagation of variable fidelity, collision checks and cost terms in one pass (numba).
+"""Rollouts of DDP-MPPI: propagation of variable fidelity and collision checks in one pass (numba).
 
 Paper Eqs. 9 to 11 and Alg. 3. The fidelity of each step is a table made once (`Schedule`), so the ablation without DDP
 is the same code with other numbers.
@@ -13,13 +13,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from coral.reef.drive.cost_terms import Scales, Step, add_step, finish
 from coral.reef.map.costfield_kernels import lookup
 from coral.reef.vehicle.dynamics import Planar
 from coral.reef.vehicle.dynamics_kernels import limit_wrench
 
 Array = NDArray[np.float64]
-
-GOAL, OBSTACLE, SPEED, PATH, HEADING, SMOOTH, N_COSTS = 0, 1, 2, 3, 4, 5, 6
 
 
 class Schedule(NamedTuple):
@@ -43,10 +42,7 @@ class Schedule(NamedTuple):
 
 
 class RolloutScene(NamedTuple):
-    """Grids of obstacle distances and cost-to-go, the hull, and the scales of the cost terms.
-
-    World frame, metres.
-    """
+    """Grids of obstacle distances and cost-to-go, the hull, and the scales of the cost terms. World frame, metres."""
 
     distance: NDArray[np.float32]
     """Distance to the nearest known obstacle (m). Shape=(H, W)."""
@@ -60,14 +56,8 @@ class RolloutScene(NamedTuple):
     """Clearance that every boundary point must keep."""
     range_m: float
     """Obstacles beyond this distance from the robot do not count."""
-    body_m: float
-    """True radius of the hull, from which proximity is measured, even while `hull_m` is reduced."""
-    soft_m: float
-    """Clearance of the hull below which proximity has a cost."""
-    reach_m: float
-    """Length of the longest possible rollout: the scale of the goal cost."""
-    speed_m_s: float
-    yaw_rate_rad_s: float
+    scales: Scales
+    """Its radius of the hull is the true one, even while `hull_m` is reduced."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -194,7 +184,7 @@ def rollout(
         scene: Map, cost-to-go and scales.
         model: Constants of the vehicle.
         path: Shape=(K, T + 1, 3), written: poses at the ends of the steps.
-        costs: Shape=(K, N_COSTS), written: normalised cost terms.
+        costs: Shape=(K, len(COSTS)), written: normalised cost terms.
         feasible: Shape=(K,), written: whether the rollout stays clear of obstacles.
     """
     n_rollouts, n_steps = controls.shape[0], controls.shape[1]
@@ -208,13 +198,15 @@ def rollout(
     # With the centre this far from all obstacles no boundary point can fail: the distance is 1-Lipschitz, up to half a
     # diagonal of each of the two cells compared.
     clear = hull + margin + 1.5 * cell
+    scales = scene.scales
     for k in range(n_rollouts):
         x, y, th, u, v, r = start[0], start[1], start[2], start[3], start[4], start[5]
         wx, wy = start[6], start[7]
         c, s = c0, s0
         path[k, 0, 0], path[k, 0, 1], path[k, 0, 2] = x, y, th
         ok = True
-        goal = near = speed = heading = smooth = driven = 0.0
+        sums, driven = costs[k], 0.0
+        sums[:] = 0.0
         value, gx, gy = lookup(scene.value, scene.value_cell_m, x, y)
         pv, pw = previous[0], previous[1]
         for t in range(n_steps):
@@ -223,12 +215,12 @@ def rollout(
                 error = math.atan2(-gy, -gx) - th
                 error -= 2.0 * math.pi * math.floor((error + math.pi) / (2.0 * math.pi))
                 wanted = error / max(dt, 0.4)
-                limit = scene.yaw_rate_rad_s
+                limit = scales.yaw_rate_rad_s
                 controls[k, t, 1] = min(max(wanted + controls[k, t, 1], -limit), limit)
                 forward = min(guide_speed[k], value / max(dt, 0.4)) * max(0.0, math.cos(error)) ** 2
-                controls[k, t, 0] = min(max(forward + controls[k, t, 0], 0.0), scene.speed_m_s)
+                controls[k, t, 0] = min(max(forward + controls[k, t, 0], 0.0), scales.speed_m_s)
             cv, cw = controls[k, t, 0], controls[k, t, 1]
-            smooth += ((cv - pv) / scene.speed_m_s) ** 2 + ((cw - pw) / scene.yaw_rate_rad_s) ** 2
+            change = ((cv - pv) / scales.speed_m_s) ** 2 + ((cw - pw) / scales.yaw_rate_rad_s) ** 2
             pv, pw = cv, cw
             h = dt / schedule.substeps[t]
             rate, yaw_rate, n_points = schedule.rate[t], schedule.yaw_rate[t], schedule.points[t]
@@ -277,19 +269,6 @@ def rollout(
                     path[k, rest + 1, 0], path[k, rest + 1, 1], path[k, rest + 1, 2] = x, y, th
                 break
             value, gx, gy = lookup(scene.value, scene.value_cell_m, x, y)
-            goal += value * dt
-            tight = max(0.0, 1.0 - (nearest - scene.body_m) / scene.soft_m)
-            near += tight * tight * dt
-            # Within a metre of the goal, speed and heading no longer matter.
-            far = min(1.0, value) * dt
-            speed += max(0.0, 1.0 - max(u, 0.0) / scene.speed_m_s) * far
-            size = math.sqrt(gx * gx + gy * gy)
-            if size > 1e-9:
-                heading += 0.5 * (1.0 + (gx * c + gy * s) / size) * far
+            add_step(sums, Step(dt, u, c, s, value, gx, gy, nearest, change), scales)
         feasible[k] = ok
-        costs[k, GOAL] = (0.5 * (value + goal / horizon) - v0) / scene.reach_m
-        costs[k, OBSTACLE] = near / horizon
-        costs[k, SPEED] = speed / horizon
-        costs[k, PATH] = (driven + value - v0) / scene.reach_m
-        costs[k, HEADING] = heading / horizon
-        costs[k, SMOOTH] = smooth / n_steps
+        finish(sums, horizon, n_steps, driven, value, v0, scales)

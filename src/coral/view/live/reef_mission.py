@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from coral.reef.drive.controller import COSTS, DdpMppi
+from coral.reef.drive.controller import DdpMppi
+from coral.reef.drive.cost_terms import COSTS
 from coral.reef.mission.mission import Mission
 from coral.view.live import reef_scene
 from coral.view.live.history import History
