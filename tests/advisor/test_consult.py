@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.consult import BudgetCfg, consult
@@ -162,3 +162,24 @@ def test_a_question_that_is_withdrawn_before_it_is_asked_ends_the_decision():
     clock.withdraw()
     assert task.result().failure == "withdrawn"
     clock.close()
+
+
+def test_no_part_of_a_reply_goes_on_with_a_key_in_it(decide, monkeypatch):
+    monkeypatch.setenv("SOME_API_KEY", "swordfish1")
+
+    class Told(BaseModel):
+        text: str = Field(max_length=10)
+
+    class Echo:
+        name, replies = "echo", ["swordfish1", "swordfish1"]
+
+        async def answer(self, question, rejections):
+            if self.replies:
+                raise BadAnswer("not-json", f"found {self.replies.pop()}", raw="swordfish1")
+            return Reply(value=Told(text="swordfish1"), raw="swordfish1")
+
+    seen = []
+    outcome, log, _ = decide(Echo(), verify=lambda q, a: seen.append(a.text))
+    assert (outcome.answer, seen) == (Told(text="***"), ["***"])
+    assert "swordfish" not in repr(log) + repr(outcome)
+    assert [a.verdict for a in log] == ["malformed", "malformed", "accepted"]

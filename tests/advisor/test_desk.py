@@ -9,7 +9,7 @@ import pytest
 from pydantic import BaseModel, Field
 
 from coral.advisor import desk as desk_module
-from coral.advisor.desk import DeskAdvisor
+from coral.advisor.desk import DeskAdvisor, read_answer
 from coral.advisor.question import BadAnswer, Picture, Question, Rejection
 from coral.reef.decide.answers import CentroidChoice
 
@@ -73,6 +73,30 @@ def test_operators_err_too(tmp_path, text, code):
     with pytest.raises(BadAnswer) as bad:
         asyncio.run(run())
     assert bad.value.rejection.code == code
+
+
+def test_the_folders_are_private_and_an_answer_of_somebody_else_does_not_count(tmp_path, monkeypatch):
+    async def run():
+        task = asyncio.create_task(DeskAdvisor(tmp_path / "inbox", poll_s=0.0).answer(QUESTION, ()))
+        while not (tmp_path / "inbox").exists():
+            await asyncio.sleep(0)
+        (folder,) = await open_questions(tmp_path / "inbox", 1)
+        assert [path.stat().st_mode & 0o777 for path in (tmp_path / "inbox", folder)] == [0o700, 0o700]
+        monkeypatch.setattr(desk_module.os, "geteuid", lambda: 1234)
+        monkeypatch.setattr(desk_module, "ROOT", 1235)
+        submit(folder, '{"index": 1}')
+        await task
+
+    with pytest.raises(BadAnswer) as bad:
+        asyncio.run(run())
+    assert bad.value.rejection.code == "not-yours"
+
+
+def test_an_answer_is_a_regular_file(tmp_path):
+    (tmp_path / "file").write_text("{}")
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("file")
+    assert [read_answer(tmp_path / name) for name in ("file", "pipe", "link")] == ["{}", None, None]
 
 
 def test_withdrawn_question_is_closed(tmp_path):

@@ -1,7 +1,9 @@
 """A whole reef mission against a server that fails in every way: it ends normally, and the log names each failure."""
 
+import base64
 import json
 from dataclasses import replace
+from urllib.parse import quote
 
 import pytest
 
@@ -90,3 +92,30 @@ def test_control_goes_on_at_10_hz_while_a_request_hangs(stub, reef, tmp_path):
     # The first question is put after a second of looking about; from then on it is open.
     assert open_ticks == [(k, k > 10) for k in range(1, 21)]
     assert result["distance_m"] > 0.2
+
+
+def test_no_file_of_a_run_holds_a_key_that_the_server_echoes(stub, reef, tmp_path, monkeypatch):
+    key = "sw/ord+fish=1234"
+    forms = [key, quote(key, safe=""), base64.b64encode(key.encode()).decode().rstrip("=")]
+    monkeypatch.setenv("CORAL_LOCAL_API_KEY", key)
+
+    def echo(body):
+        good = json.loads(json.loads(any_answer(stub)(body)[2])["choices"][0]["message"]["content"])
+        text = json.dumps({**good, "reason": f"you sent {' '.join(forms)}"})
+        return stub.completion(text.replace("sw/", "sw\\/"))
+
+    server = stub(
+        stub.completion(f"{forms}"),
+        stub.completion(json.dumps({"forward_m": key, "left_m": 0, "selected_centroid_index": key})),
+        stub.error(400, f"Incorrect key {key}"),
+        stub.error(500, f"Bearer {key}"),
+        echo,
+    )
+    cfg = MissionCfg(time_limit_s=40.0, latency="0", record=RecordCfg(frames=False))
+    Mission(reef, cfg, ModelAdvisor.local(server.url, "m", HASTY), tmp_path / "run").run()
+    verdicts = [(one["verdict"], one["raw"].count("***")) for one in attempts(tmp_path / "run")]
+    assert ("accepted", 3) in verdicts
+    assert {verdict for verdict, _ in verdicts} >= {"accepted", "malformed", "unavailable"}
+    for file in (path for path in (tmp_path / "run").rglob("*") if path.is_file()):
+        for form in forms:
+            assert form.encode() not in file.read_bytes(), file.name

@@ -1,6 +1,11 @@
+import base64
+import html
+import json
+from urllib.parse import quote, quote_plus
+
 import pytest
 
-from coral.advisor.scrub import public_url, scrub
+from coral.advisor.scrub import public_url, scrub, scrub_values
 
 
 def test_keys_of_the_environment_are_removed_whatever_they_look_like(monkeypatch):
@@ -10,12 +15,31 @@ def test_keys_of_the_environment_are_removed_whatever_they_look_like(monkeypatch
     assert scrub("swordfish1, short, greenland1") == "***, short, greenland1"
 
 
+def test_keys_are_removed_in_every_usual_encoding(monkeypatch):
+    key = 'sw/ord+fi"sh &1=é'
+    monkeypatch.setenv("SOME_API_KEY", key)
+    raw = key.encode()
+    codes = [base64.b64encode(raw).decode(), base64.urlsafe_b64encode(raw).decode(), raw.hex()]
+    for form in (
+        key,
+        quote(key),
+        quote(key, safe=""),
+        quote_plus(key),
+        html.escape(key),
+        json.dumps(key)[1:-1],
+        *codes,
+    ):
+        assert scrub(f"<{form.rstrip('=')}>") == "<***>"
+    assert scrub_values({key: [1, None, (key, {"a": f"x{key}"})]}) == {"***": [1, None, ("***", {"a": "x***"})]}
+
+
 @pytest.mark.parametrize(
     ("text", "left"),
     [
         ("Incorrect API key: sk-proj-Ab*****12.", "Incorrect API key: ***."),
         ("key=AIzaSyA1234567890", "key=***"),
         ("Authorization: Bearer abc.def+ghi=", "Authorization: Bearer ***"),
+        ("Basic dXNlcjpwYXNz", "Basic ***"),
         ("the bearer of a task-force", "the bearer of a task-force"),
     ],
 )

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Generic, Literal, Protocol, TypeVar
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
 from coral.advisor.question import Advisor, AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage, Withdrawn
+from coral.advisor.scrub import scrub, scrub_values
 from coral.config import Positive
 
 A = TypeVar("A", bound=BaseModel)
@@ -121,74 +122,38 @@ async def consult(
             question = None
         if question is None:
             return Outcome(answer=None, question=None, attempts=attempt, failure="withdrawn")
-        asked_at = clock.now()
-        question = replace(question, asked_at_s=asked_at)
-        reasons = tuple(rejections)
-
-        def record(
-            verdict: Verdict,
-            asked_at: float = asked_at,
-            attempt: int = attempt,
-            question: Question[A] = question,
-            **fields: Any,
-        ) -> None:
-            log(
-                Attempt(
-                    decision=decision,
-                    attempt=attempt,
-                    asked_at_s=asked_at,
-                    answered_at_s=clock.now(),
-                    question=question,
-                    verdict=verdict,
-                    **fields,
-                )
+        asked_at_s = clock.now()
+        question = replace(question, asked_at_s=asked_at_s)
+        heard = await _ask(advisor, question, tuple(rejections), clock, end - asked_at_s, deadline_s)
+        if heard.value is not None and (refusal := verify(question, heard.value)) is not None:
+            heard = replace(heard, verdict="rejected", rejection=refusal)
+        log(
+            Attempt(
+                decision=decision,
+                attempt=attempt,
+                asked_at_s=asked_at_s,
+                answered_at_s=clock.now(),
+                question=question,
+                verdict=heard.verdict,
+                raw=heard.raw,
+                answer=None if heard.value is None else heard.value.model_dump(mode="json"),
+                rejection=heard.rejection,
+                usage=heard.usage,
+                final=heard.final,
             )
-
-        try:
-            reply: Reply[A] = await clock.reply(partial(advisor.answer, question, reasons), end - asked_at)
-        except TimeoutError:
-            silence = Rejection(code="deadline", reason=f"no answer within {deadline_s:g} s")
-            record("unavailable", rejection=silence)
+        )
+        failure = "" if heard.rejection is None else heard.rejection.code
+        if heard.verdict in ("malformed", "rejected"):
+            assert heard.rejection is not None
+            rejections.append(heard.rejection)
+        elif heard.verdict != "unavailable" or heard.final or heard.late:
             return Outcome(
-                answer=None,
+                answer=heard.value,
                 question=question,
                 attempts=attempt + 1,
-                failure="deadline",
-                rejections=(*rejections, silence),
+                failure="withdrawn" if heard.verdict == "withdrawn" else failure,
+                rejections=(*rejections, *([] if heard.rejection is None else [heard.rejection])),
             )
-        except Withdrawn:
-            record("withdrawn")
-            return Outcome(
-                answer=None, question=question, attempts=attempt + 1, failure="withdrawn", rejections=reasons
-            )
-        except BadAnswer as bad:
-            record("malformed", raw=bad.raw, rejection=bad.rejection, usage=bad.usage)
-            rejections.append(bad.rejection)
-            continue
-        except AdvisorUnavailable as gone:
-            absence = Rejection(code=gone.code, reason=gone.reason)
-            record("unavailable", rejection=absence, usage=gone.usage, final=gone.final)
-            if gone.final:
-                return Outcome(
-                    answer=None,
-                    question=question,
-                    attempts=attempt + 1,
-                    failure=gone.code,
-                    rejections=(*rejections, absence),
-                )
-            continue
-        except Exception as error:
-            # An exception in an advisor must cost only its answer, not the vehicle.
-            fault = Rejection(code="advisor-error", reason=f"{type(error).__name__}: {error}")
-            record("unavailable", rejection=fault)
-            continue
-        refusal = verify(question, reply.value)
-        fields: dict[str, Any] = {"raw": reply.raw, "answer": reply.value.model_dump(mode="json"), "usage": reply.usage}
-        if refusal is None:
-            record("accepted", **fields)
-            return Outcome(answer=reply.value, question=question, attempts=attempt + 1, rejections=tuple(rejections))
-        record("rejected", rejection=refusal, **fields)
-        rejections.append(refusal)
     return Outcome(
         answer=None,
         question=question,
@@ -196,3 +161,57 @@ async def consult(
         failure="requeries-used-up",
         rejections=tuple(rejections),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Heard(Generic[A]):
+    """What came of asking once; the fields are those of `Attempt`."""
+
+    verdict: Verdict
+    value: A | None = None
+    raw: str = ""
+    rejection: Rejection | None = None
+    usage: Usage = field(default_factory=lambda: Usage(requests=0))
+    final: bool = False
+    late: bool = False
+    """Whether the deadline of the decision passed."""
+
+
+async def _ask(
+    advisor: Advisor,
+    question: Question[A],
+    rejections: tuple[Rejection, ...],
+    clock: Clock,
+    timeout_s: float,
+    deadline_s: float,
+) -> _Heard[A]:
+    try:
+        reply: Reply[A] = await clock.reply(partial(advisor.answer, question, rejections), timeout_s)
+    except TimeoutError:
+        silence = Rejection(code="deadline", reason=f"no answer within {deadline_s:g} s")
+        return _Heard(verdict="unavailable", rejection=silence, late=True)
+    except Withdrawn:
+        return _Heard(verdict="withdrawn")
+    except BadAnswer as bad:
+        return _Heard(verdict="malformed", raw=scrub(bad.raw), rejection=_without_keys(bad.rejection), usage=bad.usage)
+    except AdvisorUnavailable as gone:
+        absence = _without_keys(Rejection(code=gone.code, reason=gone.reason))
+        return _Heard(verdict="unavailable", rejection=absence, usage=gone.usage, final=gone.final)
+    except Exception as error:
+        # An exception in an advisor must cost only its answer, not the vehicle.
+        fault = _without_keys(Rejection(code="advisor-error", reason=f"{type(error).__name__}: {error}"))
+        return _Heard(verdict="unavailable", rejection=fault)
+    # A server may echo the key that it was sent: no part of a reply goes on before that is removed.
+    raw, value, said = scrub(reply.raw), reply.value, reply.value.model_dump(mode="json")
+    if (clean := scrub_values(said)) != said:
+        try:
+            value = type(value).model_validate(clean)
+        except ValidationError:
+            fault = Rejection(code="invalid", reason="The answer held a key of this environment.")
+            return _Heard(verdict="malformed", raw=raw, rejection=fault, usage=reply.usage)
+    return _Heard(verdict="accepted", value=value, raw=raw, usage=reply.usage)
+
+
+def _without_keys(rejection: Rejection) -> Rejection:
+    details, listing = scrub_values(rejection.details), scrub(rejection.listing)
+    return replace(rejection, reason=scrub(rejection.reason), details=details, listing=listing)

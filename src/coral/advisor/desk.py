@@ -8,6 +8,7 @@ import json
 import os
 import secrets
 import socket
+import stat
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,8 +17,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from pydantic import BaseModel
 
 from coral.advisor.log import plain_json
-from coral.advisor.parse import parse_answer
-from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply, Usage
+from coral.advisor.parse import MAX_CHARS, parse_answer
+from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
 from coral.errors import InputError
 from coral.file_writer import PRIVATE, write_whole
 
@@ -28,6 +29,9 @@ A = TypeVar("A", bound=BaseModel)
 
 WRITING = ".writing"
 """Folder of an inbox in which questions are written before they are published."""
+ROOT = 0
+MAX_BYTES = 4 * MAX_CHARS + 4
+"""More of an answer is not read: it is too long in any case."""
 
 
 class DeskAdvisor:
@@ -35,7 +39,7 @@ class DeskAdvisor:
 
     A folder appears complete (written in `INBOX/.writing/`, then renamed) and gets a `closed.json` when its question is
     no longer open: answered, or withdrawn because the world changed. `answer.json` must be written elsewhere and
-    renamed too.
+    renamed too. The folders are private, and an answer counts only if it is a file of the same user.
     """
 
     latency = "measured"
@@ -62,7 +66,7 @@ class DeskAdvisor:
         """Post the question and wait until it is answered.
 
         Raises:
-            BadAnswer: The answer does not validate.
+            BadAnswer: The answer does not validate, or is not of the same user ("not-yours").
             AdvisorUnavailable: The inbox cannot be written.
         """
         try:
@@ -75,9 +79,11 @@ class DeskAdvisor:
             while not file.exists():
                 await asyncio.sleep(self._poll_s)
             state = "answered"
-            text = file.read_text(encoding="utf-8", errors="replace")
+            text = read_answer(file)
         finally:
             write_whole(folder / "closed.json", json.dumps({"state": state}))
+        if text is None:
+            raise BadAnswer("not-yours", "answer.json is no file of the user who asks; answer with one.")
         usage = Usage(requests=1)
         return Reply(value=parse_answer(text, question.answer_type, usage), raw=text, usage=usage)
 
@@ -123,7 +129,7 @@ def question_folder(
     Returns:
         Contents of `question.json`.
     """
-    folder.mkdir(parents=True)
+    folder.mkdir(PRIVATE, parents=True)
     for picture in question.pictures:
         write_whole(folder / f"{picture.name}.png", picture.png)
     content = {
@@ -146,6 +152,24 @@ def question_folder(
     }
     write_whole(folder / "question.json", plain_json(content, indent=2))
     return content
+
+
+def read_answer(file: Path) -> str | None:
+    """Read an answer; None if it is not a regular file of this user (or of root, who can do anything anyway).
+
+    Raises:
+        OSError: It cannot be read.
+    """
+    user = getattr(os, "geteuid", lambda: ROOT)()
+    if file.is_symlink():
+        return None
+    # Without waiting, or a pipe would hold the decision up.
+    descriptor = os.open(file, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
+    with open(descriptor, "rb") as opened:
+        about = os.fstat(descriptor)
+        if not stat.S_ISREG(about.st_mode) or about.st_uid not in (user, ROOT):
+            return None
+        return opened.read(MAX_BYTES).decode("utf-8", "replace")
 
 
 def make_desk(name: str, rest: str, setting: Setting) -> DeskAdvisor:

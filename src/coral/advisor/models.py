@@ -159,7 +159,7 @@ class ModelAdvisor:
                     "Reply again, with nothing but the answer in the format asked for."
                 )
                 continue
-            return Reply(value=value, raw=scrub(raw), usage=spent.usage)
+            return Reply(value=value, raw=raw, usage=spent.usage)
         raise AssertionError("the last repair returns or raises")
 
     def _build_message(

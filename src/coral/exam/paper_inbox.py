@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from coral.advisor.desk import question_folder
+from coral.advisor.desk import question_folder, read_answer
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import BadAnswer, Usage
 from coral.errors import InputError
@@ -65,9 +65,11 @@ def folder_name(number: int, item: ExamItem) -> str:
 
 def _sheet(item: ExamItem, folder: Path) -> Sheet:
     try:
-        text = (folder / "answer.json").read_text(encoding="utf-8", errors="replace")
+        text = read_answer(folder / "answer.json")
     except OSError:
         return Sheet(item=item, answer=None, failure="missing: nobody answered")
+    if text is None:
+        return Sheet(item=item, answer=None, failure="not-yours: answer.json is no file of this user")
     try:
         value = parse_answer(text, item.question().answer_type, Usage())
     except BadAnswer as bad:
