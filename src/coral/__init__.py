@@ -1,14 +1,14 @@
 """CORAL and CoRAL: foundation models decide what to do, sampling-based optimal control decides how."""
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from coral.interface.mission import MissionResult, run_mission
     from coral.interface.task import TaskResult, run_task
 
-__version__ = version("coral-robotics")
+    __version__: str
+
 __all__ = ["MissionResult", "TaskResult", "__version__", "run_mission", "run_task"]
 
 _HOMES = {
@@ -16,15 +16,17 @@ _HOMES = {
     "MissionResult": "coral.interface.mission",
     "run_task": "coral.interface.task",
     "TaskResult": "coral.interface.task",
+    "__version__": "coral.package_version",
 }
 
 
 def __getattr__(name: str) -> Any:
-    """Import a function at its first use: `import coral` itself stays fast."""
+    """Import a public name at its first use: `import coral` itself stays fast."""
     if name not in _HOMES:
         raise AttributeError(f"module 'coral' has no attribute {name!r}")
     return getattr(import_module(_HOMES[name]), name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    """Show the public names alone."""
+    return sorted(__all__)

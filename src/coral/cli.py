@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
@@ -64,11 +65,11 @@ COMMANDS = {
 
 
 FIRST = {
-    "reef run": "coral.reef.world.generated:find_world",
-    "reef faults": "coral.reef.world.generated:find_world",
-    "contact run": "coral.contact.tasks:load_task",
+    "reef run": "coral.reef.world.world_names:world_file",
+    "reef faults": "coral.reef.world.world_names:world_file",
+    "contact run": "coral.contact.scene.task_names:task_path",
 }
-"""What checks the first word before the command is imported: a mistyped name is answered at once."""
+"""What finds the file that the first word names before the command is imported: a mistyped name is answered at once."""
 HELP = ("-h", "--help")
 
 
@@ -166,7 +167,7 @@ def _command(words: Sequence[str]) -> str | None:
 def _parse(name: str, words: Sequence[str]) -> Command:
     """Parse flags into the command's dataclass."""
     place = COMMANDS[name][0]
-    if name in FIRST and words and not words[0].startswith("-"):
+    if name in FIRST and re.fullmatch("[^-:~][^:~]*", "".join(words[:1])):  # not gen:3, libero:object/0, pick-box~2
         load(FIRST[name])(words[0])
     about = described(place)
     given = scan(words, about, name)

@@ -11,8 +11,7 @@ from typing import Annotated, Any, TypeVar, cast, get_origin, get_type_hints
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from coral.errors import InputError, nearest
-from coral.validation_errors import shown
+from coral.errors import InputError, nearest, shown
 from coral.yaml_file import load_mapping, read_regular
 
 C = TypeVar("C")

@@ -7,11 +7,14 @@ import difflib
 import errno
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
 """Errors of a full disk."""
 MALFORMED = (ValueError, TypeError, KeyError, IndexError, AttributeError, OverflowError, RecursionError)
 """What taking a foreign value apart raises where it is of another kind, or a number beyond all floats."""
+LONGEST = 60
+"""Maximum number of characters shown of a wrong value."""
 
 
 class InputError(ValueError):
@@ -54,3 +57,9 @@ def nearest(word: str, known: Iterable[str], likeness: float = 0.5) -> str:
     """Suggest a correction: " (did you mean 'x'?)", or "" if no known word is as similar as `likeness`, 0 to 1."""
     close = difflib.get_close_matches(word, list(known), n=1, cutoff=likeness)
     return f" (did you mean {close[0]!r}?)" if close else ""
+
+
+def shown(value: Any) -> str:
+    """Shorten a wrong value for a message."""
+    text = repr(value)
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."

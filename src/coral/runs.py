@@ -16,10 +16,10 @@ from typing import Any
 
 import yaml
 
-from coral import __version__
 from coral.errors import InputError
 from coral.file_writer import PRIVATE, write_whole
 from coral.odd_text import encodable, encodable_values
+from coral.package_version import __version__
 from coral.rotating_log import RotatingLog, read_lines
 
 

@@ -8,11 +8,8 @@ from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from coral.errors import InputError, nearest
+from coral.errors import InputError, nearest, shown
 from coral.words import many
-
-LONGEST = 60
-"""Maximum number of characters shown of a wrong value."""
 
 
 def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> InputError:
@@ -69,12 +66,6 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
         .replace("String should match pattern", "text like")
     )
     return InputError(where, field, shown(value), expected)
-
-
-def shown(value: Any) -> str:
-    """Shorten a wrong value for a message."""
-    text = repr(value)
-    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 def _place_in_file(model: type[BaseModel], place: Sequence[int | str]) -> list[int | str]:

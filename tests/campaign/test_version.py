@@ -2,7 +2,7 @@ import re
 
 import pytest
 
-import coral
+from coral.campaign import version as version_module
 from coral.campaign.version import code_version
 
 
@@ -13,7 +13,7 @@ def package(tmp_path, monkeypatch):
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(f"{name}\n")
-    monkeypatch.setattr(coral, "__file__", str(tmp_path / "__init__.py"))
+    monkeypatch.setattr(version_module, "PACKAGE", tmp_path)
     return tmp_path
 
 

@@ -61,8 +61,11 @@ HEAVY = ("numba", "mujoco", "scipy", "matplotlib", "pyarrow", "pydantic_ai")
         (["contact", "tasks", "pick-box"], [module for module in HEAVY if module != "mujoco"]),
         (["--help"], (*HEAVY, "numpy", "cv2", "pydantic")),
         (["--version"], (*HEAVY, "numpy", "cv2", "pydantic")),
+        (["--complete", "reef", "ru"], (*HEAVY, "numpy", "cv2", "pydantic")),
+        (["reef", "run", "nope"], (*HEAVY, "numpy", "cv2", "pydantic")),
+        (["contact", "run", "nope"], (*HEAVY, "numpy", "cv2", "pydantic")),
     ],
-    ids=["reef envs", "contact tasks", "--help", "--version"],
+    ids=lambda part: " ".join(part) if isinstance(part, list) else "",
 )
 def test_what_a_short_command_does_not_import(words, heavy):
     code = (

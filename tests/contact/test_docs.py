@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 from coral.contact.scene.conditions import Condition
 from coral.contact.scene.shapes import Fixture, Joint, Movable, Shape
 from coral.contact.scene.task import Task
-from coral.contact.scene.task_file import UNSEEN_HALVES, unseen_tasks
+from coral.contact.scene.task_names import UNSEEN_HALVES, unseen_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg

@@ -124,6 +124,11 @@ def test_the_package_itself_imports_nothing_heavy():
     assert done.stdout.strip() == "[]"
 
 
+def test_the_package_shows_its_public_names_alone():
+    assert dir(coral) == sorted(coral.__all__)
+    assert all(hasattr(coral, name) for name in coral.__all__)
+
+
 def test_an_unknown_name_of_the_package_is_an_attribute_error():
     with pytest.raises(AttributeError, match="run_misson"):
         coral.run_misson  # noqa: B018

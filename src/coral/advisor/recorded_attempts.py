@@ -10,8 +10,7 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Reply, Usage
-from coral.errors import InputError
-from coral.validation_errors import shown
+from coral.errors import InputError, shown
 from coral.yaml_file import regular_bytes
 
 A = TypeVar("A", bound=BaseModel)

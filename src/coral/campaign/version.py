@@ -6,8 +6,7 @@ import hashlib
 from functools import cache
 from pathlib import Path
 
-import coral
-
+PACKAGE = Path(__file__).resolve().parents[1]
 _SOURCES = {".py", ".yaml", ".json", ".md", ".xml"}
 _ONLY_LOOKED_AT = {"campaign", "commands", "desk", "view"}
 """Parts of the package that only show or distribute results."""
@@ -19,10 +18,9 @@ def code_version() -> str:
 
     Unlike a commit it also distinguishes edited files, and is unaffected by changes of tables or pages.
     """
-    root = Path(coral.__file__).resolve().parent
     total = hashlib.sha256()
-    for path in sorted(root.rglob("*")):
-        inside = path.relative_to(root)
+    for path in sorted(PACKAGE.rglob("*")):
+        inside = path.relative_to(PACKAGE)
         if path.suffix in _SOURCES and inside.parts[0] not in _ONLY_LOOKED_AT and path.is_file():
             total.update(f"{inside.as_posix()}\0".encode())
             total.update(hashlib.sha256(path.read_bytes()).digest())

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from coral import __version__
+from coral.package_version import __version__
 
 
 @dataclass(frozen=True, kw_only=True)

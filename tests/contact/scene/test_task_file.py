@@ -10,7 +10,8 @@ from contact_bench import changed, plain, stl, written
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from coral.contact.scene.task_file import TASKS_DIR, UNSEEN_HALVES, shipped_tasks, task_schema, unseen_tasks
+from coral.contact.scene.task_file import TASKS_DIR, shipped_tasks, task_schema, unseen_tasks
+from coral.contact.scene.task_names import UNSEEN_HALVES
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.errors import InputError

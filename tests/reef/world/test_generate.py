@@ -12,7 +12,8 @@ from coral.reef.world.generate import SHIPPED, GeneratorCfg, generate, shipped
 from coral.reef.world.reachability import distance_to, obstacle_outline
 from coral.reef.world.scene import Scene
 from coral.reef.world.spines import EVERY_TOPOLOGY
-from coral.reef.world.world import WORLDS_DIR, ReefWorld, load_world, save_world
+from coral.reef.world.world import ReefWorld, load_world, save_world
+from coral.reef.world.world_names import WORLDS_DIR
 
 CELL_M = 0.05
 

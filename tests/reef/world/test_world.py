@@ -9,7 +9,6 @@ import yaml
 
 from coral.errors import InputError
 from coral.reef.world.world import (
-    WORLDS_DIR,
     Cluster,
     Oyster,
     ReefWorld,
@@ -19,6 +18,7 @@ from coral.reef.world.world import (
     shipped_worlds,
     world_schema,
 )
+from coral.reef.world.world_names import WORLDS_DIR
 
 
 def plain() -> dict:

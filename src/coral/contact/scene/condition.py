@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from collections.abc import Callable, Iterable, Mapping
+from typing import Annotated, ClassVar, Literal, Protocol
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from coral.contact.scene.geometry import rotate
-from coral.contact.scene.observation import Array, Truth
-from coral.contact.scene.shapes import in_order
+from coral.contact.scene.observation import Array, BodyState, Truth
+from coral.contact.scene.shapes import Movable, Vector, in_order
 from coral.errors import InputError, nearest
-
-if TYPE_CHECKING:
-    from coral.contact.scene.task import Task
-    from coral.contact.scene.trial import Trial
 
 Monitor = Callable[[Truth], bool]
 Angle = Annotated[float, Field(ge=0, le=180, strict=True)]
@@ -25,6 +21,37 @@ Axis = Literal["x", "y", "z"]
 AXES = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
 HAND_PARTS = ("hand", "left", "right")
 """Names of the hand's parts in contacts."""
+
+
+class TaskLike(Protocol):
+    """What a condition reads of a `Task`, which consists of conditions itself."""
+
+    @property
+    def objects(self) -> tuple[Movable, ...]: ...  # noqa: D102
+    @property
+    def places(self) -> Mapping[str, Vector]: ...  # noqa: D102
+    @property
+    def things(self) -> tuple[str, ...]: ...  # noqa: D102
+    def object(self, name: str) -> Movable: ...  # noqa: D102
+
+
+class PlacedObject(Protocol):
+    """What a condition reads of a `TrialObject`."""
+
+    @property
+    def pose(self) -> BodyState: ...  # noqa: D102
+
+
+class TrialLike(Protocol):
+    """What a condition reads of a `Trial`."""
+
+    @property
+    def task(self) -> TaskLike: ...  # noqa: D102
+    @property
+    def objects(self) -> Mapping[str, PlacedObject]: ...  # noqa: D102
+    def point(self, name: str, point: str, body: BodyState) -> Array: ...  # noqa: D102
+    def joint_position(self, name: str, body: BodyState) -> float: ...  # noqa: D102
+    def lowest_point(self, name: str, body: BodyState) -> float: ...  # noqa: D102
 
 
 class BaseCondition(BaseModel):
@@ -46,7 +73,7 @@ class BaseCondition(BaseModel):
         """Return whether the condition depends on who touches whom or how hard."""
         return not self.needs_poses_only
 
-    def check(self, task: Task, where: str, field: str) -> None:
+    def check(self, task: TaskLike, where: str, field: str) -> None:
         """Check that all names in the condition exist.
 
         Args:
@@ -67,7 +94,7 @@ class BaseCondition(BaseModel):
             others = [name for name in (*task.things, *objects) if name != self.object]
             check_known(thing, [*getattr(self, "also", ()), *others], where, f"{field}.thing")
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """Make a function that tells whether the condition holds; call it with the true state at every control step."""
         raise NotImplementedError
 

@@ -7,13 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 from pydantic import Field, SerializeAsAny, ValidatorFunctionWrapHandler, WrapValidator
 
 from coral.contact.scene import history_conditions, relative_conditions, state_conditions
-from coral.contact.scene.condition import BaseCondition, Monitor
+from coral.contact.scene.condition import BaseCondition, Monitor, TaskLike, TrialLike
 from coral.contact.scene.observation import Truth
 from coral.plugins import find_plugins, load_plugin
-
-if TYPE_CHECKING:
-    from coral.contact.scene.task import Task
-    from coral.contact.scene.trial import Trial
 
 _MODULES = (state_conditions, relative_conditions, history_conditions)
 _SINGLE = tuple(one for one in BaseCondition.__subclasses__() if one.__module__ in [part.__name__ for part in _MODULES])
@@ -55,7 +51,7 @@ class EventSequence(BaseCondition):
     )
     for_s: float = Field(default=0.1, ge=0, le=10, strict=True)
 
-    def check(self, task: Task, where: str, field: str) -> None:
+    def check(self, task: TaskLike, where: str, field: str) -> None:
         """See `BaseCondition.check`."""
         super().check(task, where, field)
         for k, event in enumerate(self.events):
@@ -67,7 +63,7 @@ class EventSequence(BaseCondition):
         """See `BaseCondition.reads_contacts`."""
         return any(condition.reads_contacts for event in self.events for condition in event)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         monitors = [[condition.monitor(trial) for condition in event] for event in self.events]
         reached, since = 0, None

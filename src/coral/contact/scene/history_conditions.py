@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -13,15 +13,13 @@ from coral.contact.scene.condition import (
     BaseCondition,
     Monitor,
     StepClock,
+    TrialLike,
     axis_of,
     degrees_between,
     hand_force,
     touches,
 )
 from coral.contact.scene.observation import Truth
-
-if TYPE_CHECKING:
-    from coral.contact.scene.trial import Trial
 
 
 class TouchedWhileTurning(BaseCondition):
@@ -38,7 +36,7 @@ class TouchedWhileTurning(BaseCondition):
     between_deg: AngleBand = (15.0, 75.0)
     for_s: float = Field(default=0.1, gt=0, le=10, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         before = axis_of(trial.objects[self.object].pose.quaternion, self.axis)
         low, high = self.between_deg
@@ -83,7 +81,7 @@ class SteadyForce(BaseCondition):
     for_s: float = Field(default=1.0, ge=0, strict=True)
     deviation_n: float | None = Field(default=None, gt=0, le=200, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         recent: list[tuple[float, float]] = []
         clock = StepClock()
@@ -125,7 +123,7 @@ class PeakForce(BaseCondition):
     newtons: float = Field(gt=0, le=500, strict=True)
     window_s: float = Field(default=0.0, ge=0, le=2, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         recent: list[tuple[float, float]] = []
         exceeded = False
@@ -161,7 +159,7 @@ class SpeedLimit(BaseCondition):
     kind: Literal["speed-limit"] = "speed-limit"
     speed_m_s: float = Field(gt=0, le=10, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         exceeded = False
 
@@ -182,7 +180,7 @@ class KeptLevel(BaseCondition):
     axis: Axis = "z"
     tolerance_deg: float = Field(default=15, gt=0, le=180, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         before = axis_of(trial.objects[self.object].pose.quaternion, self.axis)
         tilted = False
@@ -206,7 +204,7 @@ class KeptTouching(BaseCondition):
     thing: str = "table"
     for_s: float = Field(default=0.2, ge=0, le=10, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         clock = StepClock()
         apart, left = 0.0, False
@@ -233,7 +231,7 @@ class NeverTouched(BaseCondition):
         """Return the names that `thing` may have besides those of fixed things and objects."""
         return ("hand", "robot")
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         touched = False
 
@@ -252,7 +250,7 @@ class Slid(BaseCondition):
     thing: str = "table"
     distance_m: float = Field(gt=0, le=10, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         way, before = 0.0, trial.objects[self.object].pose.position
         since_touch, clock = PUSHED_S + 1.0, StepClock()

@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import AfterValidator, Field
 
-from coral.contact.scene.condition import Axis, BaseCondition, Metre, Monitor, axis_of, check_known, degrees_between
+from coral.contact.scene.condition import (
+    Axis,
+    BaseCondition,
+    Metre,
+    Monitor,
+    TaskLike,
+    TrialLike,
+    axis_of,
+    check_known,
+    degrees_between,
+)
 from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Array, Truth
 from coral.contact.scene.shapes import in_order
 from coral.errors import InputError
 
-if TYPE_CHECKING:
-    from coral.contact.scene.task import Task
-    from coral.contact.scene.trial import Trial
-
 SignedAngle = Annotated[float, Field(ge=-180, le=180, strict=True)]
 FreeAxis = Literal["x", "-x", "y", "-y", "z", "-z"]
 
 
-def _check_other(condition: AtObject | Inserted, task: Task, where: str, field: str) -> None:
+def _check_other(condition: AtObject | Inserted, task: TaskLike, where: str, field: str) -> None:
     """Check the names of the other object and of the point on it."""
     if condition.other is None:
         return
@@ -31,7 +37,7 @@ def _check_other(condition: AtObject | Inserted, task: Task, where: str, field: 
         check_known(condition.other_point, task.object(condition.other).points, where, f"{field}.other_point")
 
 
-def _frame(trial: Trial, name: str, point: str | None, truth: Truth) -> Array:
+def _frame(trial: TrialLike, name: str, point: str | None, truth: Truth) -> Array:
     body = truth.objects[name]
     return body.position if point is None else trial.point(name, point, body)
 
@@ -53,12 +59,12 @@ class AtObject(BaseCondition):
     axes: Literal["xy", "xyz", "x", "y", "z"] = "xy"
     tolerance_deg: float | None = Field(default=None, gt=0, le=180, strict=True)
 
-    def check(self, task: Task, where: str, field: str) -> None:
+    def check(self, task: TaskLike, where: str, field: str) -> None:
         """See `BaseCondition.check`."""
         super().check(task, where, field)
         _check_other(self, task, where, field)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         kept = ["xyz".index(axis) for axis in self.axes]
 
@@ -91,7 +97,7 @@ class Inserted(BaseCondition):
     depth_m: float = Field(gt=0, le=1, strict=True)
     tolerance_m: float = Field(default=0.02, gt=0, le=1, strict=True)
 
-    def check(self, task: Task, where: str, field: str) -> None:
+    def check(self, task: TaskLike, where: str, field: str) -> None:
         """See `BaseCondition.check`."""
         super().check(task, where, field)
         if (self.place is None) == (self.other is None):
@@ -106,7 +112,7 @@ class Inserted(BaseCondition):
             check_known(self.place, task.places, where, f"{field}.place")
         _check_other(self, task, where, field)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         axis: Axis = self.into[-1]  # type: ignore[assignment]
         sign = -1.0 if self.into.startswith("-") else 1.0
@@ -132,7 +138,7 @@ class Opened(BaseCondition):
     between_deg: Annotated[tuple[SignedAngle, SignedAngle], AfterValidator(in_order)] | None = None
     between_m: Annotated[tuple[Metre, Metre], AfterValidator(in_order)] | None = None
 
-    def check(self, task: Task, where: str, field: str) -> None:
+    def check(self, task: TaskLike, where: str, field: str) -> None:
         """See `BaseCondition.check`."""
         super().check(task, where, field)
         joint = task.object(self.object).joint
@@ -144,7 +150,7 @@ class Opened(BaseCondition):
                 where, f"{field}.{other}", f"a {joint.kind}", f"{wanted}, as {self.object} is on a {joint.kind}"
             )
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         low, high = np.radians(self.between_deg) if self.between_deg is not None else self.between_m or (0.0, 0.0)
         return lambda truth: bool(low <= trial.joint_position(self.object, truth.objects[self.object]) <= high)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import AfterValidator, Field
@@ -13,6 +13,8 @@ from coral.contact.scene.condition import (
     BaseCondition,
     Metre,
     Monitor,
+    TaskLike,
+    TrialLike,
     axis_of,
     check_known,
     degrees_between,
@@ -21,10 +23,6 @@ from coral.contact.scene.condition import (
 from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Array, BodyState, Contact, Truth
 from coral.errors import InputError
-
-if TYPE_CHECKING:
-    from coral.contact.scene.task import Task
-    from coral.contact.scene.trial import Trial
 
 
 def _not_zero(value: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -46,13 +44,13 @@ class Lifted(BaseCondition):
     height_m: float = Field(gt=0, le=1, strict=True)
     most_m: float | None = Field(default=None, gt=0, le=1, strict=True)
 
-    def check(self, task: Task, where: str, field: str) -> None:
+    def check(self, task: TaskLike, where: str, field: str) -> None:
         """See `BaseCondition.check`."""
         super().check(task, where, field)
         if self.most_m is not None and self.most_m <= self.height_m:
             raise InputError(where, f"{field}.most_m", self.most_m, f"more than height_m, {self.height_m:g}")
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         robot = {"hand", "left", "right", "robot"}
         highest = np.inf if self.most_m is None else self.most_m
@@ -75,7 +73,7 @@ class Grasped(BaseCondition):
     point: str | None = None
     within_m: float = Field(default=0.05, gt=0, le=1, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
 
         def touched(truth: Truth, finger: str) -> bool:
@@ -95,7 +93,7 @@ class Released(BaseCondition):
 
     kind: Literal["released"] = "released"
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         return lambda truth: not touches(truth, self.object, "hand")
 
@@ -111,7 +109,7 @@ class Touching(BaseCondition):
         """Return the names that `thing` may have besides those of fixed things and objects."""
         return ("hand",)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         return lambda truth: touches(truth, self.object, self.thing)
 
@@ -126,14 +124,14 @@ class At(BaseCondition):
     tolerance_m: float = Field(gt=0, le=1, strict=True)
     axes: Literal["xy", "xyz", "x", "y", "z"] = "xy"
 
-    def check(self, task: Task, where: str, field: str) -> None:
+    def check(self, task: TaskLike, where: str, field: str) -> None:
         """See `BaseCondition.check`."""
         super().check(task, where, field)
         if self.place in [item.name for item in task.objects]:
             raise InputError(where, f"{field}.place", self.place, "a name in places; kind at-object is for an object")
         check_known(self.place, task.places, where, f"{field}.place")
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         goal = np.asarray(trial.task.places[self.place])
         kept = ["xyz".index(axis) for axis in self.axes]
@@ -154,13 +152,13 @@ class Inside(BaseCondition):
     high: tuple[Metre, Metre, Metre]
     point: str | None = None
 
-    def check(self, task: Task, where: str, field: str) -> None:
+    def check(self, task: TaskLike, where: str, field: str) -> None:
         """See `BaseCondition.check`."""
         super().check(task, where, field)
         if any(low >= high for low, high in zip(self.low, self.high, strict=True)):
             raise InputError(where, f"{field}.low", list(self.low), f"all below high, {list(self.high)}")
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         low, high = np.asarray(self.low), np.asarray(self.high)
 
@@ -171,7 +169,7 @@ class Inside(BaseCondition):
         return holds
 
 
-def _place(trial: Trial, name: str, point: str | None, body: BodyState) -> Array:
+def _place(trial: TrialLike, name: str, point: str | None, body: BodyState) -> Array:
     return body.position if point is None else trial.point(name, point, body)
 
 
@@ -181,7 +179,7 @@ class Resting(BaseCondition):
     kind: Literal["resting"] = "resting"
     thing: str = "table"
 
-    def check(self, task: Task, where: str, field: str) -> None:
+    def check(self, task: TaskLike, where: str, field: str) -> None:
         """See `BaseCondition.check`."""
         super().check(task, where, field)
         if task.object(self.object).joint is not None and self.thing in task.things:
@@ -189,7 +187,7 @@ class Resting(BaseCondition):
                 where, f"{field}.thing", self.thing, "an object: one on a joint passes through fixed things"
             )
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         still = Still(object=self.object, speed_m_s=0.02, turn_rad_s=0.3).monitor(trial)
         return lambda truth: touches(truth, self.object, self.thing) and still(truth)
@@ -203,7 +201,7 @@ class Still(BaseCondition):
     speed_m_s: float = Field(default=0.05, gt=0, le=10, strict=True)
     turn_rad_s: float = Field(default=0.5, gt=0, le=100, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
 
         def holds(truth: Truth) -> bool:
@@ -223,7 +221,7 @@ class Flipped(BaseCondition):
     degrees: float = Field(default=90, ge=0, le=180, strict=True)
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         before = axis_of(trial.objects[self.object].pose.quaternion, self.axis)
 
@@ -247,7 +245,7 @@ class Pointing(BaseCondition):
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
     either_way: bool = Field(default=False, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         wanted = np.asarray(self.direction) / np.linalg.norm(self.direction)
 
@@ -266,7 +264,7 @@ class Leaning(BaseCondition):
     axis: Axis = "z"
     between_deg: AngleBand = (10.0, 60.0)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         low, high = self.between_deg
         up = np.array([0.0, 0.0, 1.0])
@@ -285,7 +283,7 @@ class Upright(BaseCondition):
     kind: Literal["upright"] = "upright"
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         return Flipped(object=self.object, axis="z", degrees=0, tolerance_deg=self.tolerance_deg).monitor(trial)
 
@@ -298,7 +296,7 @@ class Undisturbed(BaseCondition):
     tolerance_m: float = Field(default=0.05, gt=0, le=1, strict=True)
     tolerance_deg: float = Field(default=15, gt=0, le=180, strict=True)
 
-    def monitor(self, trial: Trial) -> Monitor:
+    def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         start = trial.objects[self.object].pose
         before = axis_of(start.quaternion, "z")
@@ -311,6 +309,6 @@ class Undisturbed(BaseCondition):
         return holds
 
 
-def local_place(trial: Trial, name: str, point: str | None, body: BodyState, frame: BodyState) -> Array:
+def local_place(trial: TrialLike, name: str, point: str | None, body: BodyState, frame: BodyState) -> Array:
     """Compute an object's origin, or a named point on it, in the frame of another body, Shape=(3,) m."""
     return rotate(conjugate(frame.quaternion), _place(trial, name, point, body) - frame.position)

@@ -6,46 +6,17 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pydantic import (
-    ValidationError,
-)
+from pydantic import ValidationError
 
 from coral.config import read_yaml
 from coral.contact.scene.shapes import Shape
 from coral.contact.scene.task import Task
+from coral.contact.scene.task_names import TASKS_DIR, shipped_tasks, task_path, unseen_tasks
 from coral.contact.scene.task_validation import check_task
-from coral.errors import InputError, nearest
 from coral.file_writer import write_whole
 from coral.validation_errors import input_error
 
-TASKS_DIR = Path(__file__).parent / "tasks"
-UNSEEN_HALVES = ("development", "test")
-
-
-def shipped_tasks() -> tuple[str, ...]:
-    """Return the names of the shipped tasks, in the order of the paper."""
-    known = {path.stem for path in TASKS_DIR.glob("*.yaml")}
-    order = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
-    return tuple(name for name in order if name in known) + tuple(sorted(known - set(order)))
-
-
-def unseen_tasks(half: str = "") -> tuple[str, ...]:
-    """Return the names of the unseen suite, in alphabetical order.
-
-    Args:
-        half: "development", to be looked at while the method is built, or "test", kept for its measurement; both by
-            default.
-
-    Raises:
-        InputError: There is no such half.
-    """
-    if half and half not in UNSEEN_HALVES:
-        raise InputError("task", "", half, f"one of {', '.join(UNSEEN_HALVES)}{nearest(half, UNSEEN_HALVES)}")
-    return tuple(sorted(name for name, path in _unseen().items() if half in ("", path.parent.name)))
-
-
-def _unseen() -> dict[str, Path]:
-    return {path.stem: path for half in UNSEEN_HALVES for path in (TASKS_DIR / "unseen" / half).glob("*.yaml")}
+__all__ = ["TASKS_DIR", "load_task_file", "shipped_tasks", "task_schema", "unseen_tasks"]
 
 
 def load_task_file(name_or_path: str | Path) -> Task:
@@ -54,18 +25,7 @@ def load_task_file(name_or_path: str | Path) -> Task:
     Raises:
         InputError: There is no such task, or the file is invalid; the error names the field.
     """
-    shipped = shipped_tasks()
-    text = str(name_or_path)
-    unseen = _unseen()
-    if text in shipped:
-        path = TASKS_DIR / f"{text}.yaml"
-    elif text in unseen:
-        path = unseen[text]
-    else:
-        path = Path(name_or_path)
-        if path.suffix not in (".yaml", ".yml") and not path.exists():
-            close = nearest(text, (*shipped, *unseen))
-            raise InputError("task", "", text, f"one of {', '.join(shipped)}{close}, or a YAML file")
+    path = task_path(name_or_path)
     try:
         task = Task.model_validate(read_yaml(path))
     except ValidationError as error:

@@ -9,12 +9,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from coral.errors import InputError
+from coral.errors import InputError, shown
 from coral.reef.world.clutter import Clutter, Room, mm
 from coral.reef.world.spines import EVERY_TOPOLOGY, Line, Topology, samples, spread, topology_lines
 from coral.reef.world.wild_spines import WILD, scatter
 from coral.reef.world.world import Cluster, Current, Oyster, ReefWorld, Start, check_world
-from coral.validation_errors import shown
 
 _APART_M = 3.0
 """Between the middles of two clusters at least, so that a gap of 1.2 m or more stays between their outlines."""

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from coral.reef.world.world import Obstacle, ReefWorld
+from coral.reef.world.structures import Obstacle
+from coral.reef.world.world_model import ReefWorld
 
 HULL_RADIUS_M = 0.3
 """Paper IV-F: the robot is a disc of 0.3 m radius."""

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from coral.errors import InputError
 from coral.reef.world.reachability import HULL_RADIUS_M, VIEW_M, distance_to, obstacle_outline, unreachable_clusters
-
-if TYPE_CHECKING:
-    from coral.reef.world.world import ReefWorld
+from coral.reef.world.world_model import ReefWorld
 
 MIN_EDGE_M, MAX_EDGE_M = 2.0, 100.0
 """Smallest and largest edge of a world: a small pool, and the limit of a map with 5 cm cells."""

@@ -8,9 +8,9 @@ from arms import DOWN, START, TOOL, arm_state
 
 from coral.contact.scene.geometry import angle_between, from_rotvec, multiply
 from coral.contact.scene.observation import HandTarget
-from coral.contact.worlds.franka.cfg import FrankaCfg
+from coral.contact.worlds.franka.cfg import ArmLimitsCfg, FrankaCfg
 from coral.contact.worlds.franka.hand_gaps import Gap
-from coral.contact.worlds.franka.limits import JOINT_SPEED, ArmLimitsCfg, Limits
+from coral.contact.worlds.franka.limits import JOINT_SPEED, Limits
 
 CFG = ArmLimitsCfg(push_n=30.0, touch_speed_m_s=0.03, slow_down_s=0.15, push_speed_m_s=0.1, closing_gain=0.0)
 LIMITS = Limits(FrankaCfg(limits=CFG))

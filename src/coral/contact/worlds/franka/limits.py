@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated
+from dataclasses import replace
 
 import numpy as np
-from pydantic import Field
 
-from coral.config import NonNegative, Positive, Signed
 from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.scene.observation import Array, HandTarget
 from coral.contact.worlds.franka.arm import ArmState
 from coral.contact.worlds.franka.arm_geometry import self_distance
+from coral.contact.worlds.franka.cfg import FrankaCfg
 from coral.contact.worlds.franka.hand_gaps import TOUCHING_M, Gap
-
-if TYPE_CHECKING:
-    from coral.contact.worlds.franka.cfg import FrankaCfg
 
 JOINT_LOW = np.array([-2.7437, -1.7628, -2.8973, -3.0421, -2.8065, 0.5445, -2.8973])
 JOINT_HIGH = np.array([2.7437, 1.7628, 2.8973, -0.1518, 2.8065, 3.7525, 2.8973])
@@ -28,45 +23,6 @@ _PUSHED_N = (2.0, 8.0)
 """Forces between which a touched thing may be pushed faster and faster; noise and drift are below."""
 _PROJECTIONS = 5
 """Rounds in which a lead is projected onto what all gaps allow."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ArmLimitsCfg:
-    """Limits of the arm. A state beyond one of them stops it."""
-
-    joint_margin_rad: NonNegative = 0.05
-    """Distance that each joint keeps from its end."""
-    joint_speed_share: Positive = 0.8
-    """Share of the joints' own speed limits."""
-    tool_speed_m_s: Positive = 0.8
-    """Speed of the tool. The planner's targets move with 0.5 m/s at most."""
-    workspace_low_m: tuple[Signed, Signed, Signed] = (-0.3, -0.4, 0.004)
-    workspace_high_m: tuple[Signed, Signed, Signed] = (0.35, 0.4, 0.5)
-    """Corners of the tool's box, world frame; targets are clipped to it. The pads reach 8 mm below the tool, and the
-    lower side is above the table by so much that they touch it gently at worst."""
-    workspace_margin_m: NonNegative = 0.03
-    """A tool farther than this outside of the box stops the arm."""
-    self_distance_m: NonNegative = 0.01
-    """Smallest distance between links."""
-    push_n: Positive = 25.0
-    """Limit on the pull of the impedance. Against a measured force above it the pull is reduced further."""
-    turn_n_m: Positive = 5.0
-    """Limit on the torque of the impedance. Damped critically, the hand then turns with 1.5 rad/s at most."""
-    touch_speed_m_s: Positive = 0.02
-    """Speed at which the hand, or what it moves, may meet something: the first milliseconds of a blow precede any stop,
-    so that only a slow approach keeps them below `contact_force_n`."""
-    slow_down_s: Positive = 0.15
-    """A gap of d (m) is closed with `touch_speed_m_s` + d / `slow_down_s` at most."""
-    push_speed_m_s: Positive = 0.1
-    """Speed at which what is touched may be pushed, once it is felt."""
-    closing_gain: NonNegative = 2.0
-    """Gain of the speed at which a gap is closed, as a share of the impedance's damping."""
-    contact_force_n: Positive = 45.0
-    """Largest contact force."""
-    stop_share: Annotated[float, Field(gt=0, le=1)] = 0.8
-    """Share of it at which the arm is stopped: until it rests a force that grows slowly goes on rising."""
-    contact_torque_n_m: Positive = 12.0
-    """A measured contact torque about the tool above it stops the arm."""
 
 
 class Limits:
