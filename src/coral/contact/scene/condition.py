@@ -35,7 +35,7 @@ class TaskLike(Protocol):
     def object(self, name: str) -> Movable: ...  # noqa: D102
 
 
-class PlacedObject(Protocol):
+class TrialObjectLike(Protocol):
     """What a condition reads of a `TrialObject`."""
 
     @property
@@ -48,7 +48,7 @@ class TrialLike(Protocol):
     @property
     def task(self) -> TaskLike: ...  # noqa: D102
     @property
-    def objects(self) -> Mapping[str, PlacedObject]: ...  # noqa: D102
+    def objects(self) -> Mapping[str, TrialObjectLike]: ...  # noqa: D102
     def point(self, name: str, point: str, body: BodyState) -> Array: ...  # noqa: D102
     def joint_position(self, name: str, body: BodyState) -> float: ...  # noqa: D102
     def lowest_point(self, name: str, body: BodyState) -> float: ...  # noqa: D102
