@@ -4,7 +4,8 @@ import sys
 import pytest
 from PIL import Image
 
-from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start, load_world, save_world
+from coral.cli import main
+from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start, load_world, save_world, shipped_worlds
 
 BED = Cluster(name="bed", oysters=(Oyster(x=5.0, y=3.0, z=0.05, radii=(0.12, 0.09, 0.06)),))
 
@@ -36,6 +37,13 @@ def test_a_reef_is_described_in_numbers(told):
     assert found["oysters"] == sum(len(cluster.oysters) for cluster in world.clusters)
 
 
+def test_the_list_from_the_cache_is_the_same(told, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    first, second = told("reef", "envs", "--json"), told("reef", "envs", "--json")
+    assert first == second
+    assert [world["name"] for world in first[1]["worlds"]] == shipped_worlds()
+
+
 @pytest.mark.parametrize("name", ["../../up", "a\0b"])
 def test_no_name_of_a_world_leads_its_preview_elsewhere(told, puddle, tmp_path, name):
     folder = tmp_path / "here" / "pictures"
@@ -57,7 +65,7 @@ HEAVY = ("numba", "mujoco", "scipy", "matplotlib", "pyarrow", "pydantic_ai")
 @pytest.mark.parametrize(
     ("words", "heavy"),
     [
-        (["reef", "envs", "l1"], HEAVY),
+        (["reef", "envs", "l1"], (*HEAVY, "numpy", "pydantic")),
         (["contact", "tasks", "pick-box"], [module for module in HEAVY if module != "mujoco"]),
         (["--help"], (*HEAVY, "numpy", "cv2", "pydantic")),
         (["--version"], (*HEAVY, "numpy", "cv2", "pydantic")),
@@ -68,6 +76,7 @@ HEAVY = ("numba", "mujoco", "scipy", "matplotlib", "pyarrow", "pydantic_ai")
     ids=lambda part: " ".join(part) if isinstance(part, list) else "",
 )
 def test_what_a_short_command_does_not_import(words, heavy):
+    main(words)  # fills the cache
     code = (
         "import sys\nfrom coral.cli import main\n"
         f"try:\n    main({words})\nexcept SystemExit:\n    pass\n"

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option

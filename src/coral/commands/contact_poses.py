@@ -17,7 +17,7 @@ import numpy as np
 from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
 from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option

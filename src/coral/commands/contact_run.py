@@ -41,7 +41,7 @@ from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import tracker_help
 from coral.contact.policy.address import parse_address
 from coral.contact.rules.mistakes import CONTACT_MISTAKES
-from coral.contact.scene.task_file import shipped_tasks
+from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.strategist import FixedStrategist

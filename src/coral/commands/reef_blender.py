@@ -14,7 +14,7 @@ import numpy as np
 from coral.config import Count
 from coral.errors import InputError
 from coral.flags import Argument, Option
-from coral.reef.world.world import shipped_worlds
+from coral.reef.world.world_names import shipped_worlds
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+from coral.disk_cache import code_stamp, recall
 from coral.errors import InputError
 from coral.flags import Argument
-from coral.reef.world.generated import expand_names, find_world
-from coral.reef.world.world import shipped_worlds
-from coral.runs import file_stem
+from coral.reef.world.world_names import shipped_worlds
+
+if TYPE_CHECKING:
+    from coral.reef.world.world_model import ReefWorld
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,22 +29,14 @@ class ReefEnvs:
 
     def __call__(self) -> Mapping[str, Any]:
         """Describe and draw the reefs."""
-        worlds = [find_world(name) for name in expand_names(self.worlds or ("all",))]
-        described = [
-            {
-                "name": w.name,
-                "topology": w.topology,
-                "size_m": list(w.size_m),
-                "clusters": len(w.clusters),
-                "oysters": sum(len(c.oysters) for c in w.clusters),
-                "obstacles": len(w.obstacles),
-                "current_m_s": round((w.current.x_m_s**2 + w.current.y_m_s**2) ** 0.5, 3),
-                "seed": w.seed,
-            }
-            for w in worlds
-        ]
-        result: dict[str, Any] = {"worlds": described}
+        names = self.worlds or tuple(shipped_worlds())
+        if self.preview is None and set(names) <= set(shipped_worlds()):
+            rows = recall("reefs", f"{names} {code_stamp()}", lambda: [_row(world) for world in _found(names)])
+            return {"worlds": rows}
+        worlds = _found(names)
+        result: dict[str, Any] = {"worlds": [_row(world) for world in worlds]}
         if self.preview is not None:
+            from coral.runs import file_stem
             from coral.view.preview import preview, preview_sheet
 
             try:
@@ -70,3 +64,22 @@ class ReefEnvs:
         if "sheet" in result:
             lines.append(f"previews: {result['sheet']}")
         return "\n".join(lines)
+
+
+def _found(names: Sequence[str]) -> list[ReefWorld]:
+    from coral.reef.world.generated import expand_names, find_world
+
+    return [find_world(name) for name in expand_names(names)]
+
+
+def _row(world: ReefWorld) -> dict[str, Any]:
+    return {
+        "name": world.name,
+        "topology": world.topology,
+        "size_m": list(world.size_m),
+        "clusters": len(world.clusters),
+        "oysters": sum(len(cluster.oysters) for cluster in world.clusters),
+        "obstacles": len(world.obstacles),
+        "current_m_s": round((world.current.x_m_s**2 + world.current.y_m_s**2) ** 0.5, 3),
+        "seed": world.seed,
+    }

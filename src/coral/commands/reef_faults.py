@@ -22,7 +22,7 @@ from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.simulation.faults import FAULTS, SensorFault
 from coral.reef.world.generated import find_world
-from coral.reef.world.world import shipped_worlds
+from coral.reef.world.world_names import shipped_worlds
 from coral.runs import read_events, read_rows
 
 AFTER_S = 3.0

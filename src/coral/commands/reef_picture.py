@@ -14,7 +14,7 @@ from coral.errors import InputError
 from coral.file_writer import write_whole, writing
 from coral.flags import Argument, Option
 from coral.reef.paint.daylight import PainterCfg
-from coral.reef.world.world import shipped_worlds
+from coral.reef.world.world_names import shipped_worlds
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,7 +32,7 @@ from coral.reef.mission.presets import CLEAR, PRESETS, preset_help
 from coral.reef.mission.resolution import resolve_mission, with_sonar
 from coral.reef.mission.variants import VARIANTS
 from coral.reef.world.generated import find_world
-from coral.reef.world.world import shipped_worlds
+from coral.reef.world.world_names import shipped_worlds
 from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures

@@ -44,7 +44,7 @@ from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
 from coral.reef.sea.survey_alignment import SavedMap
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.vehicle.response import VehicleResponse
-from coral.reef.world.world import shipped_worlds
+from coral.reef.world.world_names import shipped_worlds
 from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
