@@ -123,7 +123,8 @@ SPEED := camera control costs mapping mission pictures planner planning_parts ti
 bench: setup-dev  ## speed against peers, ratios in one run
 	for name in $(SPEED); do $(BIN)/python benchmarks/$$name.py || exit 1; done
 
-fuzz: setup-dev  ## damaged files into every parser of foreign input, for MINUTES=20
+fuzz: setup-dev  ## damaged files into every parser of foreign input, for MINUTES=20, and generated cost programs
+	$(BIN)/python benchmarks/fuzz_programs.py
 	$(BIN)/python benchmarks/fuzz_parsers.py --minutes $(or $(MINUTES),20) --out build/fuzz
 
 clean:  ## remove the virtual environment and caches

@@ -11,8 +11,6 @@ SAME = {
         "def f(x):\n    if x > 0.5:\n        return 1.0\n    for i in range(3):\n"
         "        if x > 0.1 * i + 0.2:\n            return 2.0 + i\n    return x\nreturn f(self.time)"
     ),
-    "map": "return sum(map(abs, self.ee_pos)) + max(map(lambda x, y: x - y, self.ee_pos, self.box_pos))",
-    "map into a list": "xs = list(map(lambda x: x ** 2, self.ee_pos))\nreturn xs[0] + len(xs)",
     "method kept in a variable": "f = self.ee_pos.dot\nreturn f(self.box_pos)",
     "methods of a dict": (
         "d = {'a': self.time}\ne = d.copy()\ne['b'] = 2.0\n"

@@ -3,44 +3,32 @@
 import pytest
 
 SAME = {
-    "and gives the deciding value": "return (self.time and 3.0) + (self.box_hand_contact and self.time)",
+    "and gives the deciding value": "return (self.time and 3.0) + 2.0 * (self.box_hand_contact and self.time > 0.5)",
     "or gives the deciding value": "return (0.0 or self.time) + ((self.time - self.time) or 2.0)",
     "chained comparison": "return 1.0 if 0.2 < self.time <= self.gripper_opening < 2.0 else 0.0",
     "guarded division": "return 1.0 / self.ee_pos[0] if self.ee_pos[0] > 0.1 else 0.0",
     "is and is not": "x = None\nreturn (1.0 if x is None else 2.0) + (10.0 if self.time is not None else 20.0)",
     "in a list and a dict": ("d = {'a': self.time}\nreturn ('a' in d) + 10.0 * ('b' not in d) + 100.0 * (2 in [1, 2])"),
     "operators of precedence": "return -self.time ** 2 + 2.0 * 3.0 ** -1 - (7 % 4) + 7 // 2",
-    "walrus": "return (d := self.time + 1.0) * d",
     "lambda keeps the variable, not its value": "k = 1.0\nf = lambda x: k * x\nk = 3.0\nreturn f(self.time)",
     "default is evaluated once": "k = 1.0\ndef f(x, by=k):\n    return by * x\nk = 3.0\nreturn f(self.time)",
-    "set": "return sum(1.0 for k in ['a', 'b', 'c'] if k in {'a', 'c'}) + len({1, 1, 2}) + self.time",
-    "try around a norm": (
-        "try:\n    u = self.ee_pos / np.linalg.norm(self.ee_pos)\nexcept ZeroDivisionError:\n    u = np.zeros(3)\n"
-        "else:\n    u = 2.0 * u\nreturn u[0]"
-    ),
 }
 REFUSED = {
-    "walrus in a condition": ("return (x := 1.0) if self.time > 0.5 else 0.0", "not_allowed", "inside a condition"),
+    "a truth value or a number": ("return self.box_hand_contact and self.time", "mixed", "write float"),
+    "is with a truth value": ("return 1.0 if (self.time > 0.5) is True else 0.0", "wrong_type", "truth value itself"),
+    "minus a truth value": ("return -self.box_hand_contact", "wrong_type", "write float"),
+    "minus a list": ("return np.sum(-[self.time, 1.0])", "wrong_type", "use np.array"),
+    "product of lists": ("return [1.0, 2.0] @ [self.time, 1.0]", "wrong_type", "np.dot"),
+    "product of truth values": (
+        "return 1.0 * ((self.time > 0) * self.in_contact)",
+        "wrong_type",
+        "write float",
+    ),
+    "whole divisor that may be 0": ("return 1.0 / int(self.time * 0.5)", "division_by_zero", "in some state"),
     "is with a number": ("return 1.0 if self.time is 1.0 else 0.0", "wrong_type", "use =="),
     "bits of numbers": ("return self.time & 1.0", "wrong_type", "use and, or"),
-    "inverted number": ("return ~3", "wrong_type", "use not"),
     "ellipsis as a value": ("return ...", "not_allowed", "an index only"),
     "sides of two kinds": ("x = self.ee_pos if self.time > 0.5 else 1.0\nreturn x", "mixed", "one kind"),
-    "infinite in a try": (
-        "try:\n    x = 1.0 / (self.time - self.time)\nexcept Exception:\n    x = 0.0\nreturn x",
-        "not_finite",
-        "guard it",
-    ),
-    "nan in a try": (
-        "try:\n    x = math.acos(2.0 + self.time)\nexcept ValueError:\n    x = 0.0\nreturn x",
-        "not_finite",
-        "guard it",
-    ),
-    "in place in a try": (
-        "x = 1.0\ntry:\n    x /= self.time * 0.0\nexcept Exception:\n    x = 0.0\nreturn x",
-        "not_finite",
-        "guard it",
-    ),
 }
 
 
@@ -54,15 +42,3 @@ def test_an_expression_without_a_value_is_refused(case, refusal):
     body, code, words = REFUSED[case]
     found = refusal(body)
     assert (found.code, words in found.text) == (code, True), found
-
-
-def test_a_handler_never_runs_in_states_where_python_would_not_go_there(agrees):
-    agrees("""
-        cost = 0.0
-        if self.time > 0.5:
-            try:
-                cost += 1.0 / (self.time - 0.5)
-            except ZeroDivisionError:
-                cost += 100.0
-        return cost
-    """)

@@ -43,7 +43,6 @@ REFUSED = {
     "zip kept": "L = [1.0]\nz = zip(L, L)\nL[0] = 2.0\nreturn sum(a for a, b in z)",
     "loop ahead": "L = [1.0, 2.0]\ns = 0.0\nfor i, x in enumerate(L):\n    L[1] = 9.0\n    s += x\nreturn s",
     "loop that grows": "L = [1.0]\nfor x in L:\n    if len(L) < 3:\n        L.append(2.0)\nreturn len(L)",
-    "reversed loop": "L = [1.0, 2.0]\ns = 0.0\nfor x in reversed(L):\n    L[0] = 9.0\n    s += x\nreturn s",
     "operand that waits": "v = np.zeros(2)\ndef f():\n    v[0] = 5.0\n    return v\nw = v + f()\nreturn w[0]",
     "argument that waits": (
         "v = np.zeros(2)\ndef f():\n    v[0] = 5.0\n    return 0.0\nreturn np.dot(v, [1.0 + f(), 1.0])"

@@ -1,35 +1,51 @@
-"""Built-in functions check their arguments, and follow Python and NumPy."""
+"""Built-in functions check their arguments, and follow Python and NumPy; generated calls find no difference."""
+
+import importlib.util
+import sys
+import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from coral.contact.cost_program import CostError
-from coral.contact.cost_program.library import BUILTINS, builtin
-from coral.contact.cost_program.values import Vec
+from coral.contact.cost_program.library import BUILTINS, INSTEAD, MATH, NUMPY, PYTHON, Offer, builtin
+from coral.contact.cost_program.values import ContactList, Seq, Vec
+
+spec = importlib.util.spec_from_file_location(
+    "fuzz_programs", Path(__file__).parents[3] / "benchmarks" / "fuzz_programs.py"
+)
+fuzz_programs = importlib.util.module_from_spec(spec)
+sys.modules[spec.name] = fuzz_programs
+spec.loader.exec_module(fuzz_programs)
 
 SAME = {
     "enumerate from a number": "return sum(i * x for i, x in enumerate(self.ee_pos, 2))",
     "range with a step": "return sum(i * self.time for i in range(5, -1, -2)) + len(range(4))",
-    "reversed and zip": "return sum(a * b for a, b in zip(reversed(self.ee_pos), [1.0, 2.0]))",
+    "zip backwards": "return sum(a * b for a, b in zip(self.ee_pos[::-1], [1.0, 2.0]))",
     "extremes of a list": "return max([self.time, 0.5]) + min(self.ee_pos) + max(1, 2)",
     "any and all": "return 1.0 * any(x > 0.2 for x in self.ee_pos) + 2.0 * all([self.time > 0.1, True])",
     "dict by keywords": "d = dict({'a': 1.0}, b=self.time)\nreturn d['a'] + 2.0 * d['b']",
     "tuple and list": "return len(list(range(3)) + list((1.0,))) + tuple(self.ee_pos)[1] + len(list())",
     "math": "return math.hypot(self.time, 1.0) + math.radians(90) + math.atan2(self.time, 2.0) + math.fabs(-self.time)",
-    "element types": "return np.float64(self.time) + np.arange(2, dtype=float)[1] + self.ee_pos.astype(np.float64)[0]",
 }
 REFUSED = {
-    "unknown keyword": ("return sorted([1, 2], key=abs)[0]", "wrong_call", "not key="),
-    "argument given twice": ("return np.clip(self.time, 0.0, a_min=1.0)", "wrong_call", "a_min once"),
+    "unknown keyword": ("return max([1, 2], key=abs)", "wrong_call", "not key="),
+    "argument given twice": ("return np.clip(self.time, 0.0, 1.0, a_min=1.0)", "wrong_call", "a_min once"),
     "too many arguments": ("return norm(self.ee_pos, 2, 0, True, 1)", "wrong_call", "not 5 arguments"),
-    "missing argument": ("return dist(self.ee_pos)", "wrong_call", "dist takes (a, b), so b is missing"),
+    "missing argument": ("return dist(self.ee_pos)", "wrong_call", "dist takes (p, q), so q is missing"),
+    "name of an argument without one": ("return float(value=self.time)", "wrong_call", "not value="),
     "array of whole numbers": ("return np.array([1, 2], dtype=int)[0]", "wrong_call", "float64 only"),
     "range without a step": ("return sum(range(0, 3, 0))", "wrong_call", "not 0"),
     "range over the state": ("return sum(range(self.current_step))", "not_fixed", "whole numbers"),
     "long range": ("return sum(range(65))", "steps", "at most 64"),
     "largest of nothing": ("return max([])", "wrong_call", "several numbers"),
-    "vector in math": ("return math.sqrt(self.ee_pos)", "wrong_type", "a number is needed here, not a vector of 3"),
-    "type as a function": ("return np.ndarray((1, 2))", "wrong_call", "use np.array"),
+    "vector in math": ("return math.sqrt(self.ee_pos)", "wrong_type", "takes a number, not a vector of 3"),
+    "another sign": ("return np.mod(self.ee_pos[0], 0.3)", "unknown_attribute", "write a % b"),
+    "closeness": ("return np.isclose(self.time, 0.5, 1e-3)", "unknown_attribute", "write abs(a - b) < 1e-6"),
+    "product of matrices": ("return np.inner(np.eye(2), np.eye(2))", "unknown_attribute", "write np.dot(a, b)"),
+    "sorting": ("return sorted(self.ee_pos)[0]", "unknown_name", "write max and min"),
+    "product of truth values": ("return 1.0 * ((self.ee_pos > 0) @ (self.box_pos > 0))", "wrong_type", "write float"),
 }
 
 
@@ -45,14 +61,38 @@ def test_arguments_that_a_builtin_does_not_take_are_refused(case, refusal):
     assert (found.code, words in found.text) == (code, True), found
 
 
+def test_what_is_offered_has_no_hint_to_something_else():
+    offered = {*PYTHON, *("np." + name for name in NUMPY), *("math." + name for name in MATH)}
+    assert not offered & set(INSTEAD)
+
+
 def test_a_builtin_binds_arguments_by_place_and_by_name(meter):
-    weigh = builtin("weigh", lambda meter, x, by=2.0: x * by)
+    weigh = builtin("weigh", Offer(lambda meter, x, by=2.0: x * by, "n n"))
     assert weigh.call(meter, [3.0], {}) == 6.0
     assert weigh.call(meter, [3.0], {"by": 5.0}) == 15.0
     with pytest.raises(CostError, match=r"weigh takes \(x, by\), so x is missing"):
         weigh.call(meter, [], {"by": 5.0})
+    with pytest.raises(CostError, match="weigh takes a number, not a list of 2"):
+        weigh.call(meter, [Seq((1.0, 2.0))], {})
 
 
 def test_the_largest_entry_of_a_vector_is_found_state_by_state(meter):
     found = BUILTINS["max"].call(meter, [Vec((np.array([[1.0, 3.0]]), 2.0))], {})
     assert found.tolist() == [[2.0, 3.0]]
+
+
+def test_contact_points_have_a_length_of_one_where_there_are_any(meter):
+    length = BUILTINS["len"].call
+    assert length(meter, [ContactList(np.array([[True, False]]))], {}).tolist() == [[1, 0]]
+    with pytest.raises(CostError, match="an iterator has no length"):
+        length(meter, [Seq((1.0,), "iterator")], {})
+
+
+@pytest.mark.parametrize(("check", "count"), [("check_calls", 1500), ("check_programs", 200)])
+def test_generated_cases_agree_with_numpy_or_are_refused(check, count):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        tally = getattr(fuzz_programs, check)(count, 7)
+    assert tally.findings == []
+    assert tally.counts["same"] > count / 2
+    assert tally.refused() < 0.25

@@ -21,19 +21,8 @@ SAME = {
     "return out of a loop": (
         "for i in range(4):\n    if self.time < 0.25 * (i + 1):\n        return i + self.time\nreturn 9.0"
     ),
-    "while": "i, s = 0, 0.0\nwhile i < 3:\n    s += self.ee_pos[i]\n    i += 1\nreturn s",
-    "while with a break": (
-        "i, s = 0, 0.0\nwhile i < 10:\n    i += 1\n    if s > self.time:\n        break\n    s += 0.2\nreturn s"
-    ),
-    "while with a continue": (
-        "xs, s = [1.0, -2.0, self.time], 0.0\nwhile len(xs) > 0:\n    x, xs = xs[0], xs[1:]\n"
-        "    if x < 0.5:\n        continue\n    s += x\nreturn s"
-    ),
-    "while that returns": "i = 0\nwhile True:\n    i += 1\n    if i > 4:\n        return i * self.time\nreturn 0.0",
 }
 REFUSED = {
-    "while on the state": ("x = self.time\nwhile x > 0.1:\n    x = x - 0.1\nreturn x", "not_fixed", "for i in range"),
-    "while without an end": ("while True:\n    pass\nreturn 1.0", "steps", "at most 64 turns"),
     "long list": ("s = 0.0\nfor x in [1.0] * 65:\n    s += x\nreturn s", "steps", "at most 64 turns"),
 }
 

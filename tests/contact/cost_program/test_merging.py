@@ -5,7 +5,7 @@ import pytest
 
 from coral.contact.cost_program.merging import filled, merge, merge_variables
 from coral.contact.cost_program.sharing import memory
-from coral.contact.cost_program.values import ContactList, DictValue, Partial, Poison, Rotation, Seq, Vec
+from coral.contact.cost_program.values import ContactList, DictValue, Partial, Poison, Seq, Vec
 
 FIRST = np.array([[True, False]])
 
@@ -38,16 +38,13 @@ def test_quaternions_of_two_orders_have_no_known_order(meter):
     assert merge(meter, FIRST, wxyz, xyzw).order == ""
 
 
-def test_rotations_and_contact_points_are_joined_by_state(meter):
-    turned = merge(meter, FIRST, Rotation((1.0, 0.0, 0.0, 0.0)), Rotation((0.0, 1.0, 0.0, 0.0)))
-    assert turned.quat[0].tolist() == [[1.0, 0.0]]
-    assert turned.quat[1].tolist() == [[0.0, 1.0]]
+def test_contact_points_are_joined_by_state(meter):
     both = merge(meter, FIRST, ContactList(np.array([[False]])), ContactList(np.array([[True]])))
     assert both.touching.tolist() == [[False, True]]
 
 
 @pytest.mark.parametrize(
-    ("a", "b"), [(1.0, None), ("a", "b"), (Seq((1.0,)), Seq((1.0, 2.0))), (Seq(()), Seq((), "tuple"))]
+    ("a", "b"), [(1.0, None), (1.0, True), ("a", "b"), (Seq((1.0,)), Seq((1.0, 2.0))), (Seq(()), Seq((), "tuple"))]
 )
 def test_what_cannot_be_joined_becomes_a_value_that_cannot_be_read(a, b, meter):
     assert isinstance(merge(meter, FIRST, a, b), Poison)

@@ -10,7 +10,6 @@ from coral.contact.cost_program.quaternions import (
     conjugate,
     difference,
     euler,
-    from_euler,
     matrix,
     normalised,
     product,
@@ -42,11 +41,9 @@ def test_a_batch_of_products_and_rotated_vectors_agrees_with_scipy(meter):
     np.testing.assert_allclose(np.stack([stacked(row) for row in matrix(meter, batch(TURNS))], 1), TURNS.as_matrix())
 
 
-def test_euler_angles_agree_with_scipy_and_go_back(meter):
+def test_euler_angles_agree_with_scipy(meter):
     angles = euler(meter, batch(TURNS)).items
     np.testing.assert_allclose(stacked(angles), TURNS.as_euler("xyz"))
-    back = Rotation.from_quat(stacked(from_euler(meter, angles)), scalar_first=True)
-    np.testing.assert_allclose(back.as_matrix(), TURNS.as_matrix(), atol=1e-12)
 
 
 def test_euler_angles_of_a_constant_are_plain_numbers(meter):

@@ -36,7 +36,7 @@ def test_a_format_that_is_not_plain_is_refused(value, conversion, spec, code, me
 
 def test_texts_name_terms_as_in_python(agrees):
     agrees("terms = {f'axis_{i:02d}{\"x\"}': abs(self.ee_pos[i]) for i in range(3)}\nreturn terms")
-    agrees("d = {'w' + '_' + str(1): self.time}\nreturn d['w_1']")
+    agrees("d = {'w' + '_' + '1': self.time}\nreturn d['w_1']")
 
 
 def test_the_state_is_no_text(refusal):

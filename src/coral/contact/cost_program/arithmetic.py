@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.sharing import LAZY, memory
+from coral.contact.cost_program.sharing import LAZY, ONE_PASS, memory
 from coral.contact.cost_program.texts import joined_text
 from coral.contact.cost_program.values import (
     NUMBER,
@@ -21,6 +21,7 @@ from coral.contact.cost_program.values import (
     Value,
     Vec,
     bounded,
+    depth,
     is_matrix,
     kind,
 )
@@ -34,6 +35,7 @@ OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "/": operator.truediv,
     "//": operator.floordiv,
     "%": operator.mod,
+    "**": operator.pow,
     "<": operator.lt,
     "<=": operator.le,
     ">": operator.gt,
@@ -41,12 +43,22 @@ OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "==": operator.eq,
     "!=": operator.ne,
 }
-UNLIKE_BOOL = ("+", "-", "//", "%", "**")
+NOTHING = "an array has at least one entry"
 COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
+def is_truth(value: Value) -> bool:
+    """Check whether the value is a truth value, constant or per state."""
+    return isinstance(value, bool) or (isinstance(value, np.ndarray) and value.dtype == np.bool_)
+
+
+def is_whole(value: Value) -> bool:
+    """Check whether the value is a whole number, or a truth value, which counts as one."""
+    return isinstance(value, int) or (isinstance(value, np.ndarray) and value.dtype != np.float64)
+
+
 def number(meter: Meter, value: Value) -> Number:
-    """Return the value as a number; truth values count as 0 and 1.
+    """Return the value as a number; truth values count as the whole numbers 0 and 1.
 
     Raises:
         CostError: The value is not a number.
@@ -54,7 +66,7 @@ def number(meter: Meter, value: Value) -> Number:
     if isinstance(value, np.ndarray):
         if value.dtype == np.bool_:
             meter.made()
-            return value.astype(np.float64)
+            return value.astype(np.int64)
         return value
     if isinstance(value, bool):
         return int(value)
@@ -62,9 +74,18 @@ def number(meter: Meter, value: Value) -> Number:
         return value
     if isinstance(value, ContactList):
         raise meter.fault("wrong_type", "a list of contact points is no number; use len(...)")
-    if isinstance(value, Vec) and len(value.items) == 1:
-        return number(meter, value.items[0])
     raise meter.fault("wrong_type", f"a number is needed here, not {kind(value)}")
+
+
+def no_truth(meter: Meter, value: Value) -> Number:
+    """Return the value, a number.
+
+    Raises:
+        CostError: It is a truth value, which NumPy's functions treat unlike 0 and 1, or no number.
+    """
+    if is_truth(value):
+        raise meter.fault("wrong_type", "NumPy treats a truth value unlike a number here; write float(...) around it")
+    return number(meter, value)
 
 
 def truth(meter: Meter, value: Value) -> bool | Mask:
@@ -83,10 +104,8 @@ def truth(meter: Meter, value: Value) -> bool | Mask:
     if value is None or isinstance(value, bool | int | float | str):
         return bool(value)
     if isinstance(value, Seq | DictValue):
-        return bool(value.items) or (isinstance(value, Seq) and value.kind in ("iterator", "reversed", "generator"))
+        return bool(value.items) or (isinstance(value, Seq) and value.kind in ONE_PASS)
     if isinstance(value, Vec):
-        if len(value.items) == 1:
-            return truth(meter, value.items[0])
         raise meter.fault("wrong_type", f"{kind(value)} is neither true nor false; use its norm, np.any or np.all")
     return True
 
@@ -96,17 +115,9 @@ def where(meter: Meter, condition: Mask, a: Value, b: Value) -> Number:
     meter.made()
     if is_truth(a) and is_truth(b):
         return np.where(condition, cast(Mask, a), cast(Mask, b))
-    a, b = number(meter, a), number(meter, b)
-    return cast(Number, np.where(condition, _as_float(a), _as_float(b)))
-
-
-def _as_float(value: Number) -> Any:
-    return value if isinstance(value, np.ndarray) else float(value)
-
-
-def is_truth(value: Value) -> bool:
-    """Check whether the value is a truth value, constant or per state."""
-    return isinstance(value, bool) or (isinstance(value, np.ndarray) and value.dtype == np.bool_)
+    sort: Any = np.int64 if is_whole(a) and is_whole(b) else np.float64
+    x, y = (np.asarray(number(meter, value), dtype=sort) for value in (a, b))
+    return cast(Number, np.where(condition, x, y))
 
 
 def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
@@ -115,17 +126,23 @@ def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
     Raises:
         CostError: An operand is not a number, or both are constants and the result does not exist.
     """
-    x, y = a, b
-    a, b = number(meter, x), number(meter, y)
-    if a is not x and b is not y and symbol in UNLIKE_BOOL and _unlike_numbers(x, y):
+    if not (isinstance(a, NUMBER) and isinstance(b, NUMBER)):
+        a, b = number(meter, a), number(meter, b)
+    meter.spend()
+    if symbol not in COMPARISONS and symbol != "/" and is_truth(a) and is_truth(b):
         raise meter.fault("wrong_type", f"NumPy's {symbol} of two truth values is no sum of numbers; write float(a)")
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         meter.made()
+        if symbol in ("/", "//", "%") and is_whole(b):
+            meter.refuse_where(np.equal(b, 0), "division_by_zero", "the divisor, a whole number, is 0 in some state")
+        if symbol not in COMPARISONS and is_whole(a) and is_whole(b):
+            return _whole(meter, symbol, a, b)
         if symbol == "**":
             return cast(Number, np.asarray(a, dtype=np.float64) ** b)
         return cast(Number, OPERATORS[symbol](a, b))
+    a, b = number(meter, a), number(meter, b)
     if symbol == "**":
-        return _constant_power(meter, a, b)
+        return _constant_power(meter, cast(float, a), cast(float, b))
     if symbol in ("/", "//", "%") and b == 0:
         raise meter.fault("division_by_zero", "the divisor is the constant 0")
     try:
@@ -135,9 +152,20 @@ def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
     return checked(meter, cast(Number, found))
 
 
-def _unlike_numbers(a: Value, b: Value) -> bool:
-    """Check whether both are truth values and at least one depends on the state: NumPy treats those unlike Python."""
-    return is_truth(a) and is_truth(b) and not (isinstance(a, bool) and isinstance(b, bool))
+def _whole(meter: Meter, symbol: str, a: Number, b: Number) -> Number:
+    """Apply an operator to whole numbers of which one depends on the state.
+
+    Raises:
+        CostError: Python or NumPy gives something else than whole numbers, or none.
+    """
+    a, b = number(meter, a), number(meter, b)
+    if symbol == "**" and not (isinstance(b, int) and b >= 0):
+        raise meter.fault("wrong_type", "a power of whole numbers takes a constant exponent; write float(a) ** b")
+    rough = OPERATORS[symbol](np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64))
+    if symbol == "/":
+        return cast(Number, rough)
+    meter.refuse_where(~(np.abs(rough) <= LARGEST_INT), "too_large_number", "whole numbers reach to 2**53")
+    return cast(Number, OPERATORS[symbol](a, b))
 
 
 def checked(meter: Meter, value: Number) -> Number:
@@ -152,12 +180,14 @@ def checked(meter: Meter, value: Number) -> Number:
 
 
 def _constant_power(meter: Meter, a: float, b: float) -> Number:
-    small = isinstance(a, int) and isinstance(b, int) and abs(a) <= 1024 and 0 <= b <= 5
+    whole = isinstance(a, int) and isinstance(b, int) and b >= 0
     try:
-        found = a**b if small else math.pow(a, b)
+        rough = math.pow(a, b)
+        if whole and abs(rough) > LARGEST_INT:
+            raise OverflowError
+        return cast(Number, a**b) if whole else rough
     except (OverflowError, ValueError):
         raise meter.fault("too_large_number", f"{a} ** {b} is no number that fits") from None
-    return cast(Number, found)
 
 
 def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
@@ -175,16 +205,28 @@ def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
     if symbol == "*" and (isinstance(a, Seq) or isinstance(b, Seq)) and (isinstance(a, int) or isinstance(b, int)):
         return _repeat_sequence(meter, a, b)
     if isinstance(a, Vec) or isinstance(b, Vec):
-        return elementwise(meter, lambda x, y: binary(meter, symbol, x, y), a, b)
+        return _arrays(meter, symbol, a, b)
     if isinstance(a, Seq) or isinstance(b, Seq):
         raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}; use np.array")
     if symbol == "+" and isinstance(a, str) and isinstance(b, str):
         return joined_text(meter, [a, b])
     if symbol in ("==", "!=") and (a is None or b is None or (isinstance(a, str) and isinstance(b, str))):
+        meter.spend()
         return (a == b) == (symbol == "==")
     if isinstance(a, ContactList) or isinstance(b, ContactList):
         raise meter.fault("wrong_type", "a list of contact points is no number; use len(...)")
     raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}")
+
+
+def _arrays(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
+    def apply(x: Value, y: Value) -> Value:
+        if not (isinstance(x, NUMBER) and isinstance(y, NUMBER)):
+            raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}")
+        if symbol == "**" and is_whole(x) and is_whole(y) and not (isinstance(y, int) and y >= 0):
+            raise meter.fault("wrong_type", "NumPy refuses negative powers of whole numbers; write 2.0, not 2")
+        return scalar(meter, symbol, x, y)
+
+    return elementwise(meter, apply, a, b)
 
 
 def _repeat_sequence(meter: Meter, a: Value, b: Value) -> Value:
@@ -198,59 +240,71 @@ def _repeat_sequence(meter: Meter, a: Value, b: Value) -> Value:
     return bounded(meter, Seq(seq.items * times, seq.kind))
 
 
-def elementwise(meter: Meter, function: Callable[[Value, Value], Value], a: Value, b: Value) -> Value:
-    """Apply a function of two numbers to each pair of components, with NumPy's rules for a vector and a number.
+def elementwise(meter: Meter, function: Callable[..., Value], *values: Value) -> Value:
+    """Apply a function of numbers to arrays and numbers, broadcast as NumPy does.
 
     Raises:
-        CostError: The lengths do not match.
+        CostError: The shapes do not match.
     """
-    a, b = as_vector(meter, a), as_vector(meter, b)
-    if isinstance(a, Vec) and isinstance(b, Vec):
-        if is_matrix(a) != is_matrix(b):
-            if is_matrix(a):
-                return Vec(tuple(elementwise(meter, function, row, b) for row in a.items))
-            return Vec(tuple(elementwise(meter, function, a, row) for row in b.items))
-        n, m = len(a.items), len(b.items)
-        if n != m and 1 not in (n, m):
-            raise meter.fault("wrong_size", f"a vector of {n} and a vector of {m} do not match")
-        left = a.items * m if n == 1 else a.items
-        right = b.items * n if m == 1 else b.items
-        return Vec(tuple(elementwise(meter, function, x, y) for x, y in zip(left, right, strict=True)))
-    if isinstance(a, Vec):
-        return Vec(tuple(elementwise(meter, function, x, b) for x in a.items))
-    if isinstance(b, Vec):
-        return Vec(tuple(elementwise(meter, function, a, y) for y in b.items))
-    return function(a, b)
-
-
-def each(meter: Meter, function: Callable[[Number], Number], value: Value) -> Value:
-    """Apply a function of one number to a number or to every component."""
-    value = as_vector(meter, value)
-    if isinstance(value, Vec):
-        return Vec(tuple(each(meter, function, item) for item in value.items))
-    return function(number(meter, value))
+    arrays = [as_vector(meter, value) for value in values]
+    depths = [depth(value) for value in arrays]
+    deepest = max(depths)
+    if not deepest:
+        return function(*arrays)
+    deep = [value.items for value, n in zip(arrays, depths, strict=True) if n == deepest and isinstance(value, Vec)]
+    count = max(map(len, deep))
+    if not {len(items) for items in deep} <= {1, count}:
+        what = "a vector" if deepest == 1 else "a matrix"
+        sizes = " and ".join(f"{what} of {len(items)}" for items in deep)
+        raise meter.fault("wrong_size", f"{sizes} do not match")
+    columns = [
+        (value.items if len(value.items) == count else value.items * count)
+        if n == deepest and isinstance(value, Vec)
+        else (value,) * count
+        for value, n in zip(arrays, depths, strict=True)
+    ]
+    if deepest == 1:
+        return Vec(tuple(map(function, *columns)))
+    return Vec(tuple(elementwise(meter, function, *row) for row in zip(*columns, strict=True)))
 
 
 def as_vector(meter: Meter, value: Value) -> Value:
     """Convert a list or tuple to the vector that np.array would make; return anything else unchanged.
 
     Raises:
-        CostError: Its rows differ in length.
+        CostError: Its rows differ in length, or it has no entries.
     """
     if not isinstance(value, Seq):
         return value
-    if value.kind in (*LAZY, "set"):
+    if value.kind in LAZY:
         raise meter.fault("wrong_type", f"{kind(value)} is no array; write list(...) around it")
     items = tuple(as_vector(meter, item) for item in value.items)
     sizes = {len(item.items) if isinstance(item, Vec) else 0 for item in items}
-    if len(sizes) > 1:
-        raise meter.fault("wrong_size", "the rows of an array must have one length")
+    if len(sizes) != 1:
+        raise meter.fault("wrong_size", "the rows of an array must have one length" if items else NOTHING)
     for item in items:
         if not isinstance(item, Vec):
             number(meter, item)
         elif is_matrix(item):
             raise meter.fault("wrong_size", "an array has one or two axes; keep several matrices in a list")
-    return bounded(meter, Vec(items))
+    return bounded(meter, of_one_kind(Vec(items)))
+
+
+def of_one_kind(value: Vec) -> Vec:
+    """Make a new array whose entries are all decimals if one of them is, else all whole if one of them is."""
+    leaves = [x for item in value.items for x in (item.items if isinstance(item, Vec) else (item,))]
+    if all(map(is_truth, leaves)):
+        return value
+    whole = all(map(is_whole, leaves))
+
+    def renew(item: Value) -> Value:
+        if isinstance(item, Vec):
+            return Vec(tuple(map(renew, item.items)), item.order)
+        if isinstance(item, np.ndarray):
+            return item.astype(np.int64 if whole else np.float64, copy=False)
+        return int(cast(int, item)) if whole else float(cast(float, item))
+
+    return Vec(tuple(map(renew, value.items)), value.order)
 
 
 def components(meter: Meter, value: Value, what: str = "a vector") -> tuple[Value, ...]:
@@ -267,12 +321,10 @@ def components(meter: Meter, value: Value, what: str = "a vector") -> tuple[Valu
 
 def total(meter: Meter, items: tuple[Value, ...]) -> Value:
     """Sum from left to right, as Python and NumPy do for short vectors."""
-    if not items:
-        return 0
-    found: Value = items[0]
+    found: Value = number(meter, items[0])
     for item in items[1:]:
-        found = scalar(meter, "+", found, item)
-    return number(meter, found)
+        found = scalar(meter, "+", found, number(meter, item))
+    return found
 
 
 def dot(meter: Meter, a: Value, b: Value) -> Value:
@@ -282,20 +334,27 @@ def dot(meter: Meter, a: Value, b: Value) -> Value:
         CostError: The lengths do not match.
     """
     a, b = as_vector(meter, a), as_vector(meter, b)
-    if isinstance(a, NUMBER) or isinstance(b, NUMBER):
-        return binary(meter, "*", a, b)
+    if not (isinstance(a, Vec) and isinstance(b, Vec)):
+        raise meter.fault("wrong_type", f"a vector or matrix is needed here, not {kind(b)}")
     if is_matrix(a):
-        assert isinstance(a, Vec)
         return Vec(tuple(dot(meter, row, b) for row in a.items))
-    left = components(meter, a)
     if is_matrix(b):
-        assert isinstance(b, Vec)
-        columns = transposed(meter, b)
-        return Vec(tuple(dot(meter, Vec(left), column) for column in columns.items))
-    right = components(meter, b)
-    if len(left) != len(right):
-        raise meter.fault("wrong_size", f"a vector of {len(left)} and a vector of {len(right)} do not match")
-    return total(meter, tuple(scalar(meter, "*", x, y) for x, y in zip(left, right, strict=True)))
+        return Vec(tuple(dot(meter, a, column) for column in transposed(meter, b).items))
+    if len(a.items) != len(b.items):
+        raise meter.fault("wrong_size", f"a vector of {len(a.items)} and a vector of {len(b.items)} do not match")
+    return total(meter, tuple(scalar(meter, "*", x, y) for x, y in zip(a.items, b.items, strict=True)))
+
+
+def matmul(meter: Meter, a: Value, b: Value, /) -> Value:
+    """Evaluate `a @ b`.
+
+    Raises:
+        CostError: An operand is a number, or neither is an array.
+    """
+    x, y = as_vector(meter, a), as_vector(meter, b)
+    if not (isinstance(x, Vec) and isinstance(y, Vec) and (isinstance(a, Vec) or isinstance(b, Vec))):
+        raise meter.fault("wrong_type", f"`@` does not apply to {kind(a)} and {kind(b)}; use * or np.dot")
+    return dot(meter, x, y)
 
 
 def transposed(meter: Meter, value: Vec) -> Vec:
@@ -318,30 +377,39 @@ def norm(meter: Meter, value: Value) -> Value:
 def root(meter: Meter, value: Number) -> Number:
     """Compute the square root."""
     meter.made()
-    return unary(np.sqrt, value)
+    return pointwise(meter, np.sqrt, value)
 
 
-def unary(function: Callable[[Any], Any], value: Number) -> Number:
-    """Apply a NumPy function of one number; a constant stays a plain number."""
-    if isinstance(value, np.ndarray):
-        return cast(Number, function(value))
-    found = function(np.float64(value))
-    return bool(found) if isinstance(found, np.bool_) else float(found)
+def pointwise(meter: Meter, function: Callable[..., Any], *values: Number) -> Number:
+    """Apply a NumPy function to numbers; of constants it makes a constant, whole where NumPy's is.
+
+    Raises:
+        CostError: It is a whole number that arrays could not hold exactly.
+    """
+    found = function(*values)
+    if any(isinstance(value, np.ndarray) for value in values):
+        if found.dtype == np.int64:
+            meter.refuse_where(np.abs(found) > LARGEST_INT, "too_large_number", "whole numbers reach to 2**53")
+        return cast(Number, found)
+    return checked(meter, cast(Number, found.item() if isinstance(found, np.generic | np.ndarray) else found))
 
 
 def negative(meter: Meter, value: Value) -> Value:
     """Negate the value."""
 
-    def change(x: Number) -> Number:
+    def change(x: Value) -> Number:
+        meter.spend()
         if isinstance(x, np.ndarray):
             meter.made()
-        return -x  # type: ignore[misc]
+        return -no_truth(meter, x)  # type: ignore[misc]
 
-    return each(meter, change, value)
+    if isinstance(value, Seq):
+        raise meter.fault("wrong_type", f"`-` does not apply to {kind(value)}; use np.array")
+    return elementwise(meter, change, value)
 
 
-def invert(meter: Meter, value: Value) -> Value:
-    """Apply `not` to a truth value or to every component."""
+def invert(meter: Meter, value: Value) -> bool | Mask:
+    """Apply `not` to a truth value."""
     found = truth(meter, value)
     if isinstance(found, np.ndarray):
         meter.made()

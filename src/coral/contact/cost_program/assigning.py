@@ -142,6 +142,10 @@ def augment(machine: Machine, node: Any) -> bool:
             "unset", f"{target.id!r} has no value before it is changed; begin with {target.id} = 0.0"
         )
     old = machine.lookup(target.id)
+    if any(old is held for held in machine.meter.zero_axes):
+        raise machine.meter.fault(
+            "shared", f"np.where makes an array here, which changes under all its names; write {target.id} = ... + ..."
+        )
     if isinstance(old, Vec | Seq):
         machine.pending.append(old)
     right = evaluate(machine, node.value)

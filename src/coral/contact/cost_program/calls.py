@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ast
+import math
 from collections.abc import Callable
 
 import numpy as np
 
-from coral.contact.cost_program.arrays import copied, shape_of, transpose
+from coral.contact.cost_program.arrays import copied, shape, transpose
 from coral.contact.cost_program.iterating import entries
-from coral.contact.cost_program.library import CONSTANTS, MODULES, ROTATION_METHODS, VECTOR_METHODS
+from coral.contact.cost_program.library import CONSTANTS, MODULES, VECTOR_METHODS, instead
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import filled, merge
 from coral.contact.cost_program.sharing import marks_of
@@ -20,7 +21,6 @@ from coral.contact.cost_program.values import (
     Module,
     Partial,
     Poison,
-    Rotation,
     Scope,
     Seq,
     State,
@@ -45,17 +45,14 @@ def attribute(machine: Machine, base: Value, name: str) -> Value:
         return machine.space.read(machine.meter, name)
     if isinstance(base, Module):
         return _member(machine, base, name)
-    if isinstance(base, Vec) or (isinstance(base, float | np.ndarray) and name in VECTOR_METHODS):
+    if isinstance(base, Vec):
         return _of_vector(machine, base, name)
     if name in CHANGERS and isinstance(base, CHANGERS[name]):
         raise machine.meter.fault("not_allowed", f"{name} is a statement of its own")
-    if isinstance(base, Rotation) and name in ROTATION_METHODS:
-        return _bound(base, ROTATION_METHODS[name])
     if isinstance(base, DictValue) and name in TABLE_METHODS:
         method = TABLE_METHODS[name]
         return Builtin(name, lambda _, args, named: method(machine, base, [*args, *named.values()]), base)
-    known = TABLE_METHODS if isinstance(base, DictValue) else ROTATION_METHODS if isinstance(base, Rotation) else {}
-    raise _unknown(machine, base, name, list(known))
+    raise _unknown(machine, base, name, list(TABLE_METHODS) if isinstance(base, DictValue) else [])
 
 
 def _bound(base: Value, method: Builtin) -> Builtin:
@@ -77,28 +74,26 @@ def _member(machine: Machine, module: Module, name: str) -> Value:
         return Builtin(f"p.{name}", lambda meter, args, named: machine.bullet(meter, name, args, named))
     if module.name == "np" and name == "linalg":
         return Module("np.linalg")
-    prefix, table = ("linalg.", MODULES["np"]) if module.name == "np.linalg" else ("", MODULES[module.name])
-    if name in CONSTANTS and not prefix:
+    inside = "linalg." if module.name == "np.linalg" else ""
+    table = MODULES[module.name.removesuffix(".linalg")]
+    if name in CONSTANTS and not inside:
         return CONSTANTS[name]
-    if prefix + name not in table:
-        known = [key.removeprefix(prefix) for key in table if key.startswith(prefix) and ("." in key) == bool(prefix)]
+    if inside + name not in table:
+        hint = instead(f"{module.name}.{name}")
+        known = [key.removeprefix(inside) for key in table if key.startswith(inside) and ("." in key) == bool(inside)]
         raise machine.meter.fault(
             "unknown_attribute",
-            f"{module.name} has no {name!r} here{nearest(name, known)}; it has {', '.join(sorted(known))}",
+            f"{module.name} has no {name!r} here{hint or nearest(name, known)}; it has {', '.join(sorted(known))}",
         )
-    return table[prefix + name]
+    return table[inside + name]
 
 
 def _of_vector(machine: Machine, base: Value, name: str) -> Value:
+    sizes = shape(base)
     if name == "T":
         return transpose(machine.meter, base)
-    if name == "shape":
-        return shape_of(base)
-    if name == "ndim":
-        return len(shape_of(base).items)
-    if name == "size" and isinstance(base, Vec):
-        sizes = shape_of(base).items
-        return int(np.prod([int(n) for n in sizes if isinstance(n, int)]))
+    if name in ("shape", "ndim", "size"):
+        return Seq(sizes, "tuple") if name == "shape" else len(sizes) if name == "ndim" else math.prod(sizes)
     if name not in VECTOR_METHODS:
         raise _unknown(machine, base, name, sorted([*VECTOR_METHODS, "T", "shape"]))
     return _bound(base, VECTOR_METHODS[name])
@@ -167,8 +162,6 @@ def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
         machine.pending.append(named[keyword.arg])
     del machine.pending[waiting:]
     machine.meter.step(node.lineno)
-    if isinstance(function, Builtin) and function.name == "map":
-        return _map(machine, args, named, evaluate)
     return apply(machine, function, args, named, evaluate)
 
 
@@ -192,22 +185,6 @@ def apply(machine: Machine, function: Value, args: list[Value], named: dict[str,
             )
         return bounded(machine.meter, function.call(machine.meter, args, named))
     raise machine.meter.fault("wrong_call", f"{kind(function)} cannot be called")
-
-
-def _map(machine: Machine, args: list[Value], named: dict[str, Value], evaluate: Evaluate) -> Value:
-    """Evaluate `map(f, xs, ...)`, allowed wherever a generator is."""
-    if len(args) < 2 or named:
-        raise machine.meter.fault("wrong_call", "map takes a function and lists")
-    rows = list(zip(*(entries(machine.meter, xs) for xs in args[1:]), strict=False))
-    if len(rows) > machine.meter.cfg.loop:
-        raise machine.meter.fault("steps", f"a loop has at most {machine.meter.cfg.loop} turns")
-    machine.branching += 1
-    found: list[Value] = []
-    for row in rows:
-        machine.meter.step(machine.meter.line)
-        found.append(apply(machine, args[0], list(row), {}, evaluate))
-    machine.branching -= 1
-    return bounded(machine.meter, Seq(tuple(found), "generator"))
 
 
 def _has_gaps(value: Value) -> bool:

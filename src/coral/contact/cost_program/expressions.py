@@ -8,7 +8,18 @@ from typing import Any, cast
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import binary, both, dot, either, invert, negative, number, truth
+from coral.contact.cost_program.arithmetic import (
+    binary,
+    both,
+    either,
+    elementwise,
+    invert,
+    is_truth,
+    matmul,
+    negative,
+    no_truth,
+    truth,
+)
 from coral.contact.cost_program.binding import checked_key, storable
 from coral.contact.cost_program.calls import attribute, call
 from coral.contact.cost_program.comprehensions import comprehend
@@ -16,8 +27,6 @@ from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.limits import Mask
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import merge
-from coral.contact.cost_program.rotations import combined
-from coral.contact.cost_program.sharing import renewed
 from coral.contact.cost_program.subscripts import subscript
 from coral.contact.cost_program.texts import formatted, joined_text
 from coral.contact.cost_program.values import (
@@ -26,7 +35,6 @@ from coral.contact.cost_program.values import (
     Function,
     Partial,
     Poison,
-    Rotation,
     Seq,
     Value,
     Vec,
@@ -59,32 +67,9 @@ def evaluate(machine: Machine, node: ast.expr) -> Value:
     """
     machine.meter.step(node.lineno)
     found = EVALUATORS[type(node)](machine, node)
-    if machine.guarded and isinstance(node, ast.BinOp | ast.Call):
-        guard(machine, found)
     if machine.meter.trace is not None and isinstance(node, ast.BinOp | ast.Call):
         _watch(machine, node, found)
     return found
-
-
-def guard(machine: Machine, value: Value) -> None:
-    """Reject a value inside `try` for which Python might have jumped to `except`.
-
-    Raises:
-        CostError: The value is not finite in some state in which it counts.
-    """
-    for item in value.items if isinstance(value, Vec) else (value,):
-        if isinstance(item, Vec):
-            guard(machine, item)
-        elif isinstance(item, NUMBER):
-            lost = ~np.isfinite(item)
-            if machine.meter.mask is not None:
-                lost = np.logical_and(lost, machine.meter.mask)
-            if np.any(lost):
-                raise machine.meter.fault(
-                    "not_finite",
-                    "this is nan or infinite inside `try`, where Python may go to `except`; "
-                    "guard it with max, min or a small number instead",
-                )
 
 
 def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
@@ -94,7 +79,7 @@ def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
         return
     for item in value.items if isinstance(value, Vec) else (value,):
         if isinstance(item, NUMBER):
-            lost = ~np.isfinite(item)
+            lost = np.logical_not(np.isfinite(item))
             if machine.meter.mask is not None:
                 lost = np.logical_and(lost, machine.meter.mask)
             if np.any(lost):
@@ -106,11 +91,6 @@ def _constant(machine: Machine, node: Any) -> Value:
     if node.value is ...:
         raise machine.meter.fault("not_allowed", "`...` is an index only, as in a[..., 2]")
     return cast(Value, node.value)
-
-
-def _set(machine: Machine, node: Any) -> Value:
-    items = _items(machine, node.elts)
-    return Seq(tuple(dict.fromkeys(checked_key(machine, item) for item in items)), "set")
 
 
 def _text(machine: Machine, node: Any) -> Value:
@@ -168,19 +148,21 @@ def operate(machine: Machine, operator: ast.operator, left: Value, right: Value)
         CostError: The operator does not apply to these values.
     """
     meter = machine.meter
-    if isinstance(operator, ast.Mult) and isinstance(left, Rotation) and isinstance(right, Rotation):
-        return combined(meter, left, right)
     if isinstance(operator, ast.MatMult):
-        return dot(meter, left, right)
+        return matmul(meter, left, right)
     if isinstance(operator, ast.BitAnd | ast.BitOr):
-        for value in (left, right):
-            if not (isinstance(value, bool) or (isinstance(value, np.ndarray) and value.dtype == np.bool_)):
-                raise meter.fault("wrong_type", f"& and | join truth values, not {kind(value)}; use and, or")
-        return (both if isinstance(operator, ast.BitAnd) else either)(meter, cast(Mask, left), cast(Mask, right))
-    found = binary(meter, SYMBOLS[type(operator)], left, right)
-    if machine.guarded:
-        guard(machine, found)
-    return found
+        join = both if isinstance(operator, ast.BitAnd) else either
+
+        def joined(x: Value, y: Value) -> Value:
+            for value in (x, y):
+                if not is_truth(value):
+                    raise meter.fault("wrong_type", f"& and | join truth values, not {kind(value)}; use and, or")
+            return join(meter, cast(Mask, x), cast(Mask, y))
+
+        if isinstance(left, Seq) or isinstance(right, Seq):
+            raise meter.fault("wrong_type", "& and | join truth values, not lists; use and, or")
+        return elementwise(meter, joined, left, right)
+    return binary(meter, SYMBOLS[type(operator)], left, right)
 
 
 def _unary(machine: Machine, node: Any) -> Value:
@@ -190,11 +172,9 @@ def _unary(machine: Machine, node: Any) -> Value:
         return invert(machine.meter, value)
     if isinstance(node.op, ast.USub):
         return negative(machine.meter, value)
-    if isinstance(node.op, ast.UAdd):
-        return renewed(value) if isinstance(value, Vec) else number(machine.meter, value)
-    if isinstance(value, np.ndarray) and value.dtype == np.bool_:
-        return invert(machine.meter, value)
-    raise machine.meter.fault("wrong_type", "~ applies to truth values of the state; use not")
+    if isinstance(value, Seq):
+        raise machine.meter.fault("wrong_type", f"`+` does not apply to {kind(value)}; use np.array")
+    return elementwise(machine.meter, lambda x: no_truth(machine.meter, x), value)
 
 
 def _bool(machine: Machine, node: Any) -> Value:
@@ -256,12 +236,9 @@ def _compare(machine: Machine, node: Any) -> Value:
 
 def _relation(machine: Machine, operator: ast.cmpop, left: Value, right: Value) -> Value:
     if isinstance(operator, ast.Is | ast.IsNot):
-        if not any(value is None or isinstance(value, bool) for value in (left, right)):
-            raise machine.meter.fault("wrong_type", "`is` compares with None; use ==")
-        if left is None or right is None:
-            return (left is right) == isinstance(operator, ast.Is)
-        same = binary(machine.meter, "==", left, right)
-        return same if isinstance(operator, ast.Is) else invert(machine.meter, same)
+        if left is not None and right is not None:
+            raise machine.meter.fault("wrong_type", "`is` compares with None; use ==, or the truth value itself")
+        return (left is right) == isinstance(operator, ast.Is)
     if isinstance(operator, ast.In | ast.NotIn):
         found = _contains(machine, left, right)
         return found if isinstance(operator, ast.In) else invert(machine.meter, found)
@@ -276,7 +253,7 @@ def _contains(machine: Machine, item: Value, container: Value) -> Value:
         return held.mask if isinstance(held, Partial) else item in container.items
     if isinstance(container, Seq):
         found: bool | Mask = False
-        for other in entries(machine.meter, container) if container.kind != "set" else container.items:
+        for other in entries(machine.meter, container):
             found = either(machine.meter, found, truth(machine.meter, binary(machine.meter, "==", item, other)))
         return found
     raise machine.meter.fault("wrong_type", f"`in` looks into lists and dicts, not into {kind(container)}")
@@ -342,14 +319,6 @@ def make_function(
     return Function(name, arguments, body, defaults, machine.frame, names | own)
 
 
-def _walrus(machine: Machine, node: Any) -> Value:
-    if machine.branching:
-        raise machine.meter.fault("not_allowed", "`:=` is not available inside a condition or comprehension")
-    value = storable(machine, evaluate(machine, node.value))
-    machine.frame.variables[node.target.id] = value
-    return value
-
-
 def _comprehension(machine: Machine, node: Any) -> Value:
     return comprehend(machine, node, evaluate)
 
@@ -376,9 +345,7 @@ EVALUATORS: dict[type[ast.AST], Callable[[Machine, Any], Value]] = {
     ast.ListComp: _comprehension,
     ast.GeneratorExp: _comprehension,
     ast.DictComp: _comprehension,
-    ast.NamedExpr: _walrus,
     ast.Subscript: _subscript,
-    ast.Set: _set,
     ast.JoinedStr: _text,
     ast.FormattedValue: _formatted,
 }

@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from coral.contact.cost_program.limits import Meter
-from coral.contact.cost_program.sharing import memory
+from coral.contact.cost_program.sharing import ONE_PASS, memory
 from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, kind
-
-ONCE = ("iterator", "reversed", "generator")
-"""Kinds of `Seq` that allow only one pass."""
 
 
 def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
@@ -19,11 +16,9 @@ def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
         CostError: The value is not iterable.
     """
     if isinstance(value, Seq):
-        if value.kind == "set":
-            raise meter.fault("wrong_type", "a set has no order to loop over; write a list")
         if value.used:
             raise meter.fault("wrong_type", "an iterator is used up after one pass; write list(...) around it")
-        value.used = value.kind in ONCE
+        value.used = value.kind in ONE_PASS
         return value.items
     if isinstance(value, Vec):
         return value.items
@@ -32,6 +27,6 @@ def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
     raise meter.fault("wrong_type", f"{kind(value)} cannot be looped over")
 
 
-def iterator(items: Iterable[Value], *sources: Value, kind: str = "iterator") -> Seq:
+def iterator(items: Iterable[Value], *sources: Value) -> Seq:
     """Make an iterator that computes item by item while it runs over the sources."""
-    return Seq(tuple(items), kind, frozenset().union(*(memory(source) for source in sources)))
+    return Seq(tuple(items), "iterator", frozenset().union(*(memory(source) for source in sources)))

@@ -1,42 +1,95 @@
-"""Every function by the name that a program uses for it: builtins, `np`, `math` and our own."""
+"""The table of functions: what a program may call, and the shapes of arguments with which each gives what NumPy gives.
+
+The wrapper of every function checks its arguments against the table, the reference page is written from it, and the
+differential test calls every function with every shape that it offers.
+"""
 
 from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
-from coral.contact.cost_program import arrays, functions, orientations, statistics
-from coral.contact.cost_program.arithmetic import dot, number, truth
-from coral.contact.cost_program.functions import of_one, of_two
+import numpy as np
+
+from coral.contact.cost_program import arrays, functions, orientations
+from coral.contact.cost_program.arithmetic import as_vector, dot, matmul, truth
+from coral.contact.cost_program.functions import of_math, of_one, of_two
 from coral.contact.cost_program.iterating import entries, iterator
 from coral.contact.cost_program.limits import Meter
-from coral.contact.cost_program.rotations import MAKERS, OF_ROTATION
-from coral.contact.cost_program.texts import formatted
-from coral.contact.cost_program.types_of import is_instance
-from coral.contact.cost_program.values import Builtin, DictValue, Seq, Value, Vec, bounded
+from coral.contact.cost_program.reductions import fold_truth, linalg_norm, reduction
+from coral.contact.cost_program.sharing import ONE_PASS
+from coral.contact.cost_program.values import (
+    Builtin,
+    ContactList,
+    DictValue,
+    Seq,
+    Value,
+    Vec,
+    bounded,
+    depth,
+    kind,
+)
 
-SILENT = ("dtype", "copy")  # keywords that change nothing here: every number is a float64
+
+class Shapes(NamedTuple):
+    """What an argument may be."""
+
+    axes: tuple[int, ...]
+    """Numbers of axes that are offered."""
+    text: str
+    """The same in words."""
 
 
-def builtin(name: str, function: Callable[..., Value]) -> Builtin:
-    """Wrap a Python function of (meter, arguments...) as a builtin that checks its arguments."""
-    parameters = list(inspect.signature(function).parameters.values())[1:]
-    rest = any(p.kind is inspect.Parameter.VAR_POSITIONAL for p in parameters)
-    names = [p.name for p in parameters if p.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD]
-    needed = [p.name for p in parameters if p.default is p.empty and p.name in names]
+WORDS = {
+    "x": Shapes((0, 1, 2), "a number, vector or matrix"),
+    "t": Shapes((0, 1, 2), "a truth value or an array of them"),
+    "a": Shapes((1, 2), "a vector or matrix"),
+    "v": Shapes((1,), "a vector"),
+    "n": Shapes((0,), "a number"),
+    "b": Shapes((0, 1, 2), "a number, vector, matrix or None"),
+}
+"""Words of the table; an argument with any other word is checked by the function itself."""
+
+
+class Offer(NamedTuple):
+    """A function of the table."""
+
+    call: Callable[..., Value]
+    """Takes the meter, then the arguments of the program."""
+    takes: str
+    """A word for each of its arguments, of `WORDS` or of the kinds of other arguments."""
+
+
+Table = Mapping[str, Offer]
+
+
+def builtin(name: str, offer: Offer) -> Builtin:
+    """Wrap a function of the table as a builtin that checks its arguments."""
+    parameters = list(inspect.signature(offer.call).parameters.values())[1:]
+    rest = any(p.kind is p.VAR_POSITIONAL for p in parameters)
+    places = [p.name for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    keywords = [p.name for p in parameters if p.kind in (p.KEYWORD_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    needed = [p.name for p in parameters if p.default is p.empty and p.name in places]
+    words = dict(zip((p.name for p in parameters), offer.takes.split(), strict=False))
+
+    more = [offer.takes.split()[-1]] * 64 if rest else []
+
+    def checked(meter: Meter, value: Value, word: str) -> Value:
+        if word not in WORDS or (value is None and word == "b"):
+            return value
+        allowed, found = WORDS[word], as_vector(meter, value)
+        if depth(found) not in allowed.axes or not isinstance(found, Vec | np.ndarray | int | float):
+            raise meter.fault("wrong_type", f"{name} takes {allowed.text}, not {kind(value)}")
+        return found
 
     def call(meter: Meter, args: list[Value], named: dict[str, Value]) -> Value:
-        given = {key: value for key, value in named.items() if key not in SILENT or key in names}
-        kind_given = given.get("dtype", named.get("dtype", args[1] if name == "astype" and len(args) > 1 else None))
-        if isinstance(kind_given, Builtin) and kind_given.name not in ("float", "np.float64", "np.float32"):
-            raise meter.fault("wrong_call", "arrays hold float64 only; leave dtype out or use float")
-        missing = [n for n in needed[len(args) :] if n not in given]
-        doubled = [n for n in names[: len(args)] if n in given]
-        unknown = [n for n in given if n not in names]
-        if unknown or doubled or missing or (len(args) > len(names) and not rest):
-            takes = ", ".join(names + ["..."] * rest)
+        missing = [n for n in needed[len(args) :] if n not in named]
+        doubled = [n for n in places[: len(args)] if n in named]
+        unknown = [n for n in named if n not in keywords]
+        if unknown or doubled or missing or (len(args) > len(places) and not rest):
+            takes = ", ".join([*places, *["..."] * rest, *(n for n in keywords if n not in places)])
             problem = (
                 f"not {unknown[0]}="
                 if unknown
@@ -45,7 +98,8 @@ def builtin(name: str, function: Callable[..., Value]) -> Builtin:
                 else (f"so {missing[0]} is missing" if missing else f"not {len(args)} arguments")
             )
             raise meter.fault("wrong_call", f"{name} takes ({takes}), {problem}")
-        return function(meter, *args, **given)
+        given = [checked(meter, value, word) for value, word in zip(args, [*words.values(), *more], strict=False)]
+        return offer.call(meter, *given, **{n: checked(meter, value, words.get(n, "")) for n, value in named.items()})
 
     return Builtin(name, call)
 
@@ -56,7 +110,7 @@ def _extreme(symbol: str) -> Callable[..., Value]:
             if not isinstance(values[0], Seq | Vec) or not values[0].items:
                 raise meter.fault("wrong_call", "max and min take several numbers or a list of them")
             values = entries(meter, values[0])
-        return functions.largest(meter, tuple(number(meter, item) for item in values), symbol)
+        return functions.largest(meter, values, symbol)
 
     return call
 
@@ -85,274 +139,208 @@ def _enumerate(meter: Meter, iterable: Value, start: Value = 0) -> Value:
 
 
 def _sequence(name: str) -> Callable[..., Value]:
-    def call(meter: Meter, value: Value = None) -> Value:
+    def call(meter: Meter, value: Value = None, /) -> Value:
         return bounded(meter, Seq(entries(meter, value) if value is not None else (), name))
 
     return call
 
 
-def _dict(meter: Meter, value: Value = None) -> Value:
-    if value is None:
-        return DictValue({})
-    if not isinstance(value, DictValue):
+def _dict(meter: Meter, args: list[Value], named: dict[str, Value]) -> Value:
+    if len(args) > 1 or not all(isinstance(value, DictValue) for value in args):
         raise meter.fault("wrong_call", "dict takes keywords or another dict")
-    return DictValue(dict(value.items))
+    items: dict[Value, Value] = dict(args[0].items) if args and isinstance(args[0], DictValue) else {}
+    return DictValue(items | dict(named))
 
 
-def _reversed(meter: Meter, value: Value) -> Value:
-    return iterator(entries(meter, value)[::-1], value, kind="reversed")
-
-
-def _bool(meter: Meter, value: Value = False) -> Value:
+def _bool(meter: Meter, value: Value = False, /) -> Value:
     return truth(meter, value)
 
 
 def _any(name: str) -> Callable[..., Value]:
-    def call(meter: Meter, values: Value) -> Value:
-        return functions.fold_truth(meter, entries(meter, values), name)
+    def call(meter: Meter, values: Value, /) -> Value:
+        return fold_truth(meter, entries(meter, values), name)
 
     return call
 
 
-def _dict_call(meter: Meter, args: list[Value], named: dict[str, Value]) -> Value:
-    base = DICT.call(meter, args, {})
-    assert isinstance(base, DictValue)
-    return DictValue(dict(base.items) | dict(named))
+def _length(meter: Meter, value: Value, /) -> Value:
+    """Count the entries of a container; contact points count 1 if there are any."""
+    if isinstance(value, ContactList):
+        return value.touching.astype(np.int64)
+    if isinstance(value, Vec | DictValue) or (isinstance(value, Seq) and value.kind not in ONE_PASS):
+        return len(value.items)
+    raise meter.fault("wrong_type", f"{kind(value)} has no length")
 
 
-def _scalar_math(name: str) -> Callable[..., Value]:
-    function = of_one(name)
-
-    def call(meter: Meter, x: Value) -> Value:
-        return function(meter, number(meter, x))
-
-    return call
+def _abs(meter: Meter, x: Value, /) -> Value:
+    if isinstance(x, Seq):
+        raise meter.fault("wrong_type", f"abs takes a number or an array, not {kind(x)}; use np.abs")
+    return functions.ABS(meter, x)
 
 
-def _text_of(meter: Meter, value: Value = "") -> Value:
-    return formatted(meter, value, -1, "")
-
-
-def _no_function(name: str) -> Callable[..., Value]:
-    def call(meter: Meter, *values: Value) -> Value:
-        raise meter.fault("wrong_call", f"{name} is a type to ask for with isinstance; use np.array to make arrays")
-
-    return call
-
-
-DICT = builtin("dict", _dict)
-OURS: dict[str, Callable[..., Value]] = {
-    "norm": functions.linalg_norm,
-    "dist": functions.dist,
-    "dot": dot,
-    "cross": functions.cross,
-    "clip": functions.clip,
-    "clip01": functions.clip01,
-    "sigmoid": functions.sigmoid,
-    "near": functions.near,
-    "exp": of_one("exp"),
-    "log": of_one("log"),
-    "sqrt": of_one("sqrt"),
-    "tanh": of_one("tanh"),
-    "sin": of_one("sin"),
-    "cos": of_one("cos"),
-    "quat_angle": orientations.quat_angle,
-    "quat_axis": orientations.quat_axis,
-    "quat_rotate": orientations.quat_rotate,
-    "quat_multiply": orientations.quat_multiply,
-    "quat_inverse": orientations.quat_inverse,
-    "quat_matrix": orientations.quat_matrix,
-    "quat_euler": orientations.quat_euler,
+OURS: Table = {
+    "norm": Offer(linalg_norm, "x ord axis flag"),
+    "dist": Offer(functions.dist, "v v"),
+    "dot": Offer(dot, "a a"),
+    "cross": Offer(functions.cross, "v v"),
+    "clip": Offer(functions.clip, "x b b"),
+    "clip01": Offer(functions.clip01, "x"),
+    "sigmoid": Offer(functions.sigmoid, "x"),
+    "near": Offer(functions.near, "x x"),
+    **{name: Offer(of_one(getattr(np, name)), "x") for name in ("exp", "log", "sqrt", "tanh", "sin", "cos")},
+    "quat_angle": Offer(orientations.quat_angle, "v v"),
+    "quat_axis": Offer(orientations.quat_axis, "v index"),
+    "quat_rotate": Offer(orientations.quat_rotate, "v v"),
+    "quat_multiply": Offer(orientations.quat_multiply, "v v"),
+    "quat_inverse": Offer(orientations.quat_inverse, "v"),
+    "quat_matrix": Offer(orientations.quat_matrix, "v"),
+    "quat_euler": Offer(orientations.quat_euler, "v"),
 }
-PYTHON: dict[str, Callable[..., Value]] = {
-    "abs": of_one("abs"),
-    "max": _extreme(">"),
-    "min": _extreme("<"),
-    "sum": functions.add_up,
-    "len": functions.length,
-    "float": arrays.to_float,
-    "int": arrays.to_int,
-    "bool": _bool,
-    "range": _range,
-    "zip": _zip,
-    "enumerate": _enumerate,
-    "round": functions.round_to,
-    "any": _any("any"),
-    "all": _any("all"),
-    "list": _sequence("list"),
-    "tuple": _sequence("tuple"),
-    "reversed": _reversed,
-    "pow": functions.power,
+PYTHON: Table = {
+    "abs": Offer(_abs, "value"),
+    "max": Offer(_extreme(">"), "list"),
+    "min": Offer(_extreme("<"), "list"),
+    "sum": Offer(functions.add_up, "list start"),
+    "len": Offer(_length, "list"),
+    "float": Offer(arrays.to_float, "number"),
+    "int": Offer(arrays.to_int, "number"),
+    "bool": Offer(_bool, "number"),
+    "round": Offer(functions.whole_by(np.rint), "n"),
+    "range": Offer(_range, "whole"),
+    "zip": Offer(_zip, "list"),
+    "enumerate": Offer(_enumerate, "list start"),
+    "any": Offer(_any("any"), "truths"),
+    "all": Offer(_any("all"), "truths"),
+    "list": Offer(_sequence("list"), "list"),
+    "tuple": Offer(_sequence("tuple"), "list"),
 }
-MORE_PYTHON: dict[str, Callable[..., Value]] = {
-    "sorted": statistics.sorted_list,
-    "isinstance": is_instance,
-    "str": _text_of,
-    "map": _no_function("map"),
-}
-ARRAY: dict[str, Callable[..., Value]] = {
-    **{name: of_one(name) for name in functions.UNARY},
-    **{name: of_two(name) for name in functions.BINARY},
-    "add": functions.operator_call("+"),
-    "subtract": functions.operator_call("-"),
-    "multiply": functions.operator_call("*"),
-    "divide": functions.operator_call("/"),
-    "array": arrays.array,
-    "asarray": arrays.asarray,
-    "asfarray": arrays.asarray,
-    "zeros": arrays.zeros,
-    "ones": arrays.ones,
-    "full": arrays.full,
-    "zeros_like": arrays.like(0.0),
-    "ones_like": arrays.like(1.0),
-    "eye": arrays.eye,
-    "identity": arrays.eye,
-    "append": arrays.append,
-    "concatenate": arrays.concatenate,
-    "hstack": arrays.concatenate,
-    "stack": arrays.stack,
-    "vstack": arrays.stack,
-    "reshape": arrays.reshape,
-    "ravel": arrays.ravel,
-    "transpose": arrays.transpose,
-    "diag": arrays.diag,
-    "copy": arrays.copied,
-    "dot": dot,
-    "inner": dot,
-    "vdot": dot,
-    "matmul": dot,
-    "cross": functions.cross,
-    "outer": functions.outer,
-    "clip": functions.clip,
-    "where": functions.select,
-    "power": functions.power,
-    "float_power": functions.power,
-    "isclose": functions.isclose,
-    "round": functions.round_to,
-    "around": functions.round_to,
-    "sum": functions.reduction("sum"),
-    "mean": functions.reduction("mean"),
-    "average": statistics.average,
-    "std": statistics.deviation,
-    "var": statistics.variance,
-    "median": statistics.median,
-    "sort": statistics.sort,
-    "cumsum": statistics.cumulated,
-    "diff": statistics.differences,
-    "interp": statistics.interpolated,
-    "select": statistics.chosen,
-    "arange": statistics.arange,
-    "linspace": statistics.linspace,
-    "max": functions.reduction("max"),
-    "min": functions.reduction("min"),
-    "amax": functions.reduction("max"),
-    "amin": functions.reduction("min"),
-    "prod": functions.reduction("prod"),
-    "any": functions.reduction("any"),
-    "all": functions.reduction("all"),
-    "logical_and": functions.logical("and"),
-    "logical_or": functions.logical("or"),
-    "logical_not": functions.negation,
-    "absolute": of_one("abs"),
-    "fabs": of_one("abs"),
-    "acos": of_one("arccos"),
-    "asin": of_one("arcsin"),
-    "atan": of_one("arctan"),
-    "atan2": of_two("arctan2"),
-    "arctan2": of_two("arctan2"),
-    "radians": of_one("deg2rad"),
-    "degrees": of_one("rad2deg"),
-    "float64": arrays.to_float,
-    "float32": arrays.to_float,
-    "float_": arrays.to_float,
-    "bool_": _bool,
-    **{name: _no_function(f"np.{name}") for name in ("ndarray", "floating", "number")},
-    "linalg.norm": functions.linalg_norm,
-}
-MATH: dict[str, Callable[..., Value]] = {
+NUMPY: Table = {
     **{
-        name: _scalar_math(name)
+        name: Offer(of_one(getattr(np, name)), "x")
         for name in (
-            "sqrt",
-            "exp",
-            "expm1",
-            "log",
-            "log1p",
-            "log10",
-            "log2",
-            "sin",
-            "cos",
-            "tan",
-            "sinh",
-            "cosh",
-            "tanh",
-            "floor",
-            "ceil",
-            "trunc",
-            "isfinite",
-            "isnan",
-            "isinf",
+            *("sqrt", "exp", "log", "log10", "log1p", "sin", "cos", "tan", "tanh", "arcsin", "arccos", "arctan"),
+            *("abs", "absolute", "square", "sign", "floor", "ceil", "deg2rad", "rad2deg", "radians", "degrees"),
         )
     },
-    "acos": _scalar_math("arccos"),
-    "asin": _scalar_math("arcsin"),
-    "atan": _scalar_math("arctan"),
-    "atan2": of_two("arctan2"),
-    "fabs": _scalar_math("abs"),
-    "radians": _scalar_math("deg2rad"),
-    "degrees": _scalar_math("rad2deg"),
-    "pow": functions.power,
-    "hypot": statistics.hypotenuse,
-    "fmod": of_two("fmod"),
-    "copysign": of_two("copysign"),
-    "dist": functions.dist,
-    "isclose": functions.isclose,
-    "fsum": functions.add_up,
-    "prod": functions.reduction("prod"),
+    **{name: Offer(of_two(getattr(np, name)), "x x") for name in ("maximum", "minimum", "arctan2", "hypot")},
+    "clip": Offer(functions.clip, "x b b"),
+    "where": Offer(functions.select, "t x x"),
+    "round": Offer(functions.round_to, "x decimals"),
+    "logical_and": Offer(functions.logical("and"), "t t"),
+    "logical_or": Offer(functions.logical("or"), "t t"),
+    "logical_not": Offer(functions.negation, "t"),
+    "array": Offer(arrays.array, "a dtype"),
+    "asarray": Offer(arrays.asarray, "a dtype"),
+    "copy": Offer(arrays.copied, "a"),
+    "zeros": Offer(arrays.filled_with(0.0), "shape dtype"),
+    "ones": Offer(arrays.filled_with(1.0), "shape dtype"),
+    "zeros_like": Offer(arrays.like(0), "a dtype"),
+    "ones_like": Offer(arrays.like(1), "a dtype"),
+    "eye": Offer(arrays.eye, "size"),
+    "concatenate": Offer(arrays.joined(np.concatenate), "arrays axis"),
+    "stack": Offer(arrays.joined(np.stack), "arrays axis"),
+    "hstack": Offer(arrays.stacked(np.hstack), "arrays"),
+    "vstack": Offer(arrays.stacked(np.vstack), "arrays"),
+    "reshape": Offer(arrays.reshape, "a shape"),
+    "ravel": Offer(arrays.ravel, "a"),
+    "transpose": Offer(arrays.transpose, "a"),
+    "dot": Offer(dot, "a a"),
+    "matmul": Offer(matmul, "a a"),
+    "cross": Offer(functions.cross, "v v"),
+    "outer": Offer(functions.outer, "v v"),
+    **{name: Offer(reduction(name), "x axis flag") for name in ("sum", "mean", "prod", "max", "min")},
+    **{name: Offer(reduction(name), "t axis flag") for name in ("any", "all")},
+    "linalg.norm": Offer(linalg_norm, "x ord axis flag"),
+    "float64": Offer(arrays.to_float, "number"),
+}
+MATH: Table = {
+    **{
+        name: Offer(of_math(getattr(np, of)), "n")
+        for name, of in {
+            **{
+                name: name
+                for name in ("sqrt", "exp", "log", "log10", "sin", "cos", "tan", "tanh", "radians", "degrees")
+            },
+            "acos": "arccos",
+            "asin": "arcsin",
+            "atan": "arctan",
+            "fabs": "abs",
+        }.items()
+    },
+    "atan2": Offer(of_two(np.arctan2), "n n"),
+    "hypot": Offer(functions.hypotenuse, "n"),
+    "floor": Offer(functions.whole_by(np.floor), "n"),
+    "ceil": Offer(functions.whole_by(np.ceil), "n"),
 }
 CONSTANTS: dict[str, float | None] = {"newaxis": None, "pi": math.pi, "e": math.e, "inf": math.inf, "tau": math.tau}
-
-METHODS: dict[str, Callable[..., Value]] = {
-    "copy": arrays.copied,
-    "dot": dot,
-    "sum": functions.reduction("sum"),
-    "mean": functions.reduction("mean"),
-    "max": functions.reduction("max"),
-    "min": functions.reduction("min"),
-    "any": functions.reduction("any"),
-    "all": functions.reduction("all"),
-    "prod": functions.reduction("prod"),
-    "std": statistics.deviation,
-    "var": statistics.variance,
-    "astype": arrays.as_type,
-    "reshape": arrays.reshape,
-    "flatten": arrays.flatten,
-    "ravel": arrays.ravel,
-    "transpose": arrays.transpose,
-    "clip": functions.clip,
-    "round": functions.round_to,
-    "tolist": arrays.to_list,
-    "squeeze": arrays.squeezed,
-    "item": arrays.to_float,
+METHODS: Table = {
+    "copy": Offer(arrays.copied, "a"),
+    "dot": Offer(dot, "a a"),
+    **{name: Offer(reduction(name), "a axis flag") for name in ("sum", "mean", "prod", "max", "min")},
+    **{name: Offer(reduction(name), "a axis flag") for name in ("any", "all")},
+    "astype": Offer(arrays.as_type, "a dtype"),
+    "reshape": Offer(arrays.reshaped, "a shape"),
+    "flatten": Offer(arrays.flatten, "a"),
+    "ravel": Offer(arrays.ravel, "a"),
+    "transpose": Offer(arrays.transpose, "a"),
+    "clip": Offer(functions.clipped, "a b b"),
+    "round": Offer(functions.round_to, "a decimals"),
+    "tolist": Offer(arrays.to_list, "a"),
+    "item": Offer(arrays.item, "a"),
 }
-
-
-def _named(prefix: str, table: dict[str, Any]) -> dict[str, Builtin]:
-    return {name: builtin(prefix + name, function) for name, function in table.items()}
-
-
-BUILTINS: dict[str, Builtin] = {
-    **_named("", OURS),
-    **_named("", PYTHON),
-    **_named("", MORE_PYTHON),
-    "dict": Builtin("dict", _dict_call),
+INSTEAD = {
+    **dict.fromkeys(("np.mod", "np.remainder"), "a % b"),
+    **dict.fromkeys(("np.fmod", "math.fmod"), "a - b * int(a / b)"),
+    **dict.fromkeys(("np.power", "np.float_power", "math.pow", "pow"), "a ** b"),
+    **dict.fromkeys(("np.isclose", "np.allclose", "math.isclose"), "abs(a - b) < 1e-6"),
+    **dict.fromkeys(("np.inner", "np.vdot"), "np.dot(a, b)"),
+    **dict.fromkeys(("np.select", "np.piecewise", "np.heaviside"), "np.where(condition, a, b)"),
+    **dict.fromkeys(("np.interp",), "np.clip and a straight line"),
+    **dict.fromkeys(("np.amax", "np.nanmax"), "np.max(a)"),
+    **dict.fromkeys(("np.amin", "np.nanmin"), "np.min(a)"),
+    **dict.fromkeys(("np.average", "np.median", "np.nanmean"), "np.mean(a)"),
+    **dict.fromkeys(("np.std", "np.var"), "np.mean((a - np.mean(a)) ** 2)"),
+    **dict.fromkeys(("np.float32", "np.float_", "np.double"), "float(x)"),
+    **dict.fromkeys(("np.int32", "np.int64", "np.int_"), "int(x)"),
+    **dict.fromkeys(("np.add", "np.subtract", "np.multiply", "np.divide"), "the operators + - * /"),
+    **dict.fromkeys(("np.fabs",), "np.abs(x)"),
+    **dict.fromkeys(("np.full", "np.full_like"), "value * np.ones(n)"),
+    **dict.fromkeys(("np.identity",), "np.eye(n)"),
+    **dict.fromkeys(("np.append", "np.column_stack", "np.r_", "np.c_"), "np.concatenate, np.stack or np.hstack"),
+    **dict.fromkeys(("np.arange", "np.linspace"), "range(n) and a list"),
+    **dict.fromkeys(("np.bool_",), "bool(x)"),
+    **dict.fromkeys(("math.fsum", "math.prod"), "sum(xs), or a product in a loop"),
+    **dict.fromkeys(
+        ("np.nan_to_num", "np.isnan", "np.isfinite", "math.isnan", "math.isfinite"), "a guard with max and min"
+    ),
+    **dict.fromkeys(("np.sinh", "np.cosh", "math.sinh", "math.cosh"), "np.exp"),
+    **dict.fromkeys(("np.trunc", "np.fix", "math.trunc"), "int(x)"),
+    **dict.fromkeys(("np.rint", "np.around"), "np.round(x)"),
+    **dict.fromkeys(("np.acos", "np.asin", "np.atan", "np.atan2"), "np.arccos, np.arcsin, np.arctan, np.arctan2"),
+    "math.dist": "dist(a, b)",
+    "sorted": "max and min, or np.where",
+    "reversed": "xs[::-1]",
+    "isinstance": "the value as it is: what is a number and what a vector is known",
+    "str": "an f-string",
+    "map": "[f(x) for x in xs]",
+    "set": "a list",
+    "filter": "[x for x in xs if ...]",
+    "Rotation": "quat_angle, quat_axis, quat_rotate and quat_matrix",
 }
-MODULES: dict[str, dict[str, Builtin]] = {
-    "np": _named("np.", ARRAY),
-    "math": _named("math.", MATH),
-    "Rotation": _named("Rotation.", MAKERS),
-}
+"""What to write instead of functions that are not offered."""
+
+
+def _named(prefix: str, table: Table) -> dict[str, Builtin]:
+    return {name: builtin(prefix + name, offer) for name, offer in table.items()}
+
+
+BUILTINS: dict[str, Builtin] = {**_named("", OURS), **_named("", PYTHON), "dict": Builtin("dict", _dict)}
+MODULES: dict[str, dict[str, Builtin]] = {"np": _named("np.", NUMPY), "math": _named("math.", MATH)}
 VECTOR_METHODS: dict[str, Builtin] = _named("", METHODS)
-ROTATION_METHODS: dict[str, Builtin] = _named("", OF_ROTATION)
-IMPORTABLE = {"scipy.spatial.transform": "scipy", "numpy": "np", "np": "np", "math": "math", "pybullet": "p", "p": "p"}
+IMPORTABLE = {"numpy": "np", "np": "np", "math": "math", "pybullet": "p", "p": "p"}
 MODULE_NAMES = {"np": "np", "numpy": "np", "math": "math", "p": "p", "pybullet": "p", "pb": "p"}
+
+
+def instead(name: str) -> str:
+    """Return a hint for a function that is not offered, or ""."""
+    return f"; write {INSTEAD[name]}" if name in INSTEAD else ""

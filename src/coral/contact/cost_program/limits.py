@@ -28,6 +28,8 @@ class LimitsCfg:
     """Maximum number of nodes evaluated for one batch."""
     arrays: int = 4_000
     """Maximum number of arrays for one batch, so that memory stays below arrays * K * H * 8 bytes."""
+    operations: int = 100_000
+    """Maximum number of operations on single numbers and of entries counted, constants included."""
     loop: int = 64
     """Maximum number of iterations of one loop."""
     items: int = 1_024
@@ -54,8 +56,12 @@ class Meter:
     """Nodes evaluated so far."""
     arrays: int = 0
     """Arrays made so far."""
+    operations: int = 0
+    """Operations on single numbers so far."""
     cache: dict[str, object] = field(default_factory=dict)
     """Components of the quantities read so far."""
+    zero_axes: list[object] = field(default_factory=list)
+    """Numbers that NumPy would hold as arrays without axes."""
     trace: Trace | None = None
     """Records for the checks, if enabled."""
 
@@ -79,6 +85,25 @@ class Meter:
         self.arrays += count
         if self.arrays > self.cfg.arrays:
             raise self.fault("memory", f"the cost makes more than {self.cfg.arrays} arrays; shorten its loops")
+
+    def spend(self, count: int = 1) -> None:
+        """Count operations on single numbers, which cost time whether or not they depend on the state.
+
+        Raises:
+            CostError: The limit of operations is exceeded.
+        """
+        self.operations += count
+        if self.operations > self.cfg.operations:
+            raise self.fault("steps", f"the cost takes more than {self.cfg.operations} operations; shorten its loops")
+
+    def refuse_where(self, bad: Mask | bool, code: str, text: str) -> None:
+        """Raise an error if something is bad in a state for which the present statement counts.
+
+        Raises:
+            CostError: It is.
+        """
+        if np.any(bad) and (self.mask is None or np.any(np.logical_and(bad, self.mask))):
+            raise self.fault(code, text)
 
     def fault(self, code: str, text: str) -> CostError:
         """Make the error for the line being evaluated."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from coral.contact.cost_program.arithmetic import truth
 from coral.contact.cost_program.assigning import assign_to
 from coral.contact.cost_program.expressions import evaluate
 from coral.contact.cost_program.iterating import entries
@@ -30,31 +29,6 @@ def run_for(machine: Machine, node: Any) -> bool:
         if not falls:
             break
     return _end(machine, loop, falls, exits, outer)
-
-
-def run_while(machine: Machine, node: Any) -> bool:
-    """Run a loop whose end does not depend on the state, with the same limit on iterations as other loops."""
-    limit, outer, exits = machine.meter.cfg.loop, machine.meter.mask, len(machine.frame.exits)
-    loop, falls = Loop(), True
-    machine.loops.append(loop)
-    machine.running.append(loop)
-    while falls and _continues(machine, node):
-        if loop.turn == limit:
-            raise machine.meter.fault("steps", f"a loop has at most {limit} turns; write for i in range(N)")
-        machine.meter.step(node.lineno)
-        loop.continues, loop.turn = [], loop.turn + 1
-        falls = machine.collect(loop.continues, machine.run(machine, node.body))
-    return _end(machine, loop, falls, exits, outer)
-
-
-def _continues(machine: Machine, node: Any) -> bool:
-    met = truth(machine.meter, evaluate(machine, node.test))
-    if isinstance(met, bool):
-        return met
-    raise machine.meter.fault(
-        "not_fixed",
-        "the end of this while loop depends on the state; write `for i in range(N):` with `if not condition: break`",
-    )
 
 
 def _end(machine: Machine, loop: Loop, falls: bool, exits: int, outer: Mask | None) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from coral.contact.cost_program.arithmetic import both
 from coral.contact.cost_program.labels import TermNames
-from coral.contact.cost_program.library import BUILTINS, MODULE_NAMES
+from coral.contact.cost_program.library import BUILTINS, MODULE_NAMES, instead
 from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.merging import merge_variables
 from coral.contact.cost_program.pybullet import PyBullet
@@ -64,8 +64,6 @@ class Machine:
     """Containers held by an expression under evaluation."""
     exited: int = 0
     """Number of times that some states have left a block."""
-    guarded: int = 0
-    """Depth of running `try` blocks."""
     branching: int = 0
     """Depth of expressions that count for some states only."""
 
@@ -107,7 +105,7 @@ class Machine:
         known = [*self.frame.names, *BUILTINS]
         raise self.meter.fault(
             "unknown_name",
-            f"{name!r} is not a variable and not a function{nearest(name, known)}; "
+            f"{name!r} is not a variable and not a function{instead(name) or nearest(name, known)}; "
             f"there are {', '.join(sorted(BUILTINS))}, np and math",
         )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import where
+from coral.contact.cost_program.arithmetic import is_truth, is_whole, where
 from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.sharing import marks_of
 from coral.contact.cost_program.values import (
@@ -13,14 +13,20 @@ from coral.contact.cost_program.values import (
     DictValue,
     Partial,
     Poison,
-    Rotation,
     Seq,
     Value,
     Vec,
+    is_matrix,
     kind,
 )
 
 MISSING = object()
+TWO_KINDS = "whole in some states"
+"""Order of an array that NumPy would hold as whole numbers in some states and as decimals in others."""
+
+
+def _sort(value: Vec) -> tuple[bool, bool]:
+    return is_truth(value.items[0]), is_whole(value.items[0])
 
 
 def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
@@ -37,12 +43,20 @@ def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
     if isinstance(a, Partial) or isinstance(b, Partial):
         return _merge_partial(meter, condition, a, b)
     if isinstance(a, NUMBER) and isinstance(b, NUMBER):
-        if not isinstance(a, np.ndarray) and not isinstance(b, np.ndarray) and type(a) is type(b) and a == b:
+        if is_truth(a) != is_truth(b):
+            return Poison("it is a truth value in some states and a number in others; write float(...) around it")
+        if not isinstance(a, np.ndarray) and not isinstance(b, np.ndarray) and type(a) is type(b) and str(a) == str(b):
             return a
-        return where(meter, condition, a, b)
+        found = where(meter, condition, a, b)
+        if any(a is other or b is other for other in meter.zero_axes):
+            meter.zero_axes.append(found)
+        return found
     if isinstance(a, Vec) and isinstance(b, Vec) and len(a.items) == len(b.items):
         items = _merge_items(meter, condition, a.items, b.items)
-        return Vec(items, a.order if a.order == b.order else "", marks_of(a) | marks_of(b))
+        order = a.order if a.order == b.order else ""
+        if not is_matrix(a) and _sort(a) != _sort(b):
+            order = TWO_KINDS
+        return Vec(items, order, marks_of(a) | marks_of(b))
     if isinstance(a, Seq) and isinstance(b, Seq) and a.kind == b.kind and len(a.items) == len(b.items):
         return Seq(_merge_items(meter, condition, a.items, b.items), a.kind, marks_of(a) | marks_of(b))
     if isinstance(a, DictValue) and isinstance(b, DictValue):
@@ -52,8 +66,6 @@ def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
     if isinstance(a, ContactList) and isinstance(b, ContactList):
         meter.made()
         return ContactList(np.where(condition, a.touching, b.touching))
-    if isinstance(a, Rotation) and isinstance(b, Rotation):
-        return Rotation(_merge_items(meter, condition, a.quat, b.quat))
     if isinstance(a, Poison):
         return a
     if isinstance(b, Poison):

@@ -8,84 +8,21 @@ from dataclasses import dataclass
 
 from coral.contact.cost_program.errors import CostError
 from coral.contact.cost_program.extract import WRAPPED, extract
-from coral.contact.cost_program.library import IMPORTABLE
+from coral.contact.cost_program.library import IMPORTABLE, instead
 from coral.contact.cost_program.limits import LimitsCfg
 
+# fmt: off
 ALLOWED: tuple[type[ast.AST], ...] = (
-    ast.Module,
-    ast.FunctionDef,
-    ast.arguments,
-    ast.arg,
-    ast.Return,
-    ast.Assign,
-    ast.AugAssign,
-    ast.AnnAssign,
-    ast.For,
-    ast.While,
-    ast.Try,
-    ast.ExceptHandler,
-    ast.If,
-    ast.Expr,
-    ast.Pass,
-    ast.Break,
-    ast.Continue,
-    ast.Import,
-    ast.ImportFrom,
-    ast.alias,
-    ast.BoolOp,
-    ast.BinOp,
-    ast.UnaryOp,
-    ast.Lambda,
-    ast.IfExp,
-    ast.Dict,
-    ast.ListComp,
-    ast.DictComp,
-    ast.GeneratorExp,
-    ast.comprehension,
-    ast.Compare,
-    ast.Call,
-    ast.keyword,
-    ast.Constant,
-    ast.Attribute,
-    ast.Subscript,
-    ast.Starred,
-    ast.Name,
-    ast.List,
-    ast.Tuple,
-    ast.Slice,
-    ast.Set,
-    ast.JoinedStr,
-    ast.FormattedValue,
-    ast.NamedExpr,
-    ast.Load,
-    ast.Store,
-    ast.And,
-    ast.Or,
-    ast.Not,
-    ast.USub,
-    ast.UAdd,
-    ast.Invert,
-    ast.Add,
-    ast.Sub,
-    ast.Mult,
-    ast.Div,
-    ast.FloorDiv,
-    ast.Mod,
-    ast.Pow,
-    ast.MatMult,
-    ast.BitAnd,
-    ast.BitOr,
-    ast.Eq,
-    ast.NotEq,
-    ast.Lt,
-    ast.LtE,
-    ast.Gt,
-    ast.GtE,
-    ast.Is,
-    ast.IsNot,
-    ast.In,
-    ast.NotIn,
+    ast.Module, ast.FunctionDef, ast.arguments, ast.arg, ast.Return, ast.Assign, ast.AugAssign, ast.AnnAssign,
+    ast.For, ast.If, ast.Expr, ast.Pass, ast.Break, ast.Continue, ast.Import, ast.ImportFrom, ast.alias, ast.BoolOp,
+    ast.BinOp, ast.UnaryOp, ast.Lambda, ast.IfExp, ast.Dict, ast.ListComp, ast.DictComp, ast.GeneratorExp,
+    ast.comprehension, ast.Compare, ast.Call, ast.keyword, ast.Constant, ast.Attribute, ast.Subscript, ast.Starred,
+    ast.Name, ast.List, ast.Tuple, ast.Slice, ast.JoinedStr, ast.FormattedValue, ast.Load, ast.Store, ast.And,
+    ast.Or, ast.Not, ast.USub, ast.UAdd, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod, ast.Pow,
+    ast.MatMult, ast.BitAnd, ast.BitOr, ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Is, ast.IsNot,
+    ast.In, ast.NotIn,
 )
+# fmt: on
 WORDS: dict[type[ast.AST], str] = {
     ast.With: "with (leave it out)",
     ast.ClassDef: "classes (write functions)",
@@ -99,8 +36,13 @@ WORDS: dict[type[ast.AST], str] = {
     ast.Await: "await",
     ast.AsyncFunctionDef: "async (write def without it)",
     ast.Match: "match (write if and elif)",
-    ast.TryStar: "except* (write max, min or np.where around what may fail)",
-    ast.SetComp: "sets of a comprehension (write a list)",
+    ast.While: "while (write `for i in range(N):` with `if not condition: break`)",
+    ast.Try: "try (leave it out, and write max, min or np.where around what may fail)",
+    ast.TryStar: "try (leave it out, and write max, min or np.where around what may fail)",
+    ast.Set: "sets (write a list)",
+    ast.SetComp: "sets (write a list)",
+    ast.NamedExpr: "`:=` (write the assignment on a line of its own)",
+    ast.Invert: "~ (write not)",
 }
 BRACKETS = 60
 
@@ -217,7 +159,7 @@ def _check_node(node: ast.AST, line: int) -> None:
         _check_import(node, line)
     elif isinstance(node, ast.comprehension) and node.is_async:
         raise CostError("not_allowed", "a cost has no async", line)
-    elif isinstance(node, ast.For | ast.While) and node.orelse:
+    elif isinstance(node, ast.For) and node.orelse:
         raise CostError("not_allowed", "a cost has no else after a loop; set a variable in it", line)
 
 
@@ -254,7 +196,8 @@ def _check_import(node: ast.Import | ast.ImportFrom, line: int) -> None:
         modules = [alias.name for alias in node.names]
     for module in modules:
         if module not in IMPORTABLE:
-            raise CostError("not_allowed", f"{module!r} cannot be imported; np and math are there already", line)
+            hint = instead("Rotation") if module.startswith("scipy") else "; np and math are there already"
+            raise CostError("not_allowed", f"{module!r} cannot be imported{hint}", line)
 
 
 def _entry(tree: ast.Module) -> ast.FunctionDef:

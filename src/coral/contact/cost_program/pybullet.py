@@ -6,18 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import binary, components, negative
 from coral.contact.cost_program.limits import Meter
 from coral.contact.cost_program.quaternions import (
     Quat,
-    conjugate,
     difference,
     euler,
-    from_euler,
     matrix,
-    product,
     read_quat,
-    rotate,
     write_quat,
 )
 from coral.contact.cost_program.sharing import renewed
@@ -39,11 +34,7 @@ class PyBullet:
             "getContactPoints": self._contacts,
             "getDifferenceQuaternion": _difference,
             "getEulerFromQuaternion": _euler,
-            "getQuaternionFromEuler": _from_euler,
             "getMatrixFromQuaternion": _matrix,
-            "rotateVector": _rotate,
-            "invertTransform": _invert,
-            "multiplyTransforms": _multiply,
         }
 
     def __call__(self, meter: Meter, name: str, args: list[Value], named: dict[str, Value]) -> Value:
@@ -105,19 +96,6 @@ def _quats(meter: Meter, args: list[Value], count: int) -> list[Quat]:
     return [read_quat(meter, value, "xyzw") for value in args]
 
 
-def _three(meter: Meter, value: Value) -> tuple[Value, ...]:
-    items = components(meter, value)
-    if len(items) != 3:
-        raise meter.fault("wrong_size", f"a vector of 3 is needed here, not of {len(items)}")
-    return items
-
-
-def _arguments(meter: Meter, args: list[Value], count: int) -> list[Value]:
-    if len(args) != count:
-        raise meter.fault("wrong_call", f"this function takes {count} arguments, not {len(args)}")
-    return args
-
-
 def _difference(meter: Meter, args: list[Value]) -> Value:
     start, end = _quats(meter, args, 2)
     return write_quat(difference(meter, start, end), "xyzw")
@@ -127,30 +105,6 @@ def _euler(meter: Meter, args: list[Value]) -> Value:
     return euler(meter, _quats(meter, args, 1)[0])
 
 
-def _from_euler(meter: Meter, args: list[Value]) -> Value:
-    return write_quat(from_euler(meter, _three(meter, _arguments(meter, args, 1)[0])), "xyzw")
-
-
 def _matrix(meter: Meter, args: list[Value]) -> Value:
     rows = matrix(meter, _quats(meter, args, 1)[0])
     return Vec(tuple(item for row in rows for item in row))
-
-
-def _rotate(meter: Meter, args: list[Value]) -> Value:
-    quat, vector = _arguments(meter, args, 2)
-    return rotate(meter, read_quat(meter, quat, "xyzw"), _three(meter, vector))
-
-
-def _invert(meter: Meter, args: list[Value]) -> Value:
-    position, orientation = _arguments(meter, args, 2)
-    back = conjugate(meter, read_quat(meter, orientation, "xyzw"))
-    turned = rotate(meter, back, _three(meter, position))
-    return Seq((negative(meter, turned), write_quat(back, "xyzw")), "tuple")
-
-
-def _multiply(meter: Meter, args: list[Value]) -> Value:
-    position_a, quat_a, position_b, quat_b = _arguments(meter, args, 4)
-    a, b = read_quat(meter, quat_a, "xyzw"), read_quat(meter, quat_b, "xyzw")
-    turned = rotate(meter, a, _three(meter, position_b))
-    position = binary(meter, "+", Vec(_three(meter, position_a)), turned)
-    return Seq((position, write_quat(product(meter, a, b), "xyzw")), "tuple")

@@ -14,15 +14,16 @@ from coral.contact.cost_program.arithmetic import (
     components,
     negative,
     number,
+    pointwise,
     root,
     scalar,
     total,
-    unary,
     where,
 )
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.values import Number, Value, Vec
+from coral.contact.cost_program.values import Value, Vec
 
+ORDERS = ("wxyz", "xyzw")
 Quat = tuple[Value, Value, Value, Value]
 """Four numbers (w, x, y, z)."""
 
@@ -41,7 +42,7 @@ def read_quat(meter: Meter, value: Value, order: str) -> Quat:
     items = components(meter, value, "a quaternion")
     if len(items) != 4:
         raise meter.fault("wrong_size", f"a quaternion has 4 components, not {len(items)}")
-    if isinstance(value, Vec) and value.order not in ("", order):
+    if isinstance(value, Vec) and value.order in ORDERS and value.order != order:
         hint = (
             "PyBullet's functions take (x, y, z, w): read NAME_ori instead of NAME_quat"
             if order == "xyzw"
@@ -100,12 +101,8 @@ def angle(meter: Meter, a: Quat, b: Quat) -> Value:
     w, x, y, z = product(meter, b, conjugate(meter, a))
     sine = root(meter, number(meter, total(meter, tuple(scalar(meter, "*", v, v) for v in (x, y, z)))))
     meter.made(2)
-    cosine = unary(np.abs, number(meter, w))
-    if isinstance(sine, np.ndarray) or isinstance(cosine, np.ndarray):
-        half: Number = cast(Number, np.arctan2(sine, cosine))
-    else:
-        half = float(np.arctan2(np.float64(sine), np.float64(cosine)))
-    return scalar(meter, "*", 2.0, half)
+    cosine = pointwise(meter, np.abs, number(meter, w))
+    return scalar(meter, "*", 2.0, pointwise(meter, np.arctan2, sine, cosine))
 
 
 def matrix(meter: Meter, q: Quat) -> list[list[Value]]:
@@ -143,28 +140,10 @@ def euler(meter: Meter, q: Quat) -> Vec:
     meter.made(6)
 
     def arctan2(y: Value, x: Value) -> Value:
-        return cast(Number, np.arctan2(np.asarray(number(meter, y)), np.asarray(number(meter, x))))
+        return pointwise(meter, np.arctan2, number(meter, y), number(meter, x))
 
-    sine = np.clip(np.asarray(number(meter, negative(meter, rows[2][0]))), -1.0, 1.0)
-    found = arctan2(rows[2][1], rows[2][2]), cast(Number, np.arcsin(sine)), arctan2(rows[1][0], rows[0][0])
-    return Vec(tuple(plain(item) for item in found))
-
-
-def from_euler(meter: Meter, angles: tuple[Value, ...]) -> Quat:
-    """Compute the quaternion of roll, pitch and yaw about the fixed x, y and z axes."""
-    meter.made(6)
-    halves = [scalar(meter, "*", 0.5, angle_) for angle_ in angles]
-    cosines = [unary(np.cos, half) for half in halves]
-    sines = [unary(np.sin, half) for half in halves]
-    roll: Quat = (cosines[0], sines[0], 0.0, 0.0)
-    pitch: Quat = (cosines[1], 0.0, sines[1], 0.0)
-    yaw: Quat = (cosines[2], 0.0, 0.0, sines[2])
-    return product(meter, yaw, product(meter, pitch, roll))
-
-
-def plain(value: Value) -> Value:
-    """Return a zero-dimensional array as a plain number."""
-    return float(value) if isinstance(value, np.ndarray) and value.ndim == 0 else value
+    sine = pointwise(meter, lambda x: np.clip(x, -1.0, 1.0), number(meter, negative(meter, rows[2][0])))
+    return Vec((arctan2(rows[2][1], rows[2][2]), pointwise(meter, np.arcsin, sine), arctan2(rows[1][0], rows[0][0])))
 
 
 def normalised(meter: Meter, q: Quat) -> Quat:

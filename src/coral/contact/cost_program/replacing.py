@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import ast
 
-from coral.contact.cost_program.arithmetic import as_vector, is_truth, number
-from coral.contact.cost_program.arrays import shape_of
+import numpy as np
+
+from coral.contact.cost_program.arithmetic import as_vector, is_truth, is_whole, number
+from coral.contact.cost_program.arrays import flat, places, shape, to_float
 from coral.contact.cost_program.limits import Meter
 from coral.contact.cost_program.machine import Machine
-from coral.contact.cost_program.sharing import marks_of, renewed
-from coral.contact.cost_program.subscripts import Evaluate, Index, entry, index, index_key, indices
-from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, bounded, is_matrix, kind
+from coral.contact.cost_program.merging import TWO_KINDS
+from coral.contact.cost_program.sharing import marks_of
+from coral.contact.cost_program.subscripts import Evaluate, Index, index, index_key, indices, picked
+from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, bounded, kind
 
 
 def replaced(
@@ -35,99 +38,64 @@ def replaced(
         changed = DictValue({**base.items, key: value}, marks_of(base))
         bounded(meter, changed)
         return changed, key
-    if isinstance(base, Seq):
-        if base.kind != "list":
-            raise meter.fault("wrong_type", f"the entries of {kind(base)} cannot be set")
+    if isinstance(base, Seq) and base.kind == "list":
         return _in_list(machine, base, index(machine, base, node, evaluate), value)
     if not isinstance(base, Vec):
         raise meter.fault("wrong_type", f"the entries of {kind(base)} cannot be set")
-    axes = indices(machine, base, node, evaluate)
-    if inside and isinstance(value, Vec) and axes and isinstance(axes[0], int) and len(axes) == 1:
-        i = axes[0] % len(base.items)
-        return Vec((*base.items[:i], value, *base.items[i + 1 :]), "", marks_of(base)), axes[0]
-    if None in axes:
-        raise meter.fault("wrong_size", "a new axis cannot be set")
-    found = as_vector(meter, value)
-    only = axes[0] if len(axes) == 1 and isinstance(axes[0], int) else None
-    return _along(machine, base, axes, found), only
+    parts = indices(machine, base, node, evaluate)
+    only = parts[0] if len(parts) == 1 and isinstance(parts[0], int) else None
+    if inside and isinstance(value, Vec) and only is not None:
+        i = only % len(base.items)
+        return Vec((*base.items[:i], value, *base.items[i + 1 :]), "", marks_of(base)), only
+    return _in_array(machine, base, parts, as_vector(meter, value)), only
 
 
 def _in_list(machine: Machine, base: Seq, where: Index, value: Value) -> tuple[Seq, Value]:
     items = list(base.items)
-    if isinstance(where, int):
-        entry(machine, base, where)
-        items[where] = value
-    elif isinstance(where, slice):
-        span = range(*where.indices(len(items)))
-        parts = value.items if isinstance(value, Vec | Seq) else ()
-        if len(parts) != len(span):
-            raise machine.meter.fault("wrong_size", f"{len(parts)} values do not fill {len(span)} entries")
-        for i, part in zip(span, parts, strict=True):
-            items[i] = part
-    else:
-        raise machine.meter.fault("not_fixed", "an index is a constant whole number")
+    if not isinstance(where, int):
+        raise machine.meter.fault("wrong_type", "entries of a list are set one by one, as xs[0] = x")
+    if not -len(items) <= where < len(items):
+        raise machine.meter.fault("wrong_size", f"{kind(base)} has no entry {where}")
+    items[where] = value
     changed = Seq(tuple(items), "list", marks_of(base))
     bounded(machine.meter, changed)
-    return changed, where if isinstance(where, int) else None
+    return changed, where
 
 
-def _along(machine: Machine, base: Vec, axes: list[Index], value: Value) -> Vec:
-    """Set the entries at the given indices of each axis to a value, broadcast as in NumPy."""
-    where, inner = (axes[0] if axes else slice(None)), axes[1:]
-    items = list(base.items)
-    parts: tuple[Value, ...] = (value,)
-    if isinstance(where, int):
-        entry(machine, base, where)
-        span = [where]
-    else:
-        span = list(_span(machine, base, where))
-        parts = _values_for_entries(
-            machine, value, len(span), is_matrix(base) and not (inner and isinstance(inner[0], int))
-        )
-    for i, part in zip(span, parts, strict=True):
-        old = entry(machine, base, i)
-        if isinstance(old, Vec):
-            items[i] = _along(machine, old, inner, part)
-        else:
-            items[i] = _number_for(machine, base, part)
-    return Vec(tuple(items), "", marks_of(base))
+def _in_array(machine: Machine, base: Vec, parts: list[Index], value: Value) -> Vec:
+    """Let NumPy find the entries to set, and those of the value that go there."""
+    at, given, entries = picked(machine, base, parts), flat(value), list(flat(base))
+    try:
+        source = np.broadcast_to(places(value), at.shape)
+    except ValueError:
+        raise machine.meter.fault("wrong_size", f"{kind(value)} does not fit there") from None
+    for place, k in zip(at.flat, source.flat, strict=True):
+        entries[place] = fitted(machine.meter, base, given[k])
+    items = iter(entries)
+    rows = (
+        Vec(tuple(next(items) for _ in row.items), "", marks_of(row)) if isinstance(row, Vec) else next(items)
+        for row in base.items
+    )
+    return Vec(tuple(rows), "", marks_of(base))
 
 
-def _span(machine: Machine, base: Vec, where: Index) -> range | tuple[int, ...]:
-    if isinstance(where, slice):
-        return range(*where.indices(len(base.items)))
-    if isinstance(where, tuple):
-        return where
-    raise machine.meter.fault("not_fixed", "an index is a constant whole number")
-
-
-def _values_for_entries(machine: Machine, value: Value, count: int, rows: bool) -> tuple[Value, ...]:
-    """Return the value for each of several entries; a plain vector is the value for every row."""
-    if isinstance(value, Vec) and (is_matrix(value) or not rows):
-        if len(value.items) == 1:
-            return value.items * count
-        if len(value.items) != count:
-            raise machine.meter.fault("wrong_size", f"{kind(value)} does not fill {count} entries")
-        return value.items
-    return (value,) * count
-
-
-def _number_for(machine: Machine, base: Vec, value: Value) -> Value:
+def fitted(meter: Meter, base: Vec, value: Value) -> Value:
     """Convert a number to the kind that the array holds.
 
     Raises:
-        CostError: It is not a number, or NumPy would cut off its decimals.
+        CostError: NumPy would cut off its decimals, or keep only whether it is 0.
     """
-    found = number(machine.meter, renewed(value))
-    if base.items and all(map(is_truth, base.items)):
-        raise machine.meter.fault("wrong_type", "entries of an array of truth values cannot be set; use a list")
-    if all(isinstance(item, int) for item in base.items):
-        if not isinstance(found, int):
-            raise machine.meter.fault(
-                "wrong_type", "NumPy would cut off the decimals in this array of whole numbers; begin with 0.0, not 0"
-            )
-        return found
-    return float(found) if isinstance(found, int) else found
+    held = flat(base)[0]
+    number(meter, value)
+    if is_truth(held) or base.order == TWO_KINDS:
+        raise meter.fault("wrong_type", "entries of such an array cannot be set; begin with an array of 0.0")
+    if not is_whole(held):
+        return to_float(meter, value)
+    if not is_whole(value):
+        raise meter.fault(
+            "wrong_type", "NumPy would cut off the decimals in this array of whole numbers; begin with 0.0, not 0"
+        )
+    return number(meter, value)
 
 
 def same_shape(meter: Meter, old: Vec, new: Value) -> Vec:
@@ -136,14 +104,10 @@ def same_shape(meter: Meter, old: Vec, new: Value) -> Vec:
     Raises:
         CostError: It has another shape, or NumPy would cut off the decimals.
     """
-    if not isinstance(new, Vec) or shape_of(old).items != shape_of(new).items:
+    if not isinstance(new, Vec) or shape(old) != shape(new):
         raise meter.fault("wrong_size", f"{kind(old)} cannot become {kind(new)} in place; write v = v + w")
-    items: list[Value] = []
-    for before, after in zip(old.items, new.items, strict=True):
-        if isinstance(before, Vec):
-            items.append(same_shape(meter, before, after))
-        elif isinstance(before, int) and not isinstance(after, int):
-            raise meter.fault("wrong_type", "NumPy refuses decimals in an array of whole numbers; begin with 0.0")
-        else:
-            items.append(float(after) if isinstance(after, int) and not isinstance(before, int) else after)
-    return Vec(tuple(items), new.order, marks_of(old))
+    items = tuple(
+        same_shape(meter, before, after) if isinstance(before, Vec) else fitted(meter, old, after)
+        for before, after in zip(old.items, new.items, strict=True)
+    )
+    return Vec(items, new.order, marks_of(old))

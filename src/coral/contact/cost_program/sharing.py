@@ -10,7 +10,9 @@ from itertools import count
 
 from coral.contact.cost_program.values import DictValue, Marks, Seq, Value, Vec
 
-LAZY = ("iterator", "reversed", "generator", "view", "values")
+ONE_PASS = ("iterator", "generator")
+"""Kinds of `Seq` that allow only one pass."""
+LAZY = (*ONE_PASS, "view", "values")
 """Kinds of `Seq` other than lists: they have no entries by number, and make no array."""
 _numbers = count()
 

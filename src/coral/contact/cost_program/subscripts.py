@@ -1,18 +1,22 @@
-"""Reading entries: `v[0]`, `v[:2]`, `m[1, 2]`, `a[..., 2]`, `v[:, None]`, `weights["reach"]`."""
+"""Reading entries: `v[0]`, `v[:2]`, `m[1, 2]`, `a[..., :2]`, `v[:, None]`, `weights["reach"]`."""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Callable
 from types import EllipsisType
+from typing import Any
 
+import numpy as np
+
+from coral.contact.cost_program.arrays import Places, arranged, flat, places
 from coral.contact.cost_program.machine import Machine
-from coral.contact.cost_program.sharing import LAZY, memory, renewed
+from coral.contact.cost_program.sharing import LAZY, renewed, view
 from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, is_matrix, kind
 
 Evaluate = Callable[[Machine, ast.expr], Value]
-Index = int | slice | tuple[int, ...] | str | EllipsisType | None
-"""Index of one axis: an entry, a slice, a list of entries, a key; `...`; None for a new axis."""
+Index = int | slice | list[int] | EllipsisType | None
+"""Index of one axis: an entry, a slice, a list of entries; `...`; None for a new axis."""
 
 
 def subscript(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate) -> Value:
@@ -27,54 +31,55 @@ def subscript(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate)
             known = ", ".join(ascii(name) for name in base.items)
             raise machine.meter.fault("wrong_size", f"the dict has no {key!r}; it has {known or 'nothing'}")
         return machine.usable(base.items[key], str(key))
+    if isinstance(base, Seq):
+        return _of_list(machine, base, index(machine, base, node, evaluate))
     if not isinstance(base, Vec):
-        if not isinstance(base, Seq):
-            raise machine.meter.fault("wrong_type", f"{kind(base)} has no entries to index")
-        return _pick(machine, base, index(machine, base, node, evaluate))
+        raise machine.meter.fault("wrong_type", f"{kind(base)} has no entries to index")
     parts = indices(machine, base, node, evaluate)
-    axes: list[Index] = [part for part in parts if part is not None]
-    kept = ["axis" if part is not None else "new" for part in parts if not isinstance(part, int)]
-    kept += ["axis"] * (depth(base) - len(axes))
-    found = _entries(machine, base, axes)
-    if "new" not in kept:
-        return found
-    return _with_new_axes(machine, found, kept)
+    if len(parts) == 1 and isinstance(parts[0], int) and -len(base.items) <= parts[0] < len(base.items):
+        return base.items[parts[0]]
+    return _of_array(machine, base, parts)
 
 
-def _entries(machine: Machine, base: Vec, axes: list[Index]) -> Value:
-    """Return the entries that the indices of one or two axes select."""
-    if not axes:
-        return base
-    first = axes[0]
-    rows = _pick(machine, base, first)
-    if len(axes) == 1:
-        return rows
-    second = axes[1]
-    if isinstance(first, int):
-        return _pick(machine, rows, second)
-    assert isinstance(rows, Vec)
-    if isinstance(first, tuple) and isinstance(second, tuple):  # pairs, as in NumPy
-        if len(first) != len(second):
-            raise machine.meter.fault("wrong_size", f"{len(first)} row and {len(second)} column indices do not match")
-        return Vec(tuple(_pick(machine, row, i) for row, i in zip(rows.items, second, strict=True)))
-    marks = memory(base) if isinstance(second, slice | int) else None
-    return Vec(tuple(_pick(machine, row, second) for row in rows.items), "", marks)
+def _of_list(machine: Machine, base: Seq, where: Index) -> Value:
+    if base.kind in LAZY:
+        raise machine.meter.fault("wrong_type", f"{kind(base)} has no numbered entries; write list(...) around it")
+    if isinstance(where, slice):
+        return Seq(base.items[where], base.kind)
+    if not isinstance(where, int):
+        raise machine.meter.fault("wrong_type", f"{kind(base)} has no entry {where!r}; entries are numbered")
+    if not -len(base.items) <= where < len(base.items):
+        raise machine.meter.fault("wrong_size", f"{kind(base)} has no entry {where}")
+    return machine.usable(base.items[where], f"[{where}]")
 
 
-def _with_new_axes(machine: Machine, found: Value, kept: list[str]) -> Value:
-    if len(kept) > 2:
-        raise machine.meter.fault("wrong_size", "an array has one or two axes")
-    if not isinstance(found, Vec):
-        row = Vec((found,))
-        return row if len(kept) == 1 else Vec((row,))
-    if kept[0] == "new":
-        return Vec((found,))
-    return Vec(tuple(Vec((item,)) for item in found.items), "", memory(found))
+def _of_array(machine: Machine, base: Vec, parts: list[Index]) -> Value:
+    """Let NumPy pick the entries; what it would make as a view keeps the memory of its base."""
+    at = picked(machine, base, parts)
+    if not at.ndim:
+        if ... in parts:
+            raise machine.meter.fault("wrong_type", "NumPy makes an array without axes of this; leave `...` out")
+        return flat(base)[int(at)]
+    entries = arranged(machine.meter, lambda _: at, base)
+    if any(isinstance(part, list) for part in parts):
+        return renewed(entries)
+    return view(tuple(view(row.items, base) if isinstance(row, Vec) else row for row in entries.items), base)
 
 
-def depth(value: Value) -> int:
-    """Count the axes of an array."""
-    return 2 if is_matrix(value) else 1
+def picked(machine: Machine, base: Vec, parts: list[Index]) -> Places:
+    """Let NumPy apply indices to the numbers of the entries.
+
+    Raises:
+        CostError: There is no such entry.
+    """
+    key: Any = tuple(parts)
+    machine.meter.spend(len(base.items))
+    try:
+        return np.asarray(places(base)[key])
+    except IndexError:
+        axes = "two axes" if is_matrix(base) else "one axis"
+        text = f"no entry {parts[0]}" if len(parts) == 1 else f"{axes}, and no such entries"
+        raise machine.meter.fault("wrong_size", f"{kind(base)} has {text}") from None
 
 
 def index_key(machine: Machine, table: DictValue, node: ast.expr, evaluate: Evaluate) -> Value:
@@ -92,23 +97,9 @@ def index_key(machine: Machine, table: DictValue, node: ast.expr, evaluate: Eval
 
 
 def indices(machine: Machine, base: Vec, node: ast.expr, evaluate: Evaluate) -> list[Index]:
-    """Evaluate the index of each axis, with `...` expanded and None for each new axis.
-
-    Raises:
-        CostError: There are more indices than axes.
-    """
+    """Evaluate the indices of an array, one for each axis that is named."""
     nodes = node.elts if isinstance(node, ast.Tuple) else [node]
-    parts = [index(machine, base, part, evaluate) for part in nodes]
-    given = sum(part is not None and part is not ... for part in parts)
-    if given > depth(base) or sum(part is ... for part in parts) > 1:
-        raise machine.meter.fault("wrong_size", f"{kind(base)} has {'two axes' if depth(base) == 2 else 'one axis'}")
-    found: list[Index] = []
-    for part in parts:
-        if part is ...:
-            found += [slice(None)] * (depth(base) - given)
-        else:
-            found.append(part)
-    return found
+    return [index(machine, base, part, evaluate) for part in nodes]
 
 
 def index(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate) -> Index:
@@ -117,8 +108,10 @@ def index(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate) -> 
     Raises:
         CostError: The index depends on the state.
     """
-    if isinstance(node, ast.Constant) and (node.value is None or node.value is ...) and isinstance(base, Vec):
-        return node.value
+    if isinstance(node, ast.Constant) and node.value is ... and isinstance(base, Vec):
+        return ...
+    if isinstance(node, ast.Tuple):
+        raise machine.meter.fault("wrong_type", f"{kind(base)} has one axis")
     machine.pending.append(base)
     try:
         if isinstance(node, ast.Slice):
@@ -129,17 +122,15 @@ def index(machine: Machine, base: Value, node: ast.expr, evaluate: Evaluate) -> 
             if ends[2] == 0:
                 raise machine.meter.fault("wrong_size", "the step of a slice is not 0")
             return slice(*ends)
-        if isinstance(node, ast.Tuple):
-            raise machine.meter.fault("wrong_type", f"{kind(base)} has one axis")
         value = evaluate(machine, node)
     finally:
         machine.pending.pop()
     if value is None and isinstance(base, Vec):
         return None
-    if (isinstance(value, Seq) and value.kind in ("list", "range")) or isinstance(value, Vec):
-        return tuple(_whole(machine, item) for item in value.items)
-    if isinstance(value, str):
-        return value
+    if isinstance(base, Vec) and (
+        (isinstance(value, Seq) and value.kind in ("list", "range")) or isinstance(value, Vec)
+    ):
+        return [_whole(machine, item) for item in value.items]
     return _whole(machine, value)
 
 
@@ -154,32 +145,3 @@ def _whole(machine: Machine, value: Value) -> int:
         "not_fixed",
         f"an index is a constant whole number, not {kind(value)}; to pick by a condition on the state use np.where",
     )
-
-
-def _pick(machine: Machine, base: Value, where: Index) -> Value:
-    if not isinstance(base, Vec | Seq):
-        raise machine.meter.fault("wrong_type", f"{kind(base)} has no entries to index")
-    if isinstance(base, Seq) and base.kind in (*LAZY, "set"):
-        raise machine.meter.fault("wrong_type", f"{kind(base)} has no numbered entries; write list(...) around it")
-    if isinstance(where, str) or where is None or where is ...:
-        raise machine.meter.fault("wrong_type", f"{kind(base)} has no entry {where!r}; entries are numbered")
-    items = base.items
-    if isinstance(where, slice):
-        kept = items[where]
-        return Vec(kept, "", memory(base)) if isinstance(base, Vec) else Seq(kept, base.kind)
-    if isinstance(where, tuple):
-        if not isinstance(base, Vec):
-            raise machine.meter.fault("wrong_type", "a list of indices applies to arrays; use np.array")
-        return Vec(tuple(renewed(entry(machine, base, i)) for i in where))
-    return machine.usable(entry(machine, base, where), f"[{where}]")
-
-
-def entry(machine: Machine, base: Vec | Seq, i: int) -> Value:
-    """Resolve the index of an entry; negative ones count from the end.
-
-    Raises:
-        CostError: There is no such entry.
-    """
-    if not -len(base.items) <= i < len(base.items):
-        raise machine.meter.fault("wrong_size", f"{kind(base)} has no entry {i}")
-    return base.items[i]

@@ -11,6 +11,7 @@ import ast
 from coral.contact.cost_program.arithmetic import binary, negative, number
 from coral.contact.cost_program.arrays import to_float
 from coral.contact.cost_program.expressions import evaluate, operate
+from coral.contact.cost_program.library import BUILTINS
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import filled
 from coral.contact.cost_program.values import NUMBER, Builtin, DictValue, Value
@@ -152,7 +153,9 @@ def _summed_dict(machine: Machine, node: ast.expr) -> DictValue | None:
         isinstance(node, ast.Call)
         and isinstance(node.func, ast.Name)
         and node.func.id == "sum"
+        and machine.lookup("sum") is BUILTINS["sum"]
         and len(node.args) == 1
+        and not node.keywords
         and isinstance(node.args[0], ast.Call)
         and not node.args[0].args
     ):

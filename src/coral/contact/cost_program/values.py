@@ -1,7 +1,8 @@
 """The values of a cost program: a closed set, so that nothing else can be reached from inside it.
 
-A number is a Python number, or an array of one number per state, Shape=(K, H). A vector is a tuple of numbers, never an
-array with one more axis, so that code written for one state runs on a batch without any guess about axes.
+A number is a Python number, or an array of one number per state, Shape=(K, H), of float64, int64 or bool. A vector is
+a tuple of numbers, never an array with one more axis, so that code written for one state runs on a batch without any
+guess about axes.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from coral.contact.cost_program.limits import Mask, Meter
 
 Value = object
-Number = bool | int | float | NDArray[np.float64] | NDArray[np.bool_]
+Number = bool | int | float | NDArray[np.float64] | NDArray[np.int64] | NDArray[np.bool_]
 Marks = frozenset[int]
 """Numbers of pieces of memory."""
 NUMBER = (bool, int, float, np.ndarray)
@@ -42,8 +43,8 @@ class Seq:
 
     Args:
         items: The entries.
-        kind: "list", "tuple", "range" or "set"; "view" (keys or items) or "values" of a dict; "iterator", "reversed" or
-            "generator", for one pass.
+        kind: "list", "tuple" or "range"; "view" (keys or items) or "values" of a dict; "iterator" or "generator", for
+            one pass.
         marks: See `Vec`.
     """
 
@@ -89,13 +90,6 @@ class BodyHandle:
     """A PyBullet body id, or another handle of the simulator: `hand`, an object, a fixture, or `other`."""
 
     name: str
-
-
-@dataclass(frozen=True, eq=False)
-class Rotation:
-    """A SciPy rotation, as a unit quaternion of four numbers (w, x, y, z)."""
-
-    quat: tuple[Value, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +151,6 @@ class Function:
 SEQ_WORDS = {
     "iterator": "an iterator",
     "generator": "a generator",
-    "reversed": "an iterator",
     "view": "a view of a dict",
     "values": "a view of a dict",
 }
@@ -183,7 +176,6 @@ def kind(value: Value) -> str:
         Module: "a module",
         State: "self",
         BodyHandle: "a body id",
-        Rotation: "a Rotation",
         ContactList: "a list of contact points",
         type(None): "None",
         Partial: "a value that is not set in every state",
@@ -200,6 +192,11 @@ def is_one_of(value: Value, options: tuple[Value, ...]) -> bool:
 def is_matrix(value: Value) -> bool:
     """Check whether the value is a vector of vectors."""
     return isinstance(value, Vec) and bool(value.items) and isinstance(value.items[0], Vec)
+
+
+def depth(value: Value) -> int:
+    """Count the axes of an array; a number has none."""
+    return (2 if is_matrix(value) else 1) if isinstance(value, Vec) else 0
 
 
 def weight(value: Value, cap: int) -> int:
@@ -223,6 +220,10 @@ def bounded(meter: Meter, value: Value) -> Value:
     Raises:
         CostError: It holds more than the limit.
     """
-    if weight(value, meter.cfg.items) > meter.cfg.items:
+    if not isinstance(value, Vec | Seq | DictValue):
+        return value
+    found = weight(value, meter.cfg.items)
+    meter.spend(found)
+    if found > meter.cfg.items:
         raise meter.fault("memory", f"{kind(value)} holds more than {meter.cfg.items} entries")
     return value

@@ -12,10 +12,8 @@ from pathlib import Path
 from coral.contact.cost.context import Quantity, Schema
 from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
 from coral.contact.cost_program.errors import CODES
-from coral.contact.cost_program.library import CONSTANTS, MATH, MORE_PYTHON, OURS, PYTHON, VECTOR_METHODS
-from coral.contact.cost_program.library import MODULES as LIBRARIES
+from coral.contact.cost_program.library import CONSTANTS, MATH, METHODS, NUMPY, OURS, PYTHON
 from coral.contact.cost_program.pybullet import PyBullet
-from coral.contact.cost_program.rotations import MAKERS, OF_ROTATION
 from coral.contact.cost_program.state import StateSpace
 from coral.file_writer import write_whole
 
@@ -67,13 +65,11 @@ def _names(names: list[str]) -> str:
 def _functions() -> str:
     rows = [
         ("ours", list(OURS)),
-        ("Python", [*PYTHON, *MORE_PYTHON, "dict", "print (ignored)"]),
-        ("`np.`", list(LIBRARIES["np"])),
+        ("Python", [*PYTHON, "dict", "print (ignored)"]),
+        ("`np.`", list(NUMPY)),
         ("`math.`", list(MATH)),
         ("`np.`, `math.` constants", list(CONSTANTS)),
-        ("methods of vectors", list(VECTOR_METHODS)),
-        ("SciPy's `Rotation.`", list(MAKERS)),
-        ("methods of a `Rotation`", list(OF_ROTATION)),
+        ("methods of arrays", list(METHODS)),
         ("`p.`", list(PyBullet(StateSpace(HAND)).calls)),
     ]
     lines = [f"| {where} | {_names(names)} |" for where, names in rows]
