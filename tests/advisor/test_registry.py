@@ -18,7 +18,7 @@ from coral.advisor.registry import (
     rules_alone,
 )
 from coral.advisor.rules import RuleAdvisor
-from coral.advisor.sloppy import Mistake
+from coral.advisor.setting import Mistake
 from coral.errors import InputError
 
 

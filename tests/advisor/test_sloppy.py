@@ -7,7 +7,8 @@ from pydantic import BaseModel
 
 from coral.advisor.attribution import source_of
 from coral.advisor.question import Question, Reply
-from coral.advisor.sloppy import Mistake, Rates, SloppyAdvisor, parse_rates
+from coral.advisor.setting import Mistake
+from coral.advisor.sloppy import Rates, SloppyAdvisor, parse_rates
 
 
 class Pick(BaseModel):

@@ -12,18 +12,16 @@ import stat
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
 from coral.advisor.log import plain_json
 from coral.advisor.parse import MAX_CHARS, parse_answer
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
+from coral.advisor.setting import Setting
 from coral.errors import InputError
 from coral.file_writer import PRIVATE, write_whole
-
-if TYPE_CHECKING:
-    from coral.advisor.setting import Setting
 
 A = TypeVar("A", bound=BaseModel)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Callable, Coroutine, Mapping, Sequence
+from collections.abc import Coroutine, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import BaseModel
@@ -16,15 +16,10 @@ from coral.advisor.attribution import source_of
 from coral.advisor.corrupt import corrupt
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply, Usage
+from coral.advisor.setting import Corrupt, Setting
 from coral.errors import InputError
 
-if TYPE_CHECKING:
-    from coral.advisor.setting import Setting
-
 A = TypeVar("A", bound=BaseModel)
-
-Corrupt = Callable[[str, Question[Any], dict[str, Any], np.random.Generator], dict[str, Any]]
-"""Spoils an answer: (kind of error, question, answer as JSON, random generator) to another answer."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Coroutine, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
 from coral.advisor.attribution import Source
 from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply
 from coral.advisor.recorded_attempts import Attempted, find_recording, never_came, read_attempts, repeat
-
-if TYPE_CHECKING:
-    from coral.advisor.setting import Setting
+from coral.advisor.setting import Setting
 
 A = TypeVar("A", bound=BaseModel)
 

@@ -17,6 +17,7 @@ from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render_rejections
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
 from coral.advisor.scrub import public_url, scrub
+from coral.advisor.setting import Setting
 from coral.advisor.tracing import answer_span, trace_mode, traced
 from coral.errors import InputError
 
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     import httpx2
     from pydantic_ai.messages import ModelResponse, UserContent
     from pydantic_ai.models import Model, ModelRequestParameters
-
-    from coral.advisor.setting import Setting
 
 A = TypeVar("A", bound=BaseModel)
 

@@ -14,9 +14,7 @@ import numpy as np
 from coral.advisor.connect import KEYS
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
-from coral.advisor.rules import Rule
-from coral.advisor.setting import Setting
-from coral.advisor.sloppy import Mistake
+from coral.advisor.setting import Corrupt, Mistake, Rule, Setting
 from coral.errors import InputError, nearest
 from coral.plugins import find_plugins, load_plugin
 
@@ -178,7 +176,7 @@ def make_advisor(
     inbox: Path | None = None,
     cfg: ModelCfg | None = None,
     where: str = "--advisor",
-    spoil: Mapping[str, Callable[..., dict[str, Any]]] | None = None,
+    spoil: Mapping[str, Corrupt] | None = None,
     mistakes: Sequence[Mistake] = (),
 ) -> Advisor:
     """Make the advisor that a string names.

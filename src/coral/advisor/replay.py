@@ -6,7 +6,7 @@ import json
 from collections import deque
 from collections.abc import Coroutine, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
@@ -14,9 +14,7 @@ from coral.advisor.attribution import Source
 from coral.advisor.log import question_key
 from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply
 from coral.advisor.recorded_attempts import KEY_PARTS, Attempted, find_recording, read_attempts, repeat
-
-if TYPE_CHECKING:
-    from coral.advisor.setting import Setting
+from coral.advisor.setting import Setting
 
 A = TypeVar("A", bound=BaseModel)
 

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import TypeVar
 
 from pydantic import BaseModel
 
 from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply
-
-if TYPE_CHECKING:
-    from coral.advisor.setting import Setting
+from coral.advisor.setting import Rule, Setting
 
 A = TypeVar("A", bound=BaseModel)
-
-Rule = Callable[[Mapping[str, Any], Sequence[Rejection]], BaseModel]
-"""Answers one kind of question from its facts and the reasons for refusing earlier answers."""
 
 
 class RuleAdvisor:

@@ -1,20 +1,56 @@
-"""Context for making an advisor: rules, random numbers, an inbox, and how to call models."""
+"""What an application gives to its advisors: rules, errors to make, an inbox, and how to call models."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from coral.advisor.model_cfg import ModelCfg
-from coral.advisor.rules import Rule
+from coral.advisor.question import Advisor, Question, Rejection
 
-if TYPE_CHECKING:
-    from coral.advisor.question import Advisor
-    from coral.advisor.sloppy import Mistake
+Answer = dict[str, Any]
+"""An answer as JSON."""
+Rule = Callable[[Mapping[str, Any], Sequence[Rejection]], BaseModel]
+"""Answers one kind of question from its facts and the reasons for refusing earlier answers."""
+Corrupt = Callable[[str, Question[Any], Answer, np.random.Generator], Answer]
+"""Spoils an answer: (kind of error, question, answer as JSON, random generator) to another answer."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Earlier:
+    """The right answer to an earlier question of the same kind."""
+
+    at_s: float
+    """Time of the question, on the clock of the world."""
+    answer: Answer
+
+
+Err = Callable[[Question[Any], Answer, Sequence[Earlier], np.random.Generator], Answer | None]
+"""Makes the mistake: (question, right answer, earlier ones with the oldest first, random generator) to the wrong
+answer, or None if this mistake is impossible here."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mistake:
+    """One kind of plausible error in an application."""
+
+    name: str
+    """Name on the command line."""
+    what: str
+    """Description of the error."""
+    found_in: str
+    """Published failure analysis in which models make it; "" if none is known."""
+    questions: tuple[str, ...]
+    """Kinds of question in which it can happen."""
+    err: Err
+    part: str = ""
+    """The part of an answer that it spoils: a question that asks for several things at once has as many chances of
+    error as questions that ask for one each."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +69,7 @@ class Setting:
     """Flag to name in an error message."""
     inner: Callable[[str], Advisor]
     """Makes the inner advisor of a wrapper from its string."""
-    spoil: Mapping[str, Callable[..., dict[str, Any]]] = field(default_factory=dict)
+    spoil: Mapping[str, Corrupt] = field(default_factory=dict)
     """The application's functions that spoil an answer for `fallible`, by kind of question."""
     mistakes: tuple[Mistake, ...] = ()
     """The application's plausible errors, for `sloppy`."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections import deque
-from collections.abc import Callable, Coroutine, Mapping, Sequence
+from collections.abc import Coroutine, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import BaseModel
@@ -15,50 +15,14 @@ from pydantic import BaseModel
 from coral.advisor.attribution import source_of
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import Advisor, Question, Rejection, Reply
+from coral.advisor.setting import Earlier, Mistake, Setting
 from coral.errors import InputError, nearest
 
-if TYPE_CHECKING:
-    from coral.advisor.setting import Setting
-
 A = TypeVar("A", bound=BaseModel)
-Answer = dict[str, Any]
-"""An answer as JSON."""
 
 FORM = "sloppy:P:INNER or sloppy:KIND=P+KIND=P:INNER, with probabilities from 0 to 1"
 KEPT = 64
 """Number of remembered answers per kind of question."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Earlier:
-    """The right answer to an earlier question of the same kind."""
-
-    at_s: float
-    """Time of the question, on the clock of the world."""
-    answer: Answer
-
-
-Err = Callable[[Question[Any], Answer, Sequence[Earlier], np.random.Generator], Answer | None]
-"""Makes the mistake: (question, right answer, earlier ones with the oldest first, random generator) to the wrong
-answer, or None if this mistake is impossible here."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Mistake:
-    """One kind of plausible error in an application."""
-
-    name: str
-    """Name on the command line."""
-    what: str
-    """Description of the error."""
-    found_in: str
-    """Published failure analysis in which models make it; "" if none is known."""
-    questions: tuple[str, ...]
-    """Kinds of question in which it can happen."""
-    err: Err
-    part: str = ""
-    """The part of an answer that it spoils: a question that asks for several things at once has as many chances of
-    error as questions that ask for one each."""
 
 
 @dataclass(frozen=True, kw_only=True)

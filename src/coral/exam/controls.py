@@ -10,7 +10,8 @@ import numpy as np
 from pydantic import BaseModel
 
 from coral.advisor.question import Rejection
-from coral.advisor.rules import Rule, RuleAdvisor
+from coral.advisor.rules import RuleAdvisor
+from coral.advisor.setting import Rule
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.thinker.pose_question import PosesAnswer

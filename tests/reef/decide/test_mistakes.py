@@ -9,7 +9,7 @@ import pytest
 
 from coral.advisor.question import Question
 from coral.advisor.registry import make_advisor
-from coral.advisor.sloppy import Earlier
+from coral.advisor.setting import Earlier
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES

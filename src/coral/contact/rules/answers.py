@@ -8,7 +8,7 @@ from typing import TypeVar, cast
 from pydantic import BaseModel
 
 from coral.advisor.question import AdvisorUnavailable, Rejection
-from coral.advisor.rules import Rule
+from coral.advisor.setting import Rule
 from coral.contact.plan.contact_regions import ObjectRegions, RegionsAnswer
 from coral.contact.plan.plan_revision import PlanRevision
 from coral.contact.plan.region_validation import UNTOUCHABLE

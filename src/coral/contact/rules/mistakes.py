@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.question import Question
-from coral.advisor.sloppy import Answer, Earlier, Err, Mistake
+from coral.advisor.setting import Answer, Earlier, Err, Mistake
 from coral.contact.rules import program_edits as edit
 
 PLANS = ("cost-function", "cost-repair", "unified")

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from coral.advisor.fallible import Corrupt
 from coral.advisor.question import Question
+from coral.advisor.setting import Corrupt
 
 Answer = dict[str, Any]
 

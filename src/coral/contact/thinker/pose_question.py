@@ -15,7 +15,7 @@ from pydantic import BaseModel, RootModel
 
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.advisor.question import Rejection
-from coral.advisor.rules import Rule
+from coral.advisor.setting import Rule
 from coral.contact.perception.advisor_camera import to_picture
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.tracked_world import nominal_pose

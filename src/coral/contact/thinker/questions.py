@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from coral.advisor.consult import Outcome
 from coral.advisor.question import AdvisorUnavailable, Rejection
-from coral.advisor.rules import Rule
+from coral.advisor.setting import Rule
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld

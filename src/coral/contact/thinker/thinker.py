@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.question import Picture
-from coral.advisor.rules import Rule
+from coral.advisor.setting import Rule
 from coral.contact.control.hand_controllers import AdjustableController
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_effort import probe_effort

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.question import Rejection
-from coral.advisor.rules import Rule
+from coral.advisor.setting import Rule
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice
 
 Fact = Mapping[str, Any]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.question import Question
-from coral.advisor.sloppy import Answer, Earlier, Mistake
+from coral.advisor.setting import Answer, Earlier, Mistake
 
 CENTROID, WAYPOINT = "reef-centroid", "reef-waypoint"
 STEP_M = 6
