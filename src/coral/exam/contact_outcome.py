@@ -19,10 +19,10 @@ from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
 from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.rehearsal import sample_states
-from coral.contact.scene.observation import Observation, Transition
+from coral.contact.scene.observation import Observation
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters, Trial
-from coral.contact.thinker.plan_note import PlanNote, note_of
+from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
 from coral.contact.thinker.strategist import FixedStrategist, NoStrategy, PlanReport
 from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.exam.contact_scenes import trial_from_json
@@ -47,7 +47,7 @@ class FollowedPlan:
 
 
 class PlanFollower(FixedStrategist):
-    """Verifies one plan and follows it without asking again. Records the transitions and the costs.
+    """Verifies one plan and follows it without asking again. Keeps the history of an outer loop that does not step in.
 
     Args:
         plan: The plan to follow.
@@ -56,9 +56,7 @@ class PlanFollower(FixedStrategist):
 
     def __init__(self, plan: FollowedPlan, load: Loader) -> None:
         self._plan, self._load = plan, load
-        self.taken: list[Transition] = []
-        self.costs: list[tuple[float, float]] = []
-        self.notes: list[PlanNote] = []
+        self.monitor = ProgressMonitor(OuterCfg(), tuple(plan.answer.names))
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Set the beliefs and make a strategy of the plan.
@@ -74,10 +72,8 @@ class PlanFollower(FixedStrategist):
         return make_strategy("answer", plan.answer, plan.regions, world.schema, sizes, self._load)
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
-        """Record the transitions taken and the plan's cost."""
-        self.taken += report.taken
-        self.costs.append((report.now.time_s, report.plan.cost))
-        self.notes.append(note_of(report))
+        """Record the transitions taken, the plan's cost and its contacts."""
+        self.monitor.update(report)
         return None
 
 

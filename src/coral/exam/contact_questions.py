@@ -20,7 +20,7 @@ from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advis
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.scene_labels import PictureLabels, label_picture
 from coral.contact.perception.tracked_cfg import TrackedCfg
-from coral.contact.plan.contact_regions import RegionsAnswer, region_limits
+from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
 from coral.contact.rules.answers import RULES
 from coral.contact.scene.geometry import rotate
@@ -28,12 +28,15 @@ from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
-from coral.contact.thinker.diagnosis import TEXTS, diagnose
-from coral.contact.thinker.history_rows import REPAIR_ROWS, recent, recent_terms
+from coral.contact.thinker.diagnosis import diagnose
+from coral.contact.thinker.history_rows import recent
 from coral.contact.thinker.pose_question import pose_facts, pose_prompt
+from coral.contact.thinker.questions import regions_prompt
+from coral.contact.thinker.repair_prompt import fit_prompt, repair_values
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
 from coral.contact.thinker.think_cfg import ThinkCfg
+from coral.contact.thinker.unified_question import unified_prompt
 from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt
 from coral.contact.worlds.registry import make_world
 from coral.exam.contact_outcome import FollowedPlan, PlanFollower, episode_cfg, exam_limits, short_task
@@ -171,8 +174,7 @@ def _regions(task: str, seed: int) -> ExamItem:
     facts = _plan_facts(seen)
     plan = _apply_rules(facts)[0]
     facts["stages"] = plan.names
-    limits = region_limits(ThinkCfg().region)
-    prompt = {**_shared_prompt(seen, facts), "plan": plan.outline(), "limits": limits}
+    prompt = regions_prompt(_shared_prompt(seen, facts), plan, ThinkCfg().region)
     return _item("contact-regions", prompt, facts, {"touches": touches(seen.trial)}, seen.labelled)
 
 
@@ -194,11 +196,7 @@ def plan_question(task: str, seed: int) -> ExamItem:
 def _unified(task: str, seed: int) -> ExamItem:
     seen = _observe(sample_trial(load_task(task), seed + 50))
     facts = {**seen.facts, "diagnoses": [], "contact_strategy": True}
-    prompt = {
-        **_shared_prompt(seen, facts),
-        "places": True,
-        "code": "",
-    }
+    prompt = unified_prompt(_shared_prompt(seen, facts), ThinkCfg())
     key = {
         "trial": trial_to_json(seen.trial),
         "parameters": _true_parameters(seen.trial),
@@ -213,35 +211,21 @@ def _repair(task: str, seed: int) -> ExamItem | None:
     plan, regions = _apply_rules(_plan_facts(seen))
     bad = _break_plan(plan, seed)
     felt = _follow_for(seen.trial, FollowedPlan(bad, seen.beliefs, regions), BAD_S)
-    if felt is None or not felt.follower.taken:
+    if felt is None or not felt.follower.monitor.steps:
         return None
     name = next(iter(seen.trial.objects))
-    steps, now = felt.follower.taken, felt.now
+    monitor, now = felt.follower.monitor, felt.now
+    monitor.attempts = monitor.cfg.n_retry  # as where an episode asks
     later = replace(
         seen.trial,
         objects={key: replace(item, pose=now.objects[key]) for key, item in seen.trial.objects.items()},
     )
     after = replace(seen, trial=later, now=now, frame=felt.frame)
-    diagnosis, notes = diagnose(steps, name, 0, 0.0), felt.follower.notes
-    facts = {**_plan_facts(after), "diagnoses": [diagnosis]}
-    prompt = {
-        **_shared_prompt(after, facts),
-        "attempts": 15,
-        "stage": notes[-1].stage,
-        "object": name,
-        "diagnosis": f"Diagnosis: {TEXTS[diagnosis]}.",
-        "evidence": [],
-        "corrected": [],
-        "advice": [],
-        "earlier": [],
-        "regions": regions.lines(),
-        "history": recent(steps, felt.follower.costs, name, REPAIR_ROWS, notes),
-        "terms": recent_terms(notes),
-        "code": bad.text(numbered=True),
-        "explanation": bad.explanation,
-        "error": "",
-    }
-    return _item("cost-repair", prompt, facts, _plan_key(later, after, regions), after.labelled)
+    diagnoses = [diagnose(monitor.steps, name, 0, 0.0)]
+    facts = {**_plan_facts(after), "diagnoses": diagnoses}
+    prompt = {**_shared_prompt(after, facts), **repair_values(bad, regions, monitor, name, diagnoses)}
+    key = _plan_key(later, after, regions)
+    return _item("cost-repair", fit_prompt("cost-repair", prompt), facts, key, after.labelled)
 
 
 def _correction(task: str, seed: int) -> ExamItem | None:
@@ -331,7 +315,8 @@ def _ask_correction(capture: _RecordingAsker, name: str, seen: Seen) -> Callable
     def correct(episode: Episode, follower: PlanFollower) -> None:
         planner = episode.planner
         facts = scene_facts(episode.trial, episode.now, dict(planner.beliefs[0]))
-        past = TouchHistory(tuple(follower.taken), recent(follower.taken, follower.costs, name))
+        steps = tuple(follower.monitor.steps)
+        past = TouchHistory(steps, recent(steps, follower.monitor.costs, name))
         correct_beliefs(
             cast(Any, capture),
             name,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.advisor.consult import consult_at_once
 from coral.advisor.prompt import render
 from coral.advisor.question import Question, Rejection
 from coral.advisor.rules import RuleAdvisor
@@ -127,15 +127,9 @@ def moments(
 
 def _choose_goal(planner: LedPlanner, question: Question[Any], guide: RuleAdvisor) -> Goal | None:
     """Return a goal that the verifiers accept."""
-    rejections: list[Rejection] = []
-    for _ in range(8):
-        answer = asyncio.run(guide.answer(question, rejections)).value
-        refusal = planner.verify(question, answer)
-        if refusal is None:
-            goal = planner.locate(question, answer)
-            return None if isinstance(goal, Rejection) else goal
-        rejections.append(refusal)
-    return None
+    answer = consult_at_once(guide, lambda _: question, planner.verify, tries=8).answer
+    goal = None if answer is None else planner.locate(question, answer)
+    return None if isinstance(goal, Rejection) else goal
 
 
 def _drive(belief: Belief) -> Iterator[Pose]:

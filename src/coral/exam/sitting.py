@@ -10,7 +10,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from coral.advisor.question import Advisor, AdvisorUnavailable, BadAnswer, Usage
+from coral.advisor.consult import Attempt, BudgetCfg, consult
+from coral.advisor.question import Advisor, BadAnswer, Usage
 from coral.exam.item import ExamItem
 
 
@@ -64,18 +65,40 @@ async def _sit(advisor: Advisor, items: Sequence[ExamItem], at_once: int, told: 
 
 async def ask(advisor: Advisor, item: ExamItem) -> Sheet:
     """Ask one question."""
-    began = time.perf_counter()
+    log: list[Attempt] = []
+    budget, clock = BudgetCfg(max_requeries=0), _Stopwatch(item.asked_at_s)
+    outcome = await consult(
+        advisor, lambda _: item.question(), lambda question, answer: None, budget, clock, log.append
+    )
+    (asked,) = log
+    said = asked.rejection
+    return Sheet(
+        item=item,
+        answer=outcome.answer,
+        raw=asked.raw,
+        failure="" if said is None else f"{said.code}: {said.reason}",
+        seconds=None if asked.verdict == "unavailable" else asked.answered_at_s - asked.asked_at_s,
+        usage=asked.usage,
+    )
 
-    def seconds(known: float | None) -> float:
-        return time.perf_counter() - began if known is None else known
 
-    known: dict[str, Any]
-    try:
-        reply = await advisor.answer(item.question(), ())
-    except BadAnswer as bad:
-        failure = f"{bad.rejection.code}: {bad.rejection.reason}"
-        known = {"raw": bad.raw, "failure": failure, "seconds": seconds(bad.latency_s), "usage": bad.usage}
-        return Sheet(item=item, answer=None, **known)
-    except AdvisorUnavailable as gone:
-        return Sheet(item=item, answer=None, failure=f"{gone.code}: {gone.reason}", usage=gone.usage)
-    return Sheet(item=item, answer=reply.value, raw=reply.raw, seconds=seconds(reply.latency_s), usage=reply.usage)
+class _Stopwatch:
+    """A clock that passes by the time of each reply, as measured or as a recording states it, and knows no deadline."""
+
+    def __init__(self, start_s: float) -> None:
+        self._now_s = start_s
+
+    def now(self) -> float:
+        return self._now_s
+
+    async def reply(self, asking: Callable[[], Any], timeout_s: float) -> Any:
+        began_s, known_s = time.perf_counter(), None
+        try:
+            reply = await asking()
+            known_s = reply.latency_s
+            return reply
+        except BadAnswer as bad:
+            known_s = bad.latency_s
+            raise
+        finally:
+            self._now_s += time.perf_counter() - began_s if known_s is None else known_s

@@ -94,11 +94,12 @@ def shown(leaf):
     return [f"{value:.10g}" for value in (leaf, round(leaf, 3), *(float(f"{leaf:.{digits}g}") for digits in (2, 3)))]
 
 
-def history(**told):
+def history(questions, **told):
     """What a question for another plan tells of the plan that failed."""
     texts = dict.fromkeys(("stage", "object", "diagnosis", "code", "explanation", "error"), "")
     lists = dict.fromkeys(("evidence", "corrected", "regions", "history", "terms"), ())
-    return {**texts, **lists, "attempts": 3, **told}
+    past = {"advice": questions.advice, "earlier": [TEXTS[diagnosis] for diagnosis in questions.diagnoses[:-1]]}
+    return {**texts, **lists, **past, "attempts": 3, **told}
 
 
 @pytest.mark.parametrize("kind", ["cost-function", "cost-repair", "contact-regions"])
@@ -110,7 +111,7 @@ def test_the_rules_know_nothing_that_the_prompt_does_not_show(ask, kind, task):
     questions.update_facts(one.now)
     questions.diagnoses.append("slipped")
     questions.diagnoses.append("blocked")
-    plan = questions.ask_repair(one.now, history(diagnosis=TEXTS["blocked"]))
+    plan = questions.ask_repair(one.now, history(questions, diagnosis=TEXTS["blocked"]))
     questions.ask_plan(one.now)
     questions.ask_regions(plan)
     question = advisor.asked(kind)
@@ -161,9 +162,9 @@ def test_prompts_have_fewer_than_3000_tokens(ask, task):
     questions.ask_parameters({})
     questions.update_facts(one.now)
     questions.ask_plan(one.now)
-    questions.ask_repair(one.now, history(**told))
+    questions.ask_repair(one.now, history(questions, **told))
     questions.ask_everything(one.now)
-    questions.ask_everything(one.now, history(**{**told, "code": "x", "corrected": ()}))
+    questions.ask_everything(one.now, history(questions, **{**told, "code": "x", "corrected": ()}))
     questions.ask_regions(PlanAnswer(code=UP.format(height=1)))
     first, again = [], []
     for question in advisor.questions:
@@ -185,7 +186,7 @@ def test_what_is_advised_of_an_accepted_plan_is_told_and_shown_in_its_repair(ask
     assert questions.ask_plan(one.now) is not None
     (advice,) = dict(told)["plan_answer"]["advice"]
     assert "inside the table" in advice
-    questions.ask_repair(one.now, history())
+    questions.ask_repair(one.now, history(questions))
     assert advice in advisor.asked("cost-repair").prompt
 
 
@@ -208,6 +209,23 @@ def test_where_the_rules_take_over_their_regions_fit_their_plan(ask):
     assert dict(told)["fallback"]["what"] == "plan"
 
 
+def test_the_rules_go_through_the_checks_of_a_plan_too(ask):
+    told = []
+
+    def careless(facts, rejections):
+        told.append([rejection.code for rejection in rejections])
+        bad = PlanAnswer(code="def state_cost(self):\n    return self.cup_pos[0]")
+        return RULES["cost-function"](facts, ()) if len(rejections) == 2 else bad
+
+    _, questions, _ = ask(Careless(), fallback={"cost-function": careless})
+    assert questions.plan_by_rules() == RULES["cost-function"](questions.facts, ())
+    assert [len(codes) for codes in told] == [0, 1, 2]
+    assert questions.facts["refused"] == 2
+    _, questions, _ = ask(Careless(), fallback={"cost-function": lambda facts, _: careless(facts, ())})
+    with pytest.raises(NoStrategy, match="cup_pos"):
+        questions.plan_by_rules()
+
+
 def test_where_the_rules_know_no_way_either_there_is_no_strategy(ask):
     def none(facts, rejections):
         raise AdvisorUnavailable("no-rule", "too wide to grasp", final=True)
@@ -221,7 +239,7 @@ def test_a_question_about_the_plan_carries_what_went_wrong_so_far(ask):
     advisor = Careless()
     one, questions, _ = ask(advisor)
     questions.diagnoses.append("slipped")
-    questions.ask_repair(one.now, history(code="x = 1"))
+    questions.ask_repair(one.now, history(questions, code="x = 1"))
     assert advisor.asked("cost-repair").facts["diagnoses"] == ["slipped"]
     assert "x = 1" in advisor.asked("cost-repair").prompt
 

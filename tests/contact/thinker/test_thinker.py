@@ -20,8 +20,8 @@ from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker import thinker as thinking
 from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.fallback import NoDecision
 from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
-from coral.contact.thinker.stand_in import NoDecision
 from coral.contact.thinker.strategist import PlanReport
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinker import Thinker

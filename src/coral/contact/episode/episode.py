@@ -40,7 +40,7 @@ from coral.contact.scene.observation import HandTarget, Observation, Transition,
 from coral.contact.scene.prior_beliefs import prior_beliefs
 from coral.contact.scene.trial import Trial, with_beliefs
 from coral.contact.thinker.asker import EpisodeOver
-from coral.contact.thinker.stand_in import NoDecision
+from coral.contact.thinker.fallback import NoDecision
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
 from coral.contact.thinker.think_cfg import resolved
 from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError

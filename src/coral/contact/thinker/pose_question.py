@@ -23,9 +23,9 @@ from coral.contact.scene.geometry import quaternion_of, rotate
 from coral.contact.scene.observation import Array, BodyState, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
+from coral.contact.thinker.fallback import fall_back
 from coral.contact.thinker.question_facts import PoseFacts, UnposedObjectFacts
 from coral.contact.thinker.scene_facts import pose
-from coral.contact.thinker.stand_in import fall_back
 
 LEAST_PIXELS = 20
 """With fewer measured pixels, an object's measured position is ignored."""

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.advisor.consult import Outcome
-from coral.advisor.question import AdvisorUnavailable, Rejection
+from coral.advisor.question import Rejection
 from coral.advisor.setting import Rule
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.perception.scene_labels import PictureLabels
-from coral.contact.plan.contact_regions import RegionsAnswer, region_limits
+from coral.contact.plan.contact_regions import RegionCfg, RegionsAnswer, region_limits
 from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, make_strategy
 from coral.contact.plan.imagined_run import ImaginedRunCfg, imagine
 from coral.contact.plan.plan_check import judge_plan
@@ -30,13 +30,13 @@ from coral.contact.plan.touchable_points import Scenery, candidates_of
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.diagnosis import TEXTS, Diagnosis
+from coral.contact.thinker.diagnosis import Diagnosis
+from coral.contact.thinker.fallback import ask_rules, fall_back
 from coral.contact.thinker.film_strip import draw_film_strip
 from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
 from coral.contact.thinker.repair_prompt import fit_prompt
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
-from coral.contact.thinker.stand_in import fall_back
 from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.unified_question import ask_unified
@@ -139,7 +139,7 @@ class Questions:
 
     def ask_repair(self, now: Observation, history: Mapping[str, Any]) -> PlanAnswer | None:
         """Ask for another plan, given the history of the last one; None without an answer."""
-        shown = {**self.world_prompt(), **self._past(), **history}
+        shown = {**self.world_prompt(), **history}
         return self._ask_for_plan("cost-repair", now, fit_prompt("cost-repair", shown))
 
     def revise_plan(self, plan: PlanAnswer, now: Observation) -> PlanAnswer:
@@ -211,19 +211,25 @@ class Questions:
         """Make the plan by rules, if the policy lets them answer for the advisor.
 
         Raises:
-            NoStrategy: The rules have no plan either.
+            NoStrategy: The rules have no plan either, or none that passes the checks.
             NoDecision: The policy does not let the rules answer.
         """
         if self._cfg.fallback != "rules":
             self._fall_back("plan", self._unanswered)
-        try:
-            rule = self._fallback["cost-function"](self._plan_facts(), ())
-        except AdvisorUnavailable as none:
-            raise NoStrategy(none.reason) from None
-        assert isinstance(rule, PlanAnswer)
-        self.facts["refused"] = 0  # its regions are to fit it, not the answers that were refused
+        present = self.present(self._seen)
+        outcome = ask_rules(
+            self._fallback,
+            "cost-function",
+            PlanAnswer,
+            self._plan_facts(),
+            lambda plan: self.check_plan(plan, present),
+        )
+        if outcome.answer is None:
+            raise NoStrategy("; ".join(rejection.reason for rejection in outcome.rejections[-1:]))
+        # Its regions are to fit it, not the answers that were refused.
+        self.facts["refused"] = len(outcome.rejections)
         self._fall_back("plan", self._unanswered)
-        return rule
+        return outcome.answer
 
     def keep_plan(self, plan: PlanAnswer) -> PlanAnswer:
         """Keep the plan because the advisor gives no repair.
@@ -247,11 +253,7 @@ class Questions:
             "contact-regions",
             RegionsAnswer,
             asked,
-            {
-                **self.world_prompt(),
-                "plan": plan.outline(),
-                "limits": region_limits(self._cfg.region),
-            },
+            regions_prompt(self.world_prompt(), plan, self._cfg.region),
             lambda answer: self.check_regions(answer, plan),
             with_picture=True,
             labels=self.labels(self._seen),
@@ -271,12 +273,10 @@ class Questions:
 
     def _regions_by_rules(self, facts: RegionFacts, plan: PlanAnswer) -> RegionsAnswer:
         """Return the rules' regions; none if the rules have none or theirs are refused."""
-        try:
-            rule = self._fallback["contact-regions"](facts, ())
-        except AdvisorUnavailable:
-            return RegionsAnswer({})
-        assert isinstance(rule, RegionsAnswer)
-        return rule if self.check_regions(rule, plan) is None else RegionsAnswer({})
+        outcome = ask_rules(
+            self._fallback, "contact-regions", RegionsAnswer, facts, lambda answer: self.check_regions(answer, plan)
+        )
+        return RegionsAnswer({}) if outcome.answer is None else outcome.answer
 
     def check_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
         """Return why a plan's regions cannot be used in the scene as last observed; None if they can."""
@@ -308,7 +308,7 @@ class Questions:
             self._cfg,
             self.scenery,
             self.labels(now),
-            None if history is None else {**self._past(), **history},
+            history,
         )
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
@@ -389,11 +389,6 @@ class Questions:
             advice=[] if plan is None else list(self.advice),
         )
 
-    def _past(self) -> dict[str, Any]:
-        """Return what questions for another plan show of the plans before it."""
-        earlier = [TEXTS[diagnosis] for diagnosis in self.diagnoses[:-1]]
-        return {"advice": list(self.advice), "earlier": earlier}
-
     def _plan_facts(self) -> PlanFacts:
         """Return the facts of a question about the plan."""
         return {**self.facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}
@@ -405,6 +400,17 @@ class Questions:
     def labels(self, now: Observation) -> PictureLabels:
         """Return what is written into pictures: where things are believed to be."""
         return PictureLabels.of(self._trial.task, now)
+
+
+def regions_prompt(shown: Mapping[str, Any], plan: PlanAnswer, cfg: RegionCfg) -> dict[str, Any]:
+    """Return the placeholders of the question where the stages of a plan touch.
+
+    Args:
+        shown: What all questions about a plan share.
+        plan: The plan.
+        cfg: Bounds of regions.
+    """
+    return {**shown, "plan": plan.outline(), "limits": region_limits(cfg)}
 
 
 def _rejection_reasons(outcome: Outcome[Any]) -> list[str]:

@@ -1,16 +1,64 @@
-"""Prompts of repairs within bounds: they show less of the history where the scene itself is long."""
+"""The prompt of a repair: what is told of the plan that failed, less of it where the scene itself is long."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from coral.advisor.prompt import render
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_plan import PlanAnswer
+from coral.contact.thinker.diagnosis import TEXTS, Diagnosis
+from coral.contact.thinker.history_rows import REPAIR_ROWS, recent, recent_terms
+from coral.contact.thinker.progress_monitor import ProgressMonitor
 
 MOST_CHARACTERS = 9_200
 """Characters of a repair's prompt without its author's program: fewer than 3,000 tokens (docs/contact-mind.md)."""
 SHORTENED = (("earlier", 1), ("history", 2), ("terms", 1), ("earlier", 0), ("history", 1))
 """What is shortened, in this order, and to how many rows."""
+
+
+def repair_values(
+    plan: PlanAnswer,
+    regions: RegionsAnswer | None,
+    monitor: ProgressMonitor,
+    name: str,
+    diagnoses: Sequence[Diagnosis],
+    *,
+    evidence: Sequence[str] = (),
+    corrected: Sequence[str] = (),
+    advice: Sequence[str] = (),
+    error: str = "",
+) -> dict[str, Any]:
+    """Return the placeholders that tell of a plan that failed.
+
+    Args:
+        plan: The plan.
+        regions: Where it touches; None if regions are disabled.
+        monitor: What happened while it was followed.
+        name: The object concerned.
+        diagnoses: Diagnoses so far, of this plan the last.
+        evidence: The record in sentences.
+        corrected: Corrections of masses and frictions.
+        advice: What its check noted without refusing it.
+        error: Why it could not be evaluated.
+    """
+    return {
+        "attempts": monitor.attempts,
+        "stage": monitor.stage,
+        "object": name,
+        "diagnosis": f"Diagnosis: {TEXTS[diagnoses[-1]]}." if diagnoses else "",
+        "earlier": [TEXTS[diagnosis] for diagnosis in diagnoses[:-1]],
+        "evidence": list(evidence),
+        "corrected": list(corrected),
+        "advice": list(advice),
+        "history": recent(monitor.steps, monitor.costs, name, REPAIR_ROWS, monitor.notes),
+        "terms": recent_terms(monitor.notes),
+        "regions": [] if regions is None else regions.lines(),
+        "code": plan.text(numbered=True),
+        "explanation": plan.explanation,
+        "error": error,
+    }
 
 
 def fit_prompt(kind: str, values: Mapping[str, Any]) -> dict[str, Any]:

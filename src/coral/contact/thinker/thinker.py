@@ -33,11 +33,12 @@ from coral.contact.thinker.correction import TouchHistory, correct_beliefs
 from coral.contact.thinker.correction_schedule import CorrectionSchedule
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose
 from coral.contact.thinker.evidence import collect_evidence
-from coral.contact.thinker.history_rows import REPAIR_ROWS, recent, recent_terms
+from coral.contact.thinker.history_rows import recent
 from coral.contact.thinker.pose_question import ask_poses
 from coral.contact.thinker.progress_monitor import ProgressMonitor
 from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.recall import Recall
+from coral.contact.thinker.repair_prompt import repair_values
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, StrategistCounts
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinking_clock import Thinking
@@ -285,22 +286,17 @@ class Thinker:
         return strategy
 
     def _replan(self, now: Observation, otherwise: Callable[[], PlanAnswer], error: str = "") -> None:
-        steps, costs = self._monitor.steps, self._monitor.costs
-        name = most_informative_object(steps) or next(iter(self._questions.sizes))
-        history = {
-            "attempts": self._monitor.attempts,
-            "stage": self._monitor.stage,
-            "object": name,
-            "diagnosis": self._diagnosis_text(),
-            "evidence": list(self._evidence),
-            "corrected": list(self._corrected),
-            "history": recent(steps, costs, name, REPAIR_ROWS, self._monitor.notes),
-            "terms": recent_terms(self._monitor.notes),
-            "regions": self._regions.lines() if self.cfg.regions else [],
-            "code": self._plan.text(numbered=True),
-            "explanation": self._plan.explanation,
-            "error": error,
-        }
+        history = repair_values(
+            self._plan,
+            self._regions if self.cfg.regions else None,
+            self._monitor,
+            most_informative_object(self._monitor.steps) or next(iter(self._questions.sizes)),
+            self._questions.diagnoses,
+            evidence=self._evidence,
+            corrected=self._corrected,
+            advice=self._questions.advice,
+            error=error,
+        )
         if self.cfg.unified:
             self._plan, self._regions = self._questions.ask_everything(now, history) or (otherwise(), self._regions)
             return
@@ -411,12 +407,6 @@ class Thinker:
         name = self._correction_schedule.due(self._history, last)
         if name is not None:
             self._correct(name, self._now)
-
-    def _diagnosis_text(self) -> str:
-        """Return the last diagnosis as a sentence; "" before the first."""
-        if not self._questions.diagnoses:
-            return ""
-        return f"Diagnosis: {TEXTS[self._questions.diagnoses[-1]]}."
 
     def _experience(self) -> Experience:
         task, numbers = self._trial.task, scene_numbers(self._questions.facts)

@@ -55,6 +55,12 @@ class UnifiedAnswer(PlanAnswer):
         return PlanAnswer(code=self.code, stages=self.stages, explanation=self.explanation)
 
 
+def unified_prompt(shown: Mapping[str, Any], cfg: ThinkCfg, history: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Return the placeholders of the single question; the arguments are those of `ask_unified`."""
+    prompt: dict[str, Any] = {**shown, "places": cfg.regions, "code": "", "error": ""}
+    return prompt if history is None else fit_prompt(KIND, {**prompt, **history})
+
+
 def ask_unified(
     asker: Asker,
     facts: PlanFacts,
@@ -79,9 +85,7 @@ def ask_unified(
         labels: What to write into the picture.
         history: For a repair: what the prompt says of the plan that failed.
     """
-    prompt: dict[str, Any] = {**shown, "places": cfg.regions, "code": "", "error": ""}
-    if history is not None:
-        prompt = fit_prompt(KIND, {**prompt, **history})
+    prompt = unified_prompt(shown, cfg, history)
     sizes = {name: item["size_m"] for name, item in facts["objects"].items()}
 
     def wrong(answer: UnifiedAnswer) -> Rejection | None:

@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
 
+from pydantic import BaseModel
+
+from coral.advisor.consult import Outcome, consult_at_once
 from coral.advisor.fallback import Fallback, failed
+from coral.advisor.question import Question, Rejection
+from coral.advisor.rules import RuleAdvisor
+from coral.advisor.setting import Rule
+
+A = TypeVar("A", bound=BaseModel)
 
 
 class NoDecision(RuntimeError):
@@ -41,3 +50,23 @@ def fall_back(emit: Callable[..., None], policy: Fallback, what: str, failure: s
     emit("fallback", what=what, by=who, because=failure, policy=policy, decided=what, source="fallback")
     if policy != "rules":
         raise NoDecision(policy, what, failure)
+
+
+def ask_rules(
+    rules: Mapping[str, Rule],
+    kind: str,
+    answer_type: type[A],
+    facts: Mapping[str, Any],
+    verify: Callable[[A], Rejection | None],
+) -> Outcome[A]:
+    """Let the rules answer a question that the advisor did not, through the checks of any answer.
+
+    Args:
+        rules: The rules by kind of question.
+        kind: Kind of the question.
+        answer_type: Type of its answer.
+        facts: Its facts.
+        verify: Returns why an answer is refused, or None.
+    """
+    question: Question[A] = Question(kind=kind, prompt="", answer_type=answer_type, facts=facts)
+    return consult_at_once(RuleAdvisor(rules), lambda _: question, lambda _, answer: verify(answer))

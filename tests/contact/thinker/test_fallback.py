@@ -1,6 +1,6 @@
 import pytest
 
-from coral.contact.thinker.stand_in import NoDecision, fall_back
+from coral.contact.thinker.fallback import NoDecision, fall_back
 
 
 def outcome(policy):
