@@ -16,9 +16,7 @@ from playwright.sync_api import sync_playwright
 
 IMAGES = Path(__file__).parent.parent / "images"
 CORAL = str(Path(sys.executable).with_name("coral"))
-FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-WARNING = ".mantine-Notification-root{display:none !important}"
-"""Hides the browser's remark that it draws in software."""
+FLAGS = ["--no-sandbox"]
 
 
 def main() -> None:
@@ -35,8 +33,7 @@ def main() -> None:
         page = browser.new_page(viewport={"width": 1280, "height": 820})
         page.set_default_timeout(120_000)
         page.goto(found[0])
-        page.get_by_text("stage lift").first.wait_for()
-        page.add_style_tag(content=WARNING)
+        page.get_by_text("stage “lift”").first.wait_for()
         page.wait_for_timeout(8000)
         page.screenshot(path=str(IMAGES / "live-task.png"))
         browser.close()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from types import FrameType
@@ -127,7 +128,9 @@ def sigterm_as_interrupt() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-def wait_for_interrupt() -> None:
-    """Wait until Ctrl-C or SIGTERM."""
+def wait_for_interrupt(told: str = "") -> None:
+    """Wait until Ctrl-C or SIGTERM; `told` is printed on standard error once they are awaited."""
     with contextlib.suppress(KeyboardInterrupt), sigterm_as_interrupt():
+        if told:
+            print(told, file=sys.stderr, flush=True)
         threading.Event().wait()

@@ -2,17 +2,11 @@ import re
 
 import pytest
 
-from coral.view.live.recorded import Player
-
 
 @pytest.fixture(autouse=True)
 def _interrupted(monkeypatch):
     """Ctrl-C comes as soon as the page is open."""
-
-    def interrupted(self, page, clock, wait):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Player, "run", interrupted)
+    monkeypatch.setattr("coral.commands.replay.wait_for_interrupt", lambda: None)
 
 
 def test_a_run_is_shown_until_ctrl_c_and_then_told(told, survey):

@@ -17,8 +17,8 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, make_advisor
 from coral.commands.config_flag import configured
-from coral.commands.contact_live import LiveFlags, watching
 from coral.commands.franka_robot import WORLD, RobotFlags, make_robot_world, robot_cfg, robot_trial
+from coral.commands.live import LiveFlags, watching_task
 from coral.commands.operator_verdict import HINT, KeyboardVerdict
 from coral.commands.progress import EpisodeProgress
 from coral.config import checked
@@ -122,6 +122,8 @@ class ContactRun:
     """Port of the live page on this machine; 0 chooses a free one."""
     live_speed: float = 1.0
     """Speed limit of a live task, in multiples of real time; 0 for none. The page can change it."""
+    wait: bool = True
+    """With --live: begin when somebody has opened the page, and keep the page after the end until Ctrl-C."""
     model: ModelCfg = field(default_factory=contact_model)
     """Calls of a real model, and the spending limit of the run."""
     cfg: EpisodeCfg = field(default_factory=EpisodeCfg)
@@ -207,7 +209,7 @@ class ContactRun:
 
     @property
     def _live_flags(self) -> LiveFlags:
-        return LiveFlags(live=self.live, port=self.live_port, speed=self.live_speed)
+        return LiveFlags(live=self.live, port=self.live_port, speed=self.live_speed, wait=self.wait)
 
     @property
     def _robot_flags(self) -> RobotFlags:
@@ -246,14 +248,14 @@ class ContactRun:
 
     def _attempt(self, episode: Episode, folder: Path, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode to its end, and make its pictures and report."""
-        with watching(episode, self._live_flags) as viewers:
+        with watching_task(self._live_flags, episode) as viewers:
             progress = EpisodeProgress(quiet=self.quiet)
             try:
                 result = episode.run([progress, *viewers])
             finally:
                 progress.close()
-        decided = who_decided(result, things="decisions", fallback=cfg.think.fallback)
-        return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
+            decided = who_decided(result, things="decisions", fallback=cfg.think.fallback)
+            return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 
     def _run_policy(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode with a served policy."""

@@ -44,9 +44,8 @@ class Desk:
             return self._serve_agents(token)
         server = DeskServer(Inbox(self.inbox), self.host, self.port, token)
         print(f"the desk is open at {server.url}", file=sys.stderr, flush=True)
-        print(f"it shows the questions in {self.inbox}; Ctrl-C closes it", file=sys.stderr, flush=True)
         with server:
-            wait_for_interrupt()
+            wait_for_interrupt(f"it shows the questions in {self.inbox}; Ctrl-C closes it")
         return self._result(server.access.port, server.answered)
 
     def _serve_agents(self, token: str) -> Mapping[str, Any]:

@@ -23,7 +23,7 @@ CORE = (
     "rich",
     "PyYAML",
     "Jinja2",
-    "viser",
+    "starlette",
     "matplotlib",
     "imageio-ffmpeg",
     "pyarrow",

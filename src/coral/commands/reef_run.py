@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,6 +18,7 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured, given_keys, set_keys
+from coral.commands.live import LiveFlags, watching_mission
 from coral.commands.progress import MissionProgress
 from coral.config import checked
 from coral.desk.notice import mission_notice
@@ -33,7 +34,6 @@ from coral.reef.mission.resolution import resolve_mission, with_sonar
 from coral.reef.mission.variants import VARIANTS
 from coral.reef.world.generated import find_world
 from coral.reef.world.world_names import shipped_worlds
-from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.view.questions import question_pictures
 from coral.words import many
@@ -91,6 +91,8 @@ class ReefRun:
     """Port of the live page on this machine; 0 chooses a free one."""
     live_speed: float = 5.0
     """Speed limit of a live mission, in multiples of real time; 0 for none. The page can change it."""
+    wait: bool = True
+    """With --live: begin when somebody has opened the page, and keep the page after the end until Ctrl-C."""
     facts: bool = False
     """Add the numbers shown by the pictures to a model's prompt (a separate experiment)."""
     model: ModelCfg = field(default_factory=ModelCfg)
@@ -108,10 +110,8 @@ class ReefRun:
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the mission."""
-        with self._page() as watching:
-            return self._survey(watching)
-
-    def _survey(self, watching: Callable[[Mission], list[Observer[Mission]]]) -> Mapping[str, Any]:
+        live = LiveFlags(live=self.live, port=self.live_port, speed=self.live_speed, wait=self.wait)
+        live.check()
         world = find_world(self.world)
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
@@ -132,6 +132,8 @@ class ReefRun:
             asks_people=asks_people,
         )
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
+        if self.live:
+            cfg = dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, keep_rollouts=True))
         folder = self.out or new_run_folder(Path("runs"), world.name)
         rng = np.random.default_rng([self.seed, 7])
         inbox = self.inbox or folder / "inbox"
@@ -164,45 +166,24 @@ class ReefRun:
         about = {"world": world.name, "variant": self.variant, "seed": self.seed, "run": str(folder)}
         if asks_people and not self.quiet:
             print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)
-        try:
-            with mission_notice(inbox, **about) if asks_people else nullcontext() as notice:
-                result = mission.run([progress, *watching(mission)])
-                if notice is not None:
-                    notice.finished(
-                        f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
-                        f"{many(result['collisions'], 'collision')}, {result['sim_time_s']:.0f} s simulated; "
-                        f"{result['end_reason']}"
-                    )
-        finally:
-            progress.close()
-        decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
-        return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
+        with watching_mission(live, mission) as viewers:
+            try:
+                with mission_notice(inbox, **about) if asks_people else nullcontext() as notice:
+                    result = mission.run([progress, *viewers])
+                    if notice is not None:
+                        notice.finished(
+                            f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered, "
+                            f"{many(result['collisions'], 'collision')}, {result['sim_time_s']:.0f} s simulated; "
+                            f"{result['end_reason']}"
+                        )
+            finally:
+                progress.close()
+            decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
+            return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 
     def _with_sonar(self) -> MissionCfg:
         """Return the configuration, with the sonar if the flag or the configuration asks for it."""
         return with_sonar(self.cfg) if self.sonar else self.cfg
-
-    @contextmanager
-    def _page(self) -> Iterator[Callable[[Mission], list[Observer[Mission]]]]:
-        """Make the observers that show a mission in a browser; none without `--live`."""
-        if not self.live:
-            yield lambda mission: []
-            return
-        from coral.view.live.pace import Pace
-        from coral.view.live.page import LivePage
-        from coral.view.live.panel import MissionControls
-        from coral.view.live.reef_mission import LiveMission
-
-        if not self.live_speed >= 0:
-            raise InputError("--live-speed", "", self.live_speed, "a number from 0 on")
-        pace = Pace(self.live_speed)
-        with LivePage(self.live_port, MissionControls(pace), label="CORAL mission", flag="--live-port") as page:
-
-            def watched(mission: Mission) -> list[Observer[Mission]]:
-                print(f"watch the mission at {page.url}", file=sys.stderr, flush=True)
-                return [LiveMission(mission, page, pace)]
-
-            yield watched
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the outcome in a few lines, and list the files."""

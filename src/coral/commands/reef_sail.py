@@ -297,21 +297,16 @@ class ReefSail:
         if not self.live:
             yield []
             return
-        from coral.view.live.page import LivePage
-        from coral.view.live.sea_survey import LiveSurvey, SurveyControls
+        from coral.view.live.controls import SurveyControls
+        from coral.view.live.viewer import Viewer
+        from coral.view.live.watching import WatchedSurvey, reef_sketch
 
-        with LivePage(
-            self.live_port,
-            SurveyControls(mission.crew.words, mission.alignment),
-            label="CORAL survey",
-            flag="--live-port",
-        ) as page:
-            self._say(f"watch and steer the survey at {page.url}")
-            survey = LiveSurvey(mission, page)
-            try:
-                yield [survey]
-            finally:
-                survey.close()
+        controls = SurveyControls(mission.crew.words, mission.alignment)
+        with Viewer(mission.record.folder, controls, port=self.live_port, flag="--live-port") as viewer:
+            self._say(f"watch and steer the survey at {viewer.url}")
+            yield [WatchedSurvey(viewer, None, reef_sketch, real_time=True)]
+            if viewer.watched:
+                viewer.stay()
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the outcome in a few lines, and list the files."""

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import signal
 import sys
-import threading
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
 from typing import Annotated, Any
 
 from coral.config import Positive, checked
 from coral.flags import Argument
+from coral.interrupts import wait_for_interrupt
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,41 +28,25 @@ class Replay:
 
     def __call__(self) -> Mapping[str, Any]:
         """Serve until interrupted."""
-        from coral.view.live.pace import Pace
-        from coral.view.live.page import LivePage
-        from coral.view.live.panel import ReplayControls
-        from coral.view.live.recorded import Player, RecordedRun
-        from coral.view.live.recorded_task import RecordedTask
+        from coral.view.live.viewer import Viewer
         from coral.view.run import RunFolder
 
         checked(self, "coral replay")
         found = RunFolder.read(self.run)
-        recording = RecordedTask(found) if (self.run / "task.yaml").is_file() else RecordedRun(found)
-        pace = Pace(self.speed)
-        player = Player(recording, pace)
-        controls = ReplayControls(pace, recording.duration_s, player.seek, player.play)
-        with LivePage(self.port, controls, label="CORAL replay") as page:
-            before = signal.signal(signal.SIGTERM, _interrupt)
-            try:
-                print(f"watch the run at {page.url}; Ctrl-C closes it", file=sys.stderr, flush=True)
-                for note in found.notes:
-                    print(f"note: {note}", file=sys.stderr, flush=True)
-                player.run(page, time.monotonic, threading.Event().wait)
-            except KeyboardInterrupt:
-                pass
-            finally:
-                signal.signal(signal.SIGTERM, before)
+        viewer = Viewer(self.run, rate=self.speed, port=self.port)
+        viewer.stream.subject  # noqa: B018  # tells what is wrong before the page opens
+        with viewer as page:
+            print(f"watch the run at {page.url}; Ctrl-C closes it", file=sys.stderr, flush=True)
+            for note in found.notes:
+                print(f"note: {note}", file=sys.stderr, flush=True)
+            wait_for_interrupt()
             return {
                 "run": str(self.run),
                 "url": page.url,
-                "duration_s": recording.duration_s,
+                "duration_s": found.duration_s,
                 "complete": found.complete,
             }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was shown."""
         return f"the page is closed; {result['duration_s']:.0f} s of {result['run']} could be watched"
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt

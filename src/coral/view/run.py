@@ -253,14 +253,15 @@ def _table(path: Path, notes: list[str]) -> dict[str, NDArray[np.float64]]:
     if body and not text.endswith("\n"):
         body.pop()
         notes.append(f"{path.name}: the last line was cut off while it was written and was left out.")
-    values = [numbers for row in body if (numbers := _numbers(row, len(header))) is not None]
+    values = [numbers for row in body if (numbers := numbers_of(row, len(header))) is not None]
     if len(values) < len(body):
         notes.append(f"{path.name}: {len(body) - len(values)} lines are not {len(header)} numbers and were left out.")
     table = np.array(values, np.float64).reshape(-1, len(header))
     return {name: table[:, k].copy() for k, name in enumerate(header)}
 
 
-def _numbers(row: Sequence[str], count: int) -> list[float] | None:
+def numbers_of(row: Sequence[str], count: int) -> list[float] | None:
+    """Return the numbers of a row of a table, an empty field as nan; None if it is no such row."""
     if len(row) != count:
         return None
     words = {"": float("nan"), "true": 1.0, "false": 0.0}

@@ -1,0 +1,137 @@
+"""The operator's buttons on the viewer: pause, speed and stop of a run, weights of a cost, words of a survey at sea."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Protocol
+
+from coral.view.live.pace import Pace
+
+if TYPE_CHECKING:
+    from coral.contact.control.term_weights import TermWeights
+    from coral.reef.sea.operator import OperatorWords, Word
+    from coral.reef.sea.survey_alignment import SurveyAlignment
+
+MOST = 4.0
+"""Largest factor on a term of a cost."""
+Panel = dict[str, Any]
+
+
+class Controls(Protocol):
+    """The buttons of one kind of run."""
+
+    def panel(self, status: str) -> Panel:
+        """Return the buttons as the page draws them, for a run in this state."""
+        ...
+
+    def press(self, name: str, value: Any) -> bool:
+        """Act on a button; whether there is one of this name and value."""
+        ...
+
+
+class RunControls:
+    """Pause, stop and speed of what runs; with `weights`, a factor on each term of the cost from the next plan on.
+
+    Args:
+        pace: The viewer's requests.
+        what: What is stopped: mission or task.
+        weights: Takes the factors; None for a run without such a cost.
+        stop_now: Called by the stop button besides, at once and from its own thread: it stops an arm.
+    """
+
+    def __init__(
+        self,
+        pace: Pace,
+        what: str = "mission",
+        weights: TermWeights | None = None,
+        stop_now: Callable[[], None] | None = None,
+    ) -> None:
+        self.pace, self._what, self._weights, self._stop_now = pace, what, weights, stop_now
+
+    def panel(self, status: str) -> Panel:
+        """Return the buttons."""
+        ended = status.startswith("ended")
+        pause = {"name": "pause", "label": "Resume" if self.pace.paused else "Pause", "disabled": ended}
+        stop = {"name": "stop", "label": f"Stop the {self._what}", "tone": "bad", "disabled": ended}
+        weighs = self._weights is not None and not ended
+        return {"buttons": [pause, stop], "speed": None if ended else self.pace.speed, "weights": weighs}
+
+    def press(self, name: str, value: Any) -> bool:
+        """Act on a button."""
+        if name == "pause":
+            self.pace.paused = not self.pace.paused
+        elif name == "stop":
+            if self._stop_now is not None:
+                self._stop_now()
+            self.pace.end()
+        elif name == "speed" and _is_number(value) and 0 <= value <= 1000:
+            self.pace.speed = float(value)
+        elif name == "weight" and isinstance(value, list) and len(value) == 3 and self._weights is not None:
+            stage, term, factor = value
+            if not (isinstance(stage, str) and isinstance(term, str) and _is_number(factor)):
+                return False
+            self._weights.set(stage[:200], term[:200], min(max(float(factor), 0.0), MOST))
+        else:
+            return False
+        return True
+
+
+BUTTONS: tuple[tuple[Word, str, str, str], ...] = (
+    ("arm", "Arm and begin", "good", "The thrusters start, and the survey begins."),
+    ("hold", "Hold", "", "Stay here. Resume continues."),
+    ("resume", "Resume", "good", "Continue after a hold, a limit, or a person at the joystick."),
+    ("surface", "End and surface", "", "Ends the survey; the vehicle comes up where it is."),
+    ("stop", "Stop the survey", "bad", "Ends the survey; the vehicle holds where it is."),
+)
+"""Word, label, tone and hint of each button."""
+RESUME_BUTTONS: tuple[tuple[Word, str, str, str], ...] = (
+    ("align", "Use the alignment", "good", "Continue with the saved map, placed as proposed."),
+    ("unaligned", "Continue without the saved map", "", "Survey with the new map alone."),
+)
+"""Of a survey that looks for its place on a saved map."""
+
+
+class SurveyControls:
+    """The operator's words to a vehicle at sea.
+
+    Args:
+        words: Takes them.
+        alignment: The search of a resumed survey for its place on the saved map.
+    """
+
+    def __init__(self, words: OperatorWords, alignment: SurveyAlignment | None = None) -> None:
+        self._words, self._alignment = words, alignment
+        self._buttons = BUTTONS + (RESUME_BUTTONS if alignment is not None else ())
+
+    def panel(self, status: str) -> Panel:
+        """Return the buttons; disabled are those without meaning now: arming once under way, all after the end."""
+        ended, waiting = status.startswith("ended"), status.startswith("preflight")
+        made = [
+            {
+                "name": word,
+                "label": label,
+                "tone": tone,
+                "hint": hint,
+                "disabled": ended or (word == "arm") != waiting or not self._offers(word),
+            }
+            for word, label, tone, hint in self._buttons
+        ]
+        return {"buttons": made, "speed": None, "weights": False}
+
+    def _offers(self, word: Word) -> bool:
+        """Check whether the operator is asked about an alignment, or may give it up."""
+        if word not in ("align", "unaligned"):
+            return True
+        search = self._alignment
+        return search is not None and not search.outcome and (word == "unaligned" or search.proposal is not None)
+
+    def press(self, name: str, value: Any) -> bool:
+        """Say a word."""
+        word = next((word for word, *_ in self._buttons if word == name), None)
+        if word is not None:
+            self._words.say(word, "page")
+        return word is not None
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,0 +1,180 @@
+"""The records of a run as they are written: events and rows, from a folder that may still grow."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import threading
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import IO, Any, Protocol
+
+from coral.odd_text import encodable_values
+from coral.rotating_log import earlier_parts, read_parts
+from coral.runs import trajectory_name
+from coral.view.records import shallow, sound
+from coral.view.run import Record, numbers_of
+
+ROWS = 20_000
+"""Rows of a recorded run that a page gets at most: more than its curves have pixels."""
+Moment = dict[str, Any]
+
+
+class Subject(Protocol):
+    """What a viewer is told of one kind of run."""
+
+    head: dict[str, Any]
+    """What never changes: title, scene, curves."""
+
+    def tell(self, event: Record) -> Moment | None:
+        """Return what an event changes for a viewer; None if nothing."""
+        ...
+
+    def row(self, row: Mapping[str, float]) -> list[float]:
+        """Return the numbers that the page needs of one row of a trajectory, time first."""
+        ...
+
+
+class Tail:
+    """The lines of a log that have been completed since the last look. A log that was rotated meanwhile is followed."""
+
+    def __init__(self, path: Path, *, headed: bool = False) -> None:
+        self._path, self._headed = path, headed
+        self._file: IO[bytes] | None = None
+        self._begun = b""
+
+    def lines(self) -> list[str]:
+        """Return the new lines; the header of a later part is left out."""
+        found: list[str] = []
+        if self._file is None:
+            if not self._path.is_file():
+                return []
+            parts = earlier_parts(self._path)
+            self._file = open(self._path, "rb")  # noqa: SIM115
+            found += [line.rstrip("\n") for line in read_parts(parts, headed=self._headed)]
+            if parts and self._headed:
+                self._file.readline()
+        while True:
+            text = self._begun + self._file.read()
+            *whole, self._begun = text.split(b"\n")
+            found += [line.decode("utf-8", "replace") for line in whole]
+            try:
+                if self._path.stat().st_ino == _inode(self._file):
+                    return found
+            except OSError:
+                return found
+            self._file.close()
+            self._file, self._begun = open(self._path, "rb"), b""  # noqa: SIM115
+            if self._headed:
+                self._file.readline()
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._file is not None:
+            self._file.close()
+
+
+class RunStream:
+    """What a viewer is told of a run folder so far. Every method may be called from any thread.
+
+    Args:
+        folder: The run folder; it may still be empty.
+        subject: Makes the subject once the run has written what it is about; None as long as it has not.
+    """
+
+    def __init__(self, folder: Path, subject: Callable[[], Subject | None]) -> None:
+        self.folder = folder
+        self._make = subject
+        self._subject: Subject | None = None
+        self._lock = threading.Lock()
+        self._events = Tail(folder / "events.jsonl")
+        self._tables: list[_Table] = []
+        self._moments: list[Moment] = []
+
+    @property
+    def subject(self) -> Subject | None:
+        """Return what the run is about, once that is known."""
+        with self._lock:
+            if self._subject is None:
+                self._subject = self._make()
+            return self._subject
+
+    def news(self, moments: int, rows: list[int]) -> dict[str, Any]:
+        """Return what is new to a page.
+
+        Args:
+            moments: Number of moments that the page has.
+            rows: Number of rows that it has of each robot.
+        """
+        subject = self.subject
+        if subject is None:
+            return {"moments": [], "rows": [], "complete": False}
+        with self._lock:
+            for line in self._events.lines():
+                event = _event(line)
+                told = subject.tell(event) if event is not None else None
+                if event is not None and told is not None:
+                    self._moments.append({"t": event["t"], **told})
+            while (path := self.folder / trajectory_name(len(self._tables))).is_file():
+                self._tables.append(_Table(path))
+            for table in self._tables:
+                table.update(subject.row)
+            have = [*rows, *[0] * len(self._tables)]
+            return {
+                "moments": self._moments[moments:],
+                "rows": [table.rows[max(n, 0) :] for table, n in zip(self._tables, have, strict=False)],
+                "steps_per_s": self._tables[0].steps_per_s if self._tables else 10.0,
+                "complete": (self.folder / "metrics.json").is_file(),
+            }
+
+    def close(self) -> None:
+        """Close the files."""
+        for tail in (self._events, *self._tables):
+            tail.close()
+
+
+class _Table(Tail):
+    """The rows of one robot as the page gets them."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, headed=True)
+        self.rows: list[list[float | None]] = []
+        self._header: list[str] = []
+        self._seen = self._stride = 0
+        self.steps_per_s = 10.0
+        """Rate of the steps, by which pictures are named."""
+
+    def update(self, row: Callable[[Mapping[str, float]], list[float]]) -> None:
+        """Read what is new."""
+        found = self.lines()
+        if found and not self._header:
+            self._header = next(csv.reader([found.pop(0)]), [])
+        self._stride = self._stride or max(1, len(found) // ROWS)
+        for k, line in enumerate(found):
+            self._seen += 1
+            if self._seen % self._stride and k < len(found) - 1:
+                continue
+            numbers = numbers_of(line.split(","), len(self._header))
+            if numbers is not None:
+                named = dict(zip(self._header, numbers, strict=True))
+                self.steps_per_s = named["step"] / named["t"] if named.get("t", 0) > 0 and "step" in named else 10.0
+                values = row(named)
+                self.rows.append([float(f"{v:.5g}") if abs(v) < 1e9 else None for v in values])
+
+
+def _event(line: str) -> Record | None:
+    """Return an event that can be shown; None for a line that is none."""
+    try:
+        event = json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+    named = isinstance(event, dict) and isinstance(event.get("event"), str) and "t" in event
+    if not (named and shallow(event) and sound(event)):
+        return None
+    known: Record = encodable_values(event) if "\\ud" in line.lower() else event
+    return known
+
+
+def _inode(file: IO[bytes]) -> int:
+    return os.fstat(file.fileno()).st_ino

@@ -1,0 +1,243 @@
+"""The viewer: one page for a run that goes on and for a recorded one, fed by what the run writes into its folder."""
+
+from __future__ import annotations
+
+import re
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from http import HTTPStatus
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import cv2
+import numpy as np
+
+from coral.interrupts import wait_for_interrupt
+from coral.reef.world.geometry import Frame
+from coral.view.cameraview import camera_picture
+from coral.view.live.controls import Controls
+from coral.view.live.stream import RunStream, Subject
+from coral.view.mapframe import CELL_COLORS
+from coral.view.pictures import Image, png
+from coral.view.run import RunFolder
+from coral.web import WebServer, read_json, refusal
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+    from starlette.routing import BaseRoute
+
+PAGE = (Path(__file__).parent / "page.html").read_text(encoding="utf-8")
+PICTURE = (320, 240)
+PERIOD_S = 0.3
+"""Shortest wall time between two sketches of a plan."""
+GONE_S = 3.0
+"""A page that has not asked for so long is closed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stroke:
+    """A line of the present plan, which no record keeps."""
+
+    name: str
+    color: str
+    points: Any
+    """Shape=(N, 2 or 3), metres."""
+    width: float = 2.0
+    layer: str = ""
+    """"rollouts" can be hidden."""
+
+
+@dataclass
+class Now:
+    """What only a run that goes on can tell."""
+
+    status: str = "waiting"
+    note: str = ""
+    numbers: Sequence[tuple[str, str]] = ()
+    strokes: Sequence[Stroke] = ()
+
+
+@dataclass
+class _Frames:
+    """Steps with a map or a camera picture, kept up to date."""
+
+    maps: list[int] = field(default_factory=list)
+    eyes: list[int] = field(default_factory=list)
+    colour: bool = False
+    looked: float = -10.0
+
+
+class Viewer(WebServer):
+    """Serves one run folder."""
+
+    def __init__(
+        self, folder: Path, controls: Controls | None = None, *, rate: float = 10.0, port: int = 0, flag: str = "--port"
+    ) -> None:
+        """Open the page on this machine.
+
+        Args:
+            folder: The run folder, written or being written.
+            controls: The operator's buttons; None for a recorded run.
+            rate: Speed of playing at first, in multiples of real time.
+            port: Port; 0 chooses a free one.
+            flag: Flag of the port on the command line.
+
+        Raises:
+            InputError: The port is in use or invalid.
+        """
+        self.folder, self.controls, self._rate = folder, controls, rate
+        self.stream = RunStream(folder, lambda: subject_of(folder))
+        self.now = Now()
+        self._frames = _Frames()
+        self._asked = -10.0
+        self._visited = threading.Event()
+        super().__init__(self._routes(), page=PAGE, port=port, flag=flag)
+
+    @property
+    def watched(self) -> bool:
+        """Return whether a browser looks at the page."""
+        return time.monotonic() - self._asked < GONE_S
+
+    def wait_for_viewer(self, what: str) -> None:
+        """Print the address, and wait until a browser has opened it.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C.
+        """
+        print(f"the {what} begins when you open {self.url} (--no-wait: at once)", file=sys.stderr, flush=True)
+        self._visited.wait()
+
+    def stay(self) -> None:
+        """Keep the page until Ctrl-C: the run can be played again."""
+        wait_for_interrupt(f"the page stays, and plays the run again: {self.url}; Ctrl-C closes it")
+
+    def close(self) -> None:
+        """Close the page."""
+        super().close()
+        self.stream.close()
+
+    def _routes(self) -> Sequence[BaseRoute]:
+        from starlette.routing import Route
+
+        return [
+            Route("/api/head", self._head),
+            Route("/api/news", self._news),
+            Route("/api/press", self._press, methods=["POST"]),
+            Route("/frames/{step:int}/{kind}", self._frame),
+            Route("/pictures/{digest}", self._picture),
+        ]
+
+    def _head(self, _: Request) -> Response:
+        from starlette.responses import JSONResponse
+
+        subject = self.stream.subject
+        told = subject.head if subject is not None else {}
+        return JSONResponse({"live": self.controls is not None, "rate": self._rate, **told})
+
+    def _news(self, request: Request) -> Response:
+        from starlette.responses import JSONResponse
+
+        self._asked = time.monotonic()
+        self._visited.set()
+        have = request.query_params
+        try:
+            moments, rows = int(have.get("moments", "0")), [int(n) for n in have.get("rows", "").split(",") if n]
+        except ValueError:
+            raise refusal(HTTPStatus.BAD_REQUEST, "The request must count what the page has.") from None
+        news = self.stream.news(max(moments, 0), rows)
+        return JSONResponse({**news, **self._pictures(), "now": self._now()})
+
+    def _now(self) -> dict[str, Any] | None:
+        if self.controls is None:
+            return None
+        now = self.now
+        strokes = [
+            {**vars(stroke), "points": np.asarray(stroke.points, np.float64).round(3).tolist()}
+            for stroke in now.strokes
+        ]
+        panel = self.controls.panel(now.status)
+        return {"status": now.status, "note": now.note, "numbers": now.numbers, "strokes": strokes, **panel}
+
+    def _pictures(self) -> dict[str, Any]:
+        """Return the steps that have a map, those that have a camera picture, and whether it has colours."""
+        found = self._frames
+        if time.monotonic() - found.looked > 1.0:
+            found.looked = time.monotonic()
+            found.colour = found.colour or any((self.folder / "frames").glob("*_rgb.jpg"))
+            for kind, kept in (("map", found.maps), ("labels", found.eyes)):
+                names = (self.folder / "frames").glob(f"*_{kind}.png")
+                kept[:] = sorted(int(name.name.partition("_")[0]) for name in names if name.name[:6].isdigit())
+        return {"maps": found.maps, "eyes": found.eyes, "colour": found.colour}
+
+    def _frame(self, request: Request) -> Response:
+        from starlette.responses import Response
+
+        picture = frame_picture(self.folder, request.path_params["step"], request.path_params["kind"])
+        if picture is None:
+            raise refusal(HTTPStatus.NOT_FOUND, "There is no such picture.")
+        return Response(png(picture), media_type="image/png")
+
+    def _picture(self, request: Request) -> Response:
+        from starlette.responses import FileResponse
+
+        digest = request.path_params["digest"]
+        path = self.folder / "pictures" / f"{digest}.png"
+        if not re.fullmatch(r"\w{1,128}", digest) or path.is_symlink() or not path.is_file():
+            raise refusal(HTTPStatus.NOT_FOUND, "There is no such picture.")
+        return FileResponse(path, media_type="image/png")
+
+    async def _press(self, request: Request) -> Response:
+        from starlette.responses import JSONResponse
+
+        content = await read_json(request)
+        name = content.get("name")
+        if self.controls is None or not isinstance(name, str) or not self.controls.press(name, content.get("value")):
+            raise refusal(HTTPStatus.BAD_REQUEST, "There is no such button.")
+        return JSONResponse({"ok": True})
+
+
+def subject_of(folder: Path) -> Subject | None:
+    """Return what a run is about; None as long as it has not begun.
+
+    Raises:
+        InputError: It is a task, and its folder has no task file or no seed.
+    """
+    events = folder / "events.jsonl"
+    if not (folder / "config.yaml").is_file() and not (events.is_file() and events.stat().st_size):
+        return None
+    run = RunFolder.read(folder)
+    if (folder / "task.yaml").is_file():
+        from coral.view.live.task_subject import TaskSubject
+
+        return TaskSubject(run)
+    from coral.view.live.reef_subject import ReefSubject
+
+    return ReefSubject(run)
+
+
+def frame_picture(folder: Path, step: int, kind: str) -> Image | None:
+    """Draw one picture of a run: "map", "segmentation", "depth" or "colour"; None if it was not kept."""
+
+    def stored(name: str) -> Any:
+        path = folder / "frames" / f"{step:06d}_{name}.{'jpg' if name == 'rgb' else 'png'}"
+        return cv2.imread(str(path), cv2.IMREAD_UNCHANGED) if path.is_file() else None
+
+    if kind == "map":
+        cells = stored("map")
+        return None if cells is None or cells.ndim != 2 else CELL_COLORS[np.minimum(cells, 3)][::-1]
+    labels, depth, rgb = stored("labels"), stored("depth"), stored("rgb")
+    if labels is None or depth is None or kind not in ("segmentation", "depth", "colour"):
+        return None
+    if kind == "colour" and rgb is None:
+        return None
+    metres = np.where(depth > 0, depth / 1000.0, np.inf).astype(np.float32)
+    colours = None if rgb is None or rgb.ndim != 3 else np.ascontiguousarray(rgb[..., ::-1], np.uint8)
+    frame = Frame(metres, np.minimum(labels, 3).astype(np.uint8), np.zeros(labels.shape, np.int32), colours)
+    return camera_picture(frame, kind, PICTURE)  # type: ignore[arg-type]
+
+
+Sketch = Callable[[Any], Sequence[Stroke]]

@@ -1,0 +1,70 @@
+from types import SimpleNamespace
+
+import pytest
+
+from coral.contact.control.term_weights import TermWeights
+from coral.view.live.controls import RunControls, SurveyControls
+from coral.view.live.pace import STOPPED, Pace
+
+
+def by_name(panel):
+    return {button["name"]: button for button in panel["buttons"]}
+
+
+def test_a_run_is_paused_slowed_and_stopped():
+    pace, stopped = Pace(5.0), []
+    controls = RunControls(pace, "task", stop_now=lambda: stopped.append(1))
+    assert controls.press("pause", None)
+    assert pace.paused
+    assert by_name(controls.panel("paused"))["pause"]["label"] == "Resume"
+    assert controls.press("speed", 2)
+    assert (pace.speed, controls.panel("running")["speed"]) == (2.0, 2.0)
+    assert controls.press("stop", None)
+    assert (pace.stop, stopped) == (STOPPED, [1])
+    ended = controls.panel(f"ended: {STOPPED}")
+    assert all(button["disabled"] for button in ended["buttons"])
+    assert ended["speed"] is None
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("speed", "fast"), ("speed", -1), ("speed", True), ("weight", ["a", "b", 1]), ("arm", None), ("__init__", None)],
+)
+def test_what_is_no_button_does_nothing(name, value):
+    pace = Pace(5.0)
+    assert not RunControls(pace).press(name, value)
+    assert (pace.speed, pace.paused, pace.stop) == (5.0, False, "")
+
+
+def test_a_weight_is_the_operators_word_to_the_cost():
+    weights = TermWeights()
+    controls = RunControls(Pace(), "task", weights)
+    assert controls.panel("running")["weights"]
+    assert controls.press("weight", ["lift", "up", 9.0])
+    assert not controls.press("weight", ["lift", 3, 1.0])
+    assert weights.news() == [("lift", "up", 4.0)]
+
+
+def test_a_survey_is_armed_once_and_steered_until_its_end():
+    said = []
+    words = SimpleNamespace(say=lambda word, by: said.append((word, by)))
+    controls = SurveyControls(words)
+    waiting, under_way, ended = (by_name(controls.panel(s)) for s in ("preflight", "surveying", "ended: stopped"))
+    assert [name for name, button in waiting.items() if not button["disabled"]] == ["arm"]
+    assert under_way["arm"]["disabled"]
+    assert not under_way["hold"]["disabled"]
+    assert all(button["disabled"] for button in ended.values())
+    assert controls.press("hold", None)
+    assert not controls.press("align", None)
+    assert said == [("hold", "page")]
+
+
+def test_an_alignment_is_used_when_it_is_proposed():
+    search = SimpleNamespace(outcome="", proposal=None)
+    controls = SurveyControls(SimpleNamespace(say=lambda *_: None), search)
+    buttons = by_name(controls.panel("surveying"))
+    assert (buttons["align"]["disabled"], buttons["unaligned"]["disabled"]) == (True, False)
+    search.proposal = object()
+    assert not by_name(controls.panel("surveying"))["align"]["disabled"]
+    search.outcome = "used"
+    assert by_name(controls.panel("surveying"))["unaligned"]["disabled"]
