@@ -7,6 +7,7 @@ from pydantic import BaseModel
 
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import BudgetCfg, consult
+from coral.advisor.latency import parse_latency
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Withdrawn
 
 
@@ -281,6 +282,29 @@ def test_wall_clock_steps_without_waiting():
     while not task.done():
         clock.advance()
     assert task.result() == 5
+    clock.close()
+
+
+def test_on_the_wall_clock_an_answer_is_given_no_earlier_than_configured():
+    clock, gate = WallClock(latency=parse_latency("fixed:5")), threading.Event()
+
+    async def asking():
+        await asyncio.to_thread(gate.wait, 10)
+        return 5
+
+    quick, slow = clock.start(clock.reply(answer(4), 60.0)), clock.start(clock.reply(asking, 60.0))
+    clock._start_s -= 4.0  # 4 s pass
+    clock.advance()
+    assert not quick.done()
+    clock._start_s -= 1.0
+    while not quick.done():  # the other thread may not have got to it
+        clock.advance()
+    assert quick.result() == 4
+    assert not slow.done()  # the answer is late: nothing waits for it
+    gate.set()
+    while not slow.done():
+        clock.advance()
+    assert slow.result() == 5
     clock.close()
 
 

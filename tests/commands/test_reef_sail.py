@@ -1,10 +1,12 @@
 import signal
+from pathlib import Path
 
 import pytest
 
 from coral.cli import main
 from coral.commands.reef_sail import ReefSail, conduct, signals_as_words
 from coral.errors import InputError, RunError
+from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.sea.operator import OperatorWords
 
 
@@ -23,6 +25,11 @@ def test_yes_is_refused_where_a_real_vehicle_would_arm(capsys):
         ({"camera_latency": 3.0}, "--camera-latency"),
         ({"start": (0.0, 0.0, 0.0)}, "--start"),
         ({"fault": ("blind-sonar@5:2",)}, "--fault"),
+        ({"cfg": MissionCfg(robots=2)}, "--cfg.robots"),
+        ({"cfg": MissionCfg(decider="sweep")}, "--cfg.decider"),
+        ({"cfg": MissionCfg(time_limit_s=20.0)}, "--cfg.time-limit-s"),
+        ({"perception": "nope"}, "--perception"),
+        ({"lens": Path("camera.yaml")}, "--lens"),
     ],
 )
 def test_bad_flags_are_one_line(flags, where):

@@ -154,7 +154,7 @@ class SimulatedClock:
         if timeout_s <= 0:
             raise TimeoutError
         latency = self.latency.draw(self._rng)
-        waits = self.latency.kind != "measured"
+        waits = self._paced and self.latency.kind != "measured"
         result: R = await self._parked(self.thread.submit(asking), timeout_s, latency, wait=waits)
         return result
 
@@ -276,7 +276,8 @@ class SimulatedClock:
                     return True
             if future.done():
                 self._determine_due(request)
-        if request.due_s is not None and request.due_s <= min(self._now_s, request.deadline_s) + TINY_S:
+        due = request.due_s is not None and request.due_s <= min(self._now_s, request.deadline_s) + TINY_S
+        if due and (request.wait or future.done()):
             result, error = _outcome(future)
             if error is None:
                 parked.set_result(result)
@@ -320,9 +321,15 @@ class WallClock:
     never blocked. Its `reply` also works inside any other running event loop (`asyncio.run(consult(...))`).
     """
 
-    def __init__(self, thread: AdvisorThread | None = None) -> None:
+    def __init__(self, thread: AdvisorThread | None = None, latency: LatencyCfg | None = None) -> None:
+        """Start at time 0.
+
+        Args:
+            thread: Thread of the advisors; by default its own.
+            latency: An answer is given no earlier than this, and when it is there; by default when it is there.
+        """
         self._start_s = time.monotonic()
-        self._thread = thread
+        self._thread, self._latency = thread, latency or LatencyCfg(kind="measured")
         self._stepped: SimulatedClock | None = None
         self.waited_s = 0.0
         """Always 0: nothing waits for a reply."""
@@ -339,9 +346,7 @@ class WallClock:
     def start(self, coroutine: Coroutine[Any, Any, R]) -> asyncio.Task[R]:
         """Run a coroutine up to its first wait, in the thread of the control loop."""
         if self._stepped is None:
-            self._stepped = SimulatedClock(
-                LatencyCfg(kind="measured"), np.random.default_rng(0), thread=self._thread, paced=False
-            )
+            self._stepped = SimulatedClock(self._latency, np.random.default_rng(0), thread=self._thread, paced=False)
         self._stepped.advance(self.now())
         return self._stepped.start(coroutine)
 

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -34,14 +35,17 @@ from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_sonar
+from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_camera, with_sonar
+from coral.reef.recordings.live_view import LiveView, resized
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.priority import describe_priority, prefer_process, prefer_thread
 from coral.reef.sea.safety import SafetyCfg
+from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.saved_survey import load_survey, save_survey
-from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
+from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.sea.survey_alignment import SavedMap
+from coral.reef.sea.video_camera import Fit
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.world_names import shipped_worlds
@@ -68,8 +72,13 @@ class ReefSail:
     """simulated: ours, in real time. mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:PORT or
     mavlink:serial:DEVICE:BAUD: ArduSub, real or in the loop; #ID behind it names the vehicle of that system id."""
     camera: str = "simulated"
-    """simulated: pictures of the simulated reef from where the vehicle is. Else a file, an RTSP address or a device for
-    OpenCV; such pictures have no labels yet, so that nothing arms."""
+    """simulated: pictures of the simulated reef from where the vehicle is. Else a file, an address (RTSP, HTTP) or a
+    device for OpenCV, whose pictures need `--perception`."""
+    perception: Annotated[str | None, Option(metavar="exact|rgb|FILE.onnx")] = None
+    """Where classes and depth come from, as for `coral reef run`: exact (the simulated camera alone has them), the
+    network that comes with CORAL (rgb) or one of yours, on the camera's colour pictures."""
+    lens: Path | None = None
+    """Camera file (camera.yaml) of a real camera: size, lens and tilt. Its pictures are rectified."""
     dvl: str = "autopilot"
     """Where position and speed come from: the autopilot, or a Water Linked A50 on the network (a50:HOST). watch:HOST:
     from the autopilot, but lost as soon as the A50, from which it has them, falls silent."""
@@ -154,7 +163,11 @@ class ReefSail:
         depth = self.depth or file_depth
         response = None if self.response is None else read_config(self.response, VehicleResponse())
         truly = area if self.put_in is None else area.begun_at(self.put_in, "--put-in")
-        parts = opened.enter_context(open_parts(self, truly, world, cfg, depth))
+        fit: Fit = partial(resized, camera=cfg.simulator.camera)
+        if self.lens is not None:
+            view = LiveView.of_file(self.lens)
+            cfg, fit = with_camera(cfg, view.camera), view.picture
+        parts = opened.enter_context(open_parts(self, truly, world, cfg, depth, fit))
         rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else "--put-in" if self.put_in else ""
         if rehearsed and not parts.proven_simulation:
             raise InputError(
@@ -192,6 +205,7 @@ class ReefSail:
             advisor=advisor.name,
             folder=str(folder),
             time_limit_s=cfg.time_limit_s,
+            perception=cfg.perception,
             heading_trusted=parts.trust_heading,
         )
 
@@ -240,9 +254,19 @@ class ReefSail:
             if FAULTS[name].needs_sonar and self.sonar == "none":
                 raise InputError("--fault", "", name, "a fault of a sensor that the vehicle has: add --sonar")
         cfg = with_sonar(cfg, self.sonar != "none")
-        if cfg.robots != 1 or cfg.decider != "advisor":
-            found = f"robots {cfg.robots}, decider {cfg.decider}"
-            raise InputError("--cfg", "", found, "one robot whose questions an advisor answers")
+        cfg = dataclasses.replace(cfg, perception=self.perception or cfg.perception)
+        if self.lens is not None and self.camera == "simulated":
+            raise InputError(
+                "--lens", "", "--camera simulated", "a real camera (--cfg.simulator.camera is the simulated)"
+            )
+        if cfg.robots != 1:
+            raise InputError("--cfg.robots", "", cfg.robots, "1: this command steers one vehicle")
+        if cfg.decider in ("sweep", "oracle"):
+            found = f"{cfg.decider}, which follows commands planned for exact motion"
+            raise InputError("--cfg.decider", "", found, "advisor, nearest, frontier, lawnmower or random")
+        if self.safety.on_time != "none" and cfg.time_limit_s <= self.safety.reserve_s:
+            kept = f"more than the {self.safety.reserve_s:g} s kept back for the way home (--safety.reserve-s)"
+            raise InputError("--cfg.time-limit-s", "", f"{cfg.time_limit_s:g} s", kept)
         budget = cfg.pilot.budget.within(PERSON_DEADLINE_S if asks_person(self.advisor) else DEADLINE_S)
         return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
 
@@ -333,10 +357,15 @@ class ReefSail:
 def watch_sensors(parts: Parts, area: Any, safety: SafetyCfg, equipment: Equipment, sonar: SonarCfg) -> list[CheckLine]:
     """Watch the sensors for a while and make the preflight list; wait for those that are not there yet."""
     rates, began = StampRates(), time.monotonic()
+
+    def measured() -> bool:
+        known = (rates.rate_hz("pose"), parts.camera.rate_hz, 0.0 if parts.sonar is None else parts.sonar.rate_hz)
+        return None not in known
+
     while True:
         looked = time.monotonic()
-        while time.monotonic() - looked < LOOK_S:
-            rates.note(parts.link.report())
+        while (spent := time.monotonic() - looked) < LOOK_S or (spent < 3.0 * LOOK_S and not measured()):
+            rates.note(time.monotonic(), parts.link.report())
             parts.place()
             time.sleep(0.02)
         now, report = time.monotonic(), parts.link.report()

@@ -16,6 +16,7 @@ import numpy as np
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.eyes.backends import open_eyes
 from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -34,7 +35,8 @@ from coral.reef.sea.sonar_reading import LatestHeard, SonarSource
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
 from coral.reef.sea.udp_sonar import UdpSonar
-from coral.reef.sea.video_camera import VideoCamera
+from coral.reef.sea.video_camera import Fit, VideoCamera
+from coral.reef.simulation.simulated_navigation import make_navigation
 from coral.reef.simulation.simulator import make_painter
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.generated import find_world
@@ -112,13 +114,19 @@ class Parts:
 
 @contextmanager
 def open_parts(
-    flags: ReefSail, area: SurveyArea, world: ReefWorld | None, cfg: MissionCfg, depth_m: float
+    flags: ReefSail,
+    area: SurveyArea,
+    world: ReefWorld | None,
+    cfg: MissionCfg,
+    depth_m: float,
+    fit: Fit = lambda rgb: rgb,
 ) -> Iterator[Parts]:
-    """Open vehicle, DVL and camera, and close them at the end.
+    """Open vehicle, DVL, camera and eyes, and close them at the end; `fit` makes a real camera's pictures fit `cfg`.
 
     Raises:
         InputError: A name is wrong, or something does not answer.
     """
+    eyes = open_eyes(cfg.perception, depth=cfg.depth)
     opened: list[Any] = []
     try:
         if flags.vehicle == "simulated":
@@ -139,17 +147,18 @@ def open_parts(
             if world is None:
                 raise InputError("--camera", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
             scene, sim = Scene.from_world(world), cfg.simulator
+            coloured = sim.pictures or eyes is not None
             source = SimulatedCamera(
                 scene,
                 sim.camera,
                 parts.where,
                 flags.camera_rate,
-                painter=make_painter(scene, sim, world.seed) if sim.pictures else None,
+                painter=make_painter(scene, sim, world.seed) if coloured else None,
             )
         else:
-            source = VideoCamera(flags.camera, flags.camera_latency)
+            source = VideoCamera(flags.camera, flags.camera_latency, fit)
             parts.reef = None
-        parts.camera = LatestShot(source)
+        parts.camera = LatestShot(source, eyes, cfg.simulator.camera)
         opened.append(parts.camera)
         if flags.sonar != "none":
             parts.sonar = LatestHeard(_sonar(flags, world, cfg, parts))
@@ -166,10 +175,13 @@ def _simulated(flags: ReefSail, area: SurveyArea, world: ReefWorld | None, cfg: 
     if world is None:
         raise InputError("--vehicle", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
     outlines = Scene.from_world(world).footprints()
+    sim = cfg.simulator
     link = SimulatedLink(
-        cfg.simulator.vehicle,
+        sim.vehicle,
         area.start,
         depth_m=depth_m,
+        navigation=make_navigation(sim.navigation, sim.noise, area.start, np.random.default_rng([flags.seed, 4])),
+        altitude_m=sim.camera.altitude_m,
         current=(world.current.x_m_s, world.current.y_m_s),
         contact=(lambda x, y: clearance(outlines, x, y)) if cfg.simulator.contact == "solid" else None,
     )

@@ -15,7 +15,8 @@ from coral.reef.sea.body import Body, ReefWaters
 from coral.reef.sea.mavlink_link import MavlinkLink
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.safety import SafetyCfg
-from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
+from coral.reef.sea.sail_cfg import SailCfg
+from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.vehicle.camera import Camera
 from coral.reef.world.scene import Scene
@@ -24,7 +25,7 @@ from coral.reef.world.scene import Scene
 class TrueCamera:
     """A picture from where the autopilot's body truly is, whenever one is asked for."""
 
-    labelled, name, rate_hz, failure, perception = True, "true", 10.0, "", None
+    labelled, name, rate_hz, failure, eyes = True, "true", 10.0, "", None
 
     def __init__(self, voyage, cfg):
         self.voyage, self.camera, self.source = voyage, Camera(Scene.from_world(WORLD), cfg), self

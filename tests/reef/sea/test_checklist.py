@@ -57,7 +57,7 @@ class Source:
 def listed(report=FINE, labelled=True, shots=1, sonar=None):
     rates = StampRates()
     for k in range(21):
-        rates.note(replace(report, pose_stamp_s=NOW - 2.0 + 0.125 * k))
+        rates.note(NOW - 2.0 + 0.125 * k, replace(report, pose_stamp_s=NOW - 2.0 + 0.125 * k))
     camera = LatestShot(Source(labelled), threaded=False)
     for _ in range(shots):
         camera.step()
@@ -104,10 +104,27 @@ def test_what_is_missing_is_told_with_its_meaning(change, subject, told):
     assert blocking(lines) == []
 
 
-def test_a_real_camera_without_a_network_arms_nothing():
+def test_a_real_camera_without_eyes_arms_nothing_and_says_what_helps():
     by_name, lines = listed(labelled=False)
     assert [line.subject for line in blocking(lines)] == ["labels"]
-    assert "no network here" in by_name["labels"].text
+    assert "add --perception rgb or FILE.onnx" in by_name["labels"].text
+
+
+def test_a_rate_that_is_not_known_is_no_slow_one():
+    camera = LatestShot(Source(), threaded=False)
+    camera.step()
+    lines = preflight_list(NOW, FINE, StampRates(), camera, AREA, SafetyCfg(), GEAR)
+    by_name = {line.subject: str(line) for line in lines}
+    assert by_name["pose"] == "  pose: DVL A50, rate not known, standard deviation 0.02 m"
+    assert "rate not known" in by_name["camera"]
+    assert "0 Hz" not in "".join(by_name.values())
+
+
+def test_a_burst_after_a_gap_is_no_rate():
+    rates = StampRates()
+    for k in range(40):
+        rates.note(NOW + 0.0003 * k, replace(FINE, velocity_stamp_s=NOW + 0.0003 * k))
+    assert rates.rate_hz("velocity") is None
 
 
 def test_a_camera_without_pictures_blocks():
@@ -143,7 +160,7 @@ def echo(width=8):
 
 
 def test_the_sonar_says_sender_size_rate_age_and_what_was_refused():
-    by_name, lines = listed(sonar=listening(echo(), UnfitMeasurement("wrong checksum"), echo(), echo()))
+    by_name, lines = listed(sonar=listening(echo(), UnfitMeasurement("wrong checksum"), *[echo()] * 5))
     assert str(by_name["sonar"]) == (
         "  sonar: Sonar 3D-15 at UDP port 4747, from 192.168.2.96, 8x4, 90 by 40 degrees, 5 Hz, last image 0.1 s old; "
         "refused: wrong checksum 1"
@@ -165,6 +182,6 @@ def test_a_sonar_that_was_asked_for_and_does_not_fit_blocks(sonar, told):
 
 
 def test_a_slow_sonar_is_told():
-    by_name, _ = listed(sonar=listening(echo(), echo(), period_s=0.5))
+    by_name, _ = listed(sonar=listening(echo(), echo(), echo(), period_s=0.5))
     assert by_name["sonar"].level == "lacking"
     assert "slow" in by_name["sonar"].text

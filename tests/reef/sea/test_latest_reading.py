@@ -2,7 +2,7 @@ import threading
 
 import pytest
 
-from coral.reef.sea.latest_reading import KEPT, LatestReading
+from coral.reef.sea.latest_reading import KEPT, LatestReading, rate_of, rate_told
 
 
 class Source:
@@ -51,11 +51,25 @@ def test_a_failure_is_told_until_the_sensor_is_back():
 def test_the_rate_is_that_of_the_last_measurements():
     now = iter([*range(100)])
     reading = Numbers(Source(range(60)), clock=lambda: 0.5 * next(now), threaded=False)
-    assert reading.rate_hz == 0.0
+    assert reading.rate_hz is None
     for _ in range(60):
         reading.step()
     assert reading.rate_hz == pytest.approx(2.0)
     assert len(reading._times) <= 2 * KEPT + 1
+
+
+@pytest.mark.parametrize(
+    ("times", "told"),
+    [
+        ((), "rate not known"),
+        ((7.0,), "rate not known"),
+        (tuple(7.0 + 0.00027 * k for k in range(20)), "rate not known"),  # a burst of 3 700 a second
+        (tuple(0.1 * k for k in range(21)), "10 Hz"),
+        ((0.0, 4.0), "0.2 Hz"),
+    ],
+)
+def test_a_rate_is_told_of_a_second_at_least(times, told):
+    assert rate_told(rate_of(times)) == told
 
 
 def test_a_thread_reads_until_it_is_closed():

@@ -1,7 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 
+from coral.reef.eyes.perception import CameraAttitude, SeenPicture
 from coral.reef.sea.picture import LatestShot, Shot
-from coral.reef.world.geometry import Frame
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Frame, Label
 
 FRAME = Frame(np.zeros((2, 2), np.float32), np.zeros((2, 2), np.uint8), np.full((2, 2), -1, np.int32))
 
@@ -22,27 +26,53 @@ class Source:
         self.closed = True
 
 
-class Perceiver:
-    name = "constant"
+class Eyes:
+    """See sand everywhere, and keep what they were told."""
 
-    def perceive(self, rgb):
-        return FRAME
+    def perceive(self, rgb, camera, attitude):
+        self.given = camera, attitude
+        shape = rgb.shape[:2]
+        sand = np.full(shape, Label.SEABED, np.uint8)
+        return SeenPicture(sand, np.full(shape, 2.0, np.float32), np.zeros(shape, np.float32))
 
 
 def rgb(stamp):
     return Shot(stamp_s=stamp, rgb=np.zeros((2, 2, 3), np.uint8))
 
 
-def test_the_newest_picture_is_kept_and_perceived():
-    camera = LatestShot(Source([rgb(1.0), None, rgb(2.0)]), Perceiver(), threaded=False)
-    for _ in range(3):
-        camera.step()
-    assert camera.latest.stamp_s == 2.0
-    assert camera.latest.frame.depth is FRAME.depth
+SMALL = CameraCfg(width=2, height=2)
+
+
+def test_the_newest_picture_is_kept_with_what_eyes_see_in_it():
+    eyes, times = Eyes(), iter([5.0, 5.25, 6.0])
+    camera = LatestShot(Source([rgb(1.0), None, rgb(2.0)]), eyes, SMALL, threaded=False)
+    camera.attitude = lambda: CameraAttitude(height=1.5)
+    camera.step()
+    camera.step()
+    camera._clock = lambda: next(times)
+    camera.step()
+    assert camera.latest.stamp_s == 2.0  # when it was taken, not when eyes were done
+    assert camera.seeing_s == 0.25
+    assert camera.latest.frame.depth.tolist() == [[2.0, 2.0], [2.0, 2.0]]
     assert camera.latest.frame.rgb is camera.latest.rgb  # so that the record has colours
+    assert eyes.given == (SMALL, CameraAttitude(height=1.5))
 
 
-def test_without_perception_a_picture_has_no_frame():
+def test_eyes_replace_what_the_simulated_camera_knows():
+    shown = replace(FRAME, rgb=np.zeros((2, 2, 3), np.uint8))
+    camera = LatestShot(Source([Shot(stamp_s=1.0, frame=shown)]), Eyes(), SMALL, threaded=False)
+    camera.step()
+    assert (camera.latest.frame.labels == Label.SEABED).all()
+
+
+def test_pictures_of_another_size_are_told():
+    camera = LatestShot(Source([rgb(1.0)]), Eyes(), CameraCfg(width=4, height=2), threaded=False)
+    camera._closing.set()
+    camera.step()
+    assert camera.failure == "pictures of 2x2 px, where 4x2 are expected"
+
+
+def test_without_eyes_a_picture_has_no_frame():
     camera = LatestShot(Source([rgb(1.0)]), threaded=False)
     camera.step()
     assert camera.latest.frame is None
@@ -61,8 +91,8 @@ def test_a_broken_camera_says_why_and_comes_back():
 
 def test_the_rate_is_measured():
     now = iter(0.1 * k for k in range(100))
-    camera = LatestShot(Source([rgb(k) for k in range(10)]), clock=lambda: next(now), threaded=False)
-    for _ in range(10):
+    camera = LatestShot(Source([rgb(k) for k in range(20)]), clock=lambda: next(now), threaded=False)
+    for _ in range(20):
         camera.step()
     assert round(camera.rate_hz, 6) == 10.0
 

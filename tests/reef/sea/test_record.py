@@ -22,7 +22,9 @@ def made(folder, world):
 @pytest.mark.parametrize(("world", "columns"), [("s1", COLUMNS), (None, OWN_COLUMNS)])
 def test_a_row_has_a_value_for_every_column(tmp_path, world, columns):
     record = made(tmp_path / "run", load_world(world) if world else None)
-    record.tick(1, 0.1, Pose(5.0, 6.0, 0.1), Pose(5.1, 6.0, 0.1) if world else None, STATE, (1.2, 0.5, 3))
+    record.tick(
+        1, 0.1, Pose(5.0, 6.0, 0.1), Pose(4.8, 6.0, 0.1), Pose(5.1, 6.0, 0.1) if world else None, STATE, (1.2, 0.5, 3)
+    )
     record.close()
     with open(tmp_path / "run" / "trajectory.csv") as lines:
         header, row = list(csv.reader(lines))
@@ -63,7 +65,7 @@ def test_frames_are_taken_every_two_seconds(tmp_path):
 def test_nothing_is_written_in_the_callers_thread(tmp_path):
     record = made(tmp_path / "run", None)
     record.event(1, 0.1, "limit")
-    record.tick(1, 0.1, Pose(5.0, 6.0, 0.1), None, STATE, (1.2, 0.5, 3))
+    record.tick(1, 0.1, Pose(5.0, 6.0, 0.1), Pose(4.8, 6.0, 0.1), None, STATE, (1.2, 0.5, 3))
     assert list(read_rows(tmp_path / "run" / "trajectory.csv")) == []
     record.close()
     assert len(list(read_rows(tmp_path / "run" / "trajectory.csv"))) == 1

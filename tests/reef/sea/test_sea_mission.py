@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from voyage import WORLD, Voyage
 
+from coral.reef.drive.pd import PdController
+from coral.reef.map.localization import LocalizationCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.recordings.find_recording import find_recording
 from coral.reef.sea.map_alignment import AlignmentCfg
@@ -15,6 +17,8 @@ from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.sea.sea_mission import OWN_MAP, TRUTH
 from coral.reef.sea.survey_alignment import ResumeCfg, SavedMap
 from coral.reef.sea.survey_file import SurveyArea
+from coral.reef.simulation.noise import SensorNoiseCfg
+from coral.reef.simulation.simulated_navigation import DriftingNavigation
 from coral.reef.world.geometry import Pose
 from coral.runs import read_events, read_rows
 
@@ -67,6 +71,40 @@ def test_the_operators_hold_stops_within_a_second_and_resume_goes_on(tmp_path):
     rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
     assert all(abs(float(row["u"])) < 0.03 for row in rows[70:99])
     assert float(rows[115]["u"]) > 0.1
+
+
+def test_the_configured_driver_drives(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=8.0, cfg=MissionCfg(driver="pd"))
+    result = voyage.run()
+    assert isinstance(voyage.mission.robot.driver.driver, PdController)
+    assert result["distance_m"] > 2.0
+
+
+def test_a_baseline_decides_in_place_of_the_advisor(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=4.0, cfg=MissionCfg(decider="nearest"))
+    assert voyage.mission.pilot.advisor.name == "nearest"
+    voyage.run()
+
+
+def test_the_localizer_corrects_a_drifting_position(tmp_path):
+    """The same drift with and without it; the guard and the map get the corrected poses."""
+    errors = {}
+    for name, known in (("with", LocalizationCfg(drift_xy=0.06, drift_theta=0.004)), ("without", LocalizationCfg())):
+        navigation = DriftingNavigation(SensorNoiseCfg(drift_xy=0.06, drift_theta=0.004), np.random.default_rng(5))
+        cfg = MissionCfg(localization=known)
+        result = Voyage(tmp_path / name, time_limit_s=30.0, cfg=cfg, navigation=navigation).run()
+        errors[name] = result["position_error_m"], result["odometry_error_m"]
+    assert errors["without"][0] == pytest.approx(errors["without"][1], abs=0.01)
+    assert errors["with"][0] < 0.75 * errors["with"][1]
+
+
+def test_the_survey_ends_when_the_truth_is_covered_unless_told_otherwise(tmp_path):
+    for stops in (True, False):
+        cfg = MissionCfg(stop_when_covered=stops)
+        voyage = Voyage(tmp_path / str(stops), time_limit_s=4.0, cfg=cfg)
+        voyage.on(20, lambda truth=voyage.mission.record.truth: truth.covered.update(range(len(WORLD.clusters))))
+        result = voyage.run()
+        assert result["end_reason"] == ("coverage complete" if stops else "time limit")
 
 
 def test_a_stop_ends_the_survey_holding(tmp_path):

@@ -54,9 +54,9 @@ def test_a_sonar_that_fails_says_why_and_comes_back():
 
 
 def test_its_rate_is_measured():
-    times = iter([0.0, 0.2, 0.4, 0.6])
-    assert reading(*map(heard, range(4)), clock=lambda: next(times)).rate_hz == 5.0
-    assert reading(heard(1.0)).rate_hz == 0.0
+    times = iter([0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
+    assert reading(*map(heard, range(6)), clock=lambda: next(times)).rate_hz == 5.0
+    assert reading(heard(1.0)).rate_hz is None
 
 
 def test_it_reads_on_a_thread_and_closes_its_source():

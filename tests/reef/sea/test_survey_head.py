@@ -1,7 +1,7 @@
 import yaml
 
 from coral.reef.sea.local_frame import LocalFrame
-from coral.reef.sea.sea_mission import SailCfg
+from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.sea.survey_head import write_head
 from coral.reef.vehicle.response import VehicleResponse

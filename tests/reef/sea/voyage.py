@@ -14,7 +14,8 @@ from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.safety import SafetyCfg
-from coral.reef.sea.sea_mission import Crew, SailCfg, SeaMission
+from coral.reef.sea.sail_cfg import SailCfg
+from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.sea.simulated_link import SimulatedLink
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
 from coral.reef.sea.sonar_reading import LatestHeard
@@ -43,7 +44,7 @@ class FakeCamera:
 
     labelled = True
     name = "fake"
-    rate_hz, failure, perception = 10.0, "", None
+    rate_hz, failure, eyes = 10.0, "", None
 
     def __init__(self, link, clock, cfg):
         self.link, self.clock, self.blind, self.last = link, clock, False, None
@@ -87,16 +88,29 @@ class SentSonar:
 
 class Voyage:
     def __init__(
-        self, folder, *, known=True, area=None, time_limit_s=20.0, sonar=False, put_in=None, saved=None, **safety
+        self,
+        folder,
+        *,
+        known=True,
+        area=None,
+        time_limit_s=20.0,
+        sonar=False,
+        put_in=None,
+        saved=None,
+        cfg=None,
+        navigation=None,
+        **safety,
     ):
         self.clock = FakeClock()
         record = RecordCfg(pictures=False)
-        mission = with_sonar(MissionCfg(time_limit_s=time_limit_s, record=record), sonar)
+        mission = with_sonar(dataclasses.replace(cfg or MissionCfg(), time_limit_s=time_limit_s, record=record), sonar)
         sim = mission.simulator
         small = dataclasses.replace(sim.sonar, width=96, height=32)
         mission = dataclasses.replace(mission, simulator=dataclasses.replace(sim, sonar=small))
         self.area = area or SurveyArea.of_world(WORLD)
-        self.link = SimulatedLink(mission.simulator.vehicle, put_in or self.area.start, clock=self.clock)
+        self.link = SimulatedLink(
+            mission.simulator.vehicle, put_in or self.area.start, navigation=navigation, clock=self.clock
+        )
         self.camera = FakeCamera(self.link, self.clock, mission.simulator.camera)
         self.sonar = SentSonar(self.link, self.clock, small) if sonar else None
         crew = Crew(

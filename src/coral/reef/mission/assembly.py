@@ -146,6 +146,11 @@ def latency_of(cfg: MissionCfg, advisor: Advisor) -> LatencyCfg:
     return parse_latency(PAPER_LATENCY) if cfg.latency == "auto" and latency == parse_latency("0") else latency
 
 
+def latency_in_real_time(cfg: MissionCfg, advisor: Advisor) -> LatencyCfg:
+    """Return how late answers are given in real time: as configured; auto is the time that the advisor takes."""
+    return LatencyCfg(kind="measured") if cfg.latency == "auto" else latency_for(advisor, cfg.latency)
+
+
 def with_response(cfg: MissionCfg, response: VehicleResponse) -> MissionCfg:
     """Return the configuration with the clearance that a vehicle's response needs added to the controller's."""
     margin_m = cfg.controller.margin_m + response.margin_m

@@ -12,6 +12,7 @@ from coral.errors import InputError
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, apply_preset
 from coral.reef.mission.variants import apply_variant
+from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.fleet import MOST_ROBOTS
 from coral.reef.world.world import ReefWorld
 
@@ -66,3 +67,8 @@ def with_fallback(cfg: MissionCfg, fallback: Fallback | None) -> MissionCfg:
     return (
         cfg if fallback is None else dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, fallback=fallback))
     )
+
+
+def with_camera(cfg: MissionCfg, camera: CameraCfg) -> MissionCfg:
+    """Return a configuration with another camera."""
+    return dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, camera=camera))

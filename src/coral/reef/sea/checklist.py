@@ -9,6 +9,7 @@ from typing import Literal
 
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement, check_range_image
+from coral.reef.sea.latest_reading import KEPT, rate_of, rate_told
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.safety import SafetyCfg
@@ -37,23 +38,23 @@ class CheckLine:
 
 
 class StampRates:
-    """Measures how often each input of the vehicle really comes, from its time stamps."""
+    """Measures how often each input of the vehicle really comes: when a new time stamp is first seen."""
 
     def __init__(self) -> None:
-        self._seen: dict[str, list[float]] = {"pose": [], "velocity": [], "attitude": [], "depth": []}
+        self._stamps: dict[str, float] = {}
+        self._came: dict[str, list[float]] = {}
 
-    def note(self, report: VehicleReport) -> None:
-        """Take in one report."""
-        for name, stamps in self._seen.items():
+    def note(self, now: float, report: VehicleReport) -> None:
+        """Take in one report, at a monotonic time (s)."""
+        for name in ("pose", "velocity", "attitude", "depth"):
             stamp = getattr(report, f"{name}_stamp_s")
-            if math.isfinite(stamp) and (not stamps or stamp > stamps[-1]):
-                stamps.append(stamp)
-                del stamps[:-50]
+            if math.isfinite(stamp) and stamp > self._stamps.get(name, -math.inf):
+                self._stamps[name] = stamp
+                self._came[name] = [*self._came.get(name, ())[-KEPT:], now]
 
-    def rate_hz(self, name: str) -> float:
-        """Return the mean rate of the last values; 0 if there are fewer than two."""
-        stamps = self._seen[name]
-        return (len(stamps) - 1) / (stamps[-1] - stamps[0]) if len(stamps) > 1 else 0.0
+    def rate_hz(self, name: str) -> float | None:
+        """Return the mean rate of the last values (Hz); None if it is not known."""
+        return rate_of(self._came.get(name, ()))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,6 +67,8 @@ class Equipment:
     advisor: str
     folder: str
     time_limit_s: float
+    perception: str = "exact"
+    """Where classes and depth come from."""
     heading_trusted: bool
     """Whether the vehicle's heading is taken as it is (compass), or the start's heading in its place."""
 
@@ -100,7 +103,7 @@ def preflight_list(
         *([_heading(report, area)] if equipment.heading_trusted and report.yaw_rad is not None else []),
         _velocity(report, rates),
         _depth(report, rates),
-        *_camera(now, camera),
+        *_camera(now, camera, equipment.perception),
         _sonar(now, sonar, sonar_cfg or SonarCfg()),
         _battery(report, safety),
         CheckLine(
@@ -152,8 +155,8 @@ def _pose(now: float, report: VehicleReport, rates: StampRates, equipment: Equip
     age = now - report.pose_stamp_s
     if age > safety.pose_timeout_s:
         return CheckLine("pose", f"{source}, {age:.1f} s old - nothing arms on an old position", "blocking")
-    slow = "" if rate >= SLOW_HZ else " - slow: the map blurs"
-    return CheckLine("pose", f"{source}, {rate:.0f} Hz, {spread}{slow}", "lacking" if slow else "good")
+    slow = " - slow: the map blurs" if rate is not None and rate < SLOW_HZ else ""
+    return CheckLine("pose", f"{source}, {rate_told(rate)}, {spread}{slow}", "lacking" if slow else "good")
 
 
 def _heading(report: VehicleReport, area: SurveyArea) -> CheckLine:
@@ -170,27 +173,27 @@ def _velocity(report: VehicleReport, rates: StampRates) -> CheckLine:
         return CheckLine("velocity", "none - the controller needs it; nothing arms", "blocking")
     std = report.velocity_std_m_s
     spread = "covariance not told" if std is None else f"standard deviation {std:.2g} m/s"
-    return CheckLine("velocity", f"{rates.rate_hz('velocity'):.0f} Hz, {spread}")
+    return CheckLine("velocity", f"{rate_told(rates.rate_hz('velocity'))}, {spread}")
 
 
 def _depth(report: VehicleReport, rates: StampRates) -> CheckLine:
     if report.depth_m is None:
         return CheckLine("depth", "none - the depth cannot be held; nothing arms", "blocking")
-    return CheckLine("depth", f"{report.depth_m:.1f} m, {rates.rate_hz('depth'):.0f} Hz")
+    return CheckLine("depth", f"{report.depth_m:.1f} m, {rate_told(rates.rate_hz('depth'))}")
 
 
-def _camera(now: float, camera: LatestShot) -> list[CheckLine]:
+def _camera(now: float, camera: LatestShot, perception: str) -> list[CheckLine]:
     shot, name = camera.latest, camera.source.name
     if shot is None:
         why = f" ({camera.failure})" if camera.failure else ""
         return [CheckLine("camera", f"{name}: no picture{why} - nothing arms", "blocking")]
     age = now - shot.stamp_s
-    lines = [CheckLine("camera", f"{name}, {camera.rate_hz:.0f} Hz, last picture {max(age, 0.0):.1f} s old")]
-    if camera.source.labelled:
+    lines = [CheckLine("camera", f"{name}, {rate_told(camera.rate_hz)}, last picture {max(age, 0.0):.1f} s old")]
+    if camera.eyes is not None and shot.frame is not None:
+        return [*lines, CheckLine("labels", f"{perception}, {1e3 * camera.seeing_s:.0f} ms a picture")]
+    if camera.eyes is None and camera.source.labelled:
         return [*lines, CheckLine("labels", "exact, from the simulated camera")]
-    if camera.perception is not None:
-        return [*lines, CheckLine("labels", f"{camera.perception.name}")]
-    told = "none - no network here finds oysters or depth in a real picture; nothing arms"
+    told = "none - its pictures have no classes and no depth: add --perception rgb or FILE.onnx; nothing arms"
     return [*lines, CheckLine("labels", told, "blocking")]
 
 
@@ -203,14 +206,14 @@ def _sonar(now: float, sonar: LatestHeard | None, cfg: SonarCfg) -> CheckLine:
         return CheckLine("sonar", f"{name}: no image{why} - nothing arms", "blocking")
     image = heard.image
     size = f"{image.ranges.shape[1]}x{image.ranges.shape[0]}, {image.hfov_deg:g} by {image.vfov_deg:g} degrees"
-    text = f"{name}, {size}, {sonar.rate_hz:.0f} Hz, last image {max(now - heard.stamp_s, 0.0):.1f} s old"
+    text = f"{name}, {size}, {rate_told(sonar.rate_hz)}, last image {max(now - heard.stamp_s, 0.0):.1f} s old"
     refused = ", ".join(f"{reason} {count}" for reason, count in sonar.refused.most_common(3))
     text += f"; refused: {refused}" if refused else ""
     try:
         check_range_image(image, cfg, least_heard=0.0)
     except UnfitMeasurement as unfit:
         return CheckLine("sonar", f"{text}; {unfit.reason} ({unfit.detail}) - nothing arms", "blocking")
-    if sonar.rate_hz < SLOW_HZ:
+    if sonar.rate_hz is not None and sonar.rate_hz < SLOW_HZ:
         return CheckLine("sonar", f"{text} - slow: it counts as lost between two images", "lacking")
     return CheckLine("sonar", text)
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Generic, Protocol, TypeVar
 
 from coral.errors import first_line
 
 PAUSE_S = 0.2
 """A sensor that fails is asked again after this time."""
-KEPT = 20
-"""The rate is that of so many measurements."""
+KEPT = 200
+"""The rate is that of so many measurements at most."""
+RATE_S = 1.0
+"""Over a shorter time no rate is told: sensors send bursts after a pause, a link after a gap."""
 T = TypeVar("T")
 
 
@@ -23,6 +25,17 @@ class Closable(Protocol):
     def close(self) -> None:
         """Free the sensor."""
         ...
+
+
+def rate_of(times: Sequence[float]) -> float | None:
+    """Return how many times a second something came (Hz), by the times (s) at which it did; None if not known."""
+    span = times[-1] - times[0] if len(times) > 1 else 0.0
+    return (len(times) - 1) / span if span >= RATE_S else None
+
+
+def rate_told(rate_hz: float | None) -> str:
+    """Return a rate in words."""
+    return "rate not known" if rate_hz is None else f"{rate_hz:.0f} Hz" if rate_hz >= 1.0 else f"{rate_hz:.1f} Hz"
 
 
 class LatestReading(ABC, Generic[T]):
@@ -58,10 +71,9 @@ class LatestReading(ABC, Generic[T]):
         return self._latest
 
     @property
-    def rate_hz(self) -> float:
-        """Measurements a second, over the last ones."""
-        times = self._times[-KEPT:]
-        return (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else 0.0
+    def rate_hz(self) -> float | None:
+        """Measurements a second, over the last ones; None if it is not known yet."""
+        return rate_of(self._times[-KEPT:])
 
     def step(self) -> None:
         """Read one measurement."""

@@ -6,6 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from coral.errors import RunError
 from coral.reef.world.geometry import Pose
 
@@ -40,6 +43,8 @@ class VehicleReport:
     """Whether the autopilot trusts its horizontal position now."""
     position_std_m: float | None = None
     """Standard deviation of the position; None where the vehicle does not tell it, as ArduSub does not."""
+    covariance: NDArray[np.float64] | None = None
+    """Of the pose: x, y (m), theta (rad); None where the vehicle does not tell it. Shape=(3, 3)."""
     position_test_ratio: float | None = None
     """The estimator's innovation over its limit: near 0 is good, from 1 on measurements are rejected. No covariance."""
     roll_rad: float | None = None

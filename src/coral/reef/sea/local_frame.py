@@ -47,6 +47,12 @@ class LocalFrame:
         x, y, turn = onward.to_survey(Pose(self.x, self.y, self.turn))
         return LocalFrame(x, y, turn)
 
+    def turned(self, covariance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Convert the covariance of a pose: x, y (m), theta (rad). Shape=(3, 3)."""
+        c, s = math.cos(self.turn), math.sin(self.turn)
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return np.asarray(turn @ covariance @ turn.T)
+
     def inverse(self) -> LocalFrame:
         """Return the frame that converts back."""
         c, s = math.cos(self.turn), math.sin(self.turn)

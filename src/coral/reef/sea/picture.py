@@ -1,4 +1,4 @@
-"""Pictures of a camera, and what perception makes of them."""
+"""Pictures of a camera, and what eyes see in them: beside the control loop, on the camera's thread."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
 from coral.reef.sea.latest_reading import LatestReading
-from coral.reef.world.geometry import Frame
+from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Frame, Label
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,26 +23,9 @@ class Shot:
     stamp_s: float
     """Monotonic time at which it was taken (s): arrival minus the camera's latency."""
     rgb: NDArray[np.uint8] | None = None
-    """Shape=(H, W, 3); None from the simulated camera, which makes no colours here."""
+    """Shape=(H, W, 3); None from the simulated camera where no colours are painted."""
     frame: Frame | None = None
-    """Depth and class of every pixel; None until a perception has made them."""
-
-
-class Perception(Protocol):
-    """Makes depth and classes from a colour picture.
-
-    None ships today: there is no network here that segments oysters or measures depth in a real camera's picture.
-    """
-
-    name: str
-
-    def perceive(self, rgb: NDArray[np.uint8]) -> Frame:
-        """Return depth and classes in the size of `CameraCfg`.
-
-        Args:
-            rgb: Shape=(H, W, 3).
-        """
-        ...
+    """Depth and class of every pixel; None until eyes have found them."""
 
 
 class CameraSource(Protocol):
@@ -61,25 +46,51 @@ class CameraSource(Protocol):
 
 
 class LatestShot(LatestReading[Shot]):
-    """Reads a camera on a thread of its own and keeps the newest picture, perceived."""
+    """Reads a camera on a thread of its own and keeps the newest picture, with what eyes saw in it."""
 
     def __init__(
         self,
         source: CameraSource,
-        perception: Perception | None = None,
+        eyes: RgbPerception | None = None,
+        camera: CameraCfg | None = None,
         *,
         clock: Callable[[], float] = time.monotonic,
         threaded: bool = True,
     ) -> None:
-        """Start reading; without `threaded`, `step` reads one picture, for tests."""
-        self.source, self.perception = source, perception
+        """Start reading; without `threaded`, `step` reads one picture, for tests.
+
+        Args:
+            source: The camera.
+            eyes: Find classes and depth in its colours; None if its pictures have them.
+            camera: Size and lens of the pictures that eyes get.
+            clock: Monotonic time (s).
+            threaded: Whether to read on a thread.
+        """
+        self.source, self.eyes, self._camera = source, eyes, camera or CameraCfg()
+        self.attitude: Callable[[], CameraAttitude] = CameraAttitude
+        """Tells the camera's attitude as it is measured."""
+        self.seeing_s = 0.0
+        """Time that eyes took for the last picture: it was older by this when it reached the pilot (s)."""
         super().__init__(source, "coral-camera", clock=clock, threaded=threaded)
 
     def _read(self) -> Shot | None:
         shot = self.source.read()
-        if shot is None or shot.frame is not None or shot.rgb is None or self.perception is None:
+        if shot is None or self.eyes is None:
             return shot
-        frame = self.perception.perceive(shot.rgb)
-        if frame.rgb is None and shot.rgb.shape[:2] == frame.depth.shape:
-            frame = replace(frame, rgb=shot.rgb)  # for the record
-        return Shot(stamp_s=shot.stamp_s, rgb=shot.rgb, frame=frame)
+        rgb = shot.rgb if shot.rgb is not None or shot.frame is None else shot.frame.rgb
+        if rgb is None:
+            return shot
+        size = (self._camera.height, self._camera.width)
+        if rgb.shape[:2] != size:
+            raise ValueError(f"pictures of {rgb.shape[1]}x{rgb.shape[0]} px, where {size[1]}x{size[0]} are expected")
+        begun = self._clock()
+        frame = perceive_frame(_unseen(rgb), self.eyes, self._camera, self.attitude())
+        self.seeing_s = self._clock() - begun
+        return replace(shot, frame=frame)
+
+
+def _unseen(rgb: NDArray[np.uint8]) -> Frame:
+    """Return a picture of which only the colours are known."""
+    size = rgb.shape[:2]
+    depth, labels = np.full(size, np.inf, np.float32), np.full(size, Label.WATER, np.uint8)
+    return Frame(depth, labels, np.full(size, -1, np.int32), rgb)

@@ -16,7 +16,7 @@ from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.world import ReefWorld
 from coral.runs import RunWriter
 
-OWN_COLUMNS = tuple(name for name in COLUMNS if not name.startswith(("est_", "odo_")))
+OWN_COLUMNS = tuple(name for name in COLUMNS if not name.startswith("est_"))
 """Columns of a vehicle of which nobody knows the truth: x, y and theta are where it believed it was."""
 
 
@@ -75,6 +75,7 @@ class SeaRecord:
         step: int,
         t: float,
         pose: Pose,
+        odometry: Pose,
         true_pose: Pose | None,
         state: tuple[float, ...],
         own: tuple[float, float, int],
@@ -85,11 +86,12 @@ class SeaRecord:
             step: Number of the tick.
             t: Time (s).
             pose: Where the vehicle believed it was.
+            odometry: Where its odometry alone put it.
             true_pose: Where it was; None where nobody knows.
             state: From u to goal_y, as in `OWN_COLUMNS`; nan where there is no goal. Then planner_ok.
             own: By the vehicle's own map: distance to an obstacle (m), share of its clusters done, their number.
         """
-        self.work.offer(lambda: self._write_tick(step, t, pose, true_pose, state, own))
+        self.work.offer(lambda: self._write_tick(step, t, pose, odometry, true_pose, state, own))
 
     def offer_frame(
         self, step: int, t: float, cells: Callable[[], Any], frame: Frame, taken_at: PicturePose | None = None
@@ -133,6 +135,7 @@ class SeaRecord:
         step: int,
         t: float,
         pose: Pose,
+        odometry: Pose,
         true_pose: Pose | None,
         state: tuple[float, ...],
         own: tuple[float, float, int],
@@ -140,9 +143,9 @@ class SeaRecord:
         u, v, r, v_cmd, omega_cmd, goal_x, goal_y, planner_ok = state
         goal = ("", "") if goal_x != goal_x else (goal_x, goal_y)
         if self.truth is None or true_pose is None:
-            self.writer.row(step, t, *pose, u, v, r, v_cmd, omega_cmd, *goal, own[0], planner_ok, *own[1:])
+            self.writer.row(step, t, *pose, u, v, r, v_cmd, omega_cmd, *goal, own[0], planner_ok, *own[1:], *odometry)
             return
         self._truth_step, self._truth_t = step, t
         self.truth.follow(step, t, true_pose)
         judged = (self.truth.clearance_m(true_pose), planner_ok, self.truth.coverage, len(self.truth.covered))
-        self.writer.row(step, t, *true_pose, u, v, r, *pose, v_cmd, omega_cmd, *goal, *judged, *pose)
+        self.writer.row(step, t, *true_pose, u, v, r, *pose, v_cmd, omega_cmd, *goal, *judged, *odometry)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from coral.reef.paint.painter import Painter
-from coral.reef.sea.loop import FixedRate
 from coral.reef.sea.picture import Shot
+from coral.reef.sea.real_time import FixedRate
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from coral.config import to_mapping
 from coral.reef.sea.local_frame import LocalFrame
+from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.world import ReefWorld, save_world
 from coral.runs import RunWriter, provenance
-
-if TYPE_CHECKING:
-    from coral.reef.sea.sea_mission import SailCfg
 
 
 def write_head(

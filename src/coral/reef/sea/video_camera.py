@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.sea.picture import Shot
@@ -15,23 +16,33 @@ OPEN_MS = 5000
 """Longest time to open an address (ms)."""
 
 
+Fit = Callable[[NDArray[np.uint8]], NDArray[np.uint8]]
+
+
 class VideoCamera:
-    """Reads pictures of a stream. They have no depth and no classes: a `Perception` has to make them."""
+    """Reads pictures of a stream. They have no depth and no classes: eyes have to find them."""
 
     labelled = False
 
-    def __init__(self, address: str, latency_s: float = 0.0, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        address: str,
+        latency_s: float = 0.0,
+        fit: Fit = lambda rgb: rgb,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         """Open a stream.
 
         Args:
             address: File, URL, device (`/dev/video0` or `0`), or a GStreamer pipeline where OpenCV has GStreamer.
             latency_s: Time from the light to the picture's arrival here, as calibrated (s).
+            fit: Makes a picture one of the camera that the robot reckons with; raises ValueError if it cannot.
             clock: Monotonic time (s).
 
         Raises:
-            InputError: It cannot be opened, or gives no picture.
+            InputError: It cannot be opened, gives no picture, or one of another camera.
         """
-        self._address, self._latency_s, self._clock = address, latency_s, clock
+        self._address, self._latency_s, self._fit, self._clock = address, latency_s, fit, clock
         digits = address.removeprefix("/dev/video")
         where: str | int = int(digits) if digits.isdigit() else address
         if "://" in address:
@@ -44,6 +55,11 @@ class VideoCamera:
             self._video.release()
             raise InputError("--camera", "", repr(address), "simulated, or a video that OpenCV can read")
         height, width = first.shape[:2]
+        try:
+            fit(np.asarray(first, np.uint8))
+        except ValueError as error:
+            self._video.release()
+            raise InputError("--camera", "", f"{address}: {error}", "pictures of the camera as configured") from None
         self._file_period_s = 1.0 / max(self._video.get(cv2.CAP_PROP_FPS), 1.0) if self._is_file() else 0.0
         self._due_s = clock()
         self.name = f"{address}, {width}x{height}"
@@ -60,7 +76,7 @@ class VideoCamera:
         if not good or bgr is None:
             raise OSError(f"{self._address} gives no more pictures")
         rgb = np.ascontiguousarray(bgr[:, :, ::-1], dtype=np.uint8)
-        return Shot(stamp_s=self._clock() - self._latency_s, rgb=rgb)
+        return Shot(stamp_s=self._clock() - self._latency_s, rgb=self._fit(rgb))
 
     def close(self) -> None:
         """Free the stream."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from coral.reef.simulation.depth_sensor import DepthSensorCfg, SimulatedDepthSen
 from coral.reef.simulation.doppler_log import DvlCfg, SimulatedDvl
 from coral.reef.simulation.inertial_filter import GYRO, InertialFilter
 from coral.reef.simulation.inertial_unit import ImuCfg, SimulatedImu
+from coral.reef.simulation.noise import PoseDrift, SensorNoiseCfg
 from coral.reef.vehicle.sensing import Attitude, Velocity
 from coral.reef.world.geometry import Pose, wrap
 
@@ -35,13 +36,47 @@ class NavigationFix:
 
     pose: Pose
     """Dead reckoned, in the frame where the start was known."""
-    covariance: NDArray[np.float64]
-    """Of the pose: x, y (m), theta (rad). Shape=(3, 3)."""
+    covariance: NDArray[np.float64] | None
+    """Of the pose: x, y (m), theta (rad); None: not told. Shape=(3, 3)."""
     velocity: Velocity
     """Over ground, as estimated."""
     velocity_age_s: float
     """Time since the last ping with bottom lock (s): what the velocity is worth."""
     attitude: Attitude
+
+
+class Navigation(Protocol):
+    """What tells a vehicle where it is."""
+
+    def step(self, pose: Pose, velocity: Velocity, attitude: Attitude, dt: float) -> NavigationFix:
+        """Measure and estimate, `dt` seconds after the last call.
+
+        Args:
+            pose: True pose.
+            velocity: True velocity over ground in the body frame.
+            attitude: True roll, pitch, depth and altitude.
+            dt: Time since the last call (s); 0 in the first.
+        """
+        ...
+
+
+class DriftingNavigation:
+    """Tells the truth, but for a random walk of the pose."""
+
+    def __init__(self, noise: SensorNoiseCfg, rng: np.random.Generator) -> None:
+        self._drift = PoseDrift(noise, rng)
+
+    def step(self, pose: Pose, velocity: Velocity, attitude: Attitude, dt: float) -> NavigationFix:
+        """Let the pose drift for `dt` seconds."""
+        drifted = self._drift.step(pose, dt)
+        return NavigationFix(pose=drifted, covariance=None, velocity=velocity, velocity_age_s=0.0, attitude=attitude)
+
+
+def make_navigation(cfg: NavigationCfg, noise: SensorNoiseCfg, start: Pose, rng: np.random.Generator) -> Navigation:
+    """Make the navigation of a vehicle that begins at a known pose."""
+    return (
+        SimulatedNavigation(cfg, start, rng.spawn(1)[0]) if cfg.source == "dvl-imu" else DriftingNavigation(noise, rng)
+    )
 
 
 class SimulatedNavigation:

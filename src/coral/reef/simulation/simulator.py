@@ -18,8 +18,8 @@ from coral.reef.paint.painter import Painter
 from coral.reef.paint.water_types import WaterType, find_water, water_of_visibility
 from coral.reef.simulation.coverage import CoverageCfg, CoverageMeter
 from coral.reef.simulation.imaging import ImagingCfg, ImagingMeter
-from coral.reef.simulation.noise import PoseDrift, SensorNoise, SensorNoiseCfg
-from coral.reef.simulation.simulated_navigation import NavigationCfg, SimulatedNavigation
+from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
+from coral.reef.simulation.simulated_navigation import NavigationCfg, make_navigation
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.collision import ContactCounter, clearance
 from coral.reef.vehicle.range_image import RangeImage
@@ -102,7 +102,6 @@ class ReefSimulator:
             self._painter = make_painter(self.scene, cfg, world.seed)
         self._time_s = 0.0
         self._noise = SensorNoise(cfg.noise, rng, cfg.camera)
-        self._drift = PoseDrift(cfg.noise, rng)
         self._sonar: Sonar3d15 | None = None
         if cfg.sonar.enabled:
             deep = world.water_depth_m
@@ -111,9 +110,7 @@ class ReefSimulator:
             self._sonar = Sonar3d15(self.scene, cfg.sonar, rng.spawn(1)[0], surface_z=surface_z)
         self._since_ping_s = math.inf
         begin = start or Pose(world.start.x, world.start.y, world.start.theta)
-        self._navigation: SimulatedNavigation | None = None
-        if cfg.navigation.source == "dvl-imu":
-            self._navigation = SimulatedNavigation(cfg.navigation, begin, rng.spawn(1)[0])
+        self._navigation = make_navigation(cfg.navigation, cfg.noise, begin, rng)
         self._footprints = self.scene.footprints()
         self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
         if first is None:
@@ -160,9 +157,6 @@ class ReefSimulator:
         altitude = self.cfg.camera.altitude_m if height is None else height
         attitude = Attitude(roll=roll, pitch=pitch, depth_m=self.water_depth_m - altitude, altitude_m=altitude)
         sonar = self._ping(attitude, altitude, dt)
-        if self._navigation is None:
-            pose = self._drift.step(self.pose, dt)
-            return Sensed(frame=frame, pose=pose, velocity=(u, v, r), attitude=attitude, sonar=sonar)
         fix = self._navigation.step(self.pose, (u, v, r), attitude, dt)
         return Sensed(
             frame=frame,

@@ -3,7 +3,15 @@ import sys
 
 import pytest
 
-from coral.reef.sea.loop import COLLECT_ALL_S, COLLECT_S, FixedRate, IdleCollector, collected_when_idle, prompt_threads
+from coral.reef.sea.real_time import (
+    COLLECT_ALL_S,
+    COLLECT_S,
+    FixedRate,
+    IdleCollector,
+    RealTicks,
+    collected_when_idle,
+    prompt_threads,
+)
 
 
 class FakeClock:
@@ -92,3 +100,18 @@ def test_threads_switch_faster_inside_and_as_before_after():
         assert sys.getswitchinterval() == pytest.approx(0.005)
     finally:
         sys.setswitchinterval(found)
+
+
+def test_ticks_say_what_time_it_is_and_how_long_the_last_one_was():
+    clock = FakeClock()
+    ticks = RealTicks(0.1, clock, clock.sleep)
+    assert ticks.start() == clock.now
+    found = []
+    for step in range(3):
+        found.append(ticks.begin(step))
+        clock.now += 0.13 if step == 0 else 0.02
+        ticks.rate.finish()
+        assert ticks.end(step + 1) == found[-1][0]
+    assert found[0] == (0.0, 0.0)
+    assert found[1] == pytest.approx((0.13, 0.13))
+    assert found[2] == pytest.approx((0.2003, 0.0703), abs=1e-6)

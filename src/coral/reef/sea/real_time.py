@@ -1,4 +1,4 @@
-"""A loop at a fixed rate in wall time: absolute deadlines, no drift, no bursts after a delay."""
+"""Ticks at a fixed rate in wall time: absolute deadlines, no drift, no bursts after a delay."""
 
 from __future__ import annotations
 
@@ -86,6 +86,40 @@ class FixedRate:
         self.count.worst_s = max(self.count.worst_s, behind)
         self.count.ends_s.append(behind)
         return self.period_s - behind
+
+
+class RealTicks:
+    """Ticks of the mission loop in real time: they come at a fixed rate and say what time it is."""
+
+    def __init__(
+        self,
+        period_s: float,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._period_s, self._clock, self._sleep = period_s, clock, sleep
+        self._t = self._began_s = self.now_s = 0.0
+        self.woken_ms = 0
+        """How late the present tick began (ms)."""
+        self.rate = FixedRate(period_s, clock, sleep)
+
+    def start(self) -> float:
+        """Begin: the first tick is due now. Return the monotonic time (s)."""
+        self._began_s = self._clock()
+        self.rate = FixedRate(self._period_s, self._clock, self._sleep)
+        return self._began_s
+
+    def begin(self, step: int) -> tuple[float, float]:
+        """Wait for the next deadline. Return the time since the start, and that since the last tick (s)."""
+        self.rate.wait()
+        self.woken_ms = round(1e3 * self.rate.behind_s)
+        self.now_s, before = self._clock(), self._t
+        self._t = round(self.now_s - self._began_s, 6)
+        return self._t, self._t - before if step else 0.0
+
+    def end(self, step: int) -> float:
+        """Return the time of the tick (s): that at which it began."""
+        return self._t
 
 
 class IdleCollector:
