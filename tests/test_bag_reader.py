@@ -1,4 +1,4 @@
-"""Bags that are none."""
+"""What is a bag, and what is none."""
 
 import pytest
 
@@ -10,7 +10,10 @@ pytest.importorskip("rosbags")
 
 def test_a_suffix_or_a_table_of_contents_makes_a_bag(tmp_path):
     assert is_bag(tmp_path / "x.mcap")
+    assert is_bag(tmp_path / "x.bag")
     assert not is_bag(tmp_path)
+    (tmp_path / "x_0.db3").write_text("")
+    assert is_bag(tmp_path)
     (tmp_path / "metadata.yaml").write_text("")
     assert is_bag(tmp_path)
 

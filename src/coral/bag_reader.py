@@ -9,10 +9,28 @@ from typing import Any
 
 from coral.errors import InputError, first_line
 
+FILES = (".mcap", ".db3", ".bag")
+"""MCAP, SQLite of ROS 2, and ROS 1."""
+_MENDS = {
+    "File end magic is invalid.": (
+        "a file without an end, unfinished or cut",
+        "a whole one: `mcap recover FILE -o OUT`",
+    ),
+    "Profile is not ros2.": ("an MCAP file of other messages", "messages of ROS 2 (profile ros2)"),
+}
+"""What the library says, and what it means for who has the file."""
+
 
 def is_bag(path: Path) -> bool:
-    """Check whether a path is a ROS 2 bag or an MCAP file."""
-    return path.suffix == ".mcap" or (path / "metadata.yaml").is_file()
+    """Check whether a path is a ROS bag or an MCAP file, or a folder of such files."""
+    return path.suffix in FILES or (path / "metadata.yaml").is_file() or bool(_loose_files(path))
+
+
+def _loose_files(path: Path) -> list[Path]:
+    """Return the parts of a bag whose metadata are missing, in order."""
+    if not path.is_dir() or (path / "metadata.yaml").exists():
+        return []
+    return sorted(one for one in path.iterdir() if one.suffix in (".mcap", ".db3"))
 
 
 def count_messages(path: Path) -> dict[str, int]:
@@ -76,15 +94,20 @@ def _opened(path: Path) -> Iterator[Any]:
             str(path), "", "no package rosbags", "the extra bags: pip install 'coral-robotics[bags]'"
         ) from None
     try:
-        reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+        reader = AnyReader(_loose_files(path) or [path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         reader.open()
     except (AnyReaderError, OSError, ValueError, AssertionError, AttributeError, KeyError, EOFError) as error:
-        raise InputError(str(path), "", first_line(error), "a ROS 2 bag or an MCAP file") from None
+        raise _cannot_open(path, error) from None
     except Exception as error:
         if type(error).__module__.startswith("rosbags"):
-            raise InputError(str(path), "", first_line(error), "a ROS 2 bag or an MCAP file") from None
+            raise _cannot_open(path, error) from None
         raise
     try:
         yield reader
     finally:
         reader.close()
+
+
+def _cannot_open(path: Path, error: Exception) -> InputError:
+    found, expected = _MENDS.get(first_line(error), (first_line(error), "a ROS bag or an MCAP file"))
+    return InputError(str(path), "", found, expected)

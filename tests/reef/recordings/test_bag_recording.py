@@ -1,5 +1,7 @@
 """Bags and MCAP files become maps."""
 
+import math
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -82,8 +84,8 @@ def test_a_damaged_file_is_told_in_one_line(bags, tmp_path):
     (tmp_path / "text.mcap").write_text("this is no recording\n")
     cut = tmp_path / "cut.mcap"
     cut.write_bytes((bags / "patch.mcap").read_bytes()[:20_000])
-    for path in (tmp_path / "text.mcap", cut):
-        with pytest.raises(InputError, match=path.name) as told:
+    for path, said in ((tmp_path / "text.mcap", r"text\.mcap"), (cut, r"a file without an end.*mcap recover")):
+        with pytest.raises(InputError, match=said) as told:
             list(read_bag(path, BagTopics()).keyframes())
         assert "\n" not in str(told.value)
 
@@ -134,7 +136,7 @@ def test_a_clock_that_goes_back_and_a_pose_that_is_none_are_one_line(bags, tmp_p
     for name, change, said in (
         ("back", back, "/odometry: found a time stamp of 5.500 s after one of 10.000 s"),
         ("nowhere", nowhere, "/odometry: found a pose that is not finite"),
-        ("late", late, "found 5.500 s after 10.000 s, expected time stamps that never go back"),
+        ("late", late, "found 5.500 s after 10.000 s, expected one clock that never goes back"),
     ):
         path = copy_bag(bags / "patch_bag", tmp_path / name, change)
         with pytest.raises(InputError, match=said) as told:
@@ -155,3 +157,106 @@ def test_pictures_between_two_poses_are_placed_between_them(bags, tmp_path):
     assert second.t == pytest.approx(0.2)
     # Localization's correction is that of the nearest stamp: it jumps by the drift of 1 cm a picture.
     assert second.pose.x == pytest.approx(there, abs=0.011)
+
+
+def first_pose(path):
+    return next(iter(read_bag(path, BagTopics()).keyframes())).pose
+
+
+def named(**frames):
+    """Return a change that renames frames, in every message that names one."""
+
+    def change(topic, t, message):
+        for one in (*getattr(message, "transforms", ()), *([message] if hasattr(message, "header") else ())):
+            one.header.frame_id = frames.get(one.header.frame_id, one.header.frame_id)
+            if hasattr(one, "child_frame_id"):
+                one.child_frame_id = frames.get(one.child_frame_id, one.child_frame_id)
+        return message
+
+    return change
+
+
+def test_frames_with_the_slash_of_ros_1_are_the_same_frames(bags, tmp_path):
+    slashed = named(**{name: f"/{name}" for name in ("map", "odom", "base_link", "camera_optical")})
+    path = copy_bag(bags / "patch_bag", tmp_path / "slashed", slashed)
+    assert first_pose(path) == first_pose(bags / "patch_bag")
+
+
+def test_a_correction_that_is_static_is_applied(bags, tmp_path):
+    def only_static(topic, t, message):
+        if topic == "/tf":
+            return None
+        if topic == "/tf_static":
+            fixed = deepcopy(message.transforms[0])
+            fixed.header.frame_id, fixed.child_frame_id = "map", "odom"
+            fixed.transform.translation.x, fixed.transform.translation.y = 20.0, 3.0
+            fixed.transform.rotation.x = fixed.transform.rotation.y = 0.0
+            fixed.transform.rotation.z = fixed.transform.rotation.w = math.sqrt(0.5)
+            message.transforms = [*message.transforms, fixed]
+        return message
+
+    found = next(
+        iter(read_bag(copy_bag(bags / "patch_bag", tmp_path / "static", only_static), BagTopics()).keyframes())
+    )
+    assert found.pose[:2] == pytest.approx((20.0 - found.odometry.y, 3.0 + found.odometry.x))
+    assert found.pose.theta == pytest.approx(found.odometry.theta + math.pi / 2)
+
+
+def test_a_camera_at_the_end_of_a_chain_that_moves(bags, tmp_path):
+    def chained(topic, t, message):
+        if topic == "/tf_static":
+            link = deepcopy(message.transforms[0])
+            link.child_frame_id = "camera_link"
+            link.transform.translation.x = 0.2
+            link.transform.rotation.x = link.transform.rotation.y = link.transform.rotation.z = 0.0
+            link.transform.rotation.w = 1.0
+            mounts.extend(message.transforms)
+            message.transforms = [link]
+        elif topic == "/tf":
+            optical = deepcopy(mounts[0])
+            optical.header.stamp = message.transforms[0].header.stamp
+            optical.header.frame_id = "camera_link"
+            optical.transform.translation.x -= 0.2
+            message.transforms = [*message.transforms, optical]
+        return message
+
+    mounts = []
+    path = copy_bag(bags / "patch_bag", tmp_path / "chained", chained)
+    assert first_pose(path) == pytest.approx(first_pose(bags / "patch_bag"))
+
+
+def test_poses_whose_z_points_down_are_refused_by_the_frame_s_name(bags, tmp_path):
+    path = copy_bag(bags / "patch_bag", tmp_path / "ned", named(odom="odom_ned"))
+    with pytest.raises(InputError, match="base_link in odom_ned, whose z axis points down: convert them to ENU"):
+        read_bag(path, BagTopics())
+
+
+def test_a_camera_that_hangs_upside_down_is_refused(bags, tmp_path):
+    def rolled(topic, t, message):
+        if topic == "/tf_static":
+            q = message.transforms[0].transform.rotation
+            q.x, q.y, q.z, q.w = q.w, -q.z, q.y, -q.x  # turned by 180 degrees about the body's x axis
+        return message
+
+    path = copy_bag(bags / "patch_bag", tmp_path / "rolled", rolled)
+    with pytest.raises(InputError, match="a camera that looks up or hangs upside down"):
+        read_bag(path, BagTopics())
+
+
+def stamped_otherwise(stamp):
+    def change(topic, t, message):
+        if topic.startswith("/camera") and topic.endswith("compressed"):
+            message.header.stamp.sec, message.header.stamp.nanosec = stamp(message.header.stamp)
+        return message
+
+    return change
+
+
+def test_pictures_without_stamps_and_pictures_of_another_clock_are_named(bags, tmp_path):
+    path = copy_bag(bags / "patch_bag", tmp_path / "none", stamped_otherwise(lambda stamp: (0, 0)))
+    with pytest.raises(InputError, match="messages without time stamps"):
+        list(read_bag(path, BagTopics()).keyframes())
+    later = stamped_otherwise(lambda stamp: (stamp.sec + 1_700_000_000, stamp.nanosec))
+    path = copy_bag(bags / "patch_bag", tmp_path / "other", later)
+    with pytest.raises(InputError, match=r"pictures from 1700000000\.0 to 1700000020\.0 s, poses from 0\.0 to 20\.0 s"):
+        list(read_bag(path, BagTopics()).keyframes())

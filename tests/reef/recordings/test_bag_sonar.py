@@ -117,5 +117,5 @@ def test_eyes_are_given_the_echoes_in_their_picture(recorded):
 
 def test_a_sonar_whose_place_nobody_knows_is_refused(recorded):
     add_sonar(recorded / "plain", recorded / "lost", mount=False)
-    with pytest.raises(InputError, match="/tf_static: found no transform from base_link to sonar"):
+    with pytest.raises(InputError, match="/tf_static: found no chain from base_link to sonar"):
         read_bag(recorded / "lost", BagTopics())

@@ -43,6 +43,15 @@ def test_colours_keep_their_order():
     assert read[..., 2].max() < 30
 
 
+def test_pixels_stay_as_they_lie_in_the_file_whatever_orientation_it_tells():
+    rgb = np.zeros((3, 4, 3), np.uint8)
+    rgb[0] = 250
+    plain = encode_jpeg(rgb)
+    exif = b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x03\0\0\0\0\0\0\0"  # 3: turned by 180 degrees
+    turned = plain[:2] + b"\xff\xe1" + (len(exif) + 2).to_bytes(2, "big") + exif + plain[2:]
+    np.testing.assert_array_equal(decode_rgb(turned, CAMERA, "x"), decode_rgb(plain, CAMERA, "x"))
+
+
 @pytest.mark.parametrize(
     ("decode", "image", "said"),
     [

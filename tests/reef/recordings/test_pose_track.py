@@ -1,11 +1,11 @@
-"""Poses at any time."""
+"""Transforms at any time."""
 
 import math
 
 import numpy as np
 import pytest
 
-from coral.reef.recordings.pose_track import PoseTrack, StampedTransforms
+from coral.reef.recordings.pose_track import StampedTransforms
 from coral.reef.recordings.transforms import body_transform, euler_of
 from coral.reef.world.geometry import Pose
 
@@ -41,15 +41,3 @@ def test_messages_a_little_out_of_order_are_sorted_and_a_clock_set_back_is_told(
     assert [one[0, 3] for one in stamped.transforms] == [0.0, 1.0, 2.0]
     with pytest.raises(ValueError, match=r"0\.500 s after one of 1\.100 s"):
         stamped.add(0.5, np.eye(4))
-
-
-def test_what_localization_corrects_comes_on_top_of_the_odometry():
-    poses = PoseTrack(odometry=track((1.0, 2.0, 0.0)), parent="odom", child="base_link")
-    assert poses.at(1.0)[1] is None
-    correction = np.eye(4)
-    correction[1, 3] = 0.5
-    poses.corrections["odom"] = StampedTransforms()
-    poses.corrections["odom"].add(1.0, correction)
-    body, odometry = poses.at(1.0)
-    assert (body[0, 3], body[1, 3]) == (2.0, 0.5)
-    assert odometry == Pose(2.0, 0.0, 0.0)

@@ -29,6 +29,13 @@ def test_a_calibration_makes_pictures_of_a_pinhole_camera(tmp_path):
     assert found.view.hfov_deg > 62.0
 
 
+def test_a_calibration_of_ros_is_the_same_camera(tmp_path):
+    text = "{width: 160, height: 120, fx: 52, fy: 51.5, cx: 81, cy: 58.5, distortion: [-0.05, 0, 0, 0]}"
+    ros = """{image_width: 160, image_height: 120, camera_matrix: {data: [52, 0, 81, 0, 51.5, 58.5, 0, 0, 1]},
+      distortion_model: plumb_bob, distortion_coefficients: {data: [-0.05, 0, 0, 0]}}"""
+    assert camera(tmp_path, ros).view == camera(tmp_path, text).view
+
+
 def test_a_camera_of_ours_is_taken_as_it_is():
     cfg = CameraCfg(width=80, height=60)
     assert RecordedCamera.plain(cfg) == RecordedCamera(cfg, (80, 60))

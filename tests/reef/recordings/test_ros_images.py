@@ -1,5 +1,6 @@
 """Pictures in ROS messages."""
 
+import struct
 from types import SimpleNamespace
 
 import cv2
@@ -69,6 +70,22 @@ def test_depth_keeps_its_values_in_both_byte_orders_and_behind_a_header():
     np.testing.assert_array_equal(values_in(message, "x", "depth"), depth)
 
 
+def test_a_depth_of_32_bits_is_kept_as_inverse_depths():
+    a, b = 101.0, 1.5
+    raw = np.array([[0, 50, 10_000]], np.uint16)
+    packed = struct.pack("<iff", 0, a, b) + encode_png(raw)
+    message = SimpleNamespace(format="32FC1; compressedDepth png", data=np.frombuffer(packed, np.uint8))
+    np.testing.assert_allclose(values_in(message, "x", "depth"), [[np.nan, a / 48.5, a / 9998.5]], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("form", "size", "said"), [("32FC1; compressedDepth rvl", 99, "as RVL"), ("16UC1; compressedDepth", 12, "12 bytes")]
+)
+def test_a_compressed_depth_that_is_not_read_is_named(form, size, said):
+    with pytest.raises(InputError, match=said):
+        values_in(SimpleNamespace(format=form, data=np.zeros(size, np.uint8)), "x", "depth")
+
+
 @pytest.mark.parametrize(
     ("message", "said"),
     [
@@ -78,6 +95,7 @@ def test_depth_keeps_its_values_in_both_byte_orders_and_behind_a_header():
         (SimpleNamespace(**{**vars(plain("rgb8", RED)), "step": 3}), "data: found"),
         (SimpleNamespace(**{**vars(plain("rgb8", RED)), "width": 0}), "data: found"),
         (SimpleNamespace(format="jpeg", data=np.zeros(9, np.uint8)), "found no picture"),
+        (SimpleNamespace(format="h264", data=np.zeros(9, np.uint8)), "format: found 'h264', expected JPEG or PNG"),
     ],
 )
 def test_a_message_that_lies_is_one_line(message, said):

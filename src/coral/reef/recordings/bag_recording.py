@@ -20,16 +20,20 @@ from coral.reef.map.echo_points import project_points
 from coral.reef.map.mapping import MapCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_sonar import open_sonar
+from coral.reef.recordings.frame_tree import BodyTrack, frame_name, points_down
 from coral.reef.recordings.lens import Lens
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
 from coral.reef.recordings.picture_files import colours_of, depth_of, doubt_of, frame_of, labels_of
-from coral.reef.recordings.pose_track import NEAR_S, PoseTrack, StampedTransforms
+from coral.reef.recordings.pose_track import NEAR_S
 from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
 from coral.reef.recordings.ros_images import colours_in, values_in
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Frame, Pose
+
+UPRIGHT = 0.5
+"""Sine of the angle by which the picture's down axis or the line of sight may rise above the body's plane."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,8 +65,7 @@ class _Contents:
     """What a first pass over a bag collects: everything but pictures."""
 
     camera: RecordedCamera | None = None
-    track: PoseTrack = field(default_factory=PoseTrack)
-    static: dict[tuple[str, str], NDArray[np.float64]] = field(default_factory=dict)
+    track: BodyTrack = field(default_factory=BodyTrack)
     camera_frame: str = ""
     area: tuple[float, float, float, float] | None = None
     cell_m: float | None = None
@@ -105,21 +108,22 @@ def read_bag(
     if perception is None:
         pictured += [name for name in (topics.doubt, topics.depth_doubt) if contents.counts.get(name)]
     found = camera or _with_mount(contents, where, topics)
-    mount = contents.static.get((contents.track.child, contents.camera_frame), camera_in_body(found.view))
-    # A body pose is that of a body whose camera sits at its origin: what else the mount turns goes into roll and pitch.
-    turned = mount @ np.linalg.inv(camera_in_body(found.view))
+    track = contents.track
+    placed = track.tree.joins(track.child, contents.camera_frame)
+    in_view = np.linalg.inv(camera_in_body(found.view))
+
+    def mount_at(t: float) -> NDArray[np.float64] | None:
+        return track.tree.at(track.child, contents.camera_frame, t) if placed else camera_in_body(found.view)
+
     cfg = cfg or MapCfg()
     if contents.cell_m is not None:
         cfg = replace(cfg, cell_m=contents.cell_m)
     omitted: set[float] = set()
-    hearing = (
-        open_sonar(path, topics.sonar, contents.track, contents.static, mount, sonar)
-        if contents.counts.get(topics.sonar)
-        else None
-    )
+    hearing = open_sonar(path, topics.sonar, track, mount_at, sonar) if contents.counts.get(topics.sonar) else None
 
     def keyframes() -> Iterator[PosedFrame]:
         due, pings, clouds = -math.inf, list[PosedPing](), list[tuple[float, NDArray[np.float64]]]()
+        used: list[float] = []
         for t, images in _moments(path, set(pictured), {topics.sonar}, where):
             if topics.sonar in images:
                 assert hearing is not None
@@ -131,11 +135,12 @@ def read_bag(
             if t < due - 1e-6:
                 continue
             due = t + period_s
-            at = contents.track.at(t)
-            if at is None:
+            at, mount = track.at(t), mount_at(t)
+            if at is None or mount is None:
                 omitted.add(t)
                 continue
-            body = at[0] @ turned
+            # The pose is that of a body whose camera sits at its origin: what else the mount turns is roll and pitch.
+            body = at[0] @ mount @ in_view
             roll, pitch, yaw = euler_of(body[:3, :3])
             pose = Pose(float(body[0, 3]), float(body[1, 3]), yaw)
             height_m = float(body[2, 3])
@@ -150,6 +155,12 @@ def read_bag(
                 pings=tuple(pings),
             )  # fmt: skip
             pings.clear()
+            used.append(t)
+        if omitted and not used:
+            raise InputError(
+                where, "time", f"pictures from {min(omitted):.1f} to {max(omitted):.1f} s, poses from "
+                f"{track.odometry.times[0]:.1f} to {track.odometry.times[-1]:.1f} s", "stamps of one clock",
+            )  # fmt: skip
 
     name = path.stem if path.suffix else path.name
     return Recording(
@@ -193,11 +204,16 @@ def _frame(
 def _moments(path: Path, pictures: set[str], others: set[str], where: str) -> Iterator[tuple[float, dict[str, Any]]]:
     """Return the pictures of each moment, those with one time stamp, and every other message by itself."""
     t_open, images, later = math.nan, dict[str, Any](), list[tuple[float, dict[str, Any]]]()
+    unstamped: set[str] = set()
     for topic, message in read_messages(path, pictures | others):
         try:
             t = stamp_of(message)
         except AttributeError as error:
             raise InputError(where, topic, first_line(error), "messages with a time stamp") from None
+        if t == 0.0 and topic in unstamped:
+            raise InputError(where, topic, "messages without time stamps (all 0)", "stamps of when each was taken")
+        if t == 0.0:  # once it may be the beginning of a simulation
+            unstamped.add(topic)
         if topic not in pictures:
             if images and t > t_open:
                 later.append((t, {topic: message}))  # after the picture, which may not be complete yet
@@ -206,7 +222,7 @@ def _moments(path: Path, pictures: set[str], others: set[str], where: str) -> It
             continue
         if images and t != t_open:
             if t < t_open - NEAR_S:
-                raise InputError(where, topic, f"{t:.3f} s after {t_open:.3f} s", "time stamps that never go back")
+                raise InputError(where, topic, f"{t:.3f} s after {t_open:.3f} s", "one clock that never goes back")
             yield t_open, images
             yield from later
             images, later = {}, []
@@ -221,12 +237,17 @@ def _with_mount(contents: _Contents, where: str, topics: BagTopics) -> RecordedC
     camera = contents.camera
     if camera is None:
         raise InputError(where, topics.camera_info, "no messages", "sensor_msgs/CameraInfo, or --camera FILE.yaml")
-    child = contents.track.child
-    mount = contents.static.get((child, contents.camera_frame))
+    child, tree = contents.track.child, contents.track.tree
+    mount = tree.first(child, contents.camera_frame)
     if mount is None:
         raise InputError(
-            where, "/tf_static", f"no transform from {child} to {contents.camera_frame or 'the camera'}",
-            "one, or --camera FILE.yaml",
+            where, "/tf, /tf_static", f"no chain from {child} to {contents.camera_frame or 'the camera'} among "
+            f"{', '.join(tree.frames()) or 'no frames'}", "one, or --camera FILE.yaml",
+        )  # fmt: skip
+    if max(float(mount[2, 1]), float(mount[2, 2])) > UPRIGHT:
+        raise InputError(
+            where, f"{child} to {contents.camera_frame}", "a camera that looks up or hangs upside down",
+            "a body with z up (FLU, REP-103); convert one with z down (FRD), or give --camera FILE.yaml",
         )  # fmt: skip
     down = math.degrees(math.asin(max(-1.0, min(1.0, -float(mount[2, 2])))))
     return replace(camera, view=replace(camera.view, pitch_down_deg=round(down, 9)))
@@ -241,7 +262,7 @@ def _collect(path: Path, topics: BagTopics) -> _Contents:
             if topic == topics.odometry:
                 _take_odometry(contents.track, message)
             elif topic == topics.camera_info:
-                contents.camera_frame = message.header.frame_id
+                contents.camera_frame = frame_name(message.header.frame_id)
                 contents.camera = contents.camera or _camera(message, f"{where}: {topic}", topics.image)
             elif topic == topics.seen_by:
                 contents.seen_by = _name_eyes(str(message.data))
@@ -260,24 +281,23 @@ def _collect(path: Path, topics: BagTopics) -> _Contents:
     return contents
 
 
-def _take_odometry(track: PoseTrack, message: Any) -> None:
+def _take_odometry(track: BodyTrack, message: Any) -> None:
     pose = message.pose.pose
     transform = _finite(transform_from(_vector(pose.position), _quaternion(pose.orientation)))
+    parent, child = frame_name(message.header.frame_id), frame_name(message.child_frame_id)
     if not track.odometry.times:
-        track.parent, track.child = message.header.frame_id, message.child_frame_id
-    elif (track.parent, track.child) != (message.header.frame_id, message.child_frame_id):
-        raise ValueError(f"poses of {message.child_frame_id} in {message.header.frame_id} after others")
+        if points_down(parent) or points_down(child):
+            raise ValueError(f"poses of {child} in {parent}, whose z axis points down: convert them to ENU (REP-103)")
+        track.parent, track.child = parent, child
+    elif (track.parent, track.child) != (parent, child):
+        raise ValueError(f"poses of {child} in {parent} after others")
     track.odometry.add(stamp_of(message), transform)
 
 
 def _take_transforms(contents: _Contents, message: Any, *, static: bool) -> None:
     for one in message.transforms:
-        parent, child = one.header.frame_id, one.child_frame_id
-        if static:
-            contents.static[parent, child] = _transform(one)
-        elif parent == "map":
-            corrections = contents.track.corrections.setdefault(child, StampedTransforms())
-            corrections.add(stamp_of(one), _transform(one))
+        t = None if static else stamp_of(one)
+        contents.track.tree.add(one.header.frame_id, one.child_frame_id, _transform(one), t)
 
 
 def _transform(stamped: Any) -> NDArray[np.float64]:
@@ -293,7 +313,9 @@ def _finite(transform: NDArray[np.float64]) -> NDArray[np.float64]:
 def _camera(message: Any, where: str, image_topic: str) -> RecordedCamera:
     """Return the camera of a CameraInfo: K and D for pictures as taken, P for those that image_proc has rectified."""
     rectified = "rect" in image_topic.replace("/", "_").split("_")
-    k = message.p if rectified and float(message.p[0]) > 0.0 else message.k
+    old = hasattr(message, "K")  # ROS 1 writes the matrices with capitals
+    k, d, p = (message.K, message.D, message.P) if old else (message.k, message.d, message.p)
+    k = p if rectified and float(p[0]) > 0.0 else k
     lens = Lens(
         width=int(message.width),
         height=int(message.height),
@@ -302,7 +324,7 @@ def _camera(message: Any, where: str, image_topic: str) -> RecordedCamera:
         cx=float(k[2]),
         cy=float(k[6] if len(k) == 12 else k[5]),
         model="plumb_bob" if rectified else message.distortion_model or "plumb_bob",
-        distortion=() if rectified else tuple(float(one) for one in message.d),
+        distortion=() if rectified else tuple(float(one) for one in d),
     )
     return RecordedCamera.of(lens, CameraCfg(), where)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from coral.bag_reader import read_messages
 from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
+from coral.reef.recordings.frame_tree import BodyTrack, frame_name
 from coral.reef.recordings.point_clouds import points_in, range_image_of
-from coral.reef.recordings.pose_track import PoseTrack
 from coral.reef.recordings.recording import PosedPing
 from coral.reef.recordings.transforms import euler_of
 from coral.reef.vehicle.sensing import Attitude
@@ -28,11 +28,13 @@ class BagSonar:
 
     sonar: SonarCfg
     """Its beams and its tilt."""
-    track: PoseTrack
+    track: BodyTrack
     turned: NDArray[np.float64]
     """From a body with the sonar at its origin, tilted as `sonar` says, to the bag's body. Shape=(4, 4)."""
-    to_camera: NDArray[np.float64]
-    """T_sonar^camera. Shape=(4, 4)."""
+    mount: NDArray[np.float64]
+    """T_sonar^body. Shape=(4, 4)."""
+    camera_mount: Callable[[float], NDArray[np.float64] | None]
+    """T_camera^body at a time, optical; None where nobody knows. Shape=(4, 4)."""
     where: str
     """Path of the bag, for errors."""
 
@@ -45,10 +47,11 @@ class BagSonar:
             InputError: It is no cloud of points.
         """
         points = points_in(message, f"{self.where} at {t:.3f} s")
-        seen = points @ self.to_camera[:3, :3].T + self.to_camera[:3, 3]
-        at = self.track.at(t)
-        if at is None:
-            return None, seen
+        camera, at = self.camera_mount(t), self.track.at(t)
+        if at is None or camera is None:
+            return None, np.empty((0, 3))
+        to_camera = np.linalg.inv(camera) @ self.mount
+        seen = points @ to_camera[:3, :3].T + to_camera[:3, 3]
         body = at[0] @ self.turned
         roll, pitch, yaw = euler_of(body[:3, :3])
         attitude = Attitude(roll=roll, pitch=pitch, depth_m=math.inf, altitude_m=float(body[2, 3]))
@@ -59,9 +62,8 @@ class BagSonar:
 def open_sonar(
     path: Path,
     topic: str,
-    track: PoseTrack,
-    static: Mapping[tuple[str, str], NDArray[np.float64]],
-    camera_mount: NDArray[np.float64],
+    track: BodyTrack,
+    camera_mount: Callable[[float], NDArray[np.float64] | None],
     sonar: SonarCfg | None = None,
 ) -> BagSonar:
     """Prepare for the echoes on a topic that has some.
@@ -70,19 +72,18 @@ def open_sonar(
         path: The bag.
         topic: Of the clouds.
         track: Poses of the body.
-        static: T_child^parent by parent and child.
-        camera_mount: T_camera^body, optical.
+        camera_mount: T_camera^body at a time, optical.
         sonar: The sonar's beams; None: those of the Sonar 3D-15.
 
     Raises:
         InputError: Nobody knows where on the vehicle the sonar is.
     """
-    frame = str(next(read_messages(path, {topic}))[1].header.frame_id)
-    mount = np.eye(4) if frame == track.child else static.get((track.child, frame))
+    frame = frame_name(str(next(read_messages(path, {topic}))[1].header.frame_id))
+    mount = track.tree.first(track.child, frame)
     if mount is None:
-        raise InputError(str(path), "/tf_static", f"no transform from {track.child} to {frame or 'the sonar'}", "one")
+        raise InputError(str(path), "/tf, /tf_static", f"no chain from {track.child} to {frame or 'the sonar'}", "one")
     down = math.asin(max(-1.0, min(1.0, -float(mount[2, 0]))))
     cfg = replace(sonar or SonarCfg(), enabled=True, pitch_down_deg=round(math.degrees(down), 9))
     tilt = np.eye(4)
     tilt[:3, :3] = sonar_attitude(0.0, 0.0, 0.0, cfg.pitch_down_deg)
-    return BagSonar(cfg, track, mount @ np.linalg.inv(tilt), np.linalg.inv(camera_mount) @ mount, str(path))
+    return BagSonar(cfg, track, mount @ np.linalg.inv(tilt), mount, camera_mount, str(path))

@@ -16,7 +16,7 @@ from coral.reef.recordings.recorded_camera import read_camera
 from coral.reef.recordings.recording import Recording
 from coral.reef.recordings.run_recording import is_run, read_run
 
-KINDS = "a run folder, a ROS 2 bag, an MCAP file, or a folder of pictures with poses.csv"
+KINDS = "a run folder, a ROS bag, an MCAP file, or a folder of pictures with poses.csv"
 
 
 def find_recording(

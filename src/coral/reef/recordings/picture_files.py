@@ -77,7 +77,11 @@ def decode_rgb(content: bytes, camera: RecordedCamera, where: str) -> NDArray[np
     Raises:
         InputError: It is none, or has another size than the camera's.
     """
-    return colours_of(decode(content, where, "rgb", cv2.IMREAD_COLOR)[:, :, ::-1], camera, where)
+    return colours_of(decode(content, where, "rgb", COLOUR)[:, :, ::-1], camera, where)
+
+
+COLOUR = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
+"""Pixels as they lie in the file: a camera that looks down tells any orientation, and calibrations are of pixels."""
 
 
 def decode(content: bytes, where: str, field: str, mode: int = cv2.IMREAD_UNCHANGED) -> Image:

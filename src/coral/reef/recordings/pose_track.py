@@ -1,4 +1,4 @@
-"""Where a body was at any time, from stamped odometry and what localization corrects of it."""
+"""Transforms with time stamps, and between them."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.recordings.transforms import euler_of, interpolate_transform
-from coral.reef.world.geometry import Pose
+from coral.reef.recordings.transforms import interpolate_transform
 
 NEAR_S = 0.1
 """A picture without a pose within this time of it is left out (s)."""
@@ -61,27 +60,3 @@ class StampedTransforms:
         if k == 0 or (k < len(self.times) and self.times[k] - t < t - self.times[k - 1]):
             return k
         return k - 1
-
-
-@dataclass
-class PoseTrack:
-    """Poses of a body in the map."""
-
-    odometry: StampedTransforms = field(default_factory=StampedTransforms)
-    """T_body^odom."""
-    parent: str = ""
-    child: str = ""
-    """Frames of the odometry and of the body."""
-    corrections: dict[str, StampedTransforms] = field(default_factory=dict)
-    """T_odom^map by the odometry's frame."""
-
-    def at(self, t: float) -> tuple[Transform, Pose | None] | None:
-        """Return T_body^map, and the pose by odometry alone if it is corrected; None where no pose is near."""
-        body = self.odometry.at(t)
-        if body is None:
-            return None
-        corrections = self.corrections.get(self.parent)
-        if corrections is None:
-            return body, None
-        correction = corrections.transforms[corrections.nearest(t)]
-        return correction @ body, Pose(float(body[0, 3]), float(body[1, 3]), euler_of(body[:3, :3])[2])

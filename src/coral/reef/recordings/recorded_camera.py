@@ -9,8 +9,9 @@ from typing import Annotated
 
 from pydantic import Field
 
-from coral.config import Positive, Signed, read_config
+from coral.config import Positive, Signed, merge, read_yaml
 from coral.errors import InputError
+from coral.reef.recordings.calibration_file import own_keys
 from coral.reef.recordings.lens import DistortionModel, Lens, Rectifier, check_lens, rectified_size
 from coral.reef.vehicle.camera import CameraCfg
 
@@ -83,12 +84,13 @@ class RecordedCamera:
 
 
 def read_camera(path: Path) -> RecordedCamera:
-    """Read a camera file.
+    """Read a camera file, or a calibration that another tool has written.
 
     Raises:
         InputError: A key is unknown, a value is out of range, or field of view and focal lengths contradict.
     """
-    where, cfg = str(path), read_config(path, CameraFileCfg())
+    where = str(path)
+    cfg = merge(CameraFileCfg(), own_keys(read_yaml(path), where), where)
     if (cfg.fx is None) != (cfg.fy is None):
         raise InputError(where, "fx, fy", "one without the other", "both")
     if cfg.fx is not None and cfg.hfov_deg is not None:

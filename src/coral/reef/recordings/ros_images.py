@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from typing import Any
 
 import cv2
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.recordings.picture_files import decode
+from coral.reef.recordings.picture_files import COLOUR, decode
 
 _PLAIN: dict[str, tuple[str, int]] = {
     "mono8": ("u1", 1), "8UC1": ("u1", 1), "mono16": ("u2", 1), "16UC1": ("u2", 1), "32FC1": ("f4", 1),
@@ -26,8 +27,10 @@ _TO_RGB = {
     "bayer_gbrg8": cv2.COLOR_BayerGR2RGB, "bayer_grbg8": cv2.COLOR_BayerGB2RGB,
     "yuv422": cv2.COLOR_YUV2RGB_UYVY, "yuv422_yuy2": cv2.COLOR_YUV2RGB_YUYV,
 }  # fmt: skip
-_HEADER_BYTES = 12
-"""Of compressed_depth_image_transport, before the PNG."""
+_HEADER = struct.Struct("<iff")
+"""Of compressed_depth_image_transport, before the PNG: a number of the format, and A and B of a quantised depth."""
+VIDEO = ("h264", "h265", "hevc", "av1", "vp8", "vp9", "mpeg4")
+"""Formats of CompressedImage that are films, whose pictures need the ones before them."""
 
 
 def colours_in(message: Any, where: str) -> NDArray[np.uint8]:
@@ -37,7 +40,11 @@ def colours_in(message: Any, where: str) -> NDArray[np.uint8]:
         InputError: It is none, or has an encoding that is not read here.
     """
     if _is_compressed(message):
-        return np.asarray(decode(bytes(message.data), where, "rgb", cv2.IMREAD_COLOR)[:, :, ::-1], np.uint8)
+        if str(message.format).lower() in VIDEO:
+            raise InputError(
+                where, "format", repr(str(message.format)), "JPEG or PNG pictures; a film has to be decoded"
+            )
+        return np.asarray(decode(bytes(message.data), where, "rgb", COLOUR)[:, :, ::-1], np.uint8)
     image, encoding = _plain(message, where), str(message.encoding)
     if encoding == "rgb8":
         return np.asarray(image, np.uint8)
@@ -54,10 +61,21 @@ def values_in(message: Any, where: str, field: str) -> NDArray[Any]:
     """
     if not _is_compressed(message):
         return _plain(message, where)
-    content = bytes(message.data)
-    if "compressedDepth" in str(message.format):
-        content = content[_HEADER_BYTES:]
-    return decode(content, where, field)
+    content, form = bytes(message.data), str(message.format)
+    if "compressedDepth" not in form:
+        return decode(content, where, field)
+    if "rvl" in form.lower():
+        raise InputError(where, field, f"compressedDepth as RVL ({form!r})", "compressedDepth as PNG, or raw pictures")
+    if len(content) <= _HEADER.size:
+        raise InputError(where, field, f"{len(content)} bytes", "compressedDepth: 12 bytes before a PNG")
+    _, a, b = _HEADER.unpack_from(content)
+    image = decode(content[_HEADER.size :], where, field)
+    if not form.startswith("32FC1"):
+        return image
+    # 32 bits are kept as inverse depths: raw = A / depth + B.
+    inverse = image.astype(np.float64) - b
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where((image > 0) & (inverse > 0.0), a / inverse, np.nan).astype(np.float32)
 
 
 def _is_compressed(message: Any) -> bool:
