@@ -76,7 +76,7 @@ def measure(edge_m: float, ticks: int, seed: int, perception: str) -> dict[str, 
     from coral.advisor.log import AttemptRecorder
     from coral.advisor.registry import make_advisor
     from coral.reef.decide.heuristic import REEF_RULES
-    from coral.reef.decide.planner import HighLevelPlanner
+    from coral.reef.decide.tour_planner import TourPlanner
     from coral.reef.drive.controller import DdpMppi
     from coral.reef.eyes.reef_net import ReefNetEyes
     from coral.reef.map.belief import Belief
@@ -98,9 +98,9 @@ def measure(edge_m: float, ticks: int, seed: int, perception: str) -> dict[str, 
         (OccupancyMap, "integrate", "perceive"),
         (Belief, "update", "track"),
         (Belief, "snapshot", "question"),
-        (HighLevelPlanner, "observe", "question"),
-        (HighLevelPlanner, "verify", "question"),
-        (HighLevelPlanner, "onward", "question"),
+        (TourPlanner, "ask", "question"),
+        (TourPlanner, "verify", "question"),
+        (TourPlanner, "onward", "question"),
         (Pilot, "_route", "field"),
         (DdpMppi, "plan", "plan"),
         (FrameRecorder, "offer", "record"),

@@ -11,8 +11,6 @@ AHEAD = {
     "facts": {"arrival": {"in_s": 11.0}, "failed": {"index": 4, "cause": "obstacles were in the way"}},
     "latency_s": 10.0,
     "inspect_m": 2.3,
-    "verify": {"enabled": True, "by": "regret"},
-    "max_regret_s": 10.0,
 }
 WORLD = {
     "task": "push it",
@@ -25,6 +23,8 @@ WORLD = {
 CONTEXT = {
     "reef-centroid": AHEAD,
     "reef-waypoint": AHEAD,
+    "reef-centroid-paper": {"step_m": 6},
+    "reef-waypoint-paper": {"step_m": 6},
     "reef-waypoint-without-chain": {"step_m": 6},
     "physical-parameters": {"task": "push it", "objects": {"board": {"pose_estimated": POSE, "mass_kg": None}}},
     "cost-function": WORLD,
@@ -93,7 +93,8 @@ MUST_SAY = {
         "2.3 m or nearer",
         "The last goal failed",
         "obstacles were in the way",
-        "more than 10 s on average",
+        "To differ from the robot's own plan is no fault",
+        "end_survey",
         "selected_centroid_index",
         "null",
         "obstacles",
@@ -107,9 +108,28 @@ MUST_SAY = {
         "0 to 6",
         "about 10 s",
         "tree",
-        "more than 10 s on average",
+        "To differ from the robot's own plan is no fault",
+        "expect",
         "forward_m",
         "left_m",
+        "Example",
+    ],
+    "reef-centroid-paper": [
+        "+X: the robot and its forward",
+        "Yellow line",
+        "Point 1, orientation",
+        "Point 4, unexplored water",
+        "Near unexplored (white) water",
+        "Along the chain",
+        "selected_centroid_index",
+        "Example",
+    ],
+    "reef-waypoint-paper": [
+        "+X forward",
+        "-Y right",
+        "0, 1, 2, 3, 4, 5, 6 m",
+        "follow the chain",
+        "forward_m",
         "Example",
     ],
     "reef-waypoint-without-chain": ["+X forward", "+Y left", "Green", "0 to 6", "forward_m", "left_m", "Example"],
@@ -208,6 +228,22 @@ def test_doubtful_dots_are_named_only_if_there_are_any(kind):
     dots = [{"index": 4, "doubtful": True}, {"index": 5}, {"index": 7, "doubtful": True}]
     assert "Doubtful: 4, 7." in render(kind, AHEAD, facts={**AHEAD["facts"], "centroids": dots})[0]
     assert "Doubtful" not in render(kind, AHEAD, facts={**AHEAD["facts"], "centroids": dots[1:2]})[0]
+
+
+def test_a_question_tells_what_a_reader_could_not_know():
+    facts = {
+        **AHEAD["facts"],
+        "first": {"forward_m": 4, "left_m": -2, "dots": [3, 6]},
+        "advice": {"chosen": {"index": 5}, "later_s": 9, "better": 3},
+        "guesses": {"right": 1, "wrong": 2, "open": 0, "allowance_s": 24.0},
+        "passing": {"dots": [3, 6], "waypoints": [[2, 1]]},
+    }
+    text = render("reef-waypoint", AHEAD, facts=facts)[0]
+    for told in ("Dots are left (3, 6)", "seen 9 s later", "dot 3 first", "1 right, 2 wrong", "up to 24.0 s"):
+        assert told in text
+    assert "These would pass now:** dots 3, 6; 2 m forward and 1 m left." in text
+    silent = render("reef-waypoint", AHEAD)[0]
+    assert not any(word in silent for word in ("Advice", "guesses so far", "would pass now", "Why a waypoint"))
 
 
 def test_without_a_chain_the_prompt_does_not_speak_of_one():

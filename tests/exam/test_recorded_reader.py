@@ -89,7 +89,7 @@ def test_the_prompts_have_changed_since():
 
 
 def test_reasons_for_refusals_are_those_of_today():
-    sources = [*(ROOT / "src/coral/reef").glob("*.py"), *(ROOT / "src/coral/contact").rglob("*.py")]
+    sources = [*(ROOT / "src/coral/reef").rglob("*.py"), *(ROOT / "src/coral/contact").rglob("*.py")]
     today = "".join(path.read_text(encoding="utf-8") for path in sources)
     codes = {entry["code"] for name in NAMES for entry in attempts(name) if entry["verdict"] == "rejected"}
     assert codes == {"visited", "behind-robot", "deviation", "too-close", "replay"}

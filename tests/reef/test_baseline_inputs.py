@@ -9,7 +9,8 @@ from coral.advisor.prompt import render
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.answers import WaypointChoice
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.decide.outlook import Outlook
+from coral.reef.decide.planners import make_planner
 from coral.reef.map.belief import Belief, BeliefCfg
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
@@ -47,7 +48,7 @@ def test_dream_has_no_chain_in_facts_prompt_picture_or_record(pond, tmp_path):
         assert question.facts["centroids"] == []
         assert "chain" not in question.prompt
         assert "orange" not in question.prompt.lower()
-    scene = map_scene(mission.belief)
+    scene = map_scene(Outlook.now(mission.belief))
     assert (len(scene.centroids), scene.clusters) == (0, False)
     events = [json.loads(line) for line in (tmp_path / "run" / "events.jsonl").read_text().splitlines()]
     assert all(event["centroids"] == [] for event in events if event["event"] == "question")
@@ -68,7 +69,7 @@ def test_the_whole_system_is_asked_with_the_chain(pond, tmp_path):
 @pytest.mark.parametrize(
     ("variant", "codes"),
     [
-        ("full", ("too-close", "blocked", "taken", "regret", "outside")),
+        ("full", ("too-close", "blocked", "taken", "finished", "outside")),
         ("frontier", ("too-close", "blocked", "taken", "", "outside")),
         ("no-verification", ("", "", "", "", "outside")),
         ("dream", ("", "", "", "", "outside")),
@@ -82,11 +83,11 @@ def test_without_verification_only_points_off_the_map_are_refused(variant, codes
     belief.map.explored[:, :360] = True
     belief.map.obstacle[190:210, 370:390] = True  # 18.5 to 19.5 m, straight ahead
     belief.others = (Neighbour(pose=Pose(5.0, 5.0, 0.0), radius_m=0.3, goal=(17.0, 12.0)),)
-    planner = HighLevelPlanner(belief, CostFieldCfg(), render, lambda belief: (), cfg.planner)
-    question = planner.observe(())
+    planner = make_planner(belief, CostFieldCfg(), render, lambda outlook: (), cfg.planner)
+    asked = planner.ask(planner.outlook())
     found = []
     for forward, left in ((0, 0), (4, 0), (2, 2), (-4, 0), (6, 0)):
-        verdict = planner.verify(question, WaypointChoice(forward_m=forward, left_m=left))
+        verdict = planner.verify(asked, WaypointChoice(forward_m=forward, left_m=left))
         found.append(verdict.code if verdict else "")
     assert tuple(found) == codes
 

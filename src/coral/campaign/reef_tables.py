@@ -40,7 +40,7 @@ DISTANCE = field("distance", "distance (m)", "distance_m")
 TABLE_I = ("dream", "pd", "full")
 TABLE_II = (
     "full",
-    "fixed-angles",
+    "paper",
     "no-verification",
     "no-centroid-selection",
     "rule-based",

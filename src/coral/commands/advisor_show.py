@@ -87,7 +87,7 @@ def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str,
     """Return prompt and pictures of the first question of a kind in a simulated mission."""
     from coral.advisor.rules import RuleAdvisor
     from coral.reef.decide.heuristic import REEF_RULES
-    from coral.reef.decide.planner import KIND, WITHOUT_CHAIN
+    from coral.reef.decide.questions import KINDS, PAPER, WITHOUT_CHAIN
     from coral.reef.mission.mission import Mission
     from coral.reef.mission.mission_cfg import MissionCfg
     from coral.reef.mission.variants import apply_variant
@@ -96,7 +96,9 @@ def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str,
 
     cfg = MissionCfg(latency="0", stop_when_covered=False)
     if kind == WITHOUT_CHAIN:
-        cfg, kind = apply_variant("dream", cfg), KIND["waypoint"]
+        cfg, kind = apply_variant("dream", cfg), KINDS["waypoint"]
+    elif kind.endswith(PAPER):
+        cfg, kind = apply_variant("paper", cfg), kind.removesuffix(PAPER)
     cfg = replace(cfg, record=replace(cfg.record, frames=False))
     mission = Mission(find_world(world), cfg, RuleAdvisor(REEF_RULES), folder, draw=question_pictures)
     mission.run([_UntilAsked(folder / "attempts.jsonl", kind)])

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from coral.advisor.consult import consult_at_once
 from coral.advisor.prompt import render
-from coral.advisor.question import Question, Rejection
+from coral.advisor.question import Question
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.asked import AskedState
 from coral.reef.decide.baselines import baseline_rules
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.decide.route import Goal
+from coral.reef.decide.tour_planner import TourPlanner
 from coral.reef.map.belief import Belief, BeliefCfg
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.map.mapping import MapCfg, OccupancyMap
@@ -58,21 +59,22 @@ class Moment:
     """Goal (m) of each answer (label of a dot, or metres ahead and to the left), or the verifiers' code of refusal."""
 
 
-class LedPlanner(HighLevelPlanner):
+class LedPlanner(TourPlanner):
     """Evaluates every answer to a question."""
 
-    def options(self, question: Question[Any]) -> dict[str, tuple[float, float] | str]:
+    def options(self, asked: AskedState) -> dict[str, tuple[float, float] | str]:
         """Return the goal of each answer, as in `Moment.options`."""
-        if self.mode == "centroid":
+        assert asked.question is not None
+        if asked.mode == "centroid":
             dots = [CentroidChoice(selected_centroid_index=track.index) for track in self.belief.tracks]
-            return {str(dot.selected_centroid_index): self._means(question, dot) for dot in dots}
-        steps = [WaypointChoice(forward_m=o["forward_m"], left_m=o["left_m"]) for o in question.facts["options"]]
-        return {f"{step.forward_m},{step.left_m}": self._means(question, step) for step in steps}
+            return {str(dot.selected_centroid_index): self._means(asked, dot) for dot in dots}
+        steps = [WaypointChoice(forward_m=o["forward_m"], left_m=o["left_m"]) for o in asked.question.facts["options"]]
+        return {f"{step.forward_m},{step.left_m}": self._means(asked, step) for step in steps}
 
-    def _means(self, question: Question[Any], answer: CentroidChoice | WaypointChoice) -> tuple[float, float] | str:
-        refusal = self.verify(question, answer)
-        goal = self.locate(question, answer)
-        if refusal is not None or isinstance(goal, Rejection):
+    def _means(self, asked: AskedState, answer: CentroidChoice | WaypointChoice) -> tuple[float, float] | str:
+        refusal = self.verify(asked, answer)
+        goal = self.locate(asked, answer)
+        if refusal is not None or not isinstance(goal, Goal):
             return refusal.code if refusal is not None else "no-such-centroid"
         return goal.x, goal.y
 
@@ -111,25 +113,28 @@ def moments(
             belief.goal_failed()
             if belief.goal_index is not None:
                 belief.write_off(belief.goal_index)
-        question = planner.observe(())
+        asked = planner.ask(planner.outlook())
+        question = asked.question
         if question is None:
             return
         left = tuple(k for k in range(len(clusters)) if k not in visited)
         if left:
             yield Moment(
-                Question(**{**vars(question), "asked_at_s": round(t, 1)}), belief.pose, left, planner.options(question)
+                Question(**{**vars(question), "asked_at_s": round(t, 1)}), belief.pose, left, planner.options(asked)
             )
-        goal = _choose_goal(planner, question, guides[int(rng.random() < WAYWARD)])
+        goal = _choose_goal(planner, asked, guides[int(rng.random() < WAYWARD)])
         if goal is None:
             return
         belief.goal, belief.goal_index = (goal.x, goal.y), goal.index
 
 
-def _choose_goal(planner: LedPlanner, question: Question[Any], guide: RuleAdvisor) -> Goal | None:
+def _choose_goal(planner: LedPlanner, asked: AskedState, guide: RuleAdvisor) -> Goal | None:
     """Return a goal that the verifiers accept."""
-    answer = consult_at_once(guide, lambda _: question, planner.verify, tries=8).answer
-    goal = None if answer is None else planner.locate(question, answer)
-    return None if isinstance(goal, Rejection) else goal
+    answer = consult_at_once(
+        guide, lambda _: asked.question, lambda _, answer: planner.verify(asked, answer), tries=8
+    ).answer
+    goal = None if answer is None else planner.locate(asked, answer)
+    return goal if isinstance(goal, Goal) else None
 
 
 def _drive(belief: Belief) -> Iterator[Pose]:

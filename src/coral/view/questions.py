@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from coral.advisor.question import Picture
-from coral.reef.map.belief import Belief
+from coral.reef.decide.outlook import Outlook
 from coral.reef.map.chain import spanning_tree
 from coral.view.cameraview import camera_picture
 from coral.view.companions import Companion
 from coral.view.mapview import MapScene, draw_map, png
 
 
-def map_scene(belief: Belief) -> MapScene:
+def map_scene(outlook: Outlook) -> MapScene:
     """Return the robot's own map, chain, trajectory and goal as a scene to draw."""
+    belief, arrival = outlook.belief, outlook.arrival.pose
     chain = belief.tracker.chain()
     places = np.array([[t.x, t.y] for t in chain]).reshape(-1, 2)
     by_sight = belief.cfg.inspect.enabled
@@ -25,19 +26,20 @@ def map_scene(belief: Belief) -> MapScene:
         centroids=places,
         links=spanning_tree(places),
         seen=[None if t.far else t.inspected for t in chain] if by_sight else None,
-        arrival=belief.arrival if belief.arrival != belief.pose else None,
+        arrival=arrival if arrival != belief.pose else None,
         border=(0.0, 0.0, *belief.map.size_m),
         indices=[t.index for t in chain],
-        visited=[belief.done(t) for t in chain],
+        visited=[outlook.done(t) for t in chain],
         clusters=belief.cfg.centroids,
         goal=belief.goal,
         others=tuple(Companion(pose=other.pose, goal=other.goal) for other in belief.others),
     )
 
 
-def question_pictures(belief: Belief) -> tuple[Picture, ...]:
+def question_pictures(outlook: Outlook) -> tuple[Picture, ...]:
     """Draw map, segmentation and depth, as PNG."""
-    drawn = draw_map(map_scene(belief))
+    drawn = draw_map(map_scene(outlook))
+    belief = outlook.belief
     pictures = [
         Picture(
             name="map",

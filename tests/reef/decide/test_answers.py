@@ -3,8 +3,7 @@ import pytest
 from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render
 from coral.advisor.question import BadAnswer
-from coral.reef.decide.answers import CentroidChoice, WaypointChoice
-from coral.reef.decide.verify import VerifyCfg
+from coral.reef.decide.answers import CentroidAnswer, CentroidChoice, WaypointAnswer, WaypointChoice
 
 
 @pytest.mark.parametrize(
@@ -52,13 +51,27 @@ def test_no_dot():
 
 
 @pytest.mark.parametrize(
-    ("kind", "answer_type"), [("reef-centroid", CentroidChoice), ("reef-waypoint", WaypointChoice)]
+    ("kind", "answer_type"),
+    [
+        ("reef-centroid", CentroidChoice),
+        ("reef-waypoint", WaypointChoice),
+        ("reef-centroid-paper", CentroidAnswer),
+        ("reef-waypoint-paper", WaypointAnswer),
+    ],
 )
 def test_example_in_the_prompt_is_a_valid_answer(kind, answer_type):
-    ahead = {"facts": {"arrival": {"in_s": 5.0}}, "latency_s": 10.0, "inspect_m": 2.3, "max_regret_s": 10.0}
-    text, _ = render(kind, step_m=6, verify=VerifyCfg(), **ahead)
+    text, _ = render(kind, step_m=6, facts={"arrival": {"in_s": 5.0}}, latency_s=10.0, inspect_m=2.3)
     example = text.split("Example:")[1].split("```")[1].removeprefix("json")
     assert "1." in parse_answer(example, answer_type).reason
+
+
+def test_what_goes_beyond_the_paper_may_be_left_out_of_an_answer():
+    choice = parse_answer('{"selected_centroid_index": 3}', CentroidChoice)
+    assert (choice.then, choice.waypoint, choice.expect, choice.end_survey) == ((), None, None, False)
+    given = parse_answer('{"forward_m": 0, "left_m": 2, "expect": {"what": "more", "sure": 0.7}}', WaypointChoice)
+    assert (given.expect.sure, given.expect.forward_m) == (0.7, None)
+    with pytest.raises(BadAnswer):
+        parse_answer('{"forward_m": 0, "left_m": 2, "expect": {"what": "more", "sure": 70}}', WaypointChoice)
 
 
 def test_schema_states_the_bounds():

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from coral.advisor.question import Rejection
-from coral.reef.decide.planner import HighLevelPlanner, PlannerCfg
+from coral.reef.decide.planner import PlannerCfg
+from coral.reef.decide.tour_planner import TourPlanner
 from coral.reef.map.belief import Belief
 from coral.reef.map.chain import Component
 from coral.reef.map.costfield import CostFieldCfg
@@ -36,10 +37,10 @@ def belief(*clusters, pose=NORTH):
 
 
 def facts(made, rejections=(), **changes):
-    planner = HighLevelPlanner(
-        made, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda belief: (), PlannerCfg(**changes)
+    planner = TourPlanner(
+        made, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda outlook: (), PlannerCfg(**changes)
     )
-    return planner.observe(rejections).facts
+    return planner.ask(planner.outlook(), rejections).question.facts
 
 
 def test_facts_hold_plain_json_and_no_ground_truth():

@@ -137,24 +137,6 @@ def test_what_lies_on_the_way_of_another_robot_is_left_to_it(goal):
     assert choose_centroid({**dots, "others": [other]}, ()).selected_centroid_index == 1
 
 
-LIMITS = {"back_deg": 120.0, "deviation_deg": 60.0, "forward_m": 1.0, "lateral_m": 3.0, "min_centroids": 3}
-
-
-def test_stated_limits_are_kept_where_some_choice_keeps_them():
-    dots = [centroid(0, -3.0, 0.0), centroid(1, 8.0, 0.0), centroid(2, 0.5, 9.0, visited=True)]
-    assert choose_centroid(facts(dots), ()).selected_centroid_index == 0
-    assert choose_centroid({**facts(dots), "limits": LIMITS}, ()).selected_centroid_index == 1
-    assert choose_centroid({**facts(dots[:1]), "limits": LIMITS}, ()).selected_centroid_index == 0
-
-
-def test_waypoints_keep_to_the_chain_that_comes_from_behind_where_that_is_stated():
-    dots = [centroid(k, -2.0 * k, 0.0, visited=True) for k in (1, 2, 3)]
-    shown = facts(dots, frontiers=[frontier(0.0, 5.0)], options=GRID)
-    assert choose_waypoint(shown, ()).forward_m == 0
-    answer = choose_waypoint({**shown, "limits": LIMITS}, ())
-    assert abs(math.degrees(math.atan2(answer.left_m, answer.forward_m))) <= 60.0
-
-
 def test_after_a_refusal_another_direction_is_named():
     refused = [Rejection(code="deviation", reason="", details={"forward_m": 5, "left_m": 1})]
     answer = choose_waypoint(facts(frontiers=[frontier(5.0, 1.0)], options=GRID), refused)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.survey import SurveyCfg, survey
 from coral.reef.map.belief import Belief
 from coral.reef.map.chain import Component
@@ -25,7 +26,7 @@ def known_west_of(x_m, pose=HERE, clusters=()):
 
 
 def left(belief, **changes):
-    return survey(belief, CostFieldCfg(), 1.0, SurveyCfg(**changes))
+    return survey(Outlook.now(belief), CostFieldCfg(), 1.0, SurveyCfg(**changes))
 
 
 def test_frontiers_lie_on_the_border_of_the_known_and_shadows_are_ignored():

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from beds import belief_with
 
-from coral.reef.decide.route import here
+from coral.reef.decide.outlook import Outlook
+from coral.reef.decide.remaining import Dot, what_remains
 from coral.reef.decide.survey import SurveyCfg, survey
 from coral.reef.decide.topology import TopologyCfg, frontier_worth, plan_tour
 from coral.reef.map.costfield import CostFieldCfg
@@ -13,24 +14,25 @@ CFG = TopologyCfg(speed_m_s=0.5, yaw_rate_rad_s=1e6)
 
 def tour_of(points, cfg=CFG, area=1.0):
     belief = belief_with(points, pose=Pose(10.0, 5.0, 0.0), size=(40.0, 10.0))
-    left = survey(belief, CostFieldCfg(), 1.0, SurveyCfg())
-    dots = [(t.x, t.y, t.index, area) for t in belief.tracks]
-    return plan_tour(belief, left, here(belief), dots, CostFieldCfg(), cfg)
+    outlook = Outlook.now(belief)
+    left = survey(outlook, CostFieldCfg(), 1.0, SurveyCfg())
+    dots = [Dot(x=t.x, y=t.y, index=t.index, left_m2=area) for t in belief.tracks]
+    remaining = what_remains(outlook, left, dots, CostFieldCfg(), cfg.remaining)
+    return plan_tour(remaining, left, outlook.arrival, cfg)
 
 
-def test_regret_is_how_much_later_the_rest_is_seen():
+def test_a_price_is_how_much_later_the_rest_is_seen():
     # Robot at 10, beds at 12, 14 and 30, half a metre a second. Best: seen after 4, 8 and 40 s, 17.3 s on average.
     tour = tour_of([(12.0, 5.0), (14.0, 5.0), (30.0, 5.0)])
     assert tour.best.index == 0
     assert tour.best_s == pytest.approx((4 + 8 + 40) / 3, abs=0.5)
-    assert tour.regret_of(1) == pytest.approx((8 + 12 + 48) / 3 - (4 + 8 + 40) / 3, abs=0.7)
-    assert tour.regret_of(2) == pytest.approx((40 + 72 + 76) / 3 - (4 + 8 + 40) / 3, abs=1.0)
-    assert tour.regret_of(9) is None
+    assert tour.price_s(14.0, 5.0, 1) == pytest.approx((8 + 12 + 48) / 3 - (4 + 8 + 40) / 3, abs=0.7)
+    assert tour.price_s(30.0, 5.0, 2) == pytest.approx((40 + 72 + 76) / 3 - (4 + 8 + 40) / 3, abs=1.0)
 
 
 def test_a_point_on_the_way_costs_nothing_and_one_behind_its_detour():
     tour = tour_of([(14.0, 5.0), (30.0, 5.0)])
-    on_the_way, behind = tour.regrets_at(np.array([12.0, 6.0]), np.array([5.0, 5.0]))
+    on_the_way, behind = tour.prices_s(np.array([12.0, 6.0]), np.array([5.0, 5.0]))
     assert on_the_way == pytest.approx(0.0, abs=0.3)
     assert behind == pytest.approx(2 * 4.0 / 0.5, abs=0.7)
 
@@ -43,21 +45,3 @@ def test_water_beside_the_reef_promises_more_than_water_far_from_it():
     near, far = (frontier_worth(metres, 0.5, CFG) for metres in (1.0, 12.0))
     assert near > 2.0 * far > 0.0
     assert frontier_worth(1.0, 0.1, CFG) < near
-
-
-def test_the_regret_of_a_later_goal_is_that_of_the_tour_which_is_left_by_then():
-    # From 14, with the bed at 12 left out: 16 and 32 are seen after 4 and 36 s, or 36 and 68 s the other way round.
-    tour = tour_of([(12.0, 5.0), (14.0, 5.0), (16.0, 5.0), (32.0, 5.0)])
-    assert tour.regret_after((0, 1), 2) == pytest.approx(0.0)
-    assert tour.regret_after((0, 1), 3) == pytest.approx((36 + 68) / 2 - (4 + 36) / 2, abs=1.0)
-    assert tour.regret_after((1,), 3) > tour.regret_after((0, 1), 3) + 2.0  # the bed at 12 waits too
-    assert tour.regret_after((0, 1), 9) is None
-    assert tour.regret_after((0, 9), 1) is None
-    assert tour.regret_after((0, 1), 0) is None
-
-
-def test_further_goals_are_worthwhile_up_to_the_first_that_loses_too_much():
-    tour = tour_of([(12.0, 5.0), (14.0, 5.0), (16.0, 5.0), (32.0, 5.0)])
-    assert tour.worthwhile(0, [0, 1, 1, 2, 3]) == [1, 2, 3]
-    assert tour.worthwhile(0, [1, 3, 2]) == [1]
-    assert tour.worthwhile(0, [9, 3]) == [9, 3]

@@ -49,13 +49,6 @@ def test_equation_7_prefers_the_farthest_centroid_in_the_corridor():
     assert found[1] == ahead[1]
 
 
-def test_equation_7_takes_the_turn_when_nothing_lies_straight_ahead():
-    ahead = [at(55, 5.0), at(75, 6.0)]
-    found = reference(around(ahead=ahead, chain=[*ahead, at(180, 4.0)]), CFG)
-    assert found is not None
-    assert found[1] == ahead[0]
-
-
 def test_equation_7_falls_back_on_the_chain_behind():
     found = reference(around(chain=[at(180, 4.0), at(170, 2.0)]), CFG)
     assert found is not None
@@ -76,7 +69,7 @@ def test_equation_8_with_sign_and_exemptions():
     assert right is not None
     assert math.degrees(right) == pytest.approx(-70)
     assert deviated(at(70), around(ahead=ahead, chain=chain[:2]), CFG) is None  # too little is known yet
-    sideways = [at(65, 5.0)]
+    sideways = [at(65, 3.0)]
     assert deviated(sideways[0], around(ahead=sideways, chain=[*sideways, *chain[1:]]), CFG) is None  # coincides
 
 
@@ -97,7 +90,9 @@ def test_dead_end_allows_turning_round():
 
 
 @given(st.floats(-10, 10), st.floats(-10, 10), st.floats(-math.pi, math.pi))
-def test_what_is_ahead_of_a_lone_robot_is_accepted(dx, dy, theta):
+def test_what_is_ahead_is_accepted_and_what_is_behind_only_where_nothing_is_ahead(dx, dy, theta):
     pose = Pose(dx, dy, theta)
-    assert verify_waypoint(at(0, 3.0, pose), around(pose=pose), CFG) is None
-    assert verify_waypoint(at(180, 3.0, pose), around(pose=pose), CFG) is not None
+    dots = [at(0, 5.0, pose)]
+    for ahead in (dots, []):
+        assert verify_waypoint(at(0, 3.0, pose), around(pose=pose, ahead=ahead), CFG) is None
+        assert (verify_waypoint(at(180, 3.0, pose), around(pose=pose, ahead=ahead), CFG) is None) is (ahead == [])

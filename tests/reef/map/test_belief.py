@@ -56,13 +56,6 @@ def test_before_the_first_picture_there_is_no_trajectory():
     assert belief().trajectory.shape == (0, 2)
 
 
-def test_only_clusters_in_front_are_ahead():
-    made = belief((14.0, 10.0), (6.0, 10.0), (10.5, 14.0))
-    assert places(made.ahead(1.0)) == [(14.0, 10.0)]
-    made.pose = Pose(10.0, 10.0, math.pi)
-    assert places(made.ahead(1.0)) == [(6.0, 10.0)]
-
-
 def test_what_was_visited_is_not_left_to_visit_and_stays_known():
     made = belief((14.0, 10.0), (6.0, 10.0))
     made.tracker.mark_visited(14.0, 10.0, 0.5)
@@ -74,8 +67,7 @@ def test_a_doubtful_cluster_is_left_out_until_nothing_else_is_left():
     made = belief((14.0, 10.0), (6.0, 10.0))
     made.tracker.tracks[0] = replace(made.tracks[0], doubtful=True)
     assert places(made.unvisited()) == [(6.0, 10.0)]
-    made.last_look = True
-    assert len(made.unvisited()) == 2
+    assert len(made.unvisited(doubtful=True)) == 2
 
 
 def test_a_cluster_where_most_pictures_show_seabed_is_doubtful():

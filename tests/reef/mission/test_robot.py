@@ -7,7 +7,7 @@ from given_eyes import FlatEyes
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.decide.tour_planner import TourPlanner
 from coral.reef.drive.pd import PdController
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostFieldCfg
@@ -46,7 +46,7 @@ def robot():
 
         def pilot(one):
             rules = RuleAdvisor(REEF_RULES)
-            planner = HighLevelPlanner(one.belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda belief: ())
+            planner = TourPlanner(one.belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda outlook: ())
             return Pilot(one.belief, planner, one.driver, rules, rules, one.clock, one.emit, lambda attempt: None)
 
         def emit(event, **fields):

@@ -40,7 +40,7 @@ def changes(variant):
 @pytest.mark.parametrize(
     ("variant", "key", "value"),
     [
-        ("no-verification", ".planner.verify.enabled", False),
+        ("no-verification", ".planner.checks", False),
         ("no-centroid-selection", ".planner.centroid_selection", False),
         ("no-topology", ".planner.topology.enabled", False),
         ("no-trigger", ".pilot.trigger.always", True),
@@ -60,8 +60,17 @@ def test_the_full_system_is_what_was_configured():
 
 
 def test_the_rule_on_the_paper_s_pipeline_changes_what_both_change():
-    assert changes("rule-based-paper") == {**changes("paper"), **changes("rule-based")}
-    assert changes("rule-based-dots-only") == {**changes("rule-based-paper"), ".planner.explore": False}
+    rule = {**changes("paper"), **changes("rule-based")}
+    assert changes("rule-based-dots-only") == {**rule, ".planner.explore": False}
+
+
+def test_the_paper_s_variant_is_its_algorithm_with_its_cooldown():
+    assert changes("paper") == {
+        ".planner.algorithm": "paper",
+        ".planner.route.ahead": False,
+        ".belief.inspect.enabled": False,
+        ".pilot.trigger.cooldown_s": 50.0,
+    }
 
 
 def test_pd_goes_through_what_it_hits():

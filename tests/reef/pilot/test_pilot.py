@@ -14,7 +14,7 @@ from coral.advisor.question import Reply
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.answers import WaypointChoice
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.decide.tour_planner import TourPlanner
 from coral.reef.drive.controller import DdpMppi, MppiCfg
 from coral.reef.drive.pd import PdController
 from coral.reef.map.belief import Belief
@@ -55,7 +55,7 @@ class Drive:
     def __init__(self, cfg=None, driver=None):
         self.events, self.attempts, self.commands, self.pending = [], [], [], []
         belief = Belief(OccupancyMap((20.0, 20.0), CAMERA))
-        planner = HighLevelPlanner(belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda belief: ())
+        planner = TourPlanner(belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda outlook: ())
         clock = SimulatedClock(f"fixed:{LATENCY_S:g}", np.random.default_rng(0))
         self.pilot = Pilot(
             belief, planner, driver or PdController(), Ahead(), RuleAdvisor(REEF_RULES), clock,

@@ -43,20 +43,27 @@ _SIGN = {
 }
 
 
-class CentroidChoice(BaseModel):
-    """Answer in centroid selection mode (paper III-C.1)."""
+class Expectation(BaseModel):
+    """What an advisor expects where the map shows nothing."""
 
     model_config = ConfigDict(frozen=True)
 
-    selected_centroid_index: Index | None = Field(description="label of the chosen orange dot; null when there is none")
-    then: Annotated[tuple[Index, ...], _first(3)] = Field(
-        default=(), max_length=3, description="labels of the dots to go to after it, in order; may be empty"
+    what: Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(_shorten)] = Field(
+        description="what you expect, such as: the line of clusters goes on behind the rock"
     )
-    reason: Reason = ""
+    forward_m: Annotated[float, Field(ge=-60, le=60, allow_inf_nan=False)] | None = Field(
+        default=None, description="where, metres forward; null: at the goal"
+    )
+    left_m: Annotated[float, Field(ge=-60, le=60, allow_inf_nan=False)] | None = Field(
+        default=None, description="where, metres to the left; null: at the goal"
+    )
+    sure: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] = Field(
+        default=0.5, description="how sure you are, 0 to 1"
+    )
 
 
 class WaypointStep(BaseModel):
-    """A further waypoint, in the same frame as the first."""
+    """A waypoint in whole metres in the robot frame."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -64,16 +71,35 @@ class WaypointStep(BaseModel):
     left_m: Step
 
 
-class WaypointChoice(BaseModel):
-    """Answer in free waypoint mode (paper III-C.2): whole metres in the robot frame."""
+class CentroidAnswer(BaseModel):
+    """Answer in centroid selection mode (paper III-C.1, Prompt B)."""
+
+    model_config = ConfigDict(frozen=True)
+
+    selected_centroid_index: Index | None = Field(description="label of the chosen orange dot; null when there is none")
+    reason: Reason = ""
+
+
+class CentroidChoice(CentroidAnswer):
+    """The same with what goes beyond the paper: further goals, a waypoint in place of a dot, a guess, the end."""
+
+    then: Annotated[tuple[Index, ...], _first(3)] = Field(
+        default=(), max_length=3, description="labels of the dots to go to after it, in order; may be empty"
+    )
+    waypoint: WaypointStep | None = Field(
+        default=None, description="a place to go to instead of a dot; then selected_centroid_index is null"
+    )
+    expect: Expectation | None = Field(default=None, description="what you expect beyond the map, if you go for that")
+    end_survey: bool = Field(default=False, description="true: nothing that is left is worth going to")
+
+
+class WaypointAnswer(BaseModel):
+    """Answer in free waypoint mode (paper III-C.2, Prompt A): whole metres in the robot frame."""
 
     model_config = ConfigDict(frozen=True)
 
     forward_m: Step = Field(description="metres forward (negative: backward), -6 to 6")
     left_m: Step = Field(description="metres to the left (negative: right), -6 to 6")
-    then: Annotated[tuple[WaypointStep, ...], _first(2)] = Field(
-        default=(), max_length=2, description="waypoints to go to after it, in the same frame; may be empty"
-    )
     reason: Reason = ""
 
     @model_validator(mode="before")
@@ -91,3 +117,14 @@ class WaypointChoice(BaseModel):
             name, sign = _SIGN[direction.lower()]
             parts[name] = sign * float(metres)
         return parts
+
+
+class WaypointChoice(WaypointAnswer):
+    """The same with what goes beyond the paper: further goals, a dot in place of a waypoint, a guess, the end."""
+
+    then: Annotated[tuple[WaypointStep, ...], _first(2)] = Field(
+        default=(), max_length=2, description="waypoints to go to after it, in the same frame; may be empty"
+    )
+    dot: Index | None = Field(default=None, description="label of an orange dot to go to instead of the waypoint")
+    expect: Expectation | None = Field(default=None, description="what you expect beyond the map, if you go for that")
+    end_survey: bool = Field(default=False, description="true: nothing that is left is worth going to")

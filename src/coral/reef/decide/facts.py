@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from coral.reef.decide.route import Arrival
+from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.survey import Survey
 from coral.reef.map.belief import Belief
 from coral.reef.vehicle.fleet import Neighbour
@@ -18,25 +18,23 @@ MAX_FRONTIERS = 40
 
 
 def describe(
-    belief: Belief,
+    outlook: Outlook,
     left: Survey,
-    arrival: Arrival,
     options: Sequence[dict[str, float]] | None,
 ) -> dict[str, Any]:
     """Return the facts of a question in plain JSON; points as seen on arrival (m forward, m left).
 
     Args:
-        belief: What the robot knows.
+        outlook: What the robot knows, and where it will be when the answer is needed.
         left: What is left to explore.
-        arrival: Where the robot will be when the answer is needed.
         options: Waypoints that may be named; None in centroid selection mode.
     """
-    pose = arrival.pose
+    belief, arrival, pose = outlook.belief, outlook.arrival, outlook.arrival.pose
     facts: dict[str, Any] = {
         "robot": {"x": belief.pose.x, "y": belief.pose.y, "theta": belief.pose.theta},
         "arrival": {"pose": {"x": pose.x, "y": pose.y, "theta": pose.theta}, "in_s": round(arrival.in_s, 1)},
         "area_m": list(belief.map.size_m),
-        "centroids": _centroids(belief, left, pose),
+        "centroids": _centroids(outlook, left),
         "frontiers": _frontiers(left, pose),
     }
     if belief.last_failure is not None:
@@ -67,7 +65,8 @@ def waypoint_options(
     ]
 
 
-def _centroids(belief: Belief, left: Survey, pose: Pose) -> list[dict[str, Any]]:
+def _centroids(outlook: Outlook, left: Survey) -> list[dict[str, Any]]:
+    belief, pose = outlook.belief, outlook.arrival.pose
     trail, cell_m = belief.trajectory, belief.map.cfg.cell_m
     described = []
     for position, t in enumerate(belief.tracker.chain()):
@@ -76,9 +75,9 @@ def _centroids(belief: Belief, left: Survey, pose: Pose) -> list[dict[str, Any]]
                 "index": t.index,
                 **_place(pose, t.x, t.y),
                 "path_m": _finite(left.path_m(t.x, t.y)),
-                "visited": belief.done(t),
+                "visited": outlook.done(t),
                 **({"far": True} if t.far else {}),
-                **({"doubtful": True} if t.doubtful and not belief.last_look else {}),
+                **({"doubtful": True} if t.doubtful and not outlook.last_look else {}),
                 "inspected": round(t.inspected, 2),
                 "left_m2": None if t.far else round(len(t.left) * cell_m**2, 2),
                 **({"taken": belief.taken(t.x, t.y, t.index)} if belief.others else {}),

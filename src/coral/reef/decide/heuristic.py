@@ -67,7 +67,6 @@ def choose_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCho
     places = _places(facts)
     dots = [k for k, place in enumerate(places) if place.index is not None]
     open_ = [k for k in dots if places[k].index not in refused] or dots
-    open_ = [k for k in open_ if _within_limits(facts, places[k].forward_m, places[k].left_m)] or open_
     if not open_:
         fresh = [c for c in facts["centroids"] if not c["visited"]] or list(facts["centroids"])
         if not fresh:
@@ -92,7 +91,7 @@ def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCho
     options = [o for o in facts["options"] if (o["forward_m"], o["left_m"]) not in refused]
     if not options:
         return WaypointChoice(forward_m=0, left_m=0, reason="No waypoint can be reached.")
-    options = [o for o in options if _within_limits(facts, *_at(o)) and not _like_refused(o, refused)] or options
+    options = [o for o in options if not _like_refused(o, refused)] or options
     places = _places(facts)
     if not places:
         best = max(options, key=lambda o: (o["unexplored"], -o["path_m"]))
@@ -133,29 +132,6 @@ def _short_of(option: Fact, place: _Place) -> bool:
 
 def _at(option: Fact) -> tuple[float, float]:
     return option["forward_m"], option["left_m"]
-
-
-def _within_limits(facts: Fact, forward_m: float, left_m: float) -> bool:
-    """Check a point against the fixed angles that the question states, with the chain as the map shows it."""
-    limits = facts.get("limits")
-    if limits is None:
-        return True
-    bearing = math.atan2(left_m, forward_m)
-    if abs(bearing) > math.radians(limits["back_deg"]):
-        return False
-    dots = facts["centroids"]
-    if len(dots) < limits["min_centroids"]:
-        return True
-    ahead = [c for c in dots if not c["visited"] and c["forward_m"] >= limits["forward_m"]]
-    ways = [math.atan2(c["left_m"], c["forward_m"]) for c in ahead]
-    if not ways:  # the chain comes from behind
-        behind = [c for c in dots if c["forward_m"] <= -limits["forward_m"] and abs(c["left_m"]) < limits["lateral_m"]]
-        far = min(behind, key=lambda c: c["forward_m"], default=None)
-        ways = [] if far is None else [math.atan2(-far["left_m"], -far["forward_m"])]
-    if not ways:
-        return True
-    off = min(abs(math.remainder(bearing - way, 2.0 * math.pi)) for way in ways)
-    return off <= math.radians(limits["deviation_deg"])
 
 
 def _like_refused(option: Fact, refused: set[tuple[Any, Any]]) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -71,7 +70,9 @@ class Arrival:
     path: NDArray[np.float64]
     """Poses on the way there, about 0.5 m apart, the last one `pose`. Shape=(N, 3)."""
     goals: tuple[Goal, ...] = ()
-    """The goals that will be done by then."""
+    """The goals that will be done by then, whatever is answered."""
+    kept: int = 1
+    """How many poses of the path lead up to the last of them: the answer may change the way from there on."""
 
 
 def here(belief: Belief) -> Arrival:
@@ -90,12 +91,6 @@ class Route:
         self._latencies: list[float] = []
         self._left, self._since = -1, -math.inf
         self._unexplored = 0.0
-
-    def on(self, snapshot: Belief) -> Route:
-        """Return a copy that predicts from a snapshot of the belief; the copy is only to be read."""
-        other = copy.copy(self)
-        other.belief = snapshot
-        return other
 
     def answered(self, seconds: float) -> None:
         """Learn how long an answer took (s)."""
@@ -141,7 +136,7 @@ class Route:
         belief, legs, cfg = self.belief, self._legs(field), self.cfg
         if not legs:
             return here(belief)
-        points, seconds, goals = [np.array([belief.pose[:2]])], 0.0, []
+        points, seconds, goals, kept = [np.array([belief.pose[:2]])], 0.0, [], 1
         for goal, (path, duration) in zip(self.goals, legs, strict=True):
             late_s = seconds + duration - self.lead_s
             if late_s > 0.0:  # the answer comes on the way to this goal, and may change it
@@ -151,11 +146,12 @@ class Route:
             points.append(path)
             seconds += duration
             goals.append(goal)
+            kept = len(_spaced(np.concatenate(points), 0.5))
         path = _spaced(np.concatenate(points), 0.5)
         headings = np.arctan2(np.diff(path[:, 1]), np.diff(path[:, 0])) if len(path) > 1 else np.empty(0)
         theta = np.concatenate([[belief.pose.theta], headings])
         poses = np.column_stack([path, theta])
-        return Arrival(pose=Pose(*poses[-1].tolist()), in_s=seconds, path=poses, goals=tuple(goals))
+        return Arrival(pose=Pose(*poses[-1].tolist()), in_s=seconds, path=poses, goals=tuple(goals), kept=kept)
 
     def _legs(self, field: CostField | None) -> list[tuple[NDArray[np.float64], float]]:
         """Path, Shape=(N, 2), and duration (s) of every goal, from the end of the one before."""

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import CellSize, Positive
-from coral.reef.decide.route import Arrival, here
+from coral.reef.decide.outlook import Outlook
+from coral.reef.decide.route import Arrival
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.world.geometry import to_robot
@@ -80,20 +81,16 @@ class Survey:
         return self.field.lengths(xs, ys)
 
 
-def survey(
-    belief: Belief, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg, arrival: Arrival | None = None
-) -> Survey:
-    """Analyse the present map.
+def survey(outlook: Outlook, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg) -> Survey:
+    """Analyse the map as it will be on arrival: what will have been explored on the way is not left.
 
     Args:
-        belief: What the robot knows.
+        outlook: What the robot knows, and where it will be.
         field_cfg: How obstacles are inflated for the geodesic distances.
         forward_m: Forward projection from which a centroid counts as ahead (Alg. 2, d_min).
         cfg: Thresholds.
-        arrival: Where the robot will be; what it will have explored on the way is not left. None: where it is.
     """
-    arrival = arrival or here(belief)
-    pose = arrival.pose
+    belief, arrival, pose = outlook.belief, outlook.arrival, outlook.arrival.pose
     water = belief.water(field_cfg)
     field = CostField.over(water.slowness, (pose.x, pose.y), cell_m=water.cell_m, cfg=field_cfg)
     left = Survey(frontiers=(), field=field, dead_end=False, gain_radius_m=cfg.gain_radius_m)
@@ -104,7 +101,7 @@ def survey(
         and (f.reef_m <= cfg.reef_reach_m or not belief.tracks)
         for f in frontiers
     )
-    dead_end = not near_ahead and not belief.ahead(forward_m)
+    dead_end = not near_ahead and not outlook.ahead(forward_m)
     return replace(left, frontiers=tuple(frontiers), dead_end=dead_end)
 
 

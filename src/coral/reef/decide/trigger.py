@@ -139,4 +139,4 @@ class SmartTrigger:
 
 def separated(new: tuple[float, float], previous: tuple[float, float] | None, separation_m: float) -> bool:
     """Check whether a new waypoint lies at least `separation_m` from the previous one (Delta d_min)."""
-    return previous is None or math.hypot(new[0] - previous[0], new[1] - previous[1]) >= separation_m
+    return previous is None or math.hypot(new[0] - previous[0], new[1] - previous[1]) >= separation_m - 1e-6

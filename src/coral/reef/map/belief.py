@@ -20,7 +20,7 @@ from coral.reef.map.water import Water, WaterMap
 from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.vehicle.range_image import RangeImage
 from coral.reef.vehicle.sensing import Attitude
-from coral.reef.world.geometry import Frame, Pose, to_robot
+from coral.reef.world.geometry import Frame, Pose
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,14 +54,8 @@ class Belief:
         self.goal: tuple[float, float] | None = None
         self.goal_index: int | None = None
         """Label of the cluster that the goal stands for."""
-        self.arrival: Pose | None = None
-        """Where the robot will be when the answer to the open question is needed; None while none is open."""
-        self.closed: frozenset[int] = frozenset()
-        """Labels of the clusters that will be done by then, in the open question."""
         self.last_failure: tuple[int | None, str] | None = None
         """Label (None: a waypoint) and cause of the last goal that failed, until a decision after it has been made."""
-        self.last_look = False
-        """Whether doubtful clusters are goals too: nothing else is left."""
         self.others: tuple[Neighbour, ...] = ()
         """The other robots of the mission, as they describe themselves."""
         self._keeps_chain = True
@@ -183,27 +177,20 @@ class Belief:
         rows, columns = np.nonzero(self.map.target)
         return np.asarray((np.stack([columns, rows], axis=1) + 0.5) * self.map.cfg.cell_m, np.float64)
 
-    def done(self, track: Track) -> bool:
-        """Check whether nothing is left to see of a cluster, now or on arrival."""
-        return track.visited or track.index in self.closed
-
-    def unvisited(self) -> list[Track]:
+    def unvisited(self, *, doubtful: bool = False) -> list[Track]:
         """Return the clusters still to be visited, without those whose goals failed too often or that others go to.
 
-        Doubtful ones are left out until nothing else is left: looks on the way confirm or outvote most of them.
+        Args:
+            doubtful: Whether doubtful ones are among them. They are left out until nothing else is left: looks on the
+                way confirm or outvote most of them.
         """
         return [
             t
             for t in self.tracks
-            if not (self.done(t) or self.taken(t.x, t.y, t.index))
+            if not (t.visited or self.taken(t.x, t.y, t.index))
             and self.failures(t.x, t.y) < self.cfg.max_attempts
-            and (self.last_look or not t.doubtful)
+            and (doubtful or not t.doubtful)
         ]
-
-    def ahead(self, forward_m: float) -> list[Track]:
-        """Return unvisited clusters with a forward projection of at least `forward_m`."""
-        pose = self.arrival or self.pose
-        return [t for t in self.unvisited() if to_robot(pose, t.x, t.y)[0] >= forward_m]
 
     def taken(self, x: float, y: float, index: int | None = None) -> bool:
         """Check whether another robot is going to a point (within d_merge of it) or to the cluster with this label."""

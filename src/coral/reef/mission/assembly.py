@@ -13,13 +13,14 @@ from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt
 from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
 from coral.advisor.prompt import render as render_prompt
-from coral.advisor.question import Advisor, Picture
+from coral.advisor.question import Advisor
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.baselines import baseline_rules
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.own_trigger import MakeTrigger
 from coral.reef.decide.own_verifier import Verifier
-from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.decide.planner import Draw
+from coral.reef.decide.planners import make_planner
 from coral.reef.decide.trigger import SmartTrigger
 from coral.reef.drive.controllers import ControllerSetup, MakeController, controller_maker
 from coral.reef.drive.delay_aware_driver import DelayAwareDriver
@@ -45,7 +46,7 @@ class Deciding:
 
     advisor: Advisor
     log: Callable[[Attempt], None]
-    draw: Callable[[Belief], tuple[Picture, ...]] = lambda belief: ()
+    draw: Draw = lambda outlook: ()
     """Draws the pictures of a question."""
     make_driver: MakeController | None = None
     """None: `driver` of the configuration."""
@@ -98,7 +99,7 @@ def make_robot(
         driver = DelayAwareDriver(driver, response, vehicle_cfg.max_speed_m_s, cfg.control_period_s)
 
     def build(robot: Robot) -> Pilot:
-        planner = HighLevelPlanner(
+        planner = make_planner(
             robot.belief, cfg.pilot.fields, render_prompt, deciding.draw, cfg.planner, verifier=deciding.verify
         )
         pilot = (Pilot if deciding.commands is None else TourPilot)(

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from coral.advisor.model_cfg import ModelCfg
-from coral.advisor.question import Picture
 from coral.advisor.registry import make_advisor
 from coral.errors import RunError
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
-from coral.reef.map.belief import Belief
+from coral.reef.decide.planner import Draw
 from coral.reef.mission.metrics import covered_at
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.world.world import ReefWorld
-
-Draw = Callable[[Belief], tuple[Picture, ...]]
 
 
 def run_episode(

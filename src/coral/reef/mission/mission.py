@@ -14,11 +14,12 @@ import numpy as np
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.consult import DEADLINE_S
 from coral.advisor.log import AttemptRecorder
-from coral.advisor.question import Advisor, Picture
+from coral.advisor.question import Advisor
 from coral.config import checked, to_mapping
 from coral.errors import InputError
 from coral.reef.decide.own_trigger import MakeTrigger, Wanted, trigger_maker
 from coral.reef.decide.own_verifier import Check, find_verifier
+from coral.reef.decide.planner import Draw
 from coral.reef.decide.trigger import SmartTrigger
 from coral.reef.drive.controllers import MakeController, controller_maker, part_name
 from coral.reef.eyes.backends import open_eyes
@@ -34,7 +35,7 @@ from coral.reef.mission.record import COLUMNS, FrameRecorder
 from coral.reef.mission.robot import naming
 from coral.reef.mission.tours import planned
 from coral.reef.pilot.leftover import what_is_left
-from coral.reef.pilot.pilot import NOTHING_LEFT
+from coral.reef.pilot.pilot import NOTHING_LEFT, SURVEY_ENDED
 from coral.reef.simulation.encounter import Encounters
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
@@ -58,7 +59,7 @@ class Mission:
         seed: int = 0,
         variant: str = "full",
         preset: str = "clear",
-        draw: Callable[[Belief], tuple[Picture, ...]] | None = None,
+        draw: Draw | None = None,
         controller: str | MakeController | None = None,
         trigger: str | MakeTrigger | Wanted | None = None,
         verifier: str | Check | None = None,
@@ -139,7 +140,7 @@ class Mission:
         deciding = Deciding(
             advisor=advisor,
             log=self.attempts,
-            draw=draw or (lambda belief: ()),
+            draw=draw or (lambda outlook: ()),
             make_driver=make_driver,
             make_trigger=make_trigger,
             verify=verify,
@@ -263,7 +264,7 @@ class Mission:
     def _given_up(self) -> str:
         """Return why no robot continues, or "". A robot without a task waits: others may still find one for it."""
         reasons = [robot.pilot.end_reason for robot in self.robots]
-        failed = [reason for reason in reasons if reason not in ("", NOTHING_LEFT)]
+        failed = [reason for reason in reasons if reason not in ("", NOTHING_LEFT, SURVEY_ENDED)]
         if failed:
             return failed[0]
         reasons = [robot.surfaced or reason for robot, reason in zip(self.robots, reasons, strict=True)]

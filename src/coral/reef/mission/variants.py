@@ -9,18 +9,19 @@ from coral.advisor.fallback import Fallback
 from coral.errors import InputError, nearest
 from coral.reef.mission.mission_cfg import MissionCfg
 
+PAPER_COOLDOWN_S = 50.0
+"""T_cooldown (paper IV-F)."""
 Change = Callable[[MissionCfg], MissionCfg]
 
 
 def _no_verification(cfg: MissionCfg) -> MissionCfg:
     """Chosen points go to the controller unchecked, but for those outside the survey area; violations are counted."""
-    return replace(_no_equations(cfg), planner=replace(_no_equations(cfg).planner, checks=False))
+    return replace(cfg, planner=replace(cfg.planner, checks=False))
 
 
-def _no_equations(cfg: MissionCfg) -> MissionCfg:
-    """Chosen points need not satisfy Eqs. 4-8, only lie in open water within reach."""
-    planner = replace(cfg.planner, verify=replace(cfg.planner.verify, enabled=False))
-    return replace(cfg, planner=planner)
+def _planned_before(cfg: MissionCfg) -> MissionCfg:
+    """Chosen points need only lie in open water within reach: they do not depend on what has been found."""
+    return replace(cfg, planner=replace(cfg.planner, provable=replace(cfg.planner.provable, finished=False)))
 
 
 def _alone(cfg: MissionCfg) -> MissionCfg:
@@ -35,7 +36,7 @@ def _no_centroid_selection(cfg: MissionCfg) -> MissionCfg:
 
 
 def _no_topology(cfg: MissionCfg) -> MissionCfg:
-    """Judge every choice by its surroundings alone, as in the paper."""
+    """Plan no tour of what is left: the mode follows Alg. 2, and no price is told."""
     return replace(cfg, planner=replace(cfg.planner, topology=replace(cfg.planner.topology, enabled=False)))
 
 
@@ -44,15 +45,12 @@ def _asked_near(cfg: MissionCfg) -> MissionCfg:
     return replace(cfg, planner=replace(cfg.planner, route=replace(cfg.planner.route, ahead=False)))
 
 
-def _fixed_angles(cfg: MissionCfg) -> MissionCfg:
-    """Choices are judged by the paper's fixed angles (Eqs. 4-8), not by the tour that they lead to."""
-    return replace(cfg, planner=replace(cfg.planner, verify=replace(cfg.planner.verify, by="angles")))
-
-
 def _paper(cfg: MissionCfg) -> MissionCfg:
-    """As the paper has it: nothing asked ahead, clusters visited by distance, fixed angles, no topological memory."""
+    """As the paper has it: Alg. 2 with its prompts and checks, a cooldown of 50 s, clusters visited by distance."""
     belief = replace(cfg.belief, inspect=replace(cfg.belief.inspect, enabled=False))
-    return _no_topology(_fixed_angles(_asked_near(replace(cfg, belief=belief))))
+    trigger = replace(cfg.pilot.trigger, cooldown_s=PAPER_COOLDOWN_S)
+    cfg = replace(cfg, belief=belief, pilot=replace(cfg.pilot, trigger=trigger))
+    return _asked_near(replace(cfg, planner=replace(cfg.planner, algorithm="paper")))
 
 
 def _no_trigger(cfg: MissionCfg) -> MissionCfg:
@@ -94,7 +92,8 @@ def _dream(cfg: MissionCfg) -> MissionCfg:
     trigger = replace(cfg.pilot.trigger, always=True, cooldown_s=0.0)
     pilot = replace(cfg.pilot, trigger=trigger, synchronous=True)
     belief = replace(cfg.belief, centroids=False)
-    cfg = _no_topology(_no_verification(_no_centroid_selection(_pd(cfg))))
+    cfg = _no_verification(_no_centroid_selection(_pd(cfg)))
+    cfg = replace(cfg, planner=replace(cfg.planner, algorithm="paper"))
     return _alone(_asked_near(replace(cfg, belief=belief, pilot=pilot, latency="fixed:5")))
 
 
@@ -103,28 +102,23 @@ def _rule_based(cfg: MissionCfg) -> MissionCfg:
     return _alone(replace(cfg, decider="nearest", latency="0"))
 
 
-def _rule_based_paper(cfg: MissionCfg) -> MissionCfg:
-    """The same rule on the paper's own pipeline: dots that are visited by distance, and none beyond the map's range."""
-    return _rule_based(_paper(cfg))
-
-
 def _rule_based_dots_only(cfg: MissionCfg) -> MissionCfg:
     """The paper's rule to the letter: on the paper's pipeline, and without a goal when no unvisited dot is known.
 
     The paper (IV-D) names the nearest unvisited centroid, and no rule for water where none is known yet.
     """
-    cfg = _rule_based_paper(cfg)
+    cfg = _rule_based(_paper(cfg))
     return replace(cfg, planner=replace(cfg.planner, explore=False))
 
 
 def _frontier(cfg: MissionCfg) -> MissionCfg:
     """Frontier exploration (Yamauchi 1997), blind to oysters."""
-    return _alone(_asked_near(replace(_no_equations(_no_centroid_selection(cfg)), decider="frontier", latency="0")))
+    return _alone(_asked_near(replace(_planned_before(_no_centroid_selection(cfg)), decider="frontier", latency="0")))
 
 
 def _lawnmower(cfg: MissionCfg) -> MissionCfg:
     """Lanes over the whole area, planned before the dive."""
-    return _alone(_asked_near(replace(_no_equations(_no_centroid_selection(cfg)), decider="lawnmower", latency="0")))
+    return _alone(_asked_near(replace(_planned_before(_no_centroid_selection(cfg)), decider="lawnmower", latency="0")))
 
 
 def _random(cfg: MissionCfg) -> MissionCfg:
@@ -157,11 +151,9 @@ def _oracle(cfg: MissionCfg) -> MissionCfg:
 VARIANTS: dict[str, Change] = {
     "full": lambda cfg: cfg,
     "paper": _paper,
-    "fixed-angles": _fixed_angles,
     "pd": _pd,
     "dream": _dream,
     "rule-based": _rule_based,
-    "rule-based-paper": _rule_based_paper,
     "rule-based-dots-only": _rule_based_dots_only,
     "frontier": _frontier,
     "lawnmower": _lawnmower,

@@ -14,9 +14,9 @@ from coral.advisor.attribution import Source, source_of, spent
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
 from coral.advisor.fallback import FOR_RUNS, Fallback, failed
-from coral.advisor.inner_loop import run_alone
-from coral.advisor.question import Advisor, Question, Rejection, Withdrawn
+from coral.advisor.question import Advisor, Question, Rejection
 from coral.config import Count, NonNegative, Positive
+from coral.reef.decide.asked import AskedState
 from coral.reef.decide.own_trigger import MakeTrigger
 from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.decide.route import Goal
@@ -27,7 +27,6 @@ from coral.reef.drive.local_planner import LocalPlanner
 from coral.reef.drive.monitor import MonitorCfg, PathMonitor
 from coral.reef.drive.traffic import Traffic, TrafficCfg
 from coral.reef.map.belief import Belief
-from coral.reef.map.chain import Track
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.pilot.guard import GuardCfg, Reading, SensorGuard
 from coral.reef.pilot.safety import SafetyWatch
@@ -41,7 +40,7 @@ Command = tuple[float, float]
 Emit = Callable[..., None]
 """emit(event, **fields) appends to the run's events."""
 
-FALLBACK_TRIES = 30
+RULES_BUDGET = BudgetCfg(max_requeries=7)
 """Answers of the rules that are verified before a fallback gives up for this time."""
 
 FAILURES: dict[Cause, str] = {
@@ -52,7 +51,8 @@ FAILURES: dict[Cause, str] = {
 """Why a goal was given up, in words for the next question."""
 
 NOTHING_LEFT = "nothing left to explore"
-NO_RULE = "the rules found no goal that passes"
+SURVEY_ENDED = "the advisor ended the survey"
+GONE = "the map shows no oysters there any more"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +95,21 @@ class PilotCfg:
     prepare_s: NonNegative = 0.3
     """Simulated time in which a question, or such a cost-to-go, is prepared from the belief as it was at its
     beginning. A real vehicle gets it as soon as it is there."""
+
+
+class AtOnce:
+    """A clock on which advisors take no time: for rules that step in."""
+
+    def __init__(self, clock: SimulatedClock | WallClock) -> None:
+        self._clock = clock
+
+    def now(self) -> float:
+        """Return the time on the clock below (s)."""
+        return self._clock.now()
+
+    async def reply(self, asking: Callable[[], Any], timeout_s: float) -> Any:
+        """Return the reply."""
+        return await asking()
 
 
 class Pilot:
@@ -161,6 +176,9 @@ class Pilot:
         self._acting_until = self._began = self._asked_s = -math.inf
         self._now, self._stood = 0.0, False
         self._blind = self._deaf = False
+        self._asked: AskedState | None = None
+        """The last question, in whose state its answer is judged."""
+        self._ended = False
         self._by_rules = False
         """Whether the decision under way is the fallback's."""
 
@@ -299,7 +317,7 @@ class Pilot:
 
     def _watch(self, t: float, speed: float) -> None:
         """Ask the advisor when Eq. 12 says so; log every change of its verdict."""
-        if self.homing:
+        if self.homing or self._ended:
             return
         if self.cfg.synchronous and t < self._acting_until - 1e-9:
             return
@@ -331,7 +349,7 @@ class Pilot:
             consult(
                 self.advisor,
                 self._observe,
-                self.planner.verify,
+                self._verify,
                 self.cfg.budget,
                 self.clock,
                 self._attempted,
@@ -348,26 +366,21 @@ class Pilot:
     async def _observe(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
         """Have the next question prepared, from the belief as it is now."""
         self._asked_s = self.clock.now()
-        prepared, reasons, field = self.planner.on(self.belief.snapshot()), list(rejections), self.field
-
-        def prepare() -> tuple[Question[Any] | None, list[Track]]:
-            question = prepared.observe(reasons, field)
-            return question, [] if question is None else prepared.belief.tracker.chain()
-
-        question, chain = await self.clock.prepare(prepare, self._prepare_s)
-        self.planner.take(prepared)
-        self.open_question = question
+        for guess in self.planner.settle():
+            self._emit("guess", **dataclasses.asdict(guess))
+        asked = await self._prepare(rejections)
+        question = self.open_question = asked.question
         if question is None:
             return None
-        if self.planner.mode != self._mode:
-            self._mode = self.planner.mode
+        if asked.mode != self._mode:
+            self._mode = asked.mode
             self._emit("mode", mode=self._mode)
         self._emit(
             "question",
             decision=self._decision,
             attempt=self._attempts,
             mode=self._mode,
-            acceptable=self.planner.acceptable,
+            acceptable=asked.acceptable,
             pictures=[p.digest for p in question.pictures],
             centroids=[
                 {
@@ -375,14 +388,25 @@ class Pilot:
                     "x": round(k.x, 3),
                     "y": round(k.y, 3),
                     "visited": k.visited,
-                    **({"done_on_arrival": True} if prepared.belief.done(k) and not k.visited else {}),
+                    **({"done_on_arrival": True} if k.index in asked.outlook.closed else {}),
                     "inspected": round(k.inspected, 3),
                 }
-                for k in chain
+                for k in asked.outlook.belief.tracker.chain()
             ],
         )
         self._attempts += 1
         return question
+
+    async def _prepare(self, rejections: Sequence[Rejection]) -> AskedState:
+        """Make the next question on another thread, from a snapshot of the belief as it is now."""
+        outlook, reasons = self.planner.outlook(self.field), list(rejections)
+        self._asked = await self.clock.prepare(lambda: self.planner.ask(outlook, reasons), self._prepare_s)
+        return self._asked
+
+    def _verify(self, question: Question[Any], answer: Any) -> Rejection | None:
+        """Check an answer to the last question."""
+        assert self._asked is not None
+        return self.planner.verify(self._asked, answer)
 
     @property
     def _prepare_s(self) -> float:
@@ -414,18 +438,19 @@ class Pilot:
             return
         outcome, self._task, self.open_question = self._task.result(), None, None
         by_rules, self._by_rules = self._by_rules, False
-        if self.planner.finished:
+        self.belief.last_failure = None
+        asked = self._asked
+        if asked is not None and asked.finished:
             self.end_reason = NOTHING_LEFT
-        elif by_rules and outcome.failure:
+        elif by_rules and outcome.failure not in ("", "withdrawn"):
             self._hold(outcome.failure)
         elif outcome.failure and outcome.failure != "withdrawn":
             self._fall_back(outcome)
             if self._task is not None:
                 return
-        elif outcome.answer is not None and outcome.question is not None:
-            self._adopt(outcome.question, outcome.answer, "fallback" if by_rules else source_of(self.advisor))
+        elif outcome.answer is not None and asked is not None:
+            self._adopt(asked, outcome.answer, "fallback" if by_rules else source_of(self.advisor))
         self._decided = True
-        self.belief.arrival, self.belief.closed, self.belief.last_failure = None, frozenset(), None
         self._acting_until = self.clock.now() + self.cfg.action_s
 
     def _fall_back(self, outcome: Outcome[Any]) -> None:
@@ -437,46 +462,35 @@ class Pilot:
             self._hold(outcome.failure)
         else:
             self._by_rules = True
-            self._task = self.clock.start(self._ask_rules())
+            self._task = self.clock.start(
+                consult(
+                    self.fallback, self._observe_alone, self._verify, RULES_BUDGET, AtOnce(self.clock), lambda _: None
+                )
+            )
             self._collect()
 
-    async def _ask_rules(self) -> Outcome[Any]:
-        """Let the rules decide, from the belief as it is now."""
-        prepared, field = self.planner.on(self.belief.snapshot()), self.field
-
-        def decide() -> Outcome[Any]:
-            rejections: list[Rejection] = []
-            for attempt in range(FALLBACK_TRIES):
-                question = prepared.observe(rejections, field)
-                if question is None:
-                    return Outcome(answer=None, question=None, attempts=attempt)
-                answer = run_alone(self.fallback.answer(question, rejections)).value
-                refusal = prepared.verify(question, answer)
-                if refusal is None:
-                    return Outcome(answer=answer, question=question, attempts=attempt + 1)
-                rejections.append(refusal)
-            return Outcome(answer=None, question=None, attempts=FALLBACK_TRIES, failure=NO_RULE)
-
-        try:
-            outcome = await self.clock.prepare(decide, self._prepare_s)
-        except Withdrawn:
-            return Outcome(answer=None, question=None, attempts=0)
-        self.planner.take(prepared)
-        return outcome
+    async def _observe_alone(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
+        """Have a question prepared for the rules: no question to the advisor, so none in its record."""
+        return (await self._prepare(rejections)).question
 
     def _hold(self, reason: str) -> None:
         """Keep the present goal, which also is a decision, and not the advisor's."""
         self._emit("held", source="fallback", decision=self._decision, reason=reason)
 
-    def _adopt(self, question: Question[Any], answer: Any, source: Source) -> None:
+    def _adopt(self, asked: AskedState, answer: Any, source: Source) -> None:
         """Put a decision behind the goals that were under way when it was asked for; without `ahead` there are none."""
-        goal = self.planner.locate(question, answer)
-        if isinstance(goal, Rejection):
-            return  # the cluster merged into another between two ticks; the trigger asks again
-        violates = self.planner.adopt(goal)
-        onward = self.planner.onward(question, answer)
-        assert self.planner.asked is not None
-        before = [g for g in self.route.goals if g in self.planner.asked.arrival.goals]
+        if getattr(answer, "end_survey", False):
+            self.end_reason, self._ended = SURVEY_ENDED, True
+            self._emit("held", source=source, decision=self._decision, reason=SURVEY_ENDED)
+            return
+        goal = self.planner.locate(asked, answer)
+        if goal is None or isinstance(goal, Rejection):
+            label = getattr(answer, "selected_centroid_index", getattr(answer, "dot", None))
+            self.belief.last_failure = (label, GONE)
+            self._emit("held", source=source, decision=self._decision, reason=f"dot {label}: {GONE}")
+            return
+        onward = self.planner.onward(asked, answer)
+        before = [g for g in self.route.goals if g in asked.outlook.arrival.goals]
         if not before:
             self.trigger.new_goal()
         self.route.follow([*before, goal, *onward], self.clock.now())
@@ -488,7 +502,7 @@ class Pilot:
             decision=self._decision,
             index=goal.index,
             reason=getattr(answer, "reason", ""),
-            violates=violates,
+            **self.planner.adopt(asked, answer, goal),
             **({"overtaken": True} if self._overtaken(goal) else {}),
             **({"waits": len(before)} if before else {}),
             **(

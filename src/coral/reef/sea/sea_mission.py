@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.clock import SimulatedClock, WallClock
-from coral.advisor.question import Advisor, Picture
+from coral.advisor.question import Advisor
 from coral.advisor.thread import AdvisorThread
+from coral.reef.decide.planner import Draw
 from coral.reef.drive.delay_aware_driver import DelayAwareDriver
 from coral.reef.map.belief import Belief
 from coral.reef.map.localization import Localizer
@@ -65,7 +66,7 @@ class Crew:
     """The simulated reef; None in real water."""
     true_pose: Callable[[], Pose | None] = lambda: None
     """Where the vehicle truly is in it."""
-    draw: Callable[[Belief], tuple[Picture, ...]] | None = None
+    draw: Draw | None = None
     """Draws the pictures of a question."""
 
 
@@ -124,7 +125,7 @@ class SeaMission:
         self.vehicle = LinkVehicle(crew.link, crew.camera, crew.sonar, frame or LocalFrame(), response, cfg.depth_m)
         self.robot = make_robot(
             with_response(mission, response),
-            Deciding(advisor=advisor, log=self.record.attempt, draw=crew.draw or (lambda belief: ())),
+            Deciding(advisor=advisor, log=self.record.attempt, draw=crew.draw or (lambda outlook: ())),
             self.vehicle,
             area.start,
             belief,

@@ -1,0 +1,34 @@
+"""The planners by name: the paper's Algorithm 2, and the tour that goes beyond it."""
+
+from __future__ import annotations
+
+from coral.reef.decide.own_verifier import Verifier
+from coral.reef.decide.paper_planner import PaperPlanner
+from coral.reef.decide.planner import Draw, HighLevelPlanner, PlannerCfg, Prompts
+from coral.reef.decide.tour_planner import TourPlanner
+from coral.reef.map.belief import Belief
+from coral.reef.map.costfield import CostFieldCfg
+
+PLANNERS: dict[str, type[TourPlanner | PaperPlanner]] = {"tour": TourPlanner, "paper": PaperPlanner}
+
+
+def make_planner(
+    belief: Belief,
+    fields: CostFieldCfg,
+    prompts: Prompts,
+    draw: Draw,
+    cfg: PlannerCfg | None = None,
+    verifier: Verifier | None = None,
+) -> HighLevelPlanner:
+    """Make the planner of one robot.
+
+    Args:
+        belief: What the robot knows; it goes on changing.
+        fields: How obstacles are inflated for distances.
+        prompts: Renders prompts.
+        draw: Draws the pictures of a question.
+        cfg: Which planner, and its settings.
+        verifier: Checks what the planner's own checks pass.
+    """
+    cfg = cfg or PlannerCfg()
+    return PLANNERS[cfg.algorithm](belief, fields, prompts, draw, cfg, verifier)

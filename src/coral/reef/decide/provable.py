@@ -1,0 +1,130 @@
+"""What is refused: hazards, places out of reach, ways back that the robot's own record proves finished, contradictions.
+
+Nothing here plans a tour: to differ from the robot's own plan is no fault. Beyond the paper, which refuses by fixed
+angles (`verify.py`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.advisor.question import Rejection
+from coral.config import Fraction, Positive
+from coral.reef.decide.answers import CentroidChoice, Expectation, WaypointChoice
+from coral.reef.decide.asked import AskedState
+from coral.reef.decide.outlook import Outlook
+from coral.reef.decide.remaining import Remaining
+from coral.reef.decide.route import Goal
+from coral.reef.map.belief import Belief
+from coral.reef.map.water import Reach
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProvableCfg:
+    """When a way is finished, and when a survey may end."""
+
+    finished: bool = True
+    """Whether ways back through finished water are refused. False for lanes that were planned before the dive."""
+    see_m: Positive = 3.0
+    """A waypoint shows what lies within this of it."""
+    explored_share: Fraction = 0.03
+    """Water of which no more than this share is unexplored shows nothing new."""
+    tolerance_m: Positive = 0.3
+    """A waypoint leads away if it is farther by this from everything that is left: twice the cell of the search."""
+    end_share: Fraction = 0.9
+    """A cluster of which less than this has been seen must not be left behind at the end."""
+    end_reef_m: Positive = 1.5
+    """Nor unexplored water this near to known oysters."""
+    guess_m: Positive = 8.0
+    """A guess lies within this of a goal that is chosen for it: the camera's range and 2 m."""
+
+
+def contradiction(
+    asked: AskedState, answer: CentroidChoice | WaypointChoice, goal: Goal | None, cfg: ProvableCfg
+) -> str:
+    """Return how an answer contradicts itself, or ""."""
+    dot = answer.selected_centroid_index if isinstance(answer, CentroidChoice) else answer.dot
+    if answer.end_survey and (dot is not None or answer.then):
+        return "It ends the survey and names a goal as well. Do one of both."
+    if isinstance(answer, CentroidChoice) and dot is not None and answer.waypoint is not None:
+        return "It names a dot and a waypoint as well. Name one of both, and null for the other."
+    if goal is not None and answer.expect is not None:
+        x, y = expected_at(asked, answer.expect, goal)
+        if math.dist((x, y), (goal.x, goal.y)) > cfg.guess_m:
+            return f"What it expects lies more than {cfg.guess_m:g} m from its goal, from where it would not be seen."
+    return ""
+
+
+def expected_at(asked: AskedState, expect: Expectation, goal: Goal) -> tuple[float, float]:
+    """Return the place (m, world) of a guess; without one of its own it is the goal's."""
+    if expect.forward_m is None or expect.left_m is None:
+        return goal.x, goal.y
+    x, y, theta = asked.outlook.arrival.pose
+    c, s = math.cos(theta), math.sin(theta)
+    return x + c * expect.forward_m - s * expect.left_m, y + s * expect.forward_m + c * expect.left_m
+
+
+def hazard(goal: Goal, now: Belief, reach: Reach) -> Rejection | None:
+    """Refuse what obstacles, or another robot, stand in the way of on the map as it is now."""
+    if not reach.reaches(goal.x, goal.y):
+        return Rejection(
+            code="blocked",
+            reason="The chosen point lies inside an obstacle, or obstacles cut it off. Choose a point in open water.",
+        )
+    if now.taken(goal.x, goal.y, goal.index):
+        return Rejection(
+            code="taken",
+            reason="Another robot is going there already. Choose a point that no other robot is going to.",
+        )
+    return None
+
+
+def finished_dot(outlook: Outlook, index: int | None) -> Rejection | None:
+    """Refuse a dot that had nothing left to see when it was asked for."""
+    track = outlook.belief.track(index)
+    if track is None or not outlook.done(track):
+        return None
+    how = "has been seen from near" if track.visited else "is the present goal, and done before your choice begins"
+    return Rejection(code="visited", reason=f"Dot {index} is hollow: it {how}. Choose what comes after it.")
+
+
+def leads_nowhere(
+    outlook: Outlook, remaining: Remaining, xs: NDArray[np.float64], ys: NDArray[np.float64], cfg: ProvableCfg
+) -> NDArray[np.bool_]:
+    """Tell which points show nothing and lead to nothing: all about them is known, and nothing left is nearer.
+
+    Args:
+        outlook: What the robot knows.
+        remaining: What is left.
+        xs: Points (m). Shape=(N,).
+        ys: Shape=(N,).
+        cfg: Thresholds.
+    """
+    if not cfg.finished or not len(remaining.places) or not len(xs):
+        return np.zeros(len(xs), bool)
+    cells = outlook.belief.map
+    at = zip(xs.tolist(), ys.tolist(), strict=True)
+    shows = np.array([cells.unexplored_share(x, y, cfg.see_m) > cfg.explored_share for x, y in at])
+    for track in outlook.unvisited():
+        shows |= np.hypot(xs - track.x, ys - track.y) <= cfg.see_m
+    return np.asarray(~shows & ~remaining.nearer(xs, ys, outlook.arrival.pose[:2], cfg.tolerance_m))
+
+
+def too_early_to_end(asked: AskedState, cfg: ProvableCfg) -> Rejection | None:
+    """Refuse the end of a survey while the map shows oysters to see, or water beside them where there may be more."""
+    outlook = asked.outlook
+    dots = [
+        t.index
+        for t in outlook.unvisited()
+        if t.inspected < cfg.end_share and not t.doubtful and math.isfinite(asked.left.path_m(t.x, t.y))
+    ]
+    water = [f for f in asked.left.frontiers if f.reef_m <= cfg.end_reef_m]
+    if not dots and not water and outlook.belief.tracks:
+        return None
+    left = f"dots {', '.join(map(str, sorted(dots)))}" if dots else "unexplored water beside known oysters"
+    left = left if outlook.belief.tracks else "no oysters have been found yet, and unexplored water"
+    return Rejection(code="not-done", reason=f"The survey cannot end yet. Left are: {left}.")

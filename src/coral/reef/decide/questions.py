@@ -1,0 +1,131 @@
+"""How a question is put together and what its answer means, for every planner."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from coral.advisor.question import Question, Rejection
+from coral.reef.decide.answers import CentroidAnswer
+from coral.reef.decide.asked import AskedState
+from coral.reef.decide.outlook import Outlook
+from coral.reef.decide.planner import Answer, Draw, PlannerCfg, Prompts
+from coral.reef.decide.route import Goal
+from coral.reef.decide.survey import Survey
+from coral.reef.decide.verify import Surroundings
+from coral.reef.map.belief import Belief
+from coral.reef.map.chain import Track
+from coral.reef.world.geometry import to_world
+
+KINDS = {"centroid": "reef-centroid", "waypoint": "reef-waypoint"}
+PAPER = "-paper"
+"""End of the names of the paper's prompts."""
+WITHOUT_CHAIN = "reef-waypoint-without-chain"
+"""Prompt of a robot that extracts no clusters; it asks for the same as "reef-waypoint"."""
+
+
+def make_question(
+    mode: str,
+    template: str,
+    answer_type: type[BaseModel],
+    facts: Mapping[str, Any],
+    outlook: Outlook,
+    cfg: PlannerCfg,
+    prompts: Prompts,
+    draw: Draw,
+) -> Question[Any]:
+    """Render a question.
+
+    Args:
+        mode: Mode that it is asked in.
+        template: Name of its prompt.
+        answer_type: What the answer must validate against.
+        facts: What the pictures show, and what the prompt tells besides.
+        outlook: What the robot knows.
+        cfg: Settings that the prompt names.
+        prompts: Renders prompts.
+        draw: Draws pictures.
+    """
+    belief = outlook.belief
+    context = {
+        "facts": facts,
+        "step_m": cfg.step_m,
+        "others": len(belief.others),
+        "latency_s": outlook.latency_s,
+        "inspect_m": belief.inspect_m,
+    }
+    prompt, version = prompts(template if belief.cfg.centroids else WITHOUT_CHAIN, context)
+    return Question(
+        kind=KINDS[mode],
+        prompt=prompt,
+        prompt_version=version,
+        facts=facts,
+        answer_type=answer_type,
+        pictures=draw(outlook),
+    )
+
+
+def surroundings(outlook: Outlook, left: Survey, forward_m: float) -> Surroundings:
+    """Return the inputs of Eqs. 4-8."""
+    belief = outlook.belief
+    return Surroundings(
+        pose=outlook.arrival.pose,
+        previous=belief.goal,
+        dead_end=left.dead_end,
+        ahead=[(t.x, t.y) for t in outlook.ahead(forward_m)],
+        chain=[(t.x, t.y) for t in belief.tracks],
+    )
+
+
+def goal_of_dot(asked: AskedState, index: int | None, now: Belief) -> Goal | Rejection | None:
+    """Return the cluster that a label meant when it was asked for, where it is now; None if it has vanished since.
+
+    A cluster that has got another label since (it merged, or the map shows what was seen from afar) is found by its
+    place.
+    """
+    meant = asked.outlook.belief.track(index)
+    if meant is None:
+        labels = ", ".join(map(str, sorted(t.index for t in asked.outlook.belief.tracks)))
+        return Rejection(
+            code="no-such-centroid",
+            details={"index": index},
+            reason=f"There is no dot {index} on the map. The labels on the map are: {labels or 'none'}.",
+        )
+    track = now.track(meant.index) or _nearest(now, meant)
+    return None if track is None else Goal(x=track.x, y=track.y, index=track.index)
+
+
+def goal_of_step(asked: AskedState, forward_m: float, left_m: float) -> Goal:
+    """Return the waypoint that metres ahead and to the left meant when they were asked for."""
+    x, y = to_world(asked.outlook.arrival.pose, forward_m, left_m)
+    return Goal(x=x, y=y)
+
+
+def chosen(answer: Answer) -> dict[str, Any]:
+    """Return what an answer chose, for the details of its refusal."""
+    if isinstance(answer, CentroidAnswer):
+        return {"index": answer.selected_centroid_index}
+    return {"forward_m": answer.forward_m, "left_m": answer.left_m}
+
+
+def outside(goal: Goal, now: Belief) -> Rejection | None:
+    """Refuse a goal that no map covers."""
+    if now.map.contains(goal.x, goal.y):
+        return None
+    return Rejection(code="outside", reason="The chosen point lies outside the survey area.")
+
+
+def option_points(asked: AskedState, options: Sequence[Mapping[str, Any]]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return the places of waypoints on offer. Shape=(N, 2), metres."""
+    pose = asked.outlook.arrival.pose
+    return np.array([to_world(pose, o["forward_m"], o["left_m"]) for o in options], np.float64).reshape(-1, 2)
+
+
+def _nearest(now: Belief, meant: Track) -> Track | None:
+    """Return the cluster where another one was."""
+    reach_m = now.cfg.chain.far_merge_m if meant.far else now.cfg.chain.merge_distance_m
+    near = [(np.hypot(t.x - meant.x, t.y - meant.y), t.index, t) for t in now.tracks]
+    return min((n for n in near if n[0] <= reach_m), default=(0.0, 0, None), key=lambda n: n[:2])[2]

@@ -1,0 +1,105 @@
+"""What is left to go to, and the known ways to it: clusters not yet seen from near, and frontiers."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Count
+from coral.reef.decide.outlook import Outlook
+from coral.reef.decide.survey import Frontier, Survey
+from coral.reef.map.costfield import CostField, CostFieldCfg
+
+
+@dataclass(frozen=True, kw_only=True)
+class RemainingCfg:
+    """How many places are measured exactly."""
+
+    max_places: int = 9
+    """Places with known ways; the nearest ones, clusters first. The search for a tour grows as n² 2^n."""
+    frontier_gap_m: float = 4.0
+    """Frontiers closer than this to one that is among them add none."""
+    ratio: Count = 3
+    """Map cells per cell of the distance search."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dot:
+    """A cluster that is left."""
+
+    x: float
+    y: float
+    index: int
+    left_m2: float
+    """What is left to see of it."""
+
+
+@dataclass(frozen=True)
+class Remaining:
+    """The places that are left."""
+
+    places: tuple[Dot | Frontier, ...]
+    """Those with known ways, clusters first."""
+    fields: tuple[CostField, ...]
+    """Distances (m) from each of them."""
+    beyond: NDArray[np.float64]
+    """The others. Shape=(M, 2), metres."""
+
+    def between_m(self) -> NDArray[np.float64]:
+        """Return the lengths of the ways between the places (m). Shape=(N, N)."""
+        return np.array(
+            [
+                [0.0 if k == j else way.lookup(b.x, b.y) for j, b in enumerate(self.places)]
+                for k, way in enumerate(self.fields)
+            ]
+        )
+
+    def nearer(
+        self, xs: NDArray[np.float64], ys: NDArray[np.float64], start: tuple[float, float], tolerance_m: float
+    ) -> NDArray[np.bool_]:
+        """Tell which points are nearer to something that is left than `start` is, or hardly farther. Shape=(N,).
+
+        To places without a known way the straight distance counts, in the points' favour.
+        """
+        found = np.zeros(len(xs), bool)
+        for field in self.fields:
+            found |= field.lengths(xs, ys) < field.lookup(*start) + tolerance_m
+        for x, y in self.beyond:
+            found |= np.hypot(xs - x, ys - y) < math.dist(start, (x, y)) + tolerance_m
+        return found
+
+
+def what_remains(
+    outlook: Outlook, left: Survey, dots: Sequence[Dot], fields: CostFieldCfg, cfg: RemainingCfg
+) -> Remaining:
+    """Collect the places that are left.
+
+    Args:
+        outlook: What the robot knows. What is nearer to another robot is that one's to visit.
+        left: What is left to explore, with the distances from where the robot will be.
+        dots: Clusters on offer.
+        fields: How obstacles are inflated for the distances.
+        cfg: How many places.
+    """
+    belief = outlook.belief
+    near = sorted(dots, key=lambda dot: (left.path_m(dot.x, dot.y), dot.x, dot.y))
+    mine = (d for d in near if math.isfinite(left.path_m(d.x, d.y)) and not belief.nearer_to_another(d.x, d.y))
+    places: list[Dot | Frontier] = list(itertools.islice(mine, cfg.max_places))
+    for front in left.frontiers:
+        apart = all(
+            math.dist((front.x, front.y), (p.x, p.y)) >= cfg.frontier_gap_m for p in places if isinstance(p, Frontier)
+        )
+        if len(places) < cfg.max_places and apart and not belief.nearer_to_another(front.x, front.y):
+            places.append(front)
+    chosen = {id(place) for place in places}
+    known: list[Dot | Frontier] = [*dots, *left.frontiers]
+    beyond = [(p.x, p.y) for p in known if id(p) not in chosen]
+    coarse = replace(fields, ratio=cfg.ratio)
+    water = belief.water(coarse)
+    ways = tuple(CostField.over(water.slowness, (p.x, p.y), cell_m=water.cell_m, cfg=coarse) for p in places)
+    return Remaining(tuple(places), ways, np.array(beyond, np.float64).reshape(-1, 2))

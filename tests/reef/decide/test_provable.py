@@ -1,0 +1,51 @@
+import numpy as np
+import pytest
+from beds import belief_with, see
+
+from coral.reef.decide.outlook import Outlook
+from coral.reef.decide.provable import ProvableCfg, finished_dot, hazard, leads_nowhere
+from coral.reef.decide.remaining import Dot, RemainingCfg, what_remains
+from coral.reef.decide.route import Goal, here
+from coral.reef.decide.survey import SurveyCfg, survey
+from coral.reef.map.costfield import CostFieldCfg
+
+CFG = ProvableCfg()
+
+
+def nowhere(belief, *points, cfg=CFG):
+    outlook = Outlook.now(belief)
+    left = survey(outlook, CostFieldCfg(), 1.0, SurveyCfg())
+    dots = [Dot(x=t.x, y=t.y, index=t.index, left_m2=1.0) for t in outlook.unvisited()]
+    remaining = what_remains(outlook, left, dots, CostFieldCfg(), RemainingCfg())
+    return leads_nowhere(outlook, remaining, *np.array(points).T, cfg).tolist()
+
+
+def test_only_what_shows_nothing_and_is_nearer_to_nothing_leads_nowhere():
+    belief = belief_with([(16.0, 10.0), (4.0, 16.0)])
+    points = [(12.0, 10.0), (7.0, 12.0), (10.0, 4.0), (16.0, 13.5)]
+    assert nowhere(belief, *points) == [False, False, True, False]
+    belief.map.explored[:100, 180:220] = False  # white water to the south
+    assert nowhere(belief, *points) == [False] * 4
+    assert nowhere(belief_with([(16.0, 10.0)]), (5.0, 10.0), cfg=ProvableCfg(finished=False)) == [False]
+
+
+def test_where_nothing_is_left_nothing_is_refused():
+    assert nowhere(belief_with([]), (5.0, 10.0)) == [False]
+
+
+def test_a_dot_that_was_done_is_refused_and_says_why():
+    belief = belief_with([(14.0, 10.0), (17.0, 10.0), (18.0, 4.0)])
+    see(belief, 0)
+    outlook = Outlook(belief, here(belief), closed=frozenset({1}))
+    assert "seen from near" in finished_dot(outlook, 0).reason
+    assert "present goal" in finished_dot(outlook, 1).reason
+    assert finished_dot(outlook, 2) is None
+
+
+@pytest.mark.parametrize(("x", "code"), [(16.0, "blocked"), (8.0, None)])
+def test_obstacles_are_a_hazard(x, code):
+    belief = belief_with([])
+    belief.map.obstacle[:, 260:264] = True
+    reach = belief.water(CostFieldCfg()).reach(10.0, 10.0)
+    refusal = hazard(Goal(x=x, y=10.0), belief, reach)
+    assert (refusal and refusal.code) == code
