@@ -28,11 +28,14 @@ def test_this_machine_runs_as_many_as_asked_for():
 
 
 def test_a_column_of_the_papers_numbers_is_named_after_its_neighbour():
-    table = Table("T", "c", ("variant", "coverage", "paper", "steps", "paper"), (("full", "97", "96", "10", "12"),))
+    table = Table(
+        "T", "c", ("variant", "coverage", "paper", "steps", "paper"), (("full", "97", "96", "10", "12"),), ("n",)
+    )
     assert table_json(table) == {
         "name": "T",
         "caption": "c",
         "rows": [{"variant": "full", "coverage": "97", "coverage, paper": "96", "steps": "10", "steps, paper": "12"}],
+        "notes": ["n"],
     }
 
 

@@ -68,7 +68,7 @@ def test_our_means_stand_beside_the_papers_numbers():
         "advisor calls",
         "paper",
     )
-    assert [row[0] for row in table.rows] == ["DREAM", "CORAL w/o low-level planner", "CORAL (full)"]
+    assert [row[0] for row in table.rows] == ["DREAM", "CORAL (full)"]  # what did not run has no row
     assert table.rows[0] == (
         "DREAM",
         "4",
@@ -81,8 +81,7 @@ def test_our_means_stand_beside_the_papers_numbers():
         "10.0",
         "1261 (126.1)",
     )
-    assert table.rows[1][1:3] == ("0", "not run")
-    assert table.rows[2][4] == "60", "when the second cluster was covered, as many as DREAM covered"
+    assert table.rows[1][4] == "60", "when the second cluster was covered, as many as DREAM covered"
 
 
 def test_differences_are_paired_and_a_variant_that_does_not_matter_is_named():
@@ -109,9 +108,8 @@ def test_ablations_that_the_paper_lacks_have_no_number_of_it():
 def test_topologies_and_worlds():
     tables = tables_by_name(ROWS)
     third = tables["Table III"]
-    assert [row[0] for row in third.rows] == ["L-shape", "S-shape", "O-shape", "K-shape", "E-shape", "all missions"]
+    assert [row[0] for row in third.rows] == ["L-shape", "K-shape", "all missions"]
     assert line(third, "K")[3] == "83.33"
-    assert line(third, "S")[1] == "0"
     assert [row[0] for row in tables["By world"].rows] == ["l1", "k1"]
 
 

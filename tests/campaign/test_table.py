@@ -1,6 +1,6 @@
 import pytest
 
-from coral.campaign.table import Table, document, to_html, to_latex, to_markdown
+from coral.campaign.table import Table, document, overview, to_html, to_latex, to_markdown
 
 TABLE = Table(
     "Table X",
@@ -77,3 +77,26 @@ def test_a_latex_document_has_no_letter_that_plain_latex_lacks():
 def test_a_ragged_table_is_a_mistake():
     with pytest.raises(ValueError, match="2 cells under a header of 1"):
         Table("T", "", ("a",), (("b", "c"),))
+
+
+def sheet(name, *notes):
+    return Table(name, "c", ("a", "b"), (("x", "1"),), notes)
+
+
+def test_a_terminal_shows_two_tables_and_their_common_notes_once():
+    tables = [sheet("One", "same", "own"), sheet("Two", "same"), sheet("Three", "far")]
+    text = overview(tables, ("Two", "One", "Three"))
+    assert text.index("**Two.**") < text.index("**One.**")
+    assert "Three" not in text
+    assert text.count("- same") == text.count("- own") == 1
+    assert "(1 more in the files below)" in text
+    assert overview(tables[:1], ("None",)) == "(1 more in the files below)"
+
+
+@pytest.mark.parametrize("form", ["md", "html"])
+def test_notes_of_several_tables_are_written_once(form):
+    tables = [sheet("One", "for all", "for two"), sheet("Two", "for all", "for two"), sheet("Three", "for all", "own")]
+    text = document(tables, form, "Title")
+    assert text.count("for all") == text.count("for two") == text.count("own") == 1
+    assert "for two (One, Two)" in text
+    assert text.index("own") < text.index("for all")

@@ -106,7 +106,10 @@ def test_again_runs_nothing_and_collect_needs_no_grid(finished, puddle):
     assert (again["ran"], again["found"]) == (0, 3)
     (out / "tables.md").unlink()
     command = ReefBench(out=out, collect=True)
-    assert "**Table I.**" in command.describe(command())
+    told = command.describe(command())
+    assert told.count("**") == 4  # two tables
+    assert "**All variants.**" in told
+    assert told.count("Made by: coral reef bench") == 1
 
 
 def test_the_advisor_stands_alone_unless_a_fallback_is_asked_for(finished, puddle):

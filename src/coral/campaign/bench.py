@@ -57,6 +57,7 @@ def table_json(table: Table) -> dict[str, Any]:
         "name": table.name,
         "caption": table.caption,
         "rows": [dict(zip(_unique(table.header), row, strict=True)) for row in table.rows],
+        "notes": list(table.notes),
     }
 
 

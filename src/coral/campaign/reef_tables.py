@@ -204,7 +204,7 @@ def _beside_paper(
     for variant in variants:
         printed, each = paper()[key].get(variant, {}), paper().get(f"{key}_per_mission", {}).get(variant, {})
         found = by_variant.get(variant, ())
-        if not found and not printed:
+        if not found:
             continue
         row = [marked(name(variant), found), str(len(found))]
         for measure in measures:
@@ -268,6 +268,8 @@ def _by_topology(rows: Sequence[Row], advisor: str, notes: tuple[str, ...]) -> T
     kinds = [*TABLE_III, *sorted({str(row.get("topology")) for row in rows} - set(TABLE_III))]
     for kind in kinds:
         found = [row for row in rows if row.get("topology") == kind]
+        if not found:
+            continue
         printed = paper()["III"].get(kind, {})
         line = [marked(f"{kind}-shape" if kind in TABLE_III else kind, found), str(len(found))]
         for measure in measures:

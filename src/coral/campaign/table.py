@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 
 
@@ -41,6 +41,38 @@ def to_markdown(table: Table) -> str:
             lines.append(f"| {' | '.join(rule)} |")
     lines += ["", *(f"- {note}" for note in table.notes)] if table.notes else []
     return "\n".join(lines) + "\n"
+
+
+def overview(tables: Sequence[Table], first: Sequence[str], at_most: int = 2) -> str:
+    """Render what a terminal shows of a campaign: the tables that matter, and their common notes once.
+
+    Args:
+        tables: All tables.
+        first: Beginnings of their names, by importance; tables that share one are shown together.
+        at_most: Number of names that are shown.
+    """
+    names = [name for name in first if any(table.name.startswith(name) for table in tables)][:at_most]
+    shown = [table for name in names for table in tables if table.name.startswith(name)]
+    notes = dict.fromkeys(note for table in shown for note in table.notes)
+    rest = len(tables) - len(shown)
+    more = [f"({rest} more in the files below)"] if rest > 0 else []
+    parts = [to_markdown(replace(table, notes=())) for table in shown]
+    return "\n".join([*parts, *(f"- {note}" for note in notes), *more])
+
+
+def gather_notes(tables: Sequence[Table]) -> tuple[list[Table], list[str]]:
+    """Move the notes that several tables share behind the last one; name the tables where they are not for all."""
+    under: dict[str, list[str]] = {}
+    for table in tables:
+        for note in dict.fromkeys(table.notes):
+            under.setdefault(note, []).append(table.name)
+    shared = {note: names for note, names in under.items() if len(names) > 1}
+    own = [replace(table, notes=tuple(n for n in table.notes if n not in shared)) for table in tables]
+    told = [
+        note if len(names) == len(tables) else f"{note} ({', '.join(dict.fromkeys(names))})"
+        for note, names in shared.items()
+    ]
+    return own, told
 
 
 def to_latex(table: Table) -> str:
@@ -87,12 +119,17 @@ def document(tables: Sequence[Table], form: str, title: str) -> str:
         form: `md`, `tex` or `html`.
         title: Title of the page.
     """
+    if form != "tex":  # a float of LaTeX stands alone
+        tables, shared = gather_notes(tables)
     if form == "md":
-        return "\n".join([f"# {title}", "", *(to_markdown(table) for table in tables)])
+        last = ["## Notes", "", *(f"- {note}" for note in shared), ""] if shared else []
+        return "\n".join([f"# {title}", "", *(to_markdown(table) for table in tables), *last])
     if form == "tex":
-        head = rf"% {title}. Needs \usepackage{{booktabs,threeparttable}}"
-        return "\n".join([head, *(to_latex(table) for table in tables)])
+        preamble = rf"% {title}. Needs \usepackage{{booktabs,threeparttable}}"
+        return "\n".join([preamble, *(to_latex(table) for table in tables)])
     body = "\n".join(to_html(table) for table in tables)
+    common = "".join(f"<li>{escape(note)}</li>" for note in shared)
+    body += f"<h2>Notes</h2>\n<ul>{common}</ul>\n" if shared else ""
     return (
         f'<!doctype html>\n<html lang="en"><meta charset="utf-8">\n'
         f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'

@@ -16,7 +16,7 @@ from coral.campaign.progress import CampaignProgress
 from coral.campaign.slurm import SlurmCfg
 from coral.campaign.spec import Spec
 from coral.campaign.store import Store
-from coral.campaign.table import Table, document
+from coral.campaign.table import Table, document, overview
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.words import many
@@ -133,24 +133,36 @@ def write_tables(
     }
 
 
-def describe_campaign(out: Path, result: Mapping[str, Any], noun: str, files: Sequence[str]) -> str:
-    """Describe the tables, the number of episodes, and where the files are.
+def describe_campaign(
+    out: Path, result: Mapping[str, Any], noun: str, files: Sequence[str], first: Sequence[str]
+) -> str:
+    """Describe the tables that matter, the number of episodes, and where the files are.
 
     Args:
         out: Folder of the campaign.
         result: Result of `write_tables`, with further files.
         noun: The word for an episode.
         files: Keys of the result with a path, or a list of paths.
+        first: Names of the tables by importance; two are shown.
     """
     failed = f"; {result['failed']} failed (see {out / 'failures'}; --retry-failed runs them again)"
     lines = [
-        (out / "tables.md").read_text(encoding="utf-8"),
+        overview([_table(found) for found in result["results"]], first),
         f"{many(result['done'], noun)}{failed if result['failed'] else ''}",
     ]
     for name in files:
         paths = result[name] if isinstance(result[name], list) else [result[name]]
         lines += [f"{name}: {path}" for path in paths if path]
     return "\n".join(lines)
+
+
+def _table(found: Mapping[str, Any]) -> Table:
+    """Make a table of what `table_json` returned."""
+    rows = found["rows"]
+    header = tuple(rows[0]) if rows else ()
+    return Table(
+        found["name"], found["caption"], header, tuple(tuple(row.values()) for row in rows), tuple(found["notes"])
+    )
 
 
 def check_finished(result: Mapping[str, Any], summary: Summary, out: Path, noun: str) -> None:

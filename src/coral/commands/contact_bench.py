@@ -173,7 +173,8 @@ class ContactBench(CampaignFlags):
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the tables and list the files."""
-        return describe_campaign(self.out, result, "episode", ("data", "tables", "memory", "figures"))
+        files = ("data", "tables", "memory", "figures")
+        return describe_campaign(self.out, result, "episode", files, ("Table 1, success", "Against"))
 
     def _advisor(self, name: str) -> Advisor:
         """Make the advisor of a row, as far as it can be checked here."""

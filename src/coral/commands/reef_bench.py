@@ -159,7 +159,8 @@ class ReefBench(CampaignFlags):
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the tables and where everything is."""
         files = ("data", "tables", "figure", "sweep", *(("study", "numbers") if self.study else ()))
-        return describe_campaign(self.out, result, "mission", files)
+        several = len(parse_names(self.variants, "--variants")) > 1
+        return describe_campaign(self.out, result, "mission", files, SHOWN if several else SHOWN_OF_ONE)
 
     def _worlds(self) -> dict[str, ReefWorld]:
         return {name: find_world(name) for name in expand_names(parse_names(self.worlds, "--worlds"))}
@@ -309,6 +310,9 @@ class ReefBench(CampaignFlags):
         return words
 
 
+SHOWN = ("Sweep", "All variants", "Table I, differences", "Table II, differences")
+SHOWN_OF_ONE = ("Sweep", "By world", "All variants")
+"""Tables that the terminal shows, two at most, of several variants and of one."""
 STUDY: dict[str, Any] = {
     "variants": ",".join(dict.fromkeys((*TABLE_I, *TABLE_II, *BASELINES))),
     "advisors": "heuristic,sloppy:0.3:heuristic,sloppy:0.6:heuristic",
