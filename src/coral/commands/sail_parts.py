@@ -36,6 +36,7 @@ from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
 from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.sea.video_camera import Fit, VideoCamera
+from coral.reef.simulation.noise import SensorNoise
 from coral.reef.simulation.simulated_navigation import make_navigation
 from coral.reef.simulation.simulator import make_painter
 from coral.reef.vehicle.collision import clearance
@@ -154,6 +155,7 @@ def open_parts(
                 parts.where,
                 flags.camera_rate,
                 painter=make_painter(scene, sim, world.seed) if coloured else None,
+                noise=SensorNoise(sim.noise, np.random.default_rng([flags.seed, 5]), sim.camera),
             )
         else:
             source = VideoCamera(flags.camera, flags.camera_latency, fit)

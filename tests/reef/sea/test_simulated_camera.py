@@ -2,6 +2,7 @@ import numpy as np
 
 from coral.reef.paint.painter import Painter
 from coral.reef.sea.simulated_camera import SimulatedCamera
+from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
@@ -40,3 +41,14 @@ def test_it_takes_colours_with_a_painter():
     first, second = camera.read().frame, camera.read().frame
     assert np.array_equal(first.rgb, painter.paint(first, pose, t=0.0))
     assert not np.array_equal(first.rgb, second.rgb)
+
+
+def test_noise_spoils_depth_and_classes_and_not_the_colours():
+    scene, cfg, clock = Scene.from_world(load_world("s1")), CameraCfg(width=40, height=30), FakeClock()
+    noise = SensorNoise(SensorNoiseCfg(dropout=1.0), np.random.default_rng(0), cfg)
+    painter = Painter(scene, cfg, "bay", seed=1)
+    where = lambda: (100.0, Pose(5.0, 5.0, 0.3))  # noqa: E731
+    camera = SimulatedCamera(scene, cfg, where, 10.0, clock, clock.sleep, painter, noise)
+    frame = camera.read().frame
+    assert np.isinf(frame.depth).all()
+    assert frame.rgb.std() > 1.0

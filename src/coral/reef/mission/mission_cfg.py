@@ -29,13 +29,15 @@ class MissionCfg:
     """10 Hz (paper IV-F)."""
     latency: str = "auto"
     """Reply time of the advisor in simulated seconds: fixed:S, lognormal:MEDIAN:SIGMA or measured. auto: as recorded
-    for a recording, measured for models and people, fixed:10 for rules, the paper's median for CORAL (IV-E)."""
+    for a recording, measured for models and people, fixed:10 for rules, the paper's median for CORAL (IV-E). In real
+    time an answer is given no earlier than this, later if it takes longer; auto is then the time that it takes."""
     stop_when_covered: bool = True
     """End when every true cluster is covered. The experimenter stops the mission, as for the paper's coverage time; the
-    robot does not know it and decides nothing by it. False: the robot goes on until nothing is left."""
+    robot does not know it and decides nothing by it. In real water nobody knows it. False: the robot goes on until
+    nothing is left."""
     perception: str = EXACT
-    """Where classes and depth come from: exact, by the simulator's ray caster; rgb, from the colour pictures by the
-    network that comes with the package; or a network of your own, FILE.onnx."""
+    """Where classes and depth come from: exact, by the simulator's ray caster, which a real camera lacks; rgb, from the
+    colour pictures by the network that comes with the package; or a network of your own, FILE.onnx."""
     depth: str = ""
     """File of a relative depth network (Depth Anything V2), whose depth replaces that of `perception`; its scale and
     shift are fitted to the sea floor and the sonar's echoes."""

@@ -12,7 +12,7 @@ from coral.reef.map.chain import Track
 from coral.reef.mission.judge import MissionJudge
 from coral.reef.simulation.coverage import CoverageMeter
 from coral.reef.simulation.imaging import ImagingMeter
-from coral.reef.simulation.simulator import SimulatorCfg
+from coral.reef.simulation.simulator import SimulatorCfg, seen_through_water
 from coral.reef.vehicle.collision import ContactCounter
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
@@ -29,7 +29,7 @@ class ReefTruth:
         """Begin a record in `folder`; `emit(event, **fields)` is told of contacts and covered clusters."""
         scene = Scene.from_world(world)
         self.world, self._emit = world, emit
-        self._coverage = CoverageMeter(scene, cfg.coverage)
+        self._coverage = CoverageMeter(scene, seen_through_water(cfg))
         self._imaging = ImagingMeter(scene, cfg.camera, cfg.imaging, visibility_m=cfg.noise.visibility_m)
         self._contacts = ContactCounter(scene.footprints(), cfg.vehicle.hull_radius_m)
         self._judge = MissionJudge(world, self._imaging, folder)

@@ -120,7 +120,8 @@ class SeaMission:
         self._thread = None if decision_clock is not None else AdvisorThread()
         if self._thread is not None:
             self._thread.warm_up(advisor)
-        self.clock = decision_clock or WallClock(self._thread, latency_in_real_time(mission, advisor))
+        latency = latency_in_real_time(mission, advisor)
+        self.clock = decision_clock or WallClock(self._thread, latency)
         response = self.response = cfg.response or VehicleResponse.of_vehicle(sim.vehicle)
         self.vehicle = LinkVehicle(crew.link, crew.camera, crew.sonar, frame or LocalFrame(), response, cfg.depth_m)
         self.robot = make_robot(

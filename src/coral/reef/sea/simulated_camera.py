@@ -9,6 +9,7 @@ from dataclasses import replace
 from coral.reef.paint.painter import Painter
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.real_time import FixedRate
+from coral.reef.simulation.noise import SensorNoise
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene
@@ -18,7 +19,7 @@ Where = Callable[[], tuple[float, Pose] | None]
 
 
 class SimulatedCamera:
-    """Renders exact depth and classes, and colours on request. Around a real autopilot the reef exists only here."""
+    """Renders depth and classes, and colours on request. Around a real autopilot the reef exists only here."""
 
     labelled = True
 
@@ -31,8 +32,21 @@ class SimulatedCamera:
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
         painter: Painter | None = None,
+        noise: SensorNoise | None = None,
     ) -> None:
-        self._camera, self._where, self._painter = Camera(scene, cfg), where, painter
+        """Set up.
+
+        Args:
+            scene: The reef.
+            cfg: The camera.
+            where: Tells time and pose of the vehicle.
+            rate_hz: Pictures a second.
+            clock: Monotonic time (s).
+            sleep: Waits so long (s).
+            painter: Paints colours; None for none.
+            noise: Spoils depth and classes; exact by default.
+        """
+        self._camera, self._where, self._painter, self._noise = Camera(scene, cfg), where, painter, noise
         self._begun: float | None = None
         self._rate = FixedRate(1.0 / rate_hz, clock, sleep)
         self.name = f"simulated, {cfg.width}x{cfg.height}"
@@ -46,12 +60,13 @@ class SimulatedCamera:
         return shot
 
     def _take(self, stamp_s: float, pose: Pose) -> Frame:
-        frame = self._camera.render(pose)
+        exact = self._camera.render(pose)
+        frame = exact if self._noise is None else self._noise.apply(exact)
         if self._painter is None:
             return frame
         if self._begun is None:
             self._begun = stamp_s
-        return replace(frame, rgb=self._painter.paint(frame, pose, t=stamp_s - self._begun))
+        return replace(frame, rgb=self._painter.paint(exact, pose, t=stamp_s - self._begun))
 
     def close(self) -> None:
         """Nothing to free."""

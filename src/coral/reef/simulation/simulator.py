@@ -114,7 +114,7 @@ class ReefSimulator:
         self._footprints = self.scene.footprints()
         self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
         if first is None:
-            self.coverage: CoverageMeter = CoverageMeter(self.scene, _through_water(cfg))
+            self.coverage: CoverageMeter = CoverageMeter(self.scene, seen_through_water(cfg))
             self.imaging: ImagingMeter = ImagingMeter(
                 self.scene, cfg.camera, cfg.imaging, visibility_m=cfg.noise.visibility_m
             )
@@ -224,7 +224,7 @@ class ReefSimulator:
         self.imaging.update(self.pose, height, roll=roll, pitch=pitch)
 
 
-def _through_water(cfg: SimulatorCfg) -> CoverageCfg:
+def seen_through_water(cfg: SimulatorCfg) -> CoverageCfg:
     """Limit the range of coverage to the visibility."""
     limit = cfg.noise.visibility_m
     return cfg.coverage if limit is None else replace(cfg.coverage, range_m=min(cfg.coverage.range_m, limit))
