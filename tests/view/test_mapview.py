@@ -160,3 +160,35 @@ def test_a_dot_below_the_robot_s_arrow_stays_visible():
     picture = draw_map(scene, MapViewCfg(crop=False, labels=False))
     assert 0.0 < picture.to_pixels(points[0])[0] - picture.to_pixels(np.array([10.0, 10.0]))[0] < 50.0  # on the arrow
     assert pixel(picture, 11.0, 10.0) == ORANGE
+
+
+def test_a_dot_that_is_done_is_hollow_also_where_it_is_known_from_afar():
+    cells = np.ones((200, 200), np.uint8)
+    scene = MapScene(
+        cells=cells, cell_m=0.1, pose=Pose(3.0, 3.0, 0.0), centroids=np.array([[10.0, 10.0], [14.0, 14.0]]),
+        visited=[True, False], seen=[None, None], indices=[4, 5],
+    )  # fmt: skip
+    view = draw_map(scene, MapViewCfg(legend=False))
+    middles = [view.rgb[row, column].tolist() for column, row in np.rint(view.to_pixels(scene.centroids)).astype(int)]
+    assert middles[0] == [255, 255, 255]
+    assert middles[1] != [255, 255, 255]
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "theta"), [(19.5, 10.0, 0.0), (0.5, 0.5, 3.9), (10.0, 19.7, 1.57), (6.0, 0.4, -1.57)]
+)
+def test_arrows_and_the_end_of_the_area_are_in_the_picture(x, y, theta):
+    cells = np.ones((200, 200), np.uint8)
+    scene = MapScene(
+        cells=cells, cell_m=0.1, pose=Pose(10.0, 10.0, 0.0), arrival=Pose(x, y, theta), border=(0.0, 0.0, 20.0, 20.0)
+    )
+    view = draw_map(scene, MapViewCfg(legend=False, axes=False))
+    height, width = view.rgb.shape[:2]
+    along = np.array([math.cos(theta), math.sin(theta)])
+    for arrow in (56 * along, 46 * np.array([-along[1], along[0]])):
+        column, row = view.to_pixels(np.array([x, y])) + arrow * (1, -1)
+        assert 0 <= column <= width
+        assert 0 <= row <= height
+    x0, y0, x1, y1 = view.window
+    assert min(x0, y0) < 0.0
+    assert max(x1, y1) > 20.0

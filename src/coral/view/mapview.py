@@ -36,6 +36,8 @@ from coral.view.pictures import Image, draw_arrow, draw_dot, draw_line, draw_tex
 __all__ = ["CELL_COLORS", "MapPicture", "MapScene", "MapViewCfg", "camera_picture", "cell_classes", "draw_map", "png"]
 
 Box = tuple[float, float, float, float]
+ARROWS_M = 1.5
+"""Length of the arrows +X and +Y with their names, on a map of 15 m; on larger ones they hide more of it."""
 _CELL_WORDS = np.ascontiguousarray(np.pad(CELL_COLORS, ((0, 0), (0, 1)))).view(np.uint32)[:, 0]
 
 
@@ -155,7 +157,7 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
     xs = [ox + scene.cell_m * c for c in (columns[:1].tolist() + [i + 1 for i in columns[-1:].tolist()])]
     ys = [oy + scene.cell_m * r for r in (rows[:1].tolist() + [i + 1 for i in rows[-1:].tolist()])]
     extra = [scene.trajectory, scene.centroids]
-    extra += [np.array([scene.pose[:2]])] if scene.pose is not None else []
+    extra += [_with_arrows(pose) for pose in (scene.pose, scene.arrival) if pose is not None]
     extra += [np.array([scene.goal])] if scene.goal is not None else []
     extra += [np.array([one.pose[:2]]) for one in scene.others if one.pose is not None]
     points = np.concatenate([np.asarray(part, np.float64).reshape(-1, 2) for part in extra])
@@ -164,12 +166,15 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
         ys += [points[:, 1].min(), points[:, 1].max()]
     if not xs:
         return whole
-    x0, x1 = _span(min(xs) - cfg.margin_m, max(xs) + cfg.margin_m, cfg.min_side_m, whole[0], whole[2])
-    y0, y1 = _span(min(ys) - cfg.margin_m, max(ys) + cfg.margin_m, cfg.min_side_m, whole[1], whole[3])
+    # Where the border is drawn, the picture goes on beyond it: arrows fit in, and the end of the area is seen as such.
+    beyond = cfg.margin_m + ARROWS_M if scene.border is not None else 0.0
+    low, high = (whole[0] - beyond, whole[1] - beyond), (whole[2] + beyond, whole[3] + beyond)
+    x0, x1 = _span(min(xs) - cfg.margin_m, max(xs) + cfg.margin_m, cfg.min_side_m, low[0], high[0])
+    y0, y1 = _span(min(ys) - cfg.margin_m, max(ys) + cfg.margin_m, cfg.min_side_m, low[1], high[1])
     # A picture longer than 3:2 wastes the pixels of an advisor's picture.
     side = max(x1 - x0, y1 - y0) / 1.5
-    x0, x1 = _span(x0, x1, side, whole[0], whole[2])
-    y0, y1 = _span(y0, y1, side, whole[1], whole[3])
+    x0, x1 = _span(x0, x1, side, low[0], high[0])
+    y0, y1 = _span(y0, y1, side, low[1], high[1])
     snap = scene.cell_m
     return (
         ox + snap * math.floor((x0 - ox) / snap + 1e-6),
@@ -177,6 +182,12 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
         ox + snap * math.ceil((x1 - ox) / snap - 1e-6),
         oy + snap * math.ceil((y1 - oy) / snap - 1e-6),
     )
+
+
+def _with_arrows(pose: Pose) -> NDArray[np.float64]:
+    """Return a pose and about where its arrows end, with their names. Shape=(3, 2), metres."""
+    c, s = ARROWS_M * math.cos(pose.theta), ARROWS_M * math.sin(pose.theta)
+    return np.array([(pose.x, pose.y), (pose.x + c, pose.y + s), (pose.x - s, pose.y + c)])
 
 
 def _span(low: float, high: float, least: float, floor: float, ceiling: float) -> tuple[float, float]:
@@ -242,10 +253,7 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
             draw_dot(rgb, there, 8.0, RED)
             draw_dot(rgb, there, 5.0, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     for dot, done, share in zip(dots, visited, shares, strict=True):
-        if share is None:
-            draw_dot(rgb, dot, 6.5, FAR)
-            continue
-        draw_dot(rgb, dot, 6.5, ORANGE)
+        draw_dot(rgb, dot, 6.5, FAR if share is None else ORANGE)
         if done:
             draw_dot(rgb, dot, 4.5, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     if cfg.labels and len(dots):

@@ -165,3 +165,11 @@ def test_visited_is_remembered():
     tracker.mark_visited(1.5, 1.0, 1.0)
     tracks = tracker.update([component(1.0, 1.0), component(5.0, 1.0)])
     assert [t.visited for t in tracks] == [True, False]
+
+
+def test_one_cluster_that_is_seen_from_afar_twice_has_one_dot():
+    tracker = CentroidTracker()
+    tracker.update([], [Hint(8.0, 4.0, 0.3), Hint(9.2, 4.0, 0.2)])
+    assert [(t.x, t.far) for t in tracker.tracks] == [(8.0, True)]
+    tracker.update([], [Hint(8.1, 4.0, 0.3), Hint(13.0, 4.0, 0.3)])
+    assert [t.index for t in tracker.tracks] == [0, 1]

@@ -284,10 +284,11 @@ class CentroidTracker:
 
     def _afar(self, afar: Sequence[Track], hints: Sequence[Hint], near: Sequence[Track]) -> list[Track]:
         """Update the tracks of what was seen from afar; one without a hint is dropped: the robot has looked there."""
-        tracks, rest = [], list(afar)
+        tracks: list[Track] = []
+        rest = list(afar)
         for hint in hints:
-            if _nearest(near, hint.x, hint.y, self.cfg.far_merge_m) is not None:
-                continue
+            if _nearest([*near, *tracks], hint.x, hint.y, self.cfg.far_merge_m) is not None:
+                continue  # known, or the same cluster seen from elsewhere
             old = _nearest(rest, hint.x, hint.y, self.cfg.far_merge_m)
             rest = [t for t in rest if t is not old]
             label = next(self._labels) if old is None else old.index
