@@ -8,6 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from coral.errors import InputError, first_line
+from coral.foreign_file import check_tables, read_head, read_text
+from coral.limits import CHUNK_BYTES
+from coral.yaml_file import load_mapping
 
 FILES = (".mcap", ".db3", ".bag")
 """MCAP, SQLite of ROS 2, and ROS 1."""
@@ -72,10 +75,8 @@ def read_messages(path: Path, wanted: set[str]) -> Iterator[tuple[str, Any]]:
                 yield connection.topic, message
         except InputError:
             raise
-        except Exception as error:
-            if type(error).__module__.startswith("rosbags"):
-                raise InputError(str(path), "", first_line(error), "a whole file") from None
-            raise
+        except Exception as error:  # damaged bytes: no common class either
+            raise InputError(str(path), "", first_line(error), "a whole file") from None
 
 
 def stamp_of(message: Any) -> float:
@@ -87,21 +88,20 @@ def stamp_of(message: Any) -> float:
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     try:
-        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.highlevel import AnyReader
+        from rosbags.rosbag2 import storage_mcap
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise InputError(
             str(path), "", "no package rosbags", "the extra bags: pip install 'coral-robotics[bags]'"
         ) from None
+    _refuse_odd_files(path)
+    _bound_chunks(storage_mcap)
     try:
         reader = AnyReader(_loose_files(path) or [path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         reader.open()
-    except (AnyReaderError, OSError, ValueError, AssertionError, AttributeError, KeyError, EOFError) as error:
+    except Exception as error:  # damaged bytes raise all kinds
         raise _cannot_open(path, error) from None
-    except Exception as error:
-        if type(error).__module__.startswith("rosbags"):
-            raise _cannot_open(path, error) from None
-        raise
     try:
         yield reader
     finally:
@@ -111,3 +111,42 @@ def _opened(path: Path) -> Iterator[Any]:
 def _cannot_open(path: Path, error: Exception) -> InputError:
     found, expected = _MENDS.get(first_line(error), (first_line(error), "a ROS bag or an MCAP file"))
     return InputError(str(path), "", found, expected)
+
+
+def _refuse_odd_files(path: Path) -> None:
+    """Check what the library opens without limits: its files, the table of contents, compression of messages.
+
+    Raises:
+        InputError: A file is no regular one, or may not be read.
+    """
+    expected = "a ROS bag or an MCAP file"
+    if not path.is_dir():
+        read_head(path, expected)
+        return
+    known = path / "metadata.yaml"
+    contents = load_mapping(read_text(known, expected), str(known)) if known.exists() else {}
+    about = contents.get("rosbag2_bagfile_information")
+    if isinstance(about, dict) and str(about.get("compression_mode", "")).lower() == "message":
+        raise InputError(str(path), "compression_mode", "message", "a bag without it (`ros2 bag convert`)")
+    for file in path.iterdir():
+        if file.suffix == ".db3":
+            check_tables(file, "messages", "topics")
+        elif not file.is_dir():
+            read_head(file, expected)
+
+
+def _bound_chunks(storage_mcap: Any) -> None:
+    """Make the library unpack no more of a chunk than it says that it holds, and no more than any chunk holds."""
+    from lz4.frame import LZ4FrameDecompressor
+
+    zstd = storage_mcap.zstd
+
+    def bounded(make: Any) -> Any:
+        def unpack(data: bytes, size: int) -> bytes:
+            if size > CHUNK_BYTES:
+                raise ValueError(f"a chunk of {size / 1e6:.0f} MB, where {CHUNK_BYTES / 1e6:.0f} are the most")
+            return bytes(make().decompress(data, max_length=size + 1))
+
+        return unpack
+
+    storage_mcap.DECOMPRESSORS.update(lz4=bounded(LZ4FrameDecompressor), zstd=bounded(zstd.ZstdDecompressor))

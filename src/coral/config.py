@@ -12,11 +12,11 @@ from typing import Annotated, Any, TypeVar, cast, get_origin, get_type_hints
 from pydantic import Field, TypeAdapter, ValidationError
 
 from coral.errors import InputError, nearest, shown
-from coral.yaml_file import load_mapping, read_regular
+from coral.foreign_file import read_text
+from coral.yaml_file import load_mapping
 
 C = TypeVar("C")
 
-MAX_VALUES = 200_000
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -62,7 +62,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
     Raises:
         InputError: The file is missing, not regular, unreadable, not YAML, nested too deeply, or not a mapping.
     """
-    return load_mapping(read_regular(path, "a readable YAML file"), str(path), MAX_VALUES)
+    return load_mapping(read_text(path, "a readable YAML file"), str(path))
 
 
 def merge(default: C, changes: Mapping[str, Any], where: str) -> C:

@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from coral.errors import MALFORMED
+from coral.file_writer import PRIVATE, write_whole
+from coral.foreign_file import read_json
 
 PACKAGE = Path(__file__).parent
 
@@ -28,15 +30,13 @@ def recall(name: str, key: str, make: Callable[[], Any]) -> Any:
     root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     path = Path(root) / "coral" / installed / f"{name}.json"
     with suppress(OSError, *MALFORMED):
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = read_json(path, "a cached value")
         if content["key"] == key:
             return content["value"]
     value = make()
     with suppress(OSError):  # a home that cannot be written
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_suffix(f".{os.getpid()}.part")
-        part.write_text(json.dumps({"key": key, "value": value}), encoding="utf-8")
-        os.replace(part, path)
+        path.parent.mkdir(PRIVATE, parents=True, exist_ok=True)
+        write_whole(path, json.dumps({"key": key, "value": value}))
     return value
 
 

@@ -8,6 +8,8 @@ import sys
 from functools import cache
 from pathlib import Path
 
+from coral.foreign_file import read_text
+
 
 def field_docs(kind: type) -> dict[str, str]:
     """Return the text of each field of a class and of the classes that it extends, in one line each.
@@ -31,7 +33,7 @@ def _docs_in(module: str) -> dict[str, dict[str, str]]:
     path = getattr(sys.modules.get(module), "__file__", None)
     if not path or not path.endswith(".py"):
         return {}
-    tree = ast.parse(Path(path).read_text(encoding="utf-8"))
+    tree = ast.parse(read_text(Path(path), "a module"))
     return {node.name: _docs_of(node) for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
 
 

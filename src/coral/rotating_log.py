@@ -12,6 +12,7 @@ from typing import IO
 
 from coral.errors import naming
 from coral.file_writer import open_log, scratch_for
+from coral.foreign_file import open_regular, read_log_lines
 
 MOST_BYTES = 64_000_000
 """A part that has grown to this size is packed, to about a tenth of it. Missions in simulation never reach it."""
@@ -66,7 +67,7 @@ class RotatingLog:
         try:
             with (
                 scratch_for(Path(f"{full}.gz")) as packed,
-                open(full, "rb") as plain,
+                open_regular(full) as plain,
                 gzip.open(packed, "wb", compresslevel=5) as out,
             ):
                 shutil.copyfileobj(plain, out)
@@ -99,8 +100,7 @@ def read_lines(path: Path, *, headed: bool = False) -> Iterator[str]:
 def read_parts(parts: Sequence[Path], *, headed: bool = False) -> Iterator[str]:
     """Read some parts of a log, as `read_lines` does."""
     for k, part in enumerate(parts):
-        opened = gzip.open if part.suffix == ".gz" else open
-        with opened(part, "rt", encoding="utf-8") as lines:
-            if headed and k:
-                next(lines, None)
-            yield from lines
+        lines = read_log_lines(part)
+        if headed and k:
+            next(lines, None)
+        yield from lines

@@ -14,13 +14,13 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from coral.errors import InputError
 from coral.file_writer import PRIVATE, write_whole
+from coral.foreign_file import parse_json
 from coral.odd_text import encodable, encodable_values
 from coral.package_version import __version__
 from coral.rotating_log import RotatingLog, read_lines
+from coral.yaml_file import to_yaml
 
 
 class RunWriter:
@@ -61,7 +61,7 @@ class RunWriter:
 
     def yaml(self, name: str, content: Mapping[str, Any]) -> None:
         """Write a YAML file into the folder."""
-        self.text(name, yaml.safe_dump(encodable_values(content), sort_keys=False, allow_unicode=True))
+        self.text(name, to_yaml(encodable_values(content)))
 
     def json(self, name: str, content: Mapping[str, Any]) -> None:
         """Write a JSON file into the folder."""
@@ -89,9 +89,11 @@ def read_events(path: Path) -> Iterator[dict[str, Any]]:
     """Read the events of a run, in order; skip an incomplete last line of a killed run."""
     for line in read_lines(path):
         try:
-            yield json.loads(line)
-        except json.JSONDecodeError:
+            event = parse_json(line)
+        except ValueError:
             return
+        if isinstance(event, dict) and isinstance(event.get("event"), str):
+            yield event
 
 
 def read_rows(path: Path) -> Iterator[dict[str, str]]:

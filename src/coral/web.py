@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from coral.access import Access, choose_token
 from coral.errors import InputError
+from coral.foreign_file import parse_json
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -210,8 +211,8 @@ async def read_json(request: Request, limit: int = BODY_LIMIT) -> dict[str, Any]
         if len(body) > limit:
             raise refusal(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"At most {limit} bytes are read.")
     try:
-        content = json.loads(body, parse_constant=_no_constant)
-    except (ValueError, RecursionError) as error:
+        content = parse_json(body, _no_constant)
+    except ValueError as error:
         raise refusal(HTTPStatus.BAD_REQUEST, f"The request is not valid JSON: {error}") from None
     if not isinstance(content, dict):
         raise refusal(HTTPStatus.BAD_REQUEST, "The request must be a JSON object.")

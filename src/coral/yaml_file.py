@@ -1,22 +1,40 @@
-"""YAML files of unknown origin, read with limits on their kind, size, nesting and number of values."""
+"""YAML of unknown origin, read with limits on nesting and on values, with the numbers of YAML 1.2."""
 
 from __future__ import annotations
 
-import os
-import stat
-from pathlib import Path
-from typing import Any
+import re
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import yaml
 
 from coral.errors import InputError
-from coral.plain_yaml import build_plain
+from coral.limits import YAML_DEPTH, YAML_VALUES
 
-MAX_BYTES = 20_000_000
+_INT = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+", re.ASCII)
+_FLOAT = re.compile(
+    r"[-+]?(?:\.[0-9]+|[0-9]+\.[0-9]*)(?:[eE][-+]?[0-9]+)?|[-+]?[0-9]+[eE][-+]?[0-9]+"
+    r"|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)",
+    re.ASCII,
+)
+_INT_TAG, _FLOAT_TAG = "tag:yaml.org,2002:int", "tag:yaml.org,2002:float"
+_OLD_TAGS = {_INT_TAG, _FLOAT_TAG, "tag:yaml.org,2002:timestamp"}
+"""YAML 1.1 reads 0120 as 80, 1:30 as 90, 8e-1 as text, and dates as values that no file of ours has."""
+
+
+def _number_rules(resolvers: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
+    """Return PyYAML's rules of plain scalars, by first character, with the numbers of YAML 1.2."""
+    found = {first: [rule for rule in rules if rule[0] not in _OLD_TAGS] for first, rules in resolvers.items()}
+    for first in "-+.0123456789":
+        numbers = [(_INT_TAG, re.compile(f"(?:{_INT.pattern})$")), (_FLOAT_TAG, re.compile(f"(?:{_FLOAT.pattern})$"))]
+        found[first] = [*numbers, *found.get(first, [])]
+    return found
 
 
 class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
     """YAML without duplicate keys; with the C parser if available, which is ten times faster with 600 objects."""
+
+    yaml_implicit_resolvers = _number_rules(yaml.SafeLoader.yaml_implicit_resolvers)
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Construct a mapping of the file."""
@@ -29,67 +47,36 @@ class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mis
         found: dict[Any, Any] = super().construct_mapping(node, deep=deep)
         return found
 
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        """Construct an integer of YAML 1.2."""
+        text = self.construct_scalar(node)
+        return int(text, {"0o": 8, "0x": 16}.get(text[:2], 10))
 
-def read_regular(path: Path, expected: str, most_bytes: int = MAX_BYTES) -> str:
-    """Read the text of a regular file. A pipe could block the reader for ever, a device could deliver endless bytes.
+
+Loader.add_constructor(_INT_TAG, Loader.construct_yaml_int)
+
+
+class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]
+    """Writes text that looks like a number of YAML 1.1 or 1.2 in quotes."""
+
+    yaml_implicit_resolvers: ClassVar = {
+        first: [*rules, *_number_rules(yaml.SafeDumper.yaml_implicit_resolvers).get(first, [])]
+        for first, rules in yaml.SafeDumper.yaml_implicit_resolvers.items()
+    }
+
+
+def to_yaml(content: Any, **style: Any) -> str:
+    """Write plain values as YAML that `load_mapping` and readers of YAML 1.1 read alike.
 
     Args:
-        path: Path of the file; links are followed.
-        expected: Kind of file, for the message.
-        most_bytes: Maximum size.
-
-    Raises:
-        InputError: It is missing, a folder, not a regular file, unreadable, too large, or not UTF-8.
+        content: Plain values.
+        style: Arguments of `yaml.dump`, such as `default_flow_style`.
     """
-    where = str(path)
-    try:
-        content = regular_bytes(path, most_bytes)
-    except FileNotFoundError:
-        raise InputError(where, "", "no such file", expected) from None
-    except IsADirectoryError:
-        raise InputError(where, "", "a folder", expected) from None
-    except NotRegularError as error:
-        raise InputError(where, "", error.kind, f"a regular file: {expected}") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(where, "", reason.lower(), expected) from None
-    if len(content) > most_bytes:
-        size = f"{most_bytes / 1e6:.0f} MB"
-        raise InputError(where, "", f"more than {size}", f"a file of at most {size}")
-    try:
-        return content.decode()
-    except UnicodeDecodeError:
-        raise InputError(where, "", "bytes that are not UTF-8 text", expected) from None
-
-
-class NotRegularError(OSError):
-    """A file without an end, or one that waits for a writer."""
-
-    def __init__(self, kind: str) -> None:
-        super().__init__(kind)
-        self.kind = kind
-
-
-def regular_bytes(path: Path, most_bytes: int) -> bytes:
-    """Read a regular file, at most one byte more than `most_bytes`.
-
-    Raises:
-        NotRegularError: It is a pipe, a device or a socket.
-        OSError: It cannot be read.
-    """
-    # Only this opens a pipe without a writer at once; for a regular file it has no effect.
-    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
-    with open(descriptor, "rb") as file:
-        mode = os.fstat(descriptor).st_mode
-        if stat.S_ISDIR(mode):
-            raise IsADirectoryError(path)
-        if not stat.S_ISREG(mode):
-            raise NotRegularError("a named pipe" if stat.S_ISFIFO(mode) else "a device")
-        return file.read(most_bytes + 1)
+    return str(yaml.dump(content, Dumper=_Dumper, **{"sort_keys": False, "allow_unicode": True, **style}))
 
 
 def load_mapping(
-    text: str, where: str, most_values: int, expected: str = "a mapping of keys to values"
+    text: str, where: str, most_values: int = YAML_VALUES, expected: str = "a mapping of keys to values"
 ) -> dict[str, Any]:
     """Return the mapping in a YAML text; {} for an empty one.
 
@@ -103,32 +90,57 @@ def load_mapping(
         InputError: It is not YAML, not a mapping, or nested or expanded without end.
     """
     try:
-        plain, content = build_plain(yaml.parse(text, Loader=Loader), where, most_values)
-        if not plain:
-            content = yaml.load(text, Loader=Loader)
+        _check_events(text, where, most_values)
+        content = yaml.load(text, Loader=Loader)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = f"line {mark.line + 1}" if mark else ""
         raise InputError(where, line, getattr(error, "problem", None) or "broken YAML", "valid YAML") from None
     except InputError:
         raise
-    except (ValueError, TypeError, RecursionError, OverflowError) as error:  # for example a date such as 2026-13-45
+    except (ValueError, TypeError, RecursionError, OverflowError) as error:  # for example an integer of 5000 digits
         raise InputError(where, "", str(error) or "brackets nested without end", "valid YAML") from None
     if content is None:
         return {}
     if not isinstance(content, dict):
         raise InputError(where, "", f"a {type(content).__name__}", expected)
-    _refuse_alias_expansion(content, where, most_values)
     return content
 
 
-def _refuse_alias_expansion(content: Any, where: str, most_values: int) -> None:
-    """Check the number of values without walking through what a few YAML aliases expand to."""
-    seen, stack = 0, [content]
-    while stack:
-        node = stack.pop()
-        children = list(node.values()) if isinstance(node, dict) else node
-        seen += len(children)
-        if seen > most_values:
-            raise InputError(where, "", f"more than {most_values} values", "a smaller file")
-        stack.extend(child for child in children if isinstance(child, dict | list))
+def _check_events(text: str, where: str, most_values: int) -> None:
+    """Count nesting and nodes before anything is built of them; an alias counts as all that it stands for.
+
+    What a merge key (`<<`) copies is copied from an alias, so that it has been counted, too.
+
+    Raises:
+        InputError: There is too much of it.
+        yaml.YAMLError: It is not YAML.
+    """
+    seen = 0
+    opened: list[tuple[str | None, int]] = []
+    sizes: dict[str | None, int] = {}
+    for event in yaml.parse(text, Loader=Loader):
+        if isinstance(event, yaml.CollectionEndEvent):
+            anchor, before = opened.pop()
+            if anchor is not None:
+                sizes[anchor] = seen - before
+            continue
+        if not isinstance(event, yaml.NodeEvent):
+            continue
+        seen += 1
+        if isinstance(event, yaml.AliasEvent):
+            seen += sizes.get(event.anchor, 0)
+            if any(anchor == event.anchor for anchor, _ in opened):
+                raise InputError(where, _line(event), f"*{event.anchor} inside itself", "values with an end")
+        elif isinstance(event, yaml.CollectionStartEvent):
+            opened.append((event.anchor, seen))
+            if len(opened) > YAML_DEPTH:
+                raise InputError(
+                    where, _line(event), f"values nested more than {YAML_DEPTH} deep", "a file written by hand"
+                )
+        if seen > 3 * most_values:
+            raise InputError(where, _line(event), f"more than {most_values} values", "a smaller file")
+
+
+def _line(event: Any) -> str:
+    return f"line {event.start_mark.line + 1}" if event.start_mark else ""

@@ -8,7 +8,6 @@ import json
 import os
 import secrets
 import socket
-import stat
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,6 +21,7 @@ from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Reje
 from coral.advisor.setting import Setting
 from coral.errors import InputError
 from coral.file_writer import PRIVATE, write_whole
+from coral.foreign_file import NotRegularError, open_regular
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -161,13 +161,12 @@ def read_answer(file: Path) -> str | None:
     user = getattr(os, "geteuid", lambda: ROOT)()
     if file.is_symlink():
         return None
-    # Without waiting, or a pipe would hold the decision up.
-    descriptor = os.open(file, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
-    with open(descriptor, "rb") as opened:
-        about = os.fstat(descriptor)
-        if not stat.S_ISREG(about.st_mode) or about.st_uid not in (user, ROOT):
-            return None
-        return opened.read(MAX_BYTES).decode("utf-8", "replace")
+    try:
+        with open_regular(file, follow=False) as opened:
+            mine = os.fstat(opened.fileno()).st_uid in (user, ROOT)
+            return opened.read(MAX_BYTES).decode("utf-8", "replace") if mine else None
+    except NotRegularError:
+        return None
 
 
 def make_desk(name: str, rest: str, setting: Setting) -> DeskAdvisor:

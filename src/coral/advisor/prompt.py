@@ -13,6 +13,7 @@ import jinja2
 
 from coral.advisor.question import Rejection
 from coral.errors import InputError, nearest
+from coral.foreign_file import read_text
 
 FOLDER = Path(__file__).parent / "prompts"
 
@@ -74,12 +75,12 @@ def version(kind: str) -> str:
     file = FOLDER / f"{kind}.md"
     if kind not in kinds():
         raise InputError("prompt", "kind", repr(kind), f"one of {', '.join(kinds())}{nearest(kind, kinds())}")
-    text = file.read_text(encoding="utf-8")
+    text = read_text(file, "a prompt of this package")
     first = text.partition("\n")[0]
     if not (first.startswith("{# version: ") and first.endswith(" #}")):
         raise InputError(file.name, "line 1", repr(first), "{# version: N #}")
     included = "".join(
-        (FOLDER / name).read_text(encoding="utf-8") for name in re.findall(r'{% include "([\w/.-]+)" %}', text)
+        read_text(FOLDER / name, "a file of this package") for name in re.findall(r'{% include "([\w/.-]+)" %}', text)
     )
     return f"{first[12:-3].strip()}+{hashlib.sha256((text + included).encode()).hexdigest()[:8]}"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
@@ -11,7 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Reply, Usage
 from coral.errors import InputError, shown
-from coral.yaml_file import regular_bytes
+from coral.foreign_file import parse_json, regular_bytes
+from coral.limits import LOG_BYTES
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -29,7 +29,6 @@ KEY_PARTS = {
 """Parts of a question's key, the coarsest first, and how to call them."""
 
 
-MAX_BYTES = 1_000_000_000
 """Of a recording; what comes after is not read."""
 
 Seconds = Annotated[float, Field(ge=0, le=1e9)]
@@ -152,7 +151,7 @@ def read_attempts(file: Path, where: str) -> list[Attempted]:
 
 def _read(file: Path, where: str) -> list[Attempted]:
     try:
-        lines = regular_bytes(file, MAX_BYTES)[:MAX_BYTES].decode().splitlines()
+        lines = regular_bytes(file, LOG_BYTES)[:LOG_BYTES].decode().splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             where,
@@ -164,8 +163,8 @@ def _read(file: Path, where: str) -> list[Attempted]:
     wanted = {*KEY_PARTS, "asked_at_s", "answered_at_s", "verdict", "code", "reason", "raw", "answer", "usage", "final"}
     for number, line in enumerate(lines, start=1):
         try:
-            entry = json.loads(line)
-        except (ValueError, RecursionError):
+            entry = parse_json(line)
+        except ValueError:
             if number == len(lines):
                 break  # The run was killed while it wrote this line.
             raise InputError(str(file), f"line {number}", "no JSON", "one attempt per line") from None

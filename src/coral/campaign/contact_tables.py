@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -16,6 +15,7 @@ from coral.campaign.measures import Row, mean_text, number
 from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.stats import wilson
 from coral.campaign.table import Table
+from coral.foreign_file import parse_json, read_json
 
 SHARES = (share("advisor"), share("fallback"))
 
@@ -23,7 +23,7 @@ SHARES = (share("advisor"), share("fallback"))
 @cache
 def paper() -> dict[str, Any]:
     """Load the paper's numbers and names."""
-    content: dict[str, Any] = json.loads((Path(__file__).parent / "contact_paper.json").read_text(encoding="utf-8"))
+    content: dict[str, Any] = read_json(Path(__file__).parent / "contact_paper.json", "a file of this package")
     return content
 
 
@@ -52,7 +52,7 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
 
 def _place(row: Row) -> str:
     """Return the evaluation world of a trial; a failed one has only the requested world."""
-    return str(json.loads(row["overrides"])["world"])
+    return str(parse_json(row["overrides"])["world"])
 
 
 def poses_of(rows: Sequence[Row]) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from statistics import fmean
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from coral.advisor.attribution import FATES, SOURCES, Source
 from coral.campaign.measures import Measure, Row, field, number
 from coral.campaign.table import Table
+from coral.foreign_file import parse_json
 
 MARK = " §"
 """Mark of a row in which a fallback decided; the paper's own tables use † and ‡."""
@@ -25,7 +25,7 @@ COSTS = (
 def counts(row: Row, name: str) -> Mapping[str, int]:
     """Return `decided_by` or `answers` of a row, stored as JSON text in a data set; empty for older versions."""
     value = row.get(name) or {}
-    found: Mapping[str, int] = json.loads(value) if isinstance(value, str) else value
+    found: Mapping[str, int] = parse_json(value) if isinstance(value, str) else value
     return found
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from coral.campaign.measures import Row
 from coral.campaign.sweep import setting_text
+from coral.foreign_file import parse_json
 
 KEY = "preset"
 """Of a spec's overrides; without it the water is clear."""
@@ -24,7 +25,7 @@ def by_preset(rows: Iterable[Row]) -> dict[str, list[dict[str, Any]]]:
     """Group rows by preset, each without that key in its overrides and its setting."""
     found: dict[str, list[dict[str, Any]]] = {}
     for row in rows:
-        changes = json.loads(row["overrides"])
+        changes = parse_json(row["overrides"])
         preset = str(changes.pop(KEY, CLEAR))
         plain = {**row, "overrides": json.dumps(changes, sort_keys=True), "setting": setting_text(changes)}
         found.setdefault(preset, []).append(plain)

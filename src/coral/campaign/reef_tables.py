@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
@@ -28,6 +27,7 @@ from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.sweep import setting_text
 from coral.campaign.sweep_tables import sweep_tables
 from coral.campaign.table import Table
+from coral.foreign_file import read_json
 
 COVERAGE = field("coverage", "coverage (%)", "coverage", 100.0)
 COLLISIONS = field("collisions", "collisions", "collisions", digits=2)
@@ -60,7 +60,7 @@ DRAWN = (COVERAGE, COLLISIONS, MISSION_TIME)
 @cache
 def paper() -> dict[str, Any]:
     """Load the paper's numbers, and notes on its contradictions."""
-    content: dict[str, Any] = json.loads((Path(__file__).parent / "reef_paper.json").read_text(encoding="utf-8"))
+    content: dict[str, Any] = read_json(Path(__file__).parent / "reef_paper.json", "a file of this package")
     return content
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from coral.campaign.spec import Spec
 from coral.errors import InputError
 from coral.file_writer import open_log, write_whole
+from coral.foreign_file import read_json
 
 FORMAT = "coral-campaign/1"
 Record = dict[str, Any]
@@ -197,7 +198,7 @@ class Store:
 
 def _read(path: Path) -> Record | None:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        content = read_json(path, "a record of a campaign")
+    except InputError:
         return None
     return content if isinstance(content, dict) else None

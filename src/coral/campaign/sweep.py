@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from coral.campaign.spec import parse_names
 from coral.errors import InputError
+from coral.foreign_file import parse_json
 
 NOMINAL = "nominal"
 """Setting of an episode without changes."""
@@ -30,7 +30,7 @@ def parse_sweeps(texts: Iterable[str]) -> tuple[dict[str, Any], ...]:
 
 def setting_text(overrides: Mapping[str, Any] | str) -> str:
     """Describe overrides of a spec, or the data set's column of them: `current=0.2`, or `nominal`."""
-    changes: Mapping[str, Any] = json.loads(overrides) if isinstance(overrides, str) else overrides
+    changes: Mapping[str, Any] = parse_json(overrides) if isinstance(overrides, str) else overrides
     return ", ".join(f"{key}={value}" for key, value in changes.items()) or NOMINAL
 
 
@@ -40,10 +40,10 @@ def in_order(overrides: Iterable[str]) -> list[str]:
     An extended campaign has its values in the order of the requests.
     """
     settings = list(dict.fromkeys(overrides))
-    keys = list(dict.fromkeys(tuple(json.loads(text)) for text in settings))
+    keys = list(dict.fromkeys(tuple(parse_json(text)) for text in settings))
 
     def place(text: str) -> tuple[bool, int, bool, float]:
-        changes = json.loads(text)
+        changes = parse_json(text)
         value = next(iter(changes.values()), None)
         size = float(value) if isinstance(value, int | float) else None
         return bool(changes), keys.index(tuple(changes)), size is None, size or 0.0
@@ -54,6 +54,6 @@ def in_order(overrides: Iterable[str]) -> list[str]:
 def _value(word: str) -> Any:
     """Parse JSON, else return the text. Infinities stay text, so that numeric fields reject them."""
     try:
-        return json.loads(word, parse_constant=str)
+        return parse_json(word, constant=str)
     except ValueError:
         return word

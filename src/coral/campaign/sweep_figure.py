@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from coral.campaign.measures import Measure, Row, mean
 from coral.campaign.overlay import COLORS, MORE_COLORS
 from coral.campaign.sweep import in_order
 from coral.file_writer import write_whole
+from coral.foreign_file import parse_json
 from coral.odd_text import printable
 
 EDGED = "#3a3000"
@@ -64,7 +64,7 @@ def _values(variants: Mapping[str, Sequence[Row]]) -> dict[str, list[Any]]:
     """Map each key to its values, in order; leave out settings that change several keys at once."""
     swept: dict[str, list[Any]] = {}
     for text in in_order(row["overrides"] for rows in variants.values() for row in rows):
-        changes = json.loads(text)
+        changes = parse_json(text)
         if len(changes) == 1:
             [(key, value)] = changes.items()
             swept.setdefault(key, []).append(value)
@@ -78,7 +78,7 @@ def _line(axes: Any, rows: Sequence[Row], key: str, values: Sequence[Any], measu
         axes.axhline(nominal.mean, color=color, lw=1.2, ls=(0, (4, 3)), zorder=1)
     points = []
     for place, changes in enumerate({key: value} for value in values):
-        estimate = mean([row for row in rows if json.loads(row["overrides"]) == changes], measure)
+        estimate = mean([row for row in rows if parse_json(row["overrides"]) == changes], measure)
         if estimate.count:
             points.append((place, estimate))
     axes.plot(

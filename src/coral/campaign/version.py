@@ -6,6 +6,9 @@ import hashlib
 from functools import cache
 from pathlib import Path
 
+from coral.foreign_file import read_bytes
+from coral.limits import YAML_BYTES
+
 PACKAGE = Path(__file__).resolve().parents[1]
 _SOURCES = {".py", ".yaml", ".json", ".md", ".xml"}
 _ONLY_LOOKED_AT = {"campaign", "commands", "desk", "view"}
@@ -23,5 +26,5 @@ def code_version() -> str:
         inside = path.relative_to(PACKAGE)
         if path.suffix in _SOURCES and inside.parts[0] not in _ONLY_LOOKED_AT and path.is_file():
             total.update(f"{inside.as_posix()}\0".encode())
-            total.update(hashlib.sha256(path.read_bytes()).digest())
+            total.update(hashlib.sha256(read_bytes(path, "a module", YAML_BYTES)).digest())
     return total.hexdigest()[:12]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -13,6 +12,8 @@ from coral.advisor.prompt import FOLDER, kinds, render, version
 from coral.errors import InputError, RunError, nearest
 from coral.file_writer import write_whole, writing
 from coral.flags import Argument
+from coral.foreign_file import parse_json, read_bytes, read_log_lines, read_text
+from coral.limits import PICTURE_BYTES
 from coral.odd_text import encodable
 
 
@@ -42,7 +43,7 @@ class AdvisorShow:
             if self.kind.startswith("reef-"):
                 prompt, pictures = _ask_in_mission(self.kind, self.world, Path(scratch) / "run")
             else:
-                samples = json.loads((FOLDER / "samples.json").read_text(encoding="utf-8"))
+                samples = parse_json(read_text(FOLDER / "samples.json", "a file of this package"))
                 prompt = render(self.kind, samples[self.kind])[0]
             written = self._write(prompt, pictures) if self.out else []
         return {
@@ -59,7 +60,7 @@ class AdvisorShow:
         with writing("--out", str(folder), "a folder that can be written"):
             write_whole(folder / "prompt.md", encodable(prompt))
             for name, picture in pictures.items():
-                write_whole(folder / f"{name}.png", picture.read_bytes())
+                write_whole(folder / f"{name}.png", read_bytes(picture, "a picture", PICTURE_BYTES))
         return [str(folder / "prompt.md"), *(str(folder / f"{name}.png") for name in pictures)]
 
     def describe(self, result: Mapping[str, Any]) -> str:
@@ -80,7 +81,7 @@ class _UntilAsked:
 
     def stop_requested(self) -> str:
         """Stop once the question is in the log."""
-        return "asked" if self._mark in self._log.read_text(encoding="utf-8") else ""
+        return "asked" if self._mark in "".join(read_log_lines(self._log)) else ""
 
 
 def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str, Path]]:
@@ -102,7 +103,7 @@ def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str,
     cfg = replace(cfg, record=replace(cfg.record, frames=False))
     mission = Mission(find_world(world), cfg, RuleAdvisor(REEF_RULES), folder, draw=question_pictures)
     mission.run([_UntilAsked(folder / "attempts.jsonl", kind)])
-    attempts = [json.loads(line) for line in (folder / "attempts.jsonl").read_text(encoding="utf-8").splitlines()]
+    attempts = [parse_json(line) for line in read_log_lines(folder / "attempts.jsonl")]
     asked = [attempt for attempt in attempts if attempt["kind"] == kind]
     if not asked:
         raise RunError(f"no {kind} question comes up in {world}; try another --world")

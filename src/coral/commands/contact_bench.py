@@ -58,6 +58,8 @@ from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
 from coral.file_writer import write_whole
 from coral.flags import Option
+from coral.foreign_file import read_bytes, read_json, regular_bytes
+from coral.limits import MESH_BYTES
 from coral.runs import provenance
 
 
@@ -269,7 +271,7 @@ class ContactBench(CampaignFlags):
         for spec in store.specs():
             file = store.run_folder(spec) / "remembered.json"
             if spec.variant == "full" and file.is_file():
-                found += json_text.loads(file.read_text(encoding="utf-8"))["experiences"]
+                found += read_json(file, "experiences")["experiences"]
         if not found:
             return ""
         path = self.out / "memory.json"
@@ -352,7 +354,7 @@ def _task_digest(task: Task) -> str:
     for item in content["objects"]:
         for part in item["parts"]:
             if part["file"] is not None:
-                part["file"] = digest(Path(part["file"]).read_bytes().hex())
+                part["file"] = digest(read_bytes(Path(part["file"]), "a mesh", MESH_BYTES).hex())
     return digest(content)
 
 
@@ -369,15 +371,11 @@ def read_memory(where: str | Path) -> dict[str, Any]:
         return known.export()
     file = Path(where)
     try:
-        head = file.read_bytes()
+        if regular_bytes(file, 15).startswith(b"SQLite format 3"):
+            return Memory(file).export()
+        content = read_json(file, "a memory, or an export of one")
     except OSError as error:
         raise InputError("--memory", "", f"{file}: {error.strerror}", "a memory, or an export of one") from None
-    if head.startswith(b"SQLite format 3"):
-        return Memory(file).export()
-    try:
-        content = json_text.loads(head)
-    except (ValueError, RecursionError):
-        content = None
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise InputError("--memory", "", str(file), "a memory, or an export of one")
     with tempfile.TemporaryDirectory() as aside:  # report its errors here, not in every worker

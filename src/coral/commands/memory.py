@@ -14,6 +14,7 @@ from coral.contact.memory.store_sqlite import SqliteStore
 from coral.errors import InputError
 from coral.file_writer import write_whole, writing
 from coral.flags import Argument
+from coral.foreign_file import read_json
 from coral.words import many
 
 FILE = "memory.sqlite"
@@ -167,10 +168,7 @@ class MemoryImport:
 
     def __call__(self) -> Mapping[str, Any]:
         """Read the file."""
-        try:
-            content = json_text.loads(self.source.read_text(encoding="utf-8"))
-        except (OSError, ValueError, RecursionError) as error:
-            raise InputError(str(self.source), "", error, "a JSON file that coral memory export has written") from None
+        content = read_json(self.source, "a JSON file that coral memory export has written")
         if not isinstance(content, dict):
             raise InputError(str(self.source), "", type(content).__name__, "an object")
         return {"file": self.file, "added": Memory(self.file).load(content, str(self.source))}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -11,6 +10,7 @@ from typing import Annotated, Any
 
 from coral.errors import InputError
 from coral.flags import Option
+from coral.foreign_file import parse_json
 from coral.reef.world.generate import GeneratorCfg, command_line, generate
 from coral.reef.world.world import save_world
 from coral.words import many
@@ -67,6 +67,6 @@ def _name_write_errors(flag: str, path: Path) -> Iterator[None]:
 
 def _points(text: str) -> tuple[tuple[float, float], ...]:
     try:
-        return tuple((float(x), float(y)) for x, y in json.loads(text))
+        return tuple((float(x), float(y)) for x, y in parse_json(text))
     except (ValueError, TypeError):
         raise InputError("--polyline", "", repr(text), "JSON like [[3,3],[12,4],[15,12]]") from None

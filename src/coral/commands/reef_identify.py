@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from coral.commands.keyboard import Keyboard
 from coral.commands.sail_parts import proves_simulation
 from coral.config import Positive, checked, to_mapping
@@ -22,6 +20,7 @@ from coral.reef.sea.address import parse_address
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.response_trial import Leg, TrialLog, drive, identify, legs
 from coral.reef.vehicle.response import VehicleResponse
+from coral.yaml_file import to_yaml
 
 POSITION_S = 120.0
 """A position is waited for so long."""
@@ -73,7 +72,7 @@ class ReefIdentify:
                 raise InputError("--yes", "", f"{self.vehicle}, which may be a real vehicle", "--truth of a simulation")
             log = self._drive(link)
         response, surge, yaw = identify(log)
-        write_whole(self.out, yaml.safe_dump(to_mapping(response), sort_keys=False).encode())
+        write_whole(self.out, to_yaml(to_mapping(response)))
         errors = {"surge_error_m_s": round(surge.error, 4), "yaw_error_rad_s": round(yaw.error, 4)}
         return {**to_mapping(response), **errors, "file": str(self.out)}
 

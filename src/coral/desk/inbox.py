@@ -17,6 +17,7 @@ from coral.desk.notice import is_alive
 from coral.desk.schema import SchemaFault, faults
 from coral.errors import InputError
 from coral.file_writer import PRIVATE, write_whole
+from coral.foreign_file import parse_json, regular_bytes
 from coral.odd_text import encodable
 
 State = Literal["open", "sent", "answered", "withdrawn", "abandoned", "unreadable"]
@@ -263,9 +264,8 @@ def _asker_lives(asker: Mapping[str, Any]) -> bool:
 def _read_bytes(path: Path, limit: int) -> bytes | None:
     """Read a plain file of at most `limit` bytes; None if it is not one."""
     try:
-        if path.is_symlink() or not path.is_file() or path.stat().st_size > limit:
-            return None
-        return path.read_bytes()
+        content = b"" if path.is_symlink() else regular_bytes(path, limit)
+        return content if 0 < len(content) <= limit else None
     except OSError:
         return None
 
@@ -292,7 +292,7 @@ def _read_any(path: Path) -> Any:
         return None
     text = content.decode("utf-8", "replace")
     try:
-        return json.loads(text, parse_constant=str)
+        return parse_json(text, constant=str)
     except (ValueError, RecursionError):
         return text[:400]
 

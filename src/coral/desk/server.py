@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from coral.advisor.log import plain_json
 from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit, entry_json
+from coral.foreign_file import read_text
 from coral.web import WebServer, read_json, refusal
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 NAME_LIMIT = 60
 RECENT, MISSIONS = 300, 8
 """Number of questions and missions that a page lists, the latest."""
-PAGE = (Path(__file__).parent / "page.html").read_text(encoding="utf-8")
+PAGE = read_text(Path(__file__).parent / "page.html", "a file of this package")
 
 
 class DeskServer(WebServer):

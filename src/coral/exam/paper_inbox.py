@@ -13,6 +13,7 @@ from coral.errors import InputError
 from coral.exam.item import ExamItem
 from coral.exam.sitting import Sheet
 from coral.file_writer import write_whole
+from coral.foreign_file import read_json
 
 SET = "set.json"
 """Index of an inbox: the name of the set, and the question's id for each folder."""
@@ -49,8 +50,8 @@ def answers(items: Sequence[ExamItem], inbox: Path) -> list[Sheet]:
         InputError: The folder holds no questions of this set.
     """
     try:
-        places = json.loads((inbox / SET).read_text(encoding="utf-8"))["questions"]
-    except (OSError, ValueError, KeyError):
+        places = read_json(inbox / SET, "an exported set")["questions"]
+    except (InputError, KeyError, TypeError):
         raise InputError("--answers", str(inbox), "no exported set", "a folder that --export wrote") from None
     by_id = {item: inbox / folder for folder, item in places.items()}
     if not any(item.id in by_id for item in items):

@@ -5,7 +5,6 @@ Pictures are stored as lossless WebP, half the size of the PNG that advisors rec
 
 from __future__ import annotations
 
-import json
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import numpy as np
 
 from coral.advisor.log import plain_json
 from coral.advisor.question import Picture
 from coral.errors import InputError, nearest
 from coral.exam.item import ANSWERS, ExamItem
 from coral.file_writer import scratch_for
+from coral.foreign_file import decode_picture, parse_json, read_archive
 
 FORMAT = "coral-questions/1"
 SHIPPED = ("public",)
@@ -74,12 +73,12 @@ def load_set(name_or_path: str, only: Sequence[str] = (), limit: int | None = No
     """
     path = _path(name_or_path)
     try:
-        with zipfile.ZipFile(path) as folder:
-            head = json.loads(folder.read("set.json"))
+        with read_archive(path) as folder:
+            head = parse_json(folder.read("set.json"))
             if head.get("format") != FORMAT:
                 raise InputError(str(path), "format", repr(head.get("format")), FORMAT)
-            keys = {key.pop("id"): key for key in map(json.loads, folder.read("keys.jsonl").splitlines())}
-            shown = [json.loads(line) for line in folder.read("questions.jsonl").splitlines()]
+            keys = {key.pop("id"): key for key in map(parse_json, folder.read("keys.jsonl").splitlines())}
+            shown = [parse_json(line) for line in folder.read("questions.jsonl").splitlines()]
             items = tuple(_item_from_json(entry, keys[entry["id"]], folder) for entry in _select(shown, only, limit))
     except (OSError, zipfile.BadZipFile, KeyError, ValueError) as error:
         raise InputError(
@@ -142,7 +141,7 @@ def _item_from_json(entry: Mapping[str, Any], key: Mapping[str, Any], folder: zi
 
 def _recode(picture: bytes, form: str) -> bytes:
     """Encode the same pixels in another file format; 101 selects lossless WebP."""
-    pixels = cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_UNCHANGED)
+    pixels = decode_picture(picture)
     if pixels is None:
         raise ValueError("a picture cannot be read")
     options = [cv2.IMWRITE_WEBP_QUALITY, 101] if form == ".webp" else [cv2.IMWRITE_PNG_COMPRESSION, 4]

@@ -10,10 +10,10 @@ from typing import Any
 
 import cv2
 import jinja2
-import numpy as np
 from markupsafe import Markup
 
 from coral.exam.result import Result
+from coral.foreign_file import decode_picture, read_text
 from coral.view.report import TEMPLATES, write_page
 
 WORST = 8
@@ -58,7 +58,7 @@ def write_report(path: Path, results: Sequence[Result], rows: Sequence[Mapping[s
         kinds=[(kind, KINDS[kind], rows[0]["by_kind"][kind]["questions"]) for kind in kinds],
         headline=_headline(ranked),
         worst=[(result.name, [_answer_row(one) for one in result.worst(WORST)]) for result in results],
-        style=Markup((TEMPLATES / "report.css").read_text("utf-8")),
+        style=Markup(read_text(TEMPLATES / "report.css", "a file of this package")),
     )
     return write_page(path.parent, page)
 
@@ -92,7 +92,7 @@ def _answer_row(one: Any) -> dict[str, Any]:
 
 def _webp(png: bytes) -> str:
     """Encode a picture for the report, no wider than its column."""
-    pixels = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR)
+    pixels = decode_picture(png, cv2.IMREAD_COLOR)
     assert pixels is not None
     scale = min(1.0, WIDE_PX / pixels.shape[1])
     small = cv2.resize(pixels, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)

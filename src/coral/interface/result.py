@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from coral.advisor.registry import asks_person
 from coral.errors import InputError
+from coral.foreign_file import read_log_lines
 from coral.runs import read_events, trajectory_name
 
 if TYPE_CHECKING:
@@ -127,8 +128,7 @@ def read_table(path: Path) -> pa.Table:
     import pyarrow as pa
     from pyarrow import csv
 
-    with path.open(encoding="utf-8") as file:
-        names = file.readline().strip().split(",")
+    names = next(read_log_lines(path), "").strip().split(",")
     types = {name: pa.int64() if name == "step" else pa.float64() for name in names}
     options = csv.ConvertOptions(column_types=types, null_values=[""], strings_can_be_null=True)
     return csv.read_csv(path, convert_options=options)

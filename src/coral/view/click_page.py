@@ -11,13 +11,14 @@ from http import HTTPStatus
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from coral.foreign_file import read_text
 from coral.web import WebServer, read_json, refusal
 
 if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-PAGE = (Path(__file__).parent / "click_page.html").read_text(encoding="utf-8")
+PAGE = read_text(Path(__file__).parent / "click_page.html", "a file of this package")
 BODY_LIMIT = 16 * 1024
 """Maximum size of an answer, bytes."""
 

@@ -15,6 +15,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from coral.file_writer import write_whole
+from coral.foreign_file import read_text
 from coral.odd_text import encodable
 from coral.reef.products.cover import CoverCfg
 from coral.reef.products.files import make_layers
@@ -121,7 +122,7 @@ def render_products(
         datum=datum is not None,
         looks=sorted(looks.items()),
         files=files,
-        style=Markup((TEMPLATES / "report.css").read_text("utf-8")),
+        style=Markup(read_text(TEMPLATES / "report.css", "a file of this package")),
     )
 
 

@@ -9,12 +9,12 @@ from typing import Any
 
 import jinja2
 import numpy as np
-import yaml
 from markupsafe import Markup
 
 from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.file_writer import write_whole, writing
+from coral.foreign_file import read_text
 from coral.odd_text import encodable
 from coral.reef.mission.metrics import DEFINITIONS, fleet_metrics, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
@@ -33,6 +33,7 @@ from coral.view.run import Record, RunFolder
 from coral.view.svg import clock
 from coral.view.time_slider import script_data, shown_pictures
 from coral.words import many
+from coral.yaml_file import to_yaml
 
 TEMPLATES = Path(__file__).parent / "templates"
 EXACT_M = 0.005
@@ -110,14 +111,14 @@ def render_report(run: RunFolder) -> str:
         left=_left(run),
         collisions=collisions,
         provenance=_provenance(run, start),
-        config=yaml.safe_dump(dict(run.config), sort_keys=False, allow_unicode=True) if run.config else "",
+        config=to_yaml(dict(run.config)) if run.config else "",
         data=Markup(script_data(run, made, pictures)),
         held=HELD,
         has_frames=bool(run.frame_steps),
         has_colours=any(run.frame(step, "rgb") is not None for step in run.frame_steps[:1]),
         video=(run.path / "mission.mp4").is_file(),
-        script=Markup((TEMPLATES / "report.js").read_text("utf-8")),
-        style=Markup((TEMPLATES / "report.css").read_text("utf-8")),
+        script=Markup(read_text(TEMPLATES / "report.js", "a file of this package")),
+        style=Markup(read_text(TEMPLATES / "report.css", "a file of this package")),
     )
 
 

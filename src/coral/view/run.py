@@ -4,30 +4,26 @@ from __future__ import annotations
 
 import csv
 import io
-import json
-import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError, first_line
+from coral.foreign_file import parse_json, read_picture_file, regular_bytes
+from coral.limits import LOG_BYTES
 from coral.odd_text import encodable_values
 from coral.reef.world.geometry import Frame
 from coral.rotating_log import earlier_parts, read_parts
 from coral.runs import trajectory_name
 from coral.view.records import figures, histogram, is_extent, is_number, shallow, sound
 from coral.words import many
-from coral.yaml_file import load_mapping, regular_bytes
+from coral.yaml_file import load_mapping
 
 Record = Mapping[str, Any]
-MAX_BYTES = 1_000_000_000
-"""Maximum size of one file; the rest is not read."""
-MAX_VALUES = 500_000
 _MARKS = ("events.jsonl", "trajectory.csv", "config.yaml", "metrics.json")
 
 
@@ -85,9 +81,7 @@ class RunFolder:
         Shape=(H, W); of "rgb" Shape=(H, W, 3), in OpenCV's order of colours.
         """
         path = self.path / "frames" / f"{step:06d}_{kind}.{'jpg' if kind == 'rgb' else 'png'}"
-        if not path.is_file():
-            return None
-        return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+        return read_picture_file(path)
 
     def camera_frame(self, step: int) -> Frame | None:
         """Read what the camera saw: depth and classes, and the colours if they were kept; None if unreadable."""
@@ -138,8 +132,8 @@ class RunFolder:
             attempts=()
             if task and not (folder / "attempts.jsonl").is_file()
             else _keep_sound("attempts.jsonl", _lines(folder / "attempts.jsonl", notes), notes),
-            metrics=figures(_document(folder / "metrics.json", json.loads, notes)),
-            timing=histogram(_document(folder / "timing.json", json.loads, notes)),
+            metrics=figures(_document(folder / "metrics.json", parse_json, notes)),
+            timing=histogram(_document(folder / "timing.json", parse_json, notes)),
             config=_document(folder / "config.yaml", _yaml, notes),
             world=_world(folder / ("task.yaml" if task else "world.yaml"), notes),
             frame_steps=tuple(
@@ -161,10 +155,10 @@ def _yaml(text: str) -> Any:
     # A world may be written as JSON, which YAML's own parser reads a hundred times slower.
     if text.lstrip().startswith("{"):
         try:
-            return json.loads(text)
+            return parse_json(text)
         except ValueError:
             pass
-    return load_mapping(text, "", MAX_VALUES)
+    return load_mapping(text, "")
 
 
 def _world(path: Path, notes: list[str]) -> Record:
@@ -186,7 +180,7 @@ def _keep_sound(name: str, records: tuple[Record, ...], notes: list[str]) -> tup
 
 def _text(path: Path, notes: list[str]) -> str:
     try:
-        return regular_bytes(path, MAX_BYTES)[:MAX_BYTES].decode("utf-8", "replace")
+        return regular_bytes(path, LOG_BYTES)[:LOG_BYTES].decode("utf-8", "replace")
     except FileNotFoundError:
         notes.append(f"{path.name} is missing.")
     except OSError as error:
@@ -205,13 +199,13 @@ def _log(path: Path, notes: list[str], *, headed: bool = False) -> str:
     try:
         for line in read_parts(parts, headed=headed):
             size += len(line)
-            if size > MAX_BYTES:
+            if size > LOG_BYTES:
                 notes.append(
-                    f"{path.name}: with its earlier parts it is longer than {MAX_BYTES} bytes; the rest was left out."
+                    f"{path.name}: with its earlier parts it is longer than {LOG_BYTES} bytes; the rest was left out."
                 )
                 return "".join(before)
             before.append(line)
-    except (OSError, EOFError, ValueError, zlib.error) as error:
+    except (OSError, InputError) as error:
         notes.append(f"{path.name}: an earlier part cannot be read: {first_line(error)}.")
     return "".join(before) + (text.partition("\n")[2] if headed and before else text)
 
@@ -224,8 +218,8 @@ def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
         if not line.strip():
             continue
         try:
-            record = json.loads(line)
-        except (ValueError, RecursionError):
+            record = parse_json(line)
+        except ValueError:
             record = None
         if isinstance(record, dict) and shallow(record):
             records.append(encodable_values(record) if "\\ud" in line.lower() else record)

@@ -10,7 +10,9 @@ from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from coral.foreign_file import read_picture_file
 from coral.view.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
 from coral.view.decisions import Decision
 from coral.view.mapsvg import map_uri
@@ -30,19 +32,29 @@ def shown_pictures(run: RunFolder, made: Sequence[Decision]) -> dict[str, str]:
     """Return data URLs of the pictures shown, by digest; the more pictures, the smaller each one."""
     wanted = {digest for d in made for one in d.tries for _, digest in one.pictures}
     found = {digest: path for digest in sorted(wanted) if (path := run.picture(digest)) is not None}
-    images = {digest: image for digest, path in found.items() if (image := cv2.imread(str(path))) is not None}
+    # Large ones are shrunk at once: a run may name hundreds.
+    images = {
+        digest: _shrunk(image, PICTURE_SIZES[0][0])
+        for digest, path in found.items()
+        if (image := read_picture_file(path, cv2.IMREAD_COLOR)) is not None
+    }
     encoded: dict[str, bytes] = {}
     for width, quality in PICTURE_SIZES:
         encoded = {}
         for digest, image in images.items():
-            scale = min(1.0, width / image.shape[1])
-            small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1 else image
+            small = _shrunk(image, width)
             encoded[digest] = cv2.imencode(".webp", small, [cv2.IMWRITE_WEBP_QUALITY, quality])[1].tobytes()
             if sum(map(len, encoded.values())) > PICTURE_BUDGET * 3 // 4:
                 break
         if len(encoded) == len(images):
             break
     return {digest: "data:image/webp;base64," + b64encode(data).decode() for digest, data in encoded.items()}
+
+
+def _shrunk(image: NDArray[Any], width: int) -> NDArray[Any]:
+    scale = min(1.0, width / image.shape[1])
+    small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) if scale < 1 else image
+    return np.asarray(small)
 
 
 def script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str, str]) -> str:

@@ -7,7 +7,6 @@ at intervals.
 from __future__ import annotations
 
 import dataclasses
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
 from coral.contact.thinker.think_cfg import resolved
 from coral.run_loop import Observer
+from coral.runs import read_events
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,7 +68,7 @@ def probe_episode(
     )
     episode = Episode(real, world, strategist, cfg, folder, variant="full", advisor="heuristic")
     result = episode.run([] if observer is None else [observer])
-    events = (json.loads(line) for line in (folder / "events.jsonl").read_text(encoding="utf-8").splitlines())
+    events = read_events(folder / "events.jsonl")
     told = tuple(
         event for event in events if event["event"] == "correction" and event["object"] == name and "after" in event
     )

@@ -29,6 +29,7 @@ from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
+from coral.foreign_file import read_text
 from coral.plugins import named_plugin
 
 
@@ -87,7 +88,7 @@ def _from_file(path: Path, trial: Trial, cfg: EpisodeCfg) -> OwnCost:
         raise InputError(str(path), refusal.code, refusal.reason, "a cost that the planner can use")
     strategy = make_strategy(path.stem, plan, RegionsAnswer({}), schema, {}, worker.load)
     kept = f"cost{path.suffix.lower()}"
-    return OwnCost(strategy, kept, path.read_text(encoding="utf-8"))
+    return OwnCost(strategy, kept, read_text(path, "a readable file with a cost"))
 
 
 def _to_strategy(given: Any, name: str, where: str) -> Strategy:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.trial import box_corners
 from coral.errors import InputError
+from coral.foreign_file import read_text
 
 Array = NDArray[np.float64]
 
@@ -63,8 +64,8 @@ def read_model(path: Path) -> Model:
         InputError: The file cannot be read, or a collision geom is not a box.
     """
     try:
-        root = ElementTree.parse(path).getroot()
-    except (OSError, ElementTree.ParseError) as error:
+        root = ElementTree.fromstring(read_text(path, "an object's MuJoCo file"))
+    except ElementTree.ParseError as error:
         raise InputError(str(path), "", type(error).__name__, "a MuJoCo model") from None
     body = root.find(".//body[@name='object']")
     if body is None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from coral.errors import InputError
+from coral.foreign_file import read_text
 
 FOLDER = "CORAL_LIBERO"
 """Environment variable with the folder of the installed package, instead of the default one."""
@@ -47,7 +48,7 @@ class Package:
         path = self.root / _DATA / "benchmark" / "libero_suite_task_map.py"
         try:
             # A dictionary literal: parsed as a value, not run.
-            for statement in ast.parse(path.read_text(encoding="utf-8")).body:
+            for statement in ast.parse(read_text(path, "the list of the suites")).body:
                 if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Dict):
                     return tuple(map(str, ast.literal_eval(statement.value)[self.suite]))
         except (OSError, ValueError, SyntaxError, KeyError, TypeError) as error:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.errors import InputError
+from coral.foreign_file import read_text
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,8 @@ def read_problem(path: Path) -> Problem:
         InputError: The file is not a problem file, or its goal is not one object in one region.
     """
     try:
-        sections = _parse(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, IndexError) as error:
+        sections = _parse(read_text(path, "a LIBERO problem file"))
+    except IndexError as error:
         raise InputError(str(path), "", type(error).__name__, "a LIBERO problem file") from None
     found = {part[0]: part[1:] for part in sections if isinstance(part, list) and part and isinstance(part[0], str)}
     for key in (":language", ":objects", ":goal"):

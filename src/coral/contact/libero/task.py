@@ -24,6 +24,7 @@ from coral.contact.scene.task import Success, Task
 from coral.contact.scene.task_validation import check_task
 from coral.contact.scene.trial import corners
 from coral.errors import InputError, nearest
+from coral.foreign_file import read_arrays
 
 PREFIX = "libero:"
 PICK = "pick"
@@ -157,8 +158,7 @@ def _poses(path: Path, problem: Problem, state: int) -> dict[str, tuple[Array, A
     """Read position and rotation of every object: MuJoCo's state is time, qpos, qvel, with the robot's joints first."""
     count = len(problem.objects)
     try:
-        with np.load(path, allow_pickle=False) as file:
-            states = np.asarray(file["states"], dtype=float)
+        states = np.asarray(read_arrays(path)["states"], dtype=float)
     except (OSError, ValueError, KeyError) as error:
         raise InputError(str(path), "states", type(error).__name__, "the benchmark's initial states") from None
     width = 1 + 2 * ROBOT_JOINTS + 13 * count

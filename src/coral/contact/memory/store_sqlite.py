@@ -9,7 +9,7 @@ from __future__ import annotations
 import sqlite3
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import cast
 
@@ -18,6 +18,7 @@ import numpy as np
 from coral.contact.memory.embedding import Vector
 from coral.contact.memory.row import BUSY_S, Row
 from coral.errors import InputError
+from coral.foreign_file import open_sqlite, refuse_computed
 
 LONGEST_S = 30.0
 """Longest duration of one call; a trigger or view in a foreign file could ask for endless work."""
@@ -91,16 +92,14 @@ class SqliteStore:
         try:
             if write:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
-            with closing(sqlite3.connect(self.path, timeout=BUSY_S)) as base:
+            with open_sqlite(self.path, BUSY_S) as base:
                 until = time.monotonic() + LONGEST_S
                 base.set_progress_handler(lambda: time.monotonic() > until, 1_000_000)
                 if write:
                     _enable_write_ahead(base)
                 if write or not base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
                     base.execute(TABLE)  # not when reading another program's file
-                found = base.execute("SELECT type FROM sqlite_master WHERE name = 'experience'").fetchone()
-                if found is not None and found[0] != "table":
-                    raise InputError(self.name, "experience", f"a {found[0]}", "a table")
+                refuse_computed(base, self.name, "experience")
                 with base:
                     yield base
         except (sqlite3.Error, OSError) as error:

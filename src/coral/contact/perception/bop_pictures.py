@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.bop_records import MM, PictureCamera, read_cameras, read_shared_camera
 from coral.contact.perception.camera import RgbdFrame
 from coral.errors import InputError
+from coral.foreign_file import read_picture_file
 
 PERIOD_S = 0.1
 """Time between pictures where the recording tells none."""
@@ -116,7 +116,7 @@ class BopPictures:
             InputError: It is missing or broken.
         """
         path = self._path(kind, stem)
-        found = None if path is None else cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+        found = None if path is None else read_picture_file(path)
         if found is None:
             raise InputError(str(self.folder / kind), stem, "missing" if path is None else "broken", "a PNG picture")
         return np.asarray(found)

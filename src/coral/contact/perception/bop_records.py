@@ -5,7 +5,6 @@ Lengths are millimetres there, and metres here.
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,11 +15,10 @@ from numpy.typing import NDArray
 from coral.contact.perception.symmetry import Symmetry
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.errors import MALFORMED, InputError
-from coral.yaml_file import read_regular
+from coral.foreign_file import read_json
 
 Array = NDArray[np.float64]
 MM = 0.001
-MOST_BYTES = 200_000_000
 
 
 @dataclass(frozen=True)
@@ -108,11 +106,7 @@ def read_symmetry(path: Path, number: int, middle: Array) -> Symmetry | None:
 
 
 def _read_object(path: Path) -> dict[str, Any]:
-    text = read_regular(path, "a JSON file of BOP", MOST_BYTES)
-    try:
-        found = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(str(path), "", f"broken JSON ({error})", "a JSON file of BOP") from None
+    found = read_json(path, "a JSON file of BOP")
     if not isinstance(found, dict):
         raise InputError(str(path), "", type(found).__name__, "an object with named values")
     return found

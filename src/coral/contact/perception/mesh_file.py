@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from coral.contact.perception.ply_file import read_ply
 from coral.errors import InputError
+from coral.foreign_file import read_bytes
+from coral.limits import MESH_BYTES
 
 Array = NDArray[np.float64]
 
@@ -23,10 +25,7 @@ def read_mesh(path: Path, scale: float = 1.0) -> Array:
     Raises:
         InputError: The file cannot be read, or contains no triangles.
     """
-    try:
-        raw = path.read_bytes()
-    except OSError as error:
-        raise InputError(str(path), "", error.strerror or str(error), "a readable STL, OBJ or PLY file") from None
+    raw = read_bytes(path, "a readable STL, OBJ or PLY file", MESH_BYTES)
     try:
         if path.suffix.lower() == ".obj":
             triangles = _obj(raw.decode("utf-8"))

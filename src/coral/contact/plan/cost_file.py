@@ -6,11 +6,11 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from coral.config import MAX_VALUES
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.errors import InputError
+from coral.foreign_file import read_text
 from coral.validation_errors import input_error
-from coral.yaml_file import load_mapping, read_regular
+from coral.yaml_file import load_mapping
 
 ENDINGS = (".py", ".yaml", ".yml", ".json")
 
@@ -27,10 +27,10 @@ def read_cost_file(path: Path) -> PlanAnswer:
     """
     if path.suffix.lower() not in ENDINGS:
         raise InputError(str(path), "", repr(path.suffix), f"a file that ends in {', '.join(ENDINGS)}")
-    text = read_regular(path, "a readable file with a cost")
+    text = read_text(path, "a readable file with a cost")
     try:
         if path.suffix.lower() == ".py":
             return PlanAnswer(code=text)
-        return PlanAnswer.model_validate(load_mapping(text, str(path), MAX_VALUES))
+        return PlanAnswer.model_validate(load_mapping(text, str(path)))
     except ValidationError as error:
         raise input_error(str(path), error, PlanAnswer) from None

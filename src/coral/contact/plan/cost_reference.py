@@ -16,6 +16,7 @@ from coral.contact.cost_program.library import CONSTANTS, MATH, METHODS, NUMPY, 
 from coral.contact.cost_program.pybullet import PyBullet
 from coral.contact.cost_program.state import StateSpace
 from coral.file_writer import write_whole
+from coral.foreign_file import read_text
 
 BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
@@ -102,4 +103,4 @@ def updated(page: str) -> str:
 
 if __name__ == "__main__":
     path = Path(sys.argv[1])
-    write_whole(path, updated(path.read_text()))
+    write_whole(path, updated(read_text(path, "a page")))

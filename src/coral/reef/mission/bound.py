@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from coral.config import to_mapping
 from coral.file_writer import write_whole
+from coral.foreign_file import read_bytes, read_json
+from coral.limits import YAML_BYTES
 from coral.reef.mission.oracle import plan_tour
 from coral.reef.simulation.imaging import ImagingCfg
 from coral.reef.vehicle.camera import CameraCfg
@@ -75,7 +77,7 @@ def oracle_bound(
         return _kept[key]
     path = _folder() / f"{key}.json"
     with contextlib.suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
-        _kept[key] = _from_json(json.loads(path.read_text(encoding="utf-8")))
+        _kept[key] = _from_json(read_json(path, "a tour"))
         return _kept[key]
     tour = plan_tour(world, camera, imaging, visibility_m=visibility_m, vehicle=vehicle, dt=dt)
     found = _kept[key] = Bound({share: tour.time_to(share) for share in SHARES}, tour.commands)
@@ -101,4 +103,5 @@ def _folder() -> Path:
 @lru_cache(maxsize=1)
 def _code() -> str:
     here = Path(__file__).parents[1]
-    return hashlib.sha256(b"".join((here / f"{name}.py").read_bytes() for name in _CODE)).hexdigest()[:12]
+    code = [read_bytes(here / f"{name}.py", "a module", YAML_BYTES) for name in _CODE]
+    return hashlib.sha256(b"".join(code)).hexdigest()[:12]

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.foreign_file import read_log_lines
 from coral.reef.mission.judge import JUDGE_FILE
 
 Row = Mapping[str, str]
@@ -181,7 +182,6 @@ def _judged(path: Path) -> tuple[NDArray[np.float64], ...]:
     """Return the columns t, imaged, inspected and reef_m of judge.csv, as far as written. Shape=(N,) each."""
     rows: list[tuple[float, ...]] = []
     if path.is_file():
-        with open(path, encoding="utf-8", newline="") as lines:
-            table = csv.DictReader(line for line in lines if line.endswith("\n"))
-            rows = [tuple(float(row[name]) for name in ("t", "imaged", "inspected", "reef_m")) for row in table]
+        table = csv.DictReader(line for line in read_log_lines(path) if line.endswith("\n"))
+        rows = [tuple(float(row[name]) for name in ("t", "imaged", "inspected", "reef_m")) for row in table]
     return tuple(np.array(rows, np.float64).reshape(-1, 4).T)

@@ -16,6 +16,7 @@ import numpy as np
 
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
+from coral.foreign_file import parse_json, read_arrays
 from coral.reef.paint import caustics
 from coral.reef.paint.blender_scene import solid_of_index
 from coral.reef.paint.daylight import PainterCfg
@@ -116,7 +117,7 @@ def _run(python: str, job: Path, told: Callable[[str], None]) -> None:
         assert process.stdout is not None
         for line in process.stdout:
             if line.startswith('{"rendered"'):
-                told(json.loads(line)["rendered"])
+                told(parse_json(line)["rendered"])
             elif line.strip():
                 last = [*last[-4:], line.strip()]
     if process.returncode != 0:
@@ -125,8 +126,8 @@ def _run(python: str, job: Path, told: Callable[[str], None]) -> None:
 
 def _develop(path: Path, scene: Scene, camera: CameraCfg, cfg: PainterCfg, seed: int) -> Frame:
     """Turn what Blender measured into a frame, with the limits of our camera."""
-    with np.load(path) as found:
-        light, depth, index = found["light"], found["depth"].astype(np.float32), found["index"]
+    found = read_arrays(path)
+    light, depth, index = found["light"], found["depth"].astype(np.float32), found["index"]
     instances, floor = solid_of_index(index)
     fx, fy, cx, cy = camera.intrinsics
     p, q = (np.arange(camera.width) - cx) / fx, (np.arange(camera.height) - cy) / fy

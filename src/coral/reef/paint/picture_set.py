@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from coral.errors import MALFORMED, InputError
 from coral.file_writer import open_log, write_whole
+from coral.foreign_file import read_picture_file, read_text
+from coral.limits import TABLE_BYTES
 from coral.reef.world.geometry import Frame, Label, Pose
 
 INDEX = "pictures.csv"
@@ -81,10 +83,7 @@ def read_pictures(folder: Path) -> Iterator[tuple[TakenPicture, Frame]]:
         InputError: There is no index, or a line or file of it is broken.
     """
     index = folder / INDEX
-    try:
-        rows = list(csv.DictReader(index.read_text(encoding="utf-8").splitlines()))
-    except (OSError, UnicodeDecodeError):
-        raise InputError(str(index), "", "nothing readable", "the index of a set of pictures") from None
+    rows = list(csv.DictReader(read_text(index, "the index of a set of pictures", TABLE_BYTES).splitlines()))
     for number, row in enumerate(rows, start=2):
         try:
             about = TakenPicture(
@@ -108,7 +107,7 @@ def _read_frame(folder: Path, name: str) -> Frame:
     images = {}
     for kind in ("rgb", "depth", "labels"):
         path = folder / f"{name}_{kind}.png"
-        image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED) if path.is_file() else None
+        image = read_picture_file(path)
         if image is None:
             raise InputError(str(path), "", "nothing readable", "a PNG picture")
         images[kind] = image

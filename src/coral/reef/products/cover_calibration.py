@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from coral.errors import MALFORMED, InputError
 from coral.file_writer import write_whole
+from coral.foreign_file import read_json
 from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.reef_net import SHIPPED
-from coral.yaml_file import read_regular
 
 SUFFIX = ".cover.json"
-MAX_BYTES = 1_000_000
 SHARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)
 """Edges between bins of the share of votes. Most cells are near 0 or 1."""
 DEPTHS_M = (0.8, 1.0, 1.2, 1.4, 1.6, 2.0, 2.5)
@@ -88,7 +87,7 @@ def read_calibration(path: Path) -> CoverCalibration:
     """
     expected = "a calibration, as `coral reef eyes calibrate` writes it"
     try:
-        values = json.loads(read_regular(path, expected, MAX_BYTES))
+        values = read_json(path, expected)
         made = CoverCalibration(
             cover=tuple(float(one) for one in values["cover"]),
             common=float(values["common"]),

@@ -6,12 +6,12 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.file_writer import write_whole
+from coral.foreign_file import read_picture_file
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt, unpack_doubt
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
 from coral.reef.recordings.picture_files import encode_depth, encode_png, frame_of
@@ -73,7 +73,7 @@ class PicturePerception:
 
     def _read(self, number: int, part: str) -> NDArray[Any]:
         path = self._path(number, part)
-        return np.asarray(cv2.imread(str(path), cv2.IMREAD_UNCHANGED)) if path.exists() else np.empty(0, np.uint8)
+        return found if (found := read_picture_file(path)) is not None else np.empty(0, np.uint8)
 
     def _path(self, number: int, part: str) -> Path:
         return Path(self._folder.name) / f"{number:06d}_{part}.png"

@@ -6,14 +6,13 @@ import csv
 import io
 from pathlib import Path
 
-import yaml
-
 from coral.errors import InputError
 from coral.file_writer import scratch_for, write_whole
 from coral.reef.recordings.picture_files import encode_jpeg
 from coral.reef.recordings.picture_folder import TABLE
 from coral.reef.recordings.recording import PosedFrame, Recording
 from coral.reef.vehicle.camera import CameraCfg
+from coral.yaml_file import to_yaml
 
 COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw", "rgb")
 
@@ -40,7 +39,7 @@ def write_pictures(recording: Recording, path: Path) -> dict[str, int]:
             values = (one.t, one.pose.x, one.pose.y, one.height_m, one.roll, one.pitch, one.pose.theta)
             rows.writerow([*(f"{value:.9g}" for value in values), name])
         write_whole(folder / TABLE, table.getvalue())
-        write_whole(folder / "camera.yaml", yaml.safe_dump(_camera(recording.camera), sort_keys=False))
+        write_whole(folder / "camera.yaml", to_yaml(_camera(recording.camera)))
     return {"pictures": count}
 
 

@@ -10,17 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
+from coral.foreign_file import decode_picture, read_bytes
+from coral.limits import PICTURE_BYTES
 from coral.reef.eyes.doubt import unpack_doubt
 from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.world.geometry import Frame, Label
-from coral.yaml_file import NotRegularError, regular_bytes
 
 Image = NDArray[Any]
 
 NO_OBJECTS = np.empty((0, 0), np.int32)
 """A recording knows no objects."""
-MAX_PICTURE_BYTES = 200_000_000
-"""More than any camera's picture without compression."""
 
 
 def read_picture(path: Path, where: str, field: str) -> bytes:
@@ -29,16 +28,10 @@ def read_picture(path: Path, where: str, field: str) -> bytes:
     Raises:
         InputError: It cannot be read, is no regular file, or is larger than any picture.
     """
-    expected = "a picture"
     try:
-        content = regular_bytes(path, MAX_PICTURE_BYTES)
-    except NotRegularError as error:
-        raise InputError(where, field, f"{path.name}: {error.kind}", expected) from None
-    except (OSError, ValueError) as error:
-        raise InputError(where, field, f"{path.name}: {getattr(error, 'strerror', None) or error}", expected) from None
-    if len(content) > MAX_PICTURE_BYTES:
-        raise InputError(where, field, f"{path.name}: more than {MAX_PICTURE_BYTES / 1e6:.0f} MB", expected)
-    return content
+        return read_bytes(path, "a picture", PICTURE_BYTES)
+    except InputError as error:
+        raise InputError(where, field, f"{path.name}: {error.found}", "a picture") from None
 
 
 def decode_labels(content: bytes, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:
@@ -91,12 +84,12 @@ def decode(content: bytes, where: str, field: str, mode: int = cv2.IMREAD_UNCHAN
         InputError: It is none.
     """
     try:
-        image = cv2.imdecode(np.frombuffer(content, np.uint8), mode) if content else None
-    except cv2.error:  # a picture too large for OpenCV
-        image = None
+        image = decode_picture(content, mode)
+    except ValueError as error:
+        raise InputError(where, field, error, "a camera's picture") from None
     if image is None:
         raise InputError(where, field, "no picture", "a PNG or JPEG picture")
-    return np.asarray(image)
+    return image
 
 
 def labels_of(image: Image, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:

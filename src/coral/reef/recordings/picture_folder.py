@@ -9,6 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from coral.errors import InputError
+from coral.foreign_file import read_text
+from coral.limits import LARGEST_NUMBER, TABLE_BYTES
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
@@ -24,7 +26,6 @@ from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.world.geometry import Frame, Pose, wrap
 from coral.reef.world.local_plane import MOST_DEGREES, LocalPlane
-from coral.yaml_file import read_regular
 
 TABLE = "poses.csv"
 LOCAL = ("x", "y", "yaw")
@@ -33,10 +34,6 @@ GLOBAL = ("lat", "lon", "heading")
 EXPECTED = "columns t, x, y, yaw or t, lat, lon, heading; z, roll, pitch, rgb, depth, labels if known"
 DOUBTS = {"doubt": LABEL_STEPS, "depth_doubt": DEPTH_STEPS}
 """Columns of pictures of doubt, as a run of a network keeps them, with the steps that make 1."""
-
-
-MAX_TABLE_BYTES = 500_000_000
-"""Of the table: days of poses."""
 
 
 def read_folder(
@@ -124,12 +121,16 @@ def _pose(values: dict[str, float], plane: LocalPlane | None) -> tuple[Pose, Pos
 def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
     """Return (line number, numbers, file names) of every complete row."""
     where = str(table)
-    text = read_regular(table, "a table of poses", MAX_TABLE_BYTES)
+    text = read_text(table, "a table of poses", TABLE_BYTES)
     lines = text.splitlines()
-    if lines and not text.endswith("\n"):
-        lines.pop()  # the line that a killed run was writing
-    header, *body = list(csv.reader(lines)) or [[]]
+    comma = ";" if lines and lines[0].count(";") > lines[0].count(",") else ","
+    try:
+        header, *body = list(csv.reader(lines, delimiter=comma)) or [[]]
+    except csv.Error as error:
+        raise InputError(where, "", error, EXPECTED) from None
     header = [name.strip() for name in header]
+    if body and not text.endswith("\n") and not _is_whole(body[-1], header, table.parent):
+        body.pop()  # the line that a killed run was writing
     place = next((names for names in (LOCAL, GLOBAL) if set(names) <= set(header)), None)
     if place is None or "t" not in header:
         raise InputError(where, "", f"columns {', '.join(header) or 'none'}", EXPECTED)
@@ -162,11 +163,18 @@ def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
     return found
 
 
+def _is_whole(row: list[str], header: list[str], folder: Path) -> bool:
+    """Check whether a last row without a line end was not cut off: it has all fields, and its pictures are there."""
+    named = dict(zip(header, row, strict=False))
+    pictures = [named[name].strip() for name in ("rgb", "depth", "labels", *DOUBTS) if name in named]
+    return len(row) == len(header) and all((folder / name).is_file() for name in pictures if name)
+
+
 def _number(text: str, where: str, line: int, name: str) -> float:
     try:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not math.isfinite(value):
-        raise InputError(where, f"line {line}: {name}", repr(text), "a number")
+    if not abs(value) <= LARGEST_NUMBER:
+        raise InputError(where, f"line {line}: {name}", repr(text)[:40], f"a number of at most {LARGEST_NUMBER:g}")
     return value

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import merge, read_yaml
 from coral.errors import MALFORMED, InputError
+from coral.foreign_file import read_picture_file
 from coral.reef.map.mapping import MapCfg
 from coral.reef.mission.record import POSES
 from coral.reef.recordings.perception import PicturePerception
@@ -116,5 +116,5 @@ def _world(path: Path, config: dict[str, Any]) -> tuple[str, tuple[float, float]
 
 def _final_map(path: Path) -> NDArray[np.uint8] | None:
     maps = sorted((path / "frames").glob("*_map.png"))
-    cells = cv2.imread(str(maps[-1]), cv2.IMREAD_UNCHANGED) if maps else None
+    cells = read_picture_file(maps[-1]) if maps else None
     return None if cells is None or cells.dtype != np.uint8 else np.asarray(cells)

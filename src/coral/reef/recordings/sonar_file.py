@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from coral.errors import InputError
+from coral.foreign_file import open_regular
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.recordings.recording import PosedFrame, PosedPing, Recording
@@ -98,7 +99,7 @@ def _pings(path: Path) -> Iterator[SonarPing]:
     load_protocol()
     latest = -math.inf
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             for packet in read_packets(file):
                 try:
                     ping = decode_packet(packet)

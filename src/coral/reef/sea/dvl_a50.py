@@ -6,7 +6,6 @@ manufacturer's protocol description ("Ethernet protocol (TCP)", formats json_v2 
 
 from __future__ import annotations
 
-import json
 import math
 import socket
 import threading
@@ -16,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from coral.errors import InputError, first_line
+from coral.foreign_file import parse_json
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.world.geometry import Pose, wrap
 
@@ -54,7 +54,7 @@ def parse_line(line: bytes, now: float, state: DvlState) -> DvlState:
         state: The state before.
     """
     try:
-        report = json.loads(line)
+        report = parse_json(line)
         kind = report["type"]
         if kind == "velocity":
             return _with_velocity(report, now, state)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from coral.errors import InputError
+from coral.foreign_file import open_regular
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.sonar_packets import decode_packet, load_protocol, read_packets
 from coral.reef.sea.sonar_reading import HeardImage
@@ -36,7 +37,7 @@ class RecordedSonar:
         """
         load_protocol()
         try:
-            self._file = path.open("rb")
+            self._file = open_regular(path)
         except OSError as error:
             raise InputError("--sonar", "", str(path), f"a recording of the sonar ({error.strerror})") from None
         try:

@@ -11,6 +11,7 @@ import numpy as np
 
 from coral.errors import InputError, first_line
 from coral.file_writer import write_whole
+from coral.foreign_file import parse_json, read_arrays
 from coral.reef.map.belief import Belief, BeliefCfg
 from coral.reef.map.chain import Track
 from coral.reef.map.mapping import MapCfg, OccupancyMap
@@ -20,7 +21,6 @@ from coral.reef.world.geometry import Pose
 
 FILE = "survey.npz"
 FORMAT = "coral-saved-survey/1"
-MAX_BYTES = 500_000_000
 
 
 def save_survey(folder: Path, belief: Belief, pose: Pose) -> Path:
@@ -78,12 +78,9 @@ def load_survey(
     expected = "the run folder of an earlier survey that was ended, not killed"
     if not path.is_file():
         raise InputError(str(path), "--resume", "no such file", expected)
-    if path.stat().st_size > MAX_BYTES:
-        raise InputError(str(path), "--resume", f"{path.stat().st_size} bytes", f"at most {MAX_BYTES}")
     try:
-        with np.load(path, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
-        head: dict[str, Any] = json.loads(arrays.pop("head").tobytes())
+        arrays = read_arrays(path)
+        head: dict[str, Any] = parse_json(arrays.pop("head").tobytes())
         trail = np.asarray(arrays.pop("trail"), np.float64).reshape(-1, 2)
         if head["format"] != FORMAT:
             raise ValueError(f"format {head['format']}")

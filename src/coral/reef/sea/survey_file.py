@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from coral.config import read_yaml
 from coral.errors import InputError
+from coral.foreign_file import regular_bytes
 from coral.reef.sea.polygon import contains_point, is_simple
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld, Start
@@ -181,10 +182,9 @@ def check_start(area: SurveyArea, where: str, field: str) -> None:
 def is_survey(path: Path) -> bool:
     """Check whether a file says that it is a survey file, without checking more of it."""
     try:
-        text: Any = path.read_text(encoding="utf-8", errors="replace")[:2000] if path.is_file() else ""
+        return b"coral-survey/" in regular_bytes(path, 2000)
     except OSError:
         return False
-    return "coral-survey/" in text
 
 
 def _border(size_m: tuple[float, float]) -> Ring:

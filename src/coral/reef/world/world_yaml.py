@@ -6,20 +6,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from coral.errors import InputError
-from coral.yaml_file import load_mapping, read_regular
-
-MAX_VALUES = 500_000
-"""Largest number of values in a file, YAML aliases expanded. A larger file is refused before anything iterates it."""
-
+from coral.foreign_file import read_text
+from coral.yaml_file import load_mapping, to_yaml
 
 _LONG = ("spine", "clusters", "obstacles")
 """Keys whose entries are written line by line, in this order at the end of the file."""
 _RARE = ("walls",)
 """Keys that are left out where they hold nothing."""
-_DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 
 
 def read_mapping(path: Path) -> dict[str, Any]:
@@ -28,9 +22,9 @@ def read_mapping(path: Path) -> dict[str, Any]:
     Raises:
         InputError: The file is missing, is a folder, cannot be read, is too large, is not YAML or is no mapping.
     """
-    text = read_regular(path, "a readable world file (YAML)")
+    text = read_text(path, "a readable world file (YAML)")
     keys = "a mapping with the keys name, size_m, start, clusters, ..."
-    if not (content := load_mapping(text, str(path), MAX_VALUES, keys)):
+    if not (content := load_mapping(text, str(path), expected=keys)):
         raise InputError(str(path), "", "an empty file", keys)
     return content
 
@@ -59,18 +53,7 @@ def to_text(world: Mapping[str, Any], header: Sequence[str] = ()) -> str:
 
 def _flow(value: Any) -> str:
     """Write a value in YAML flow style on one line, with floats rounded to a thousandth."""
-    return (
-        yaml.dump(
-            _rounded(value),
-            Dumper=_DUMPER,
-            default_flow_style=True,
-            sort_keys=False,
-            allow_unicode=True,
-            width=1_000_000,
-        )
-        .removesuffix("...\n")
-        .strip()
-    )
+    return to_yaml(_rounded(value), default_flow_style=True, width=1_000_000).removesuffix("...\n").strip()
 
 
 def _rounded(value: Any) -> Any:

@@ -9,7 +9,6 @@ from typing import Any
 
 import cv2
 import jinja2
-import yaml
 from markupsafe import Markup
 
 from coral.advisor.attribution import who_decided
@@ -18,6 +17,7 @@ from coral.contact.episode.metrics import DEFINITIONS, metrics_of
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole, writing
+from coral.foreign_file import read_text
 from coral.view.contact.figures import (
     cost_chart,
     force_chart,
@@ -37,6 +37,7 @@ from coral.view.contact.views import three_views, touch_views
 from coral.view.pictures import png
 from coral.view.report import TEMPLATES, write_page
 from coral.view.run import Record, RunFolder
+from coral.yaml_file import to_yaml
 
 ENDED = {
     "success": "done",
@@ -132,8 +133,8 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
         provenance=_provenance(run, start),
         notes=notes,
         video=(run.path / "episode.mp4").is_file(),
-        config=yaml.safe_dump(dict(run.config), sort_keys=False, allow_unicode=True) if run.config else "",
-        style=Markup((TEMPLATES / "report.css").read_text("utf-8")),
+        config=to_yaml(dict(run.config)) if run.config else "",
+        style=Markup(read_text(TEMPLATES / "report.css", "a file of this package")),
     )
 
 

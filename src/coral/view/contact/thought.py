@@ -9,6 +9,7 @@ from typing import Any
 
 import cv2
 
+from coral.foreign_file import read_picture_file
 from coral.view.run import Record, RunFolder
 from coral.words import many
 
@@ -142,7 +143,7 @@ def seen(run: RunFolder) -> str:
     for entry in run.attempts:
         for digest in entry.get("pictures", ()):
             path = run.picture(str(digest))
-            picture = None if path is None else cv2.imread(str(path))
+            picture = None if path is None else read_picture_file(path, cv2.IMREAD_COLOR)
             if picture is not None:
                 data = cv2.imencode(".webp", picture, [cv2.IMWRITE_WEBP_QUALITY, 82])[1].tobytes()
                 return "data:image/webp;base64," + b64encode(data).decode()

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from coral.config import read_yaml
@@ -15,6 +14,7 @@ from coral.contact.scene.geometry import quaternion_of, rotation_of
 from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import MALFORMED, InputError
 from coral.file_writer import write_whole
+from coral.yaml_file import to_yaml
 
 Array = NDArray[np.float64]
 FORMAT = "coral-camera-pose/1"
@@ -42,7 +42,7 @@ def write_camera_pose(path: Path, T_world_camera: Array, method: str, residuals:
         "method": method,
         "residuals": {name: round(float(value), 4) for name, value in residuals.items()},
     }
-    write_whole(path, yaml.safe_dump(content, sort_keys=False))
+    write_whole(path, to_yaml(content))
 
 
 def read_camera_pose(path: Path) -> Array:

@@ -15,6 +15,7 @@ from coral.bag_reader import message_types, read_messages, stamp_of
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.cameras.bare_frame import Undistortion, bare_frame
 from coral.errors import InputError, nearest
+from coral.foreign_file import decode_picture
 
 Array = NDArray[np.float64]
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
@@ -160,7 +161,7 @@ def _depth(message: Any, path: Path, topic: str) -> NDArray[np.float32]:
     if hasattr(message, "format"):
         raw = bytes(message.data)
         start = _COMPRESSED_DEPTH_HEADER if "compressedDepth" in message.format else 0
-        found = cv2.imdecode(np.frombuffer(raw[start:], np.uint8), cv2.IMREAD_UNCHANGED) if len(raw) > start else None
+        found = _decoded(raw[start:], cv2.IMREAD_UNCHANGED, path, topic)
         if found is None or found.dtype != np.uint16 or found.ndim != 2:
             raise InputError(str(path), topic, f"the format {message.format!r}", "PNG with 16 bits, in millimetres")
         return np.asarray(found * np.float32(0.001), np.float32)
@@ -174,9 +175,7 @@ def _depth(message: Any, path: Path, topic: str) -> NDArray[np.float32]:
 def _colours(message: Any, path: Path, topic: str) -> NDArray[np.uint8]:
     """Return the colours of a message, Shape=(H, W, 3)."""
     if hasattr(message, "format"):
-        found = (
-            cv2.imdecode(np.frombuffer(bytes(message.data), np.uint8), cv2.IMREAD_COLOR) if len(message.data) else None
-        )
+        found = _decoded(bytes(message.data), cv2.IMREAD_COLOR, path, topic)
         if found is None:
             raise InputError(str(path), topic, f"the format {message.format!r}", "JPEG or PNG")
         return np.asarray(found[..., ::-1], np.uint8)
@@ -185,6 +184,13 @@ def _colours(message: Any, path: Path, topic: str) -> NDArray[np.uint8]:
         raise InputError(str(path), topic, f"the encoding {message.encoding!r}", "rgb8, bgr8, rgba8 or bgra8")
     channels = 4 if "a" in message.encoding else 3
     return np.asarray(_pixels(message, np.dtype(np.uint8), channels, path, topic)[..., order], np.uint8)
+
+
+def _decoded(content: bytes, mode: int, path: Path, topic: str) -> NDArray[Any] | None:
+    try:
+        return decode_picture(content, mode)
+    except ValueError as error:
+        raise InputError(str(path), topic, error, "a camera's picture") from None
 
 
 def _pixels(message: Any, kind: np.dtype[Any], channels: int, path: Path, topic: str) -> NDArray[Any]:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 from pydantic import Field
 
@@ -18,6 +17,7 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.masks.mask_shape import clean_mask, hue_saturation_value
 from coral.errors import InputError
 from coral.file_writer import write_whole
+from coral.yaml_file import to_yaml
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -121,4 +121,4 @@ def write_colours(path: Path, regions: Mapping[str, ColourRegion]) -> None:
         name: {"hue_deg": [*one.hue_deg], "saturation": [*one.saturation], "value": [*one.value]}
         for name, one in regions.items()
     }
-    write_whole(path, yaml.safe_dump({"objects": objects}, sort_keys=False))
+    write_whole(path, to_yaml({"objects": objects}))

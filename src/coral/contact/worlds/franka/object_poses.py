@@ -14,6 +14,7 @@ import numpy as np
 from coral.contact.scene.geometry import conjugate, multiply, rotate, to_rotvec
 from coral.contact.scene.observation import BodyState, Truth
 from coral.errors import MALFORMED, InputError
+from coral.foreign_file import parse_json
 
 SMOOTHING_S = 0.1
 """Time constant of the velocity, which is a difference of noisy poses."""
@@ -130,7 +131,7 @@ class ToldPoses:
 def parse_poses(data: bytes) -> ToldPoses | None:
     """Parse a datagram; None if it is malformed."""
     try:
-        told = {str(name): (_frame(value), _pose(value)) for name, value in json.loads(data)["objects"].items()}
+        told = {str(name): (_frame(value), _pose(value)) for name, value in parse_json(data)["objects"].items()}
         seen, held = ({name: pose for name, (frame, pose) in told.items() if frame == one} for one in FRAMES)
         return ToldPoses(seen, held)
     except MALFORMED:
@@ -176,7 +177,7 @@ def state_datagram(state: Truth) -> bytes:
 def parse_state(data: bytes) -> Truth | None:
     """Parse such a datagram; None if it is malformed."""
     try:
-        message = json.loads(data)
+        message = parse_json(data)
         objects = {str(name): _pose(value) for name, value in message["objects"].items()}
         time_s, opening_m = float(message["time_s"]), float(message["opening_m"])
         return Truth(time_s, _pose(message["tool"]), opening_m, objects, (), contacts_known=False)
