@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import csv
-import json
 import os
 import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import IO, Any, Protocol
 
+from coral.foreign_file import open_regular, parse_json
 from coral.odd_text import encodable_values
 from coral.rotating_log import earlier_parts, read_parts
 from coral.runs import trajectory_name
@@ -51,7 +51,7 @@ class Tail:
             if not self._path.is_file():
                 return []
             parts = earlier_parts(self._path)
-            self._file = open(self._path, "rb")  # noqa: SIM115
+            self._file = open_regular(self._path)
             found += [line.rstrip("\n") for line in read_parts(parts, headed=self._headed)]
             if parts and self._headed:
                 self._file.readline()
@@ -65,7 +65,7 @@ class Tail:
             except OSError:
                 return found
             self._file.close()
-            self._file, self._begun = open(self._path, "rb"), b""  # noqa: SIM115
+            self._file, self._begun = open_regular(self._path), b""
             if self._headed:
                 self._file.readline()
 
@@ -166,8 +166,8 @@ class _Table(Tail):
 def _event(line: str) -> Record | None:
     """Return an event that can be shown; None for a line that is none."""
     try:
-        event = json.loads(line)
-    except (ValueError, RecursionError):
+        event = parse_json(line)
+    except ValueError:
         return None
     named = isinstance(event, dict) and isinstance(event.get("event"), str) and "t" in event
     if not (named and shallow(event) and sound(event)):

@@ -12,9 +12,9 @@ from http import HTTPStatus
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import cv2
 import numpy as np
 
+from coral.foreign_file import read_picture_file, read_text
 from coral.interrupts import wait_for_interrupt
 from coral.reef.world.geometry import Frame
 from coral.view.cameraview import camera_picture
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from starlette.responses import Response
     from starlette.routing import BaseRoute
 
-PAGE = (Path(__file__).parent / "page.html").read_text(encoding="utf-8")
+PAGE = read_text(Path(__file__).parent / "page.html", "a file of this package")
 PICTURE = (320, 240)
 PERIOD_S = 0.3
 """Shortest wall time between two sketches of a plan."""
@@ -224,7 +224,7 @@ def frame_picture(folder: Path, step: int, kind: str) -> Image | None:
 
     def stored(name: str) -> Any:
         path = folder / "frames" / f"{step:06d}_{name}.{'jpg' if name == 'rgb' else 'png'}"
-        return cv2.imread(str(path), cv2.IMREAD_UNCHANGED) if path.is_file() else None
+        return read_picture_file(path)
 
     if kind == "map":
         cells = stored("map")
