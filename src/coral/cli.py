@@ -12,6 +12,7 @@ from typing import Any, Protocol
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+from coral.commands.unread_settings import changed_keys, refuse_unread
 from coral.completion import completion_script, completions
 from coral.errors import NO_ROOM, InputError, RunError, nearest
 from coral.flag_parser import build, scan
@@ -173,6 +174,8 @@ def _parse(name: str, words: Sequence[str]) -> Command:
     given = scan(words, about, name)
     kind = load(place)
     default = kind.from_file(words) if hasattr(kind, "from_file") else None
+    set_by_file = [] if default is None else changed_keys(default.cfg)
+    refuse_unread(name, [*(".".join(field[1:]) for field in given if field[0] == "cfg"), *set_by_file])
     parsed: Command = build(kind, given, about, name, default)
     return parsed
 

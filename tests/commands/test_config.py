@@ -41,6 +41,10 @@ def test_one_key_is_explained(told, key):
     ]
 
 
+def test_who_refuses_a_key_is_told(told):
+    assert "  not read, and refused, by: coral reef sail" in told("reef", "driver").splitlines()
+
+
 def test_the_values_of_a_file_are_shown_beside_the_default(told, tmp_path):
     file = tmp_path / "a.yaml"
     file.write_text("time_limit_s: 30\n")
@@ -52,11 +56,25 @@ def test_the_values_of_a_variant_are_shown(told):
     assert "decider = nearest *" in told("reef", "decider", "--variant", "rule-based")
 
 
+@pytest.mark.parametrize(
+    ("key", "unit"),
+    [
+        ("planning.hand.stiffness_n_m", "N/m"),
+        ("planning.hand.axis_torque_limit_n_m", "N m"),
+        ("planning.hand.inertia_kg_m2", "kg m²"),
+        ("planning.hand.damping_ratio", ""),
+    ],
+)
+def test_the_end_of_a_key_names_its_unit(told, key, unit):
+    (row,) = json.loads(told("contact", key, "--json"))["keys"]
+    assert row["unit"] == unit
+
+
 def test_json_has_every_part(told):
     (row,) = json.loads(told("model", "max_retries", "--json"))["keys"]
     assert row["key"] == "max_retries"
     assert row["flag"] == "--model.max-retries"
-    assert set(row) == {"key", "default", "value", "unit", "accepted", "text", "flag"}
+    assert set(row) == {"key", "default", "value", "unit", "accepted", "text", "refused_by", "flag"}
 
 
 @pytest.mark.parametrize(

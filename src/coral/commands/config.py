@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
+from coral.commands.unread_settings import refused_by
 from coral.configurations import CONFIGURATIONS
 from coral.errors import InputError, nearest
 from coral.flags import Argument, Flag, shown
@@ -17,27 +18,27 @@ from coral.surface import described, load
 
 WIDTH = 120
 UNITS = {
-    "1_s": "1/s",
-    "m_s2": "m/s²",
-    "m_s": "m/s",
-    "rad_s": "rad/s",
-    "deg_s": "deg/s",
-    "n_m": "N m",
+    "m": "m",
+    "mm": "mm",
     "m2": "m²",
     "s": "s",
     "ms": "ms",
-    "m": "m",
-    "mm": "mm",
+    "1_s": "1/s",
+    "m_s": "m/s",
+    "m_s2": "m/s²",
     "deg": "deg",
+    "deg_s": "deg/s",
     "rad": "rad",
+    "rad_s": "rad/s",
     "hz": "Hz",
     "kg": "kg",
+    "kg_m2": "kg m²",
     "n": "N",
+    "n_m": "N m",
     "usd": "USD",
 }
-"""Unit by the end of a key."""
-
-
+"""Unit by the end of a key; the n_m of a stiffness are N/m."""
+_PARTS = {part for end in UNITS for part in end.split("_")}
 HELP = f"{'; '.join(f'{name}, {what}' for name, (_, _, what) in CONFIGURATIONS.items())}."
 
 
@@ -73,7 +74,7 @@ class ListConfig:
             "configuration": self.of,
             "key": asked,
             "text": about_group if asked and len(chosen) > 1 else about.text,
-            "keys": [_row(each, flag, values) for each in chosen],
+            "keys": [_row(self.of, each, flag, values) for each in chosen],
         }
 
     def _values(self, place: str) -> Any:
@@ -114,20 +115,29 @@ def _key(prefix: str) -> str:
     return prefix.removeprefix("--").replace("-", "_")
 
 
-def _row(flag: Flag, prefix: str, values: Any) -> dict[str, Any]:
+def _row(of: str, flag: Flag, prefix: str, values: Any) -> dict[str, Any]:
     key = ".".join(flag.field)
     for name in flag.field if values is not None else ():
         values = getattr(values, name)
-    end = next((unit for unit in UNITS if f"_{key}".endswith(f"_{unit}") and "number" in flag.type), "")
     return {
         "key": key,
         "default": flag.default,
         "value": flag.default if values is None else shown(values),
-        "unit": UNITS.get(end, ""),
+        "unit": _unit(flag.field[-1]) if "number" in flag.type else "",
         "accepted": flag.type,
         "text": flag.text,
+        "refused_by": [f"coral {command}" for command in refused_by(key) if command.startswith(f"{of} ")],
         "flag": f"{prefix}.{flag.name.removeprefix('--')}",
     }
+
+
+def _unit(name: str) -> str:
+    """Return the unit that the end of a key names, or ""."""
+    parts = name.split("_")
+    while parts and not all(part in _PARTS for part in parts):
+        parts.pop(0)
+    unit = UNITS.get("_".join(parts), "")
+    return "N/m" if unit == "N m" and "stiffness" in name else unit
 
 
 def _amount(row: Mapping[str, Any]) -> str:
@@ -142,4 +152,6 @@ def _explained(row: Mapping[str, Any]) -> str:
         lines.append(textwrap.fill(row["text"], WIDTH, initial_indent="  ", subsequent_indent="  "))
     lines.append(f"  accepted: {row['accepted']}")
     lines += [f"  default: {row['default']}"] if row["value"] != row["default"] else []
+    if row["refused_by"]:
+        lines.append(f"  not read, and refused, by: {', '.join(row['refused_by'])}")
     return "\n".join([*lines, f"  set by: {row['flag']} {'' if row['accepted'] == 'yes or no' else 'VALUE'}".rstrip()])

@@ -34,8 +34,6 @@ class RouteCfg:
     the paper's rule: ask near the goal, measure from where the robot is, and turn to the new goal at once."""
     cruise_m_s: Positive = 0.5
     """Expected speed along a path: max_speed of 0.6 m/s less turns and detours."""
-    yaw_rate_rad_s: Positive = 0.6
-    """Expected rate of turning: the vehicle's limit."""
     reach_m: Positive = 1.0
     """A waypoint is done this near to it."""
     pass_m: Positive = 2.0

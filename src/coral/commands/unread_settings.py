@@ -1,0 +1,89 @@
+"""Settings that a command accepts among the keys of its configuration and never reads: it refuses them.
+
+A test runs every command that takes a configuration and watches which keys are read; this list must agree with it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+from typing import Any
+
+from coral.errors import InputError
+
+_RECORD = "nothing: it keeps no pictures and no report"
+_NOISE = tuple(
+    f"simulator.noise.{name}"
+    for name in (
+        "depth_sigma",
+        "depth_sigma_square",
+        "dropout",
+        "oyster_missed",
+        "oyster_false",
+        "obstacle_missed",
+        "obstacle_false",
+        "patch_px",
+        "visibility_falloff",
+        "drift_xy",
+        "drift_theta",
+    )
+)
+UNREAD: dict[str, dict[str, str]] = {
+    "reef faults": {
+        "time_limit_s": "--at and --duration, which set how long a mission lasts",
+        "stop_when_covered": "nothing: its missions do not end early",
+        "robots": "nothing: one robot surveys",
+        "pilot.traffic": "nothing: one robot surveys",
+        "faults": "--only, which names the faults",
+        "record": _RECORD,
+    },
+    "reef bench": {"record": _RECORD},
+    "reef sail": {
+        "perception": "--camera, whose pictures have labels or not",
+        "depth": "--depth, the depth to hold",
+        "latency": "nothing: advisors take the time that they take",
+        "driver": "nothing: DDP-MPPI drives",
+        "lane_m": "nothing: an advisor's answers are followed",
+        "stop_when_covered": "nothing: the survey ends by the safety limits, by a word or when nothing is left",
+        "localization": "--dvl, which tells where the vehicle is",
+        "pilot.traffic": "nothing: one robot surveys",
+        **dict.fromkeys(_NOISE, "--fault; a rehearsal's pictures and position are exact but for the visibility"),
+        "simulator.navigation": "--fault; a rehearsal's position is exact",
+    },
+}
+"""By command: key or group of keys, and what the command does instead."""
+
+
+def refuse_unread(command: str, keys: Iterable[str], prefix: str = "--cfg") -> None:
+    """Refuse the first of the keys that a command never reads.
+
+    Args:
+        command: The command, such as "reef sail".
+        keys: Dotted keys that the user has set.
+        prefix: Flag of the configuration, for the error.
+
+    Raises:
+        InputError: The command does not read one of them.
+    """
+    for key in keys:
+        for unread, instead in UNREAD.get(command, {}).items():
+            if f"{key}.".startswith(f"{unread}."):
+                flag = f"{prefix}.{key}".replace("_", "-")
+                raise InputError(f"coral {command}", flag, "a setting that it never reads", instead)
+
+
+def changed_keys(cfg: Any, prefix: str = "") -> list[str]:
+    """Return the dotted keys of a configuration whose values are not the defaults."""
+    default, changed = type(cfg)(), []
+    for field in dataclasses.fields(cfg):
+        value, name = getattr(cfg, field.name), f"{prefix}{field.name}"
+        if dataclasses.is_dataclass(value):
+            changed += changed_keys(value, f"{name}.")
+        elif value != getattr(default, field.name):
+            changed.append(name)
+    return changed
+
+
+def refused_by(key: str) -> list[str]:
+    """Return the commands that refuse a key of their configuration."""
+    return [command for command, keys in UNREAD.items() if any(f"{key}.".startswith(f"{one}.") for one in keys)]

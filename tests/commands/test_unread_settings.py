@@ -1,0 +1,169 @@
+"""Every key of a survey's configuration is read by the command that takes it, or refused by it."""
+
+import dataclasses
+import re
+from pathlib import Path
+
+import pytest
+
+from config_reads import keys_of, watched
+from coral import reef
+from coral.cli import _parse, main
+from coral.commands.unread_settings import UNREAD, changed_keys, refuse_unread, refused_by
+from coral.config import merge
+from coral.errors import InputError
+from coral.reef.mission.campaign_episode import run_episode
+from coral.reef.mission.mission_cfg import MissionCfg
+from coral.reef.world.world import load_world
+from reef.sea import voyage
+
+SMALL = "--quiet --cfg.latency fixed:0.2 --cfg.simulator.camera.width 64 --cfg.simulator.camera.height 48"
+MISSIONS = (
+    f"{SMALL} --cfg.time-limit-s 8 --sonar --cfg.simulator.sonar.width 48 --cfg.simulator.sonar.height 16 "
+    "--cfg.simulator.vehicle.model six_dof --cfg.simulator.navigation.source dvl-imu --cfg.simulator.pictures "
+    "--cfg.record.frames",
+    f"{SMALL} --cfg.time-limit-s 8 --cfg.robots 2 --cfg.driver pd --cfg.record.no-report --cfg.record.no-pictures "
+    "--cfg.simulator.noise.drift-xy 0.01 --cfg.simulator.noise.oyster-missed 0.1 --cfg.simulator.noise.visibility-m 4 "
+    "--fault blind-camera@2:2 --cfg.planner.verify.by angles",
+    f"{SMALL} --cfg.time-limit-s 2 --cfg.decider sweep --cfg.simulator.vehicle.model kinematic --cfg.record.no-report",
+)
+RARE = {
+    "belief.chain.drop_after": "map/chain.py",
+    "belief.visit_radius_m": "map/belief.py",
+    "controller.recovery_speed_m_s": "drive/controller.py",
+    "map.doubt": "eyes/doubt.py",
+    "pilot.action_s": "pilot/pilot.py",
+    "pilot.blind_speed_m_s": "pilot/pilot.py",
+    "pilot.monitor.max_replans": "drive/monitor.py",
+    "pilot.passed_m": "pilot/pilot.py",
+    "pilot.trigger": "decide/trigger.py",
+    "planner.checks": "decide/planner.py",
+    "planner.separation_m": "decide/planner.py",
+    "planner.route": "decide/route.py",
+    "planner.verify.by": "decide/planner.py",
+    "planner.verify.enabled": "decide/planner.py",
+    "planner.verify": "decide/verify.py",
+    "simulator.navigation.dvl": "simulation/doppler_log.py",
+}
+"""What a few seconds of a survey may not come to, and the file that reads it."""
+
+
+def covers(declared, key):
+    return any(key == one or key.startswith(f"{one}.") for one in declared)
+
+
+def run(words, folder):
+    """Run a command, and return what it read of its configuration."""
+    command = _parse(" ".join(words[:2]), words[2:])
+    if hasattr(command, "out"):
+        command = dataclasses.replace(command, out=folder / "run")
+    with watched(command.cfg) as reads:
+        command()
+    return reads
+
+
+def read(reads):
+    """The keys that were read; to read a group is to pass it on."""
+    return set(reads.by_key) & set(keys_of(MissionCfg()))
+
+
+@pytest.fixture(scope="module")
+def mission_reads(tmp_path_factory):
+    """All that `coral reef run` reads in a few short missions."""
+    walks = [run(["reef", "run", "s1", *words.split()], tmp_path_factory.mktemp("walk")) for words in MISSIONS]
+    return set().union(*map(read, walks))
+
+
+def test_a_mission_reads_every_key(mission_reads):
+    unread = {key for key in keys_of(MissionCfg()) if key not in mission_reads and not covers(RARE, key)}
+    assert unread == set()
+    assert "reef run" not in UNREAD
+
+
+@pytest.mark.parametrize("key", [key for key in keys_of(MissionCfg()) if covers(RARE, key)])
+def test_what_is_read_rarely_is_read_in_the_file_that_is_named(key):
+    file = next(file for group, file in RARE.items() if covers([group], key))
+    text = (Path(reef.__file__).parent / file).read_text(encoding="utf-8")
+    assert re.search(rf"\.{key.rpartition('.')[2]}\b", text)
+
+
+def test_the_faults_refuse_what_they_overwrite(tmp_path, monkeypatch):
+    monkeypatch.setattr("coral.commands.reef_faults.AFTER_S", 1.0)
+    reads = run(["reef", "faults", "s1", "--only", "blind-camera", "--at", "1", "--duration", "1"], tmp_path)
+    assert {key for key in reads.overwritten if not covers(UNREAD["reef faults"], key)} == set()
+    assert {key for key in read(reads) if covers(UNREAD["reef faults"], key)} == set()
+
+
+def test_a_campaign_refuses_what_it_overwrites(tmp_path):
+    cfg = merge(MissionCfg(), {"time_limit_s": 1.0}, "here")
+    with watched(cfg) as reads:
+        run_episode(load_world("s1"), cfg, tmp_path / "run", variant="full", advisor="heuristic", seed=0)
+    assert {key for key in reads.overwritten if not covers(UNREAD["reef bench"], key)} == set()
+    assert {key for key in read(reads) if covers(UNREAD["reef bench"], key)} == set()
+
+
+OF_THE_COMMAND = (
+    "decider",
+    "robots",
+    "record",
+    "simulator.pictures",
+    "simulator.painter",
+    "simulator.water",
+    "simulator.water_depth_m",
+)
+"""What `coral reef sail` reads before and after the survey, and when it opens the camera and the sonar."""
+
+
+def test_a_survey_in_real_time_refuses_what_it_does_not_read(tmp_path, monkeypatch):
+    small = {"camera": {"width": 64, "height": 48}, "vehicle": {"model": "six_dof"}, "sonar": {"enabled": True}}
+    cfg = merge(MissionCfg(), {"time_limit_s": 8.0, "simulator": small}, "here")
+    monkeypatch.setattr(voyage, "MissionCfg", lambda **values: cfg)
+    with watched(cfg) as reads:
+        voyage.Voyage(tmp_path / "run", sonar=True).run()
+    declared = UNREAD["reef sail"]
+    assert {key for key in read(reads) if covers(declared, key)} == set()
+    known = {*RARE, *OF_THE_COMMAND, "pilot.fallback", "pilot.guard", "simulator.contact", "simulator.sonar"}
+    unread = {key for key in keys_of(cfg) if key not in read(reads) and not covers({*known, *declared}, key)}
+    assert unread == set()
+
+
+@pytest.mark.parametrize(("command", "key"), [(command, key) for command in UNREAD for key in UNREAD[command]])
+def test_every_refused_key_exists(command, key):
+    assert any(covers([key], known) for known in keys_of(MissionCfg()))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            "reef sail s1 --cfg.driver pd",
+            "coral reef sail: --cfg.driver: found a setting that it never reads, expected nothing: DDP-MPPI drives",
+        ),
+        (
+            "reef faults --cfg.record.no-frames",
+            "coral reef faults: --cfg.record.frames: found a setting that it never reads, expected nothing: it keeps "
+            "no pictures and no report",
+        ),
+    ],
+)
+def test_the_command_line_refuses_it_in_one_line(capsys, words, said):
+    assert main(words.split()) == 2
+    assert capsys.readouterr().err == f"coral: {said}\n"
+
+
+def test_a_file_may_have_such_a_key_with_its_default(tmp_path):
+    file = tmp_path / "a.yaml"
+    file.write_text("driver: ddp-mppi\ntime_limit_s: 20\n")
+    assert _parse("reef sail", ["s1", "--config", str(file)]).cfg.time_limit_s == 20.0
+    file.write_text("driver: pd\n")
+    with pytest.raises(InputError, match=r"--cfg.driver: found a setting that it never reads"):
+        _parse("reef sail", ["s1", "--config", str(file)])
+
+
+def test_groups_and_who_refuses_them():
+    with pytest.raises(InputError, match=r"--cfg.simulator.noise.drift-xy"):
+        refuse_unread("reef sail", ["time_limit_s", "simulator.noise.drift_xy"])
+    refuse_unread("reef run", ["driver"])
+    assert refused_by("simulator.noise.drift_xy") == ["reef sail"]
+    assert refused_by("record.video") == ["reef faults", "reef bench"]
+    assert changed_keys(merge(MissionCfg(), {"map": {"obstacles": "sonar"}}, "here")) == ["map.obstacles"]
