@@ -24,23 +24,25 @@ MISSIONS = (
     "--cfg.record.frames",
     f"{SMALL} --cfg.time-limit-s 8 --cfg.robots 2 --cfg.driver pd --cfg.record.no-report --cfg.record.no-pictures "
     "--cfg.simulator.noise.drift-xy 0.01 --cfg.simulator.noise.oyster-missed 0.1 --cfg.simulator.noise.visibility-m 4 "
-    "--fault blind-camera@2:2 --cfg.planner.verify.by angles",
+    "--fault blind-camera@2:2",
     f"{SMALL} --cfg.time-limit-s 2 --cfg.decider sweep --cfg.simulator.vehicle.model kinematic --cfg.record.no-report",
 )
 RARE = {
     "belief.chain.drop_after": "map/chain.py",
     "belief.visit_radius_m": "map/belief.py",
     "controller.recovery_speed_m_s": "drive/controller.py",
+    "localization.use_covariance": "map/localization.py",
     "map.doubt": "eyes/doubt.py",
     "pilot.action_s": "pilot/pilot.py",
     "pilot.blind_speed_m_s": "pilot/pilot.py",
     "pilot.monitor.max_replans": "drive/monitor.py",
     "pilot.passed_m": "pilot/pilot.py",
     "pilot.trigger": "decide/trigger.py",
-    "planner.checks": "decide/planner.py",
-    "planner.separation_m": "decide/planner.py",
+    "planner.checks": "decide/tour_planner.py",
+    "planner.guesses": "decide/guesses.py",
+    "planner.provable": "decide/provable.py",
+    "planner.separation_m": "decide/tour_planner.py",
     "planner.route": "decide/route.py",
-    "planner.verify.by": "decide/planner.py",
     "planner.verify.enabled": "decide/planner.py",
     "planner.verify": "decide/verify.py",
     "simulator.navigation.dvl": "simulation/doppler_log.py",
@@ -103,27 +105,24 @@ def test_a_campaign_refuses_what_it_overwrites(tmp_path):
 
 
 OF_THE_COMMAND = (
-    "decider",
-    "robots",
-    "record",
-    "simulator.pictures",
-    "simulator.painter",
-    "simulator.water",
-    "simulator.water_depth_m",
+    *("decider", "robots", "record", "time_limit_s", "latency", "perception", "depth", "pilot.fallback"),
+    *("simulator.pictures", "simulator.painter", "simulator.water", "simulator.water_depth_m", "simulator.contact"),
+    *("simulator.sonar", "pilot.guard"),
 )
 """What `coral reef sail` reads before and after the survey, and when it opens the camera and the sonar."""
 
 
 def test_a_survey_in_real_time_refuses_what_it_does_not_read(tmp_path, monkeypatch):
     small = {"camera": {"width": 64, "height": 48}, "vehicle": {"model": "six_dof"}, "sonar": {"enabled": True}}
-    cfg = merge(MissionCfg(), {"time_limit_s": 8.0, "simulator": small}, "here")
+    cfg = merge(MissionCfg(), {"simulator": small, "localization": {"drift_xy": 0.01}}, "here")
     monkeypatch.setattr(voyage, "MissionCfg", lambda **values: cfg)
     with watched(cfg) as reads:
         voyage.Voyage(tmp_path / "run", sonar=True).run()
     declared = UNREAD["reef sail"]
     assert {key for key in read(reads) if covers(declared, key)} == set()
-    known = {*RARE, *OF_THE_COMMAND, "pilot.fallback", "pilot.guard", "simulator.contact", "simulator.sonar"}
-    unread = {key for key in keys_of(cfg) if key not in read(reads) and not covers({*known, *declared}, key)}
+    unread = {
+        key for key in keys_of(cfg) if key not in read(reads) and not covers({*RARE, *OF_THE_COMMAND, *declared}, key)
+    }
     assert unread == set()
 
 
@@ -136,8 +135,9 @@ def test_every_refused_key_exists(command, key):
     ("words", "said"),
     [
         (
-            "reef sail s1 --cfg.driver pd",
-            "coral reef sail: --cfg.driver: found a setting that it never reads, expected nothing: DDP-MPPI drives",
+            "reef sail s1 --cfg.pilot.traffic.gap-m 3",
+            "coral reef sail: --cfg.pilot.traffic.gap-m: found a setting that it never reads, expected nothing: one "
+            "robot surveys",
         ),
         (
             "reef faults --cfg.record.no-frames",
@@ -153,10 +153,10 @@ def test_the_command_line_refuses_it_in_one_line(capsys, words, said):
 
 def test_a_file_may_have_such_a_key_with_its_default(tmp_path):
     file = tmp_path / "a.yaml"
-    file.write_text("driver: ddp-mppi\ntime_limit_s: 20\n")
+    file.write_text("lane_m: 10\ntime_limit_s: 20\n")
     assert _parse("reef sail", ["s1", "--config", str(file)]).cfg.time_limit_s == 20.0
-    file.write_text("driver: pd\n")
-    with pytest.raises(InputError, match=r"--cfg.driver: found a setting that it never reads"):
+    file.write_text("simulator: {noise: {drift_xy: 0.1}}\n")
+    with pytest.raises(InputError, match=r"--cfg.simulator.noise.drift-xy: found a setting that it never reads"):
         _parse("reef sail", ["s1", "--config", str(file)])
 
 
