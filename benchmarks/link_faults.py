@@ -22,11 +22,11 @@ from pathlib import Path
 
 import numpy as np
 
+from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
+from coral.reef.rehearsal.autopilot_server import AutopilotServer
+from coral.reef.rehearsal.body import Body, OpenWater
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.ardusub import load_dialect
-from coral.reef.sea.autopilot import AutopilotCfg, SimulatedAutopilot
-from coral.reef.sea.autopilot_server import AutopilotServer
-from coral.reef.sea.body import Body, OpenWater
 from coral.reef.sea.link import LinkRefused, VehicleReport
 from coral.reef.sea.mavlink_link import MavlinkLink
 from coral.reef.sea.transport import open_transport

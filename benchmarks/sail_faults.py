@@ -29,11 +29,11 @@ from pathlib import Path
 from coral.commands.reef_sail import ReefSail
 from coral.errors import InputError, RunError
 from coral.reef.mission.mission_cfg import MissionCfg
+from coral.reef.rehearsal.truth import TruthFeed
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.ardusub import load_dialect
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.transport import open_transport
-from coral.reef.sea.truth import TruthFeed
 
 AT_S, LASTS_S, LIMIT_S = 8.0, 3.0, 18.0
 FORCED = 20190226.0

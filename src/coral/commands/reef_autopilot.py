@@ -40,10 +40,10 @@ class ReefAutopilot:
 
     def __call__(self) -> Mapping[str, Any]:
         """Serve until interrupted."""
-        from coral.reef.sea.autopilot import AutopilotCfg, SimulatedAutopilot
-        from coral.reef.sea.autopilot_faults import parse_fault
-        from coral.reef.sea.autopilot_server import AutopilotServer
-        from coral.reef.sea.body import Body, ReefWaters
+        from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
+        from coral.reef.rehearsal.autopilot_faults import parse_fault
+        from coral.reef.rehearsal.autopilot_server import AutopilotServer
+        from coral.reef.rehearsal.body import Body, ReefWaters
 
         medium, host, port = _listen(self.listen)
         faults = [parse_fault(text) for text in self.fault]
@@ -90,7 +90,7 @@ def _listen(text: str) -> tuple[str, str, int]:
 
 def _parameters(path: Path | None) -> Any:
     from coral.errors import nearest
-    from coral.reef.sea.autopilot_parameters import ParameterStore
+    from coral.reef.rehearsal.autopilot_parameters import ParameterStore
 
     store = ParameterStore()
     for name, value in (read_yaml(path) if path is not None else {}).items():

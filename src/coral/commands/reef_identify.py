@@ -54,8 +54,8 @@ class ReefIdentify:
 
     def __call__(self) -> Mapping[str, Any]:
         """Drive, fit, write."""
+        from coral.reef.rehearsal.truth import TruthFeed
         from coral.reef.sea.mavlink_link import MavlinkLink
-        from coral.reef.sea.truth import TruthFeed
 
         checked(self, "flags")
         if self.out.exists():

@@ -21,6 +21,9 @@ from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
+from coral.reef.rehearsal.simulated_camera import SimulatedCamera
+from coral.reef.rehearsal.simulated_link import SimulatedLink
+from coral.reef.rehearsal.simulated_sonar import SimulatedSonar
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWatchedByDvl, LinkWithDvl
 from coral.reef.sea.link import VehicleLink
@@ -28,9 +31,6 @@ from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import CameraSource, LatestShot
 from coral.reef.sea.recorded_sonar import RecordedSonar
 from coral.reef.sea.sea_mission import SeaMission
-from coral.reef.sea.simulated_camera import SimulatedCamera
-from coral.reef.sea.simulated_link import SimulatedLink
-from coral.reef.sea.simulated_sonar import SimulatedSonar
 from coral.reef.sea.sonar_reading import LatestHeard, SonarSource
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
@@ -206,7 +206,7 @@ def _mavlink(flags: ReefSail, area: SurveyArea, world: ReefWorld | None, opened:
     link = MavlinkLink(address)
     truth, proven = _reported(link), False
     if flags.truth:
-        from coral.reef.sea.truth import TruthFeed
+        from coral.reef.rehearsal.truth import TruthFeed
 
         feed = TruthFeed(parse_address(flags.truth)).run()
         opened.append(feed)

@@ -2,10 +2,10 @@
 
 import time
 
+from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
+from coral.reef.rehearsal.autopilot_line import AutopilotLine
+from coral.reef.rehearsal.body import Body, OpenWater
 from coral.reef.sea.address import parse_address
-from coral.reef.sea.autopilot import AutopilotCfg, SimulatedAutopilot
-from coral.reef.sea.autopilot_line import AutopilotLine
-from coral.reef.sea.body import Body, OpenWater
 from coral.reef.sea.mavlink_link import MavlinkLink
 from coral.reef.world.geometry import Pose
 

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from served_a50 import ServedA50
 
 from coral.errors import InputError
+from coral.reef.rehearsal.truth import TruthFeed
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.dvl_a50 import DvlA50, DvlState, merge, parse_line, watched
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.mavlink_link import MavlinkLink
 from coral.reef.sea.safety import SafetyCfg, SafetyMonitor
 from coral.reef.sea.survey_file import SurveyArea
-from coral.reef.sea.truth import TruthFeed
 from coral.reef.world.geometry import Pose
 
 VELOCITY = {

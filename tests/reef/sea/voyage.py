@@ -12,11 +12,11 @@ from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
+from coral.reef.rehearsal.simulated_link import SimulatedLink
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.sea_mission import Crew, SeaMission
-from coral.reef.sea.simulated_link import SimulatedLink
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
 from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.survey_file import SurveyArea

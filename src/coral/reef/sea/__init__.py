@@ -1,1 +1,1 @@
-"""From the pilot to a vehicle: links, the simulated autopilot."""
+"""From the pilot to a vehicle in real time: its link, its sensors, what stands round the mission loop there."""

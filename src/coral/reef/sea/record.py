@@ -9,8 +9,8 @@ from typing import Any
 from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
 from coral.reef.mission.record import COLUMNS, FrameRecorder, PicturePose, RecordCfg
+from coral.reef.mission.reef_truth import ReefTruth
 from coral.reef.sea.background import BackgroundWork
-from coral.reef.sea.reef_truth import ReefTruth
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.world import ReefWorld

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from coral.reef.sea.autopilot import SimulatedAutopilot
-from coral.reef.sea.autopilot_line import AutopilotLine
-from coral.reef.sea.body import Body, OpenWater
+from coral.reef.rehearsal.autopilot import SimulatedAutopilot
+from coral.reef.rehearsal.autopilot_line import AutopilotLine
+from coral.reef.rehearsal.body import Body, OpenWater
 
 
 def line():

@@ -1,7 +1,7 @@
 import pytest
 
+from coral.reef.rehearsal.simulated_link import SimulatedLink
 from coral.reef.sea.link import LinkRefused
-from coral.reef.sea.simulated_link import SimulatedLink
 from coral.reef.world.geometry import Pose
 
 

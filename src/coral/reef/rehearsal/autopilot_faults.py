@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from coral.errors import InputError, nearest
-from coral.reef.sea.autopilot import SimulatedAutopilot
+from coral.reef.rehearsal.autopilot import SimulatedAutopilot
 
 LONGEST_S = 1e6
 

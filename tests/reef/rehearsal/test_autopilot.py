@@ -5,9 +5,9 @@ import math
 import pytest
 from messages import mavlink
 
-from coral.reef.sea.autopilot import AutopilotCfg, SimulatedAutopilot
-from coral.reef.sea.autopilot_parameters import ParameterStore
-from coral.reef.sea.body import Body, OpenWater
+from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
+from coral.reef.rehearsal.autopilot_parameters import ParameterStore
+from coral.reef.rehearsal.body import Body, OpenWater
 
 
 class Station:

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from coral.errors import InputError, first_line
-from coral.reef.sea.autopilot import SimulatedAutopilot
-from coral.reef.sea.autopilot_faults import FaultPlan, LineCondition, LinkFault
+from coral.reef.rehearsal.autopilot import SimulatedAutopilot
+from coral.reef.rehearsal.autopilot_faults import FaultPlan, LineCondition, LinkFault
 
 PEERS = 8
 LAG_S = 0.5

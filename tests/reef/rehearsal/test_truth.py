@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from coral.reef.sea.autopilot import SimulatedAutopilot
-from coral.reef.sea.autopilot_line import AutopilotLine
-from coral.reef.sea.body import Body, OpenWater
-from coral.reef.sea.truth import TruthFeed
+from coral.reef.rehearsal.autopilot import SimulatedAutopilot
+from coral.reef.rehearsal.autopilot_line import AutopilotLine
+from coral.reef.rehearsal.body import Body, OpenWater
+from coral.reef.rehearsal.truth import TruthFeed
 from coral.reef.world.geometry import Pose
 
 

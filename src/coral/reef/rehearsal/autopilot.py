@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from coral.config import Fraction, Positive, Signed, TimeStep
+from coral.reef.rehearsal.autopilot_parameters import ParameterStore
+from coral.reef.rehearsal.body import Body
+from coral.reef.rehearsal.failsafes import Action, Circumstances, Failsafes
 from coral.reef.sea import ardusub
-from coral.reef.sea.autopilot_parameters import ParameterStore
-from coral.reef.sea.body import Body
-from coral.reef.sea.failsafes import Action, Circumstances, Failsafes
 from coral.reef.sea.frames import pose_to_ned, velocity_to_ned
 from coral.reef.sea.setpoints import NEUTRAL
 

@@ -6,7 +6,7 @@ from collections.abc import Hashable
 
 import numpy as np
 
-from coral.reef.sea.autopilot import SimulatedAutopilot
+from coral.reef.rehearsal.autopilot import SimulatedAutopilot
 
 
 class AutopilotLine:

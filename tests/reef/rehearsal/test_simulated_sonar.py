@@ -2,7 +2,7 @@ import numpy as np
 from echoes import SMALL
 
 from coral.reef.map.sonar_3d15 import Sonar3d15
-from coral.reef.sea.simulated_sonar import SimulatedSonar
+from coral.reef.rehearsal.simulated_sonar import SimulatedSonar
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import load_world

@@ -3,9 +3,9 @@
 import pytest
 
 from coral.errors import InputError
-from coral.reef.sea.autopilot import AutopilotCfg, SimulatedAutopilot
-from coral.reef.sea.autopilot_faults import FAULTS, FaultPlan, LineCondition, LinkFault, parse_fault
-from coral.reef.sea.body import Body, OpenWater
+from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
+from coral.reef.rehearsal.autopilot_faults import FAULTS, FaultPlan, LineCondition, LinkFault, parse_fault
+from coral.reef.rehearsal.body import Body, OpenWater
 
 
 def after(text, seconds):

@@ -1,7 +1,7 @@
 import numpy as np
 
 from coral.reef.paint.painter import Painter
-from coral.reef.sea.simulated_camera import SimulatedCamera
+from coral.reef.rehearsal.simulated_camera import SimulatedCamera
 from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Pose

@@ -6,10 +6,10 @@ import pytest
 from messages import mavlink
 
 from coral.errors import InputError
+from coral.reef.rehearsal.autopilot import SimulatedAutopilot
+from coral.reef.rehearsal.autopilot_server import AutopilotServer
+from coral.reef.rehearsal.body import Body, OpenWater
 from coral.reef.sea.address import parse_address
-from coral.reef.sea.autopilot import SimulatedAutopilot
-from coral.reef.sea.autopilot_server import AutopilotServer
-from coral.reef.sea.body import Body, OpenWater
 from coral.reef.sea.transport import open_transport
 
 

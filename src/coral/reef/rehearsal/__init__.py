@@ -1,0 +1,1 @@
+"""What stands in for a vehicle at sea: a simulated one in real time, its autopilot over MAVLink, its sensors."""
