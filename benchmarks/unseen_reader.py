@@ -24,7 +24,7 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.exam.contact_outcome import follow, followed_plan, scored_cfg
 from coral.exam.contact_scenes import trial_from_json
-from coral.exam.unseen_questions import unseen_items
+from coral.exam.generation import unseen_items
 
 HOVER = "def state_cost(self):\n    return norm(self.ee_pos - self.ee_stage_pos) + norm(self.ee_vel)"
 GREEDY = "def state_cost(self):\n    return {{'reach': 5.0 * norm(self.ee_pos - self.{0}_pos), 'goal': {1}}}"

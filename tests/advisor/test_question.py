@@ -1,7 +1,8 @@
 import hashlib
 import math
+from types import SimpleNamespace
 
-from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Usage
+from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Usage, trait
 
 
 def test_a_picture_is_known_by_its_content_alone():
@@ -21,3 +22,9 @@ def test_an_absence_may_be_mended_unless_it_is_final():
     assert not AdvisorUnavailable("timeout", "late").final
     gone = AdvisorUnavailable("budget", "used up", final=True, latency_s=math.inf)
     assert (gone.final, gone.latency_s, str(gone)) == (True, math.inf, "used up")
+
+
+def test_a_wrapper_has_the_traits_of_what_it_wraps_unless_it_has_its_own():
+    inside = SimpleNamespace(source="recording", latency="2")
+    outside = SimpleNamespace(inner=SimpleNamespace(inner=inside, latency="3"))
+    assert [trait(outside, name, "none") for name in ("source", "latency", "aclose")] == ["recording", "3", "none"]

@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from pydantic import BaseModel, Field
 
+from coral.advisor.attribution import source_of
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.consult import BudgetCfg, consult
 from coral.advisor.log import AttemptRecorder
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question, Rejection, Reply, Usage
+from coral.advisor.registry import make_advisor
 from coral.advisor.replay import ReplayAdvisor
 from coral.errors import InputError
 
@@ -241,3 +243,81 @@ def test_a_pipe_is_no_recording(tmp_path):
     os.mkfifo(tmp_path / "pipe.jsonl")
     with pytest.raises(InputError, match="a named pipe"):
         ReplayAdvisor(tmp_path / "pipe.jsonl")
+
+
+def line(kind, answer, verdict="accepted", code="", asked=0.0, answered=2.0):
+    return {
+        "kind": kind,
+        "prompt_version": "1",
+        "schema": "s",
+        "pictures": ["of another question"],
+        "facts_digest": "",
+        "prompt_digest": "p",
+        "asked_at_s": asked,
+        "answered_at_s": answered,
+        "verdict": verdict,
+        "code": code,
+        "reason": "as it was",
+        "raw": json.dumps(answer),
+        "answer": answer,
+        "usage": {"input_tokens": 3},
+        "final": False,
+    }
+
+
+@pytest.fixture
+def kinds(tmp_path):
+    lines = [
+        line("pick", {"index": 1}, "rejected", "low"),
+        line("place", {"index": 7}),
+        line("pick", None, "withdrawn"),
+        line("pick", None, "unavailable", "deadline"),
+        line("pick", {"index": 2}),
+        line("pick", None, "malformed", "not-json"),
+        line("pick", {"other": 2}),
+    ]
+    path = tmp_path / "attempts.jsonl"
+    path.write_text("".join(json.dumps(one) + "\n" for one in lines))
+    return path
+
+
+def ask_new(advisor, kind="pick"):
+    question = Question(kind=kind, prompt="asked nowhere before", answer_type=Pick, facts={})
+
+    async def one():
+        return await advisor.answer(question, [Rejection(code="low", reason="too low")])
+
+    return asyncio.run(one())
+
+
+def test_answers_come_in_their_order_kind_by_kind_whatever_is_asked(kinds):
+    advisor = ReplayAdvisor(kinds.parent, in_order=True)
+    first = ask_new(advisor)
+    assert (first.value.index, first.latency_s, first.usage.input_tokens) == (1, 2.0, 3)
+    assert ask_new(advisor).value.index == 2  # what was withdrawn or too late is left out
+    with pytest.raises(BadAnswer):
+        ask_new(advisor)
+    assert ask_new(advisor, "place").value.index == 7
+    with pytest.raises(AdvisorUnavailable, match="no longer validates"):
+        ask_new(advisor)
+    with pytest.raises(AdvisorUnavailable, match="no answer to a pick question is left") as gone:
+        ask_new(advisor)
+    assert (gone.value.code, gone.value.final) == ("not-recorded", True)
+
+
+def test_it_is_a_recording_and_says_which(kinds):
+    advisor = make_advisor(f"in-order:{kinds}", rules={}, rng=np.random.default_rng(0))
+    assert (advisor.name, source_of(advisor)) == (f"in-order:{kinds}", "recording")
+
+
+def test_a_shipped_recording_goes_by_its_name_unless_a_file_has_it(tmp_path, monkeypatch, kinds):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(AdvisorUnavailable, match=r"recordings/reef-o2.jsonl: .* no longer validates"):
+        ask_new(ReplayAdvisor("reef-o2", in_order=True), "reef-waypoint")
+    (tmp_path / "reef-o2").write_bytes(kinds.read_bytes())
+    assert ask_new(ReplayAdvisor("reef-o2", in_order=True)).value.index == 1
+
+
+def test_a_name_that_nothing_has_is_refused_with_those_that_there_are():
+    with pytest.raises(InputError, match=r"contact-flip-wall, .*reef-s1"):
+        ReplayAdvisor("reef-o9")

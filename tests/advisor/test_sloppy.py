@@ -6,6 +6,7 @@ import pytest
 from pydantic import BaseModel
 
 from coral.advisor.attribution import source_of
+from coral.advisor.latency import default_latency
 from coral.advisor.question import Question, Reply
 from coral.advisor.setting import Mistake
 from coral.advisor.sloppy import Rates, SloppyAdvisor, parse_rates
@@ -97,7 +98,11 @@ def test_a_mistake_stays_with_its_kinds_of_question_and_is_not_logged_when_it_is
 
 def test_it_is_still_its_inner_advisor():
     advisor = SloppyAdvisor(Right(), Rates(level=0.5), np.random.default_rng(0), MISTAKES)
-    assert (advisor.name, advisor.latency, source_of(advisor)) == ("sloppy:0.5:right", "0", "recording")
+    assert (advisor.name, str(default_latency(advisor)), source_of(advisor)) == (
+        "sloppy:0.5:right",
+        "fixed:0",
+        "recording",
+    )
 
 
 class Both(BaseModel):

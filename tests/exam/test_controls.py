@@ -5,11 +5,11 @@ import pytest
 
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.rules.answers import RULES
+from coral.exam.asking import ask_all
 from coral.exam.controls import CONTROLS, control
 from coral.exam.grading import Grader
 from coral.exam.question_set import load_set
 from coral.exam.result import Result
-from coral.exam.sitting import sit
 from coral.reef.decide.heuristic import REEF_RULES
 
 QUICK = ("reef-centroid", "reef-waypoint", "physical-parameters", "contact-regions", "object-poses")
@@ -28,6 +28,6 @@ def test_who_knows_nothing_scores_far_below_the_rules():
     scores = {}
     for name in ("random", "constant", "rules"):
         advisor = RuleAdvisor({**REEF_RULES, **RULES}) if name == "rules" else control(name, np.random.default_rng(0))
-        scores[name] = Result(name=name, graded=tuple(Grader().grade(sit(advisor, items)))).row()
+        scores[name] = Result(name=name, graded=tuple(Grader().grade(ask_all(advisor, items)))).row()
     assert scores["random"]["high"] < 0.5 * scores["rules"]["low"]
     assert scores["constant"]["high"] < scores["rules"]["low"]

@@ -1,9 +1,9 @@
 import pytest
 
 from coral.contact.plan.cost_plan import PlanAnswer
+from coral.exam.asking import Sheet
 from coral.exam.grading import Grader, outcome
 from coral.exam.item import ExamItem
-from coral.exam.sitting import Sheet
 from coral.reef.decide.answers import CentroidChoice
 
 FLAT = PlanAnswer(code="def state_cost(self):\n    return 1.0\n")

@@ -7,12 +7,12 @@ from coral.advisor.rules import RuleAdvisor
 from coral.contact.rules.answers import RULES
 from coral.desk.inbox import Inbox
 from coral.errors import InputError
+from coral.exam.asking import ask_all
 from coral.exam.grading import EPISODES, Grader
 from coral.exam.item import ANSWERS
 from coral.exam.paper_inbox import answers, export
 from coral.exam.question_set import load_set
 from coral.exam.result import Result
-from coral.exam.sitting import sit
 from coral.reef.decide.heuristic import REEF_RULES
 
 ALL_RULES = {**REEF_RULES, **RULES}
@@ -35,7 +35,7 @@ def test_answers_from_an_inbox_score_as_those_given_directly(tmp_path):
     assert export(items, tmp_path / "inbox", "public") == 6 * len(kinds)
     answer_all(tmp_path / "inbox")
     offline = Result(name="a", graded=tuple(Grader().grade(answers(items, tmp_path / "inbox")))).row()
-    direct = Result(name="a", graded=tuple(Grader().grade(sit(RuleAdvisor(ALL_RULES), items)))).row()
+    direct = Result(name="a", graded=tuple(Grader().grade(ask_all(RuleAdvisor(ALL_RULES), items)))).row()
     assert offline["by_kind"] == direct["by_kind"]
     assert 0.0 < offline["score"] == direct["score"]
 

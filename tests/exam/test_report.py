@@ -8,11 +8,11 @@ import pytest
 
 from coral.advisor.question import Picture, Usage
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
+from coral.exam.asking import Sheet
 from coral.exam.grading import Graded
 from coral.exam.item import ANSWERS, ExamItem
 from coral.exam.report import KINDS, WIDE_PX, write_report
 from coral.exam.result import Result
-from coral.exam.sitting import Sheet
 from coral.exam.worth import Worth
 from coral.reef.decide.answers import CentroidChoice
 

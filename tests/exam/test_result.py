@@ -1,10 +1,10 @@
 import pytest
 
 from coral.advisor.question import Usage
+from coral.exam.asking import Sheet
 from coral.exam.grading import Graded
 from coral.exam.item import ExamItem
 from coral.exam.result import Result
-from coral.exam.sitting import Sheet
 from coral.exam.worth import Worth
 
 

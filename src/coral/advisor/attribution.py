@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args
 
 from coral.advisor.consult import Attempt, Verdict
 from coral.advisor.fallback import Fallback
-from coral.advisor.question import Usage
+from coral.advisor.question import Usage, trait
 
 Source = Literal["advisor", "memory", "recording", "fallback"]
 """Source of a decision: the advisor that the run names (which may be rules), an experience memory, a recording of an
@@ -39,8 +39,8 @@ DEFINITIONS = {
 
 
 def source_of(advisor: Any) -> Source:
-    """Return the source of an advisor's accepted answers: its attribute `source` if set, else the advisor itself."""
-    source: Source = getattr(advisor, "source", "advisor")
+    """Return the source of an advisor's accepted answers: its trait `source` if set, else the advisor itself."""
+    source: Source = trait(advisor, "source", "advisor")
     return source
 
 

@@ -98,11 +98,6 @@ class SimulatedClock:
         """Return whether a question is pending."""
         return bool(self._requests)
 
-    @property
-    def pending_measured(self) -> bool:
-        """Return whether a question is pending whose latency is measured in wall time."""
-        return any(not r.wait and r.due_s is None and not r.future.done() for r in self._requests)
-
     def owns(self, loop: asyncio.AbstractEventLoop) -> bool:
         """Check whether `loop` is this clock's private one."""
         return loop is self._loop

@@ -12,7 +12,6 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import BaseModel
 
-from coral.advisor.attribution import source_of
 from coral.advisor.corrupt import corrupt
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply, Usage
@@ -82,18 +81,6 @@ class FallibleAdvisor:
         self._hooks = dict(hooks or {})
         self._previous: dict[str, dict[str, Any]] = {}
         self.name = f"fallible:{sum(dataclasses.astuple(cfg)):g}:{inner.name}"
-        self.latency = getattr(inner, "latency", "measured")
-        self.source = source_of(inner)
-
-    async def warm_up(self) -> None:
-        """Warm up the inner advisor."""
-        if (warm_up := getattr(self.inner, "warm_up", None)) is not None:
-            await warm_up()
-
-    async def aclose(self) -> None:
-        """Close the inner advisor."""
-        if (aclose := getattr(self.inner, "aclose", None)) is not None:
-            await aclose()
 
     def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
         """Answer, with an error at the configured rate.

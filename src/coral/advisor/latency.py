@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from coral.advisor.question import trait
 from coral.errors import InputError, nearest
 
 LatencyKind = Literal["fixed", "lognormal", "measured", "recorded"]
@@ -66,8 +67,8 @@ def parse_latency(spec: str, where: str = "--cfg.latency") -> LatencyCfg:
 
 
 def default_latency(advisor: Any) -> LatencyCfg:
-    """Return an advisor's own latency (attribute `latency`, a spec); measured if it has none."""
-    return parse_latency(str(getattr(advisor, "latency", "measured")), f"advisor {getattr(advisor, 'name', '?')}")
+    """Return an advisor's own latency (its trait `latency`, a spec); measured if it has none."""
+    return parse_latency(str(trait(advisor, "latency", "measured")), f"advisor {getattr(advisor, 'name', '?')}")
 
 
 def latency_for(advisor: Any, spec: str = "auto") -> LatencyCfg:

@@ -23,10 +23,27 @@ SKIP = "--no-preflight skips this question"
 
 
 class SmallAnswer(BaseModel):
-    """What is asked for: small, but with a number and a fixed set of words."""
+    """What is asked for: small, but with a number, a range and a fixed set of words."""
 
     number: int = Field(ge=0, le=9)
     color: Literal["red", "green", "blue", "yellow", "white", "black", "none"]
+
+
+def small_question(number: int, rgb: tuple[int, int, int] | None) -> Question[SmallAnswer]:
+    """Make a question that any model can answer.
+
+    Args:
+        number: The number to repeat.
+        rgb: Colour of the picture to name; None for a question without a picture.
+    """
+    color = "the color that fills the picture (red, green, blue, yellow, white or black)" if rgb else '"none"'
+    return Question(
+        kind="preflight",
+        answer_type=SmallAnswer,
+        facts={},
+        prompt=f"Return only a JSON object with two keys: number, which is {number}, and color, which is {color}.",
+        pictures=(Picture(name="patch", png=_patch(rgb)),) if rgb else (),
+    )
 
 
 def model_of(advisor: Any) -> ModelAdvisor | None:
@@ -68,16 +85,8 @@ def preflight(advisor: Any, *, pictures: bool, where: str = "--advisor", quiet: 
 
 async def _ask(model: ModelAdvisor, seeing: bool) -> str:
     """Return the model's fault, or ""."""
-    color = "the color that fills the picture (red, green, blue, yellow, white or black)" if seeing else '"none"'
-    question = Question(
-        kind="preflight",
-        answer_type=SmallAnswer,
-        facts={},
-        prompt=f"Return only a JSON object with two keys: number, which is {NUMBER}, and color, which is {color}.",
-        pictures=(Picture(name="patch", png=patch(RGB)),) if seeing else (),
-    )
     try:
-        answer = (await model.answer(question, ())).value
+        answer = (await model.answer(small_question(NUMBER, RGB if seeing else None), ())).value
     except BadAnswer as bad:
         return _short(f"its reply is no answer, {bad.rejection.code}: {bad.rejection.reason}")
     except AdvisorUnavailable as gone:
@@ -90,7 +99,7 @@ async def _ask(model: ModelAdvisor, seeing: bool) -> str:
     return ""
 
 
-def patch(rgb: tuple[int, int, int]) -> bytes:
+def _patch(rgb: tuple[int, int, int]) -> bytes:
     """Make a PNG of one colour, 64 x 64 pixels."""
     image = np.full((64, 64, 3), rgb, np.uint8)
     return bytes(cv2.imencode(".png", image[:, :, ::-1])[1])

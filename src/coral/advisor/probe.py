@@ -5,16 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, Field
 
 from coral.advisor.inner_loop import run_alone
 from coral.advisor.model_cfg import ModelCfg, OutputMode
 from coral.advisor.models import ModelAdvisor
-from coral.advisor.preflight import patch
-from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question
+from coral.advisor.preflight import small_question
+from coral.advisor.question import AdvisorUnavailable, BadAnswer
 from coral.advisor.registry import make_advisor
 from coral.errors import InputError
 
@@ -22,13 +20,6 @@ MODES: tuple[OutputMode, ...] = ("native", "tool", "prompted", "plain")
 """The strictest first: the first that works is recommended."""
 
 COLORS: Mapping[str, tuple[int, int, int]] = {"red": (220, 30, 30), "green": (30, 160, 60), "blue": (40, 70, 220)}
-
-
-class ProbeAnswer(BaseModel):
-    """What the probe asks for: small, but with a number, a range and a fixed set of words."""
-
-    number: int = Field(ge=0, le=9)
-    color: Literal["red", "green", "blue", "none"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,14 +105,7 @@ async def _probe(advisor: ModelAdvisor, base: ModelCfg) -> ProbeReport:
 
 async def _ask(advisor: ModelAdvisor, number: int, color: str) -> tuple[Finding, str]:
     """Ask one small question; return the finding and the code of the failure, if any."""
-    what = "the color that fills the picture (red, green or blue)" if color else '"none"'
-    question = Question(
-        kind="probe",
-        answer_type=ProbeAnswer,
-        facts={},
-        prompt=f"Return only a JSON object with two keys: number, which is {number}, and color, which is {what}.",
-        pictures=(Picture(name="patch", png=patch(COLORS[color])),) if color else (),
-    )
+    question = small_question(number, COLORS.get(color))
     started = time.monotonic()
     code = ""
     try:

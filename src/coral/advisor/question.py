@@ -130,3 +130,12 @@ class Advisor(Protocol):
             AdvisorUnavailable: There is no reply.
         """
         ...
+
+
+def trait(advisor: Any, name: str, default: Any = None) -> Any:
+    """Return an attribute of an advisor, or of the one inside it: a wrapper changes answers and nothing else."""
+    while advisor is not None:
+        if (found := getattr(advisor, name, None)) is not None:
+            return found
+        advisor = getattr(advisor, "inner", None)
+    return default

@@ -79,7 +79,7 @@ ENTRIES = (
     AdvisorEntry(
         form="in-order:FILE",
         what="the same, also to questions that have changed since: recorded answers in their order",
-        make="coral.advisor.in_order:make_in_order",
+        make="coral.advisor.replay:make_replay",
     ),
     AdvisorEntry(
         form="fallible:P:INNER",

@@ -12,7 +12,6 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import BaseModel
 
-from coral.advisor.attribution import source_of
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import Advisor, Question, Rejection, Reply
 from coral.advisor.setting import Earlier, Mistake, Setting
@@ -85,18 +84,6 @@ class SloppyAdvisor:
         self.inner, self._rates, self._rng, self._mistakes = inner, rates, rng, tuple(mistakes)
         self._past: dict[str, deque[Earlier]] = {}
         self.name = f"sloppy:{rates}:{inner.name}"
-        self.latency = getattr(inner, "latency", "measured")
-        self.source = source_of(inner)
-
-    async def warm_up(self) -> None:
-        """Warm up the inner advisor."""
-        if (warm_up := getattr(self.inner, "warm_up", None)) is not None:
-            await warm_up()
-
-    async def aclose(self) -> None:
-        """Close the inner advisor."""
-        if (aclose := getattr(self.inner, "aclose", None)) is not None:
-            await aclose()
 
     def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
         """Answer, with a mistake at the configured rate.

@@ -9,13 +9,15 @@ from collections.abc import Callable, Coroutine
 from concurrent.futures import Future
 from typing import Any
 
+from coral.advisor.question import trait
+
 
 class AdvisorThread:
     """A daemon thread with its own event loop, which owns the connections of the advisors."""
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
-        self._to_close: list[Any] = []
+        self._to_close: list[Callable[[], Coroutine[Any, Any, Any]]] = []
         self._thread = threading.Thread(target=self._run, name="coral-advisor", daemon=True)
         self._thread.start()
 
@@ -29,9 +31,9 @@ class AdvisorThread:
                 task.cancel()
             if left:
                 self._loop.run_until_complete(asyncio.gather(*left, return_exceptions=True))
-            for advisor in self._to_close:
+            for close in self._to_close:
                 with contextlib.suppress(OSError, RuntimeError):
-                    self._loop.run_until_complete(advisor.aclose())
+                    self._loop.run_until_complete(close())
             self._loop.run_until_complete(self._loop.shutdown_asyncgens())
             self._loop.close()
 
@@ -53,9 +55,9 @@ class AdvisorThread:
         Raises:
             TimeoutError: It took longer than `timeout_s` of wall time.
         """
-        if hasattr(advisor, "aclose"):
-            self._to_close.append(advisor)
-        warm = getattr(advisor, "warm_up", None)
+        if (close := trait(advisor, "aclose")) is not None:
+            self._to_close.append(close)
+        warm = trait(advisor, "warm_up")
         future = self.submit(warm if warm is not None else _do_nothing)
         try:
             future.result(timeout_s)

@@ -21,6 +21,7 @@ from coral.contact.rules.answers import RULES
 from coral.contact.rules.mistakes import CONTACT_MISTAKES
 from coral.contact.rules.spoilt_answers import SPOILT
 from coral.errors import InputError
+from coral.exam.asking import ask_all
 from coral.exam.controls import CONTROLS, control
 from coral.exam.grading import Grader
 from coral.exam.item import ExamItem
@@ -28,7 +29,6 @@ from coral.exam.paper_inbox import answers, export
 from coral.exam.question_set import load_set
 from coral.exam.report import write_report
 from coral.exam.result import Result
-from coral.exam.sitting import sit
 from coral.file_writer import write_whole, writing
 from coral.flags import Option
 from coral.reef.decide.heuristic import REEF_RULES
@@ -114,7 +114,7 @@ class AdvisorBench:
             preflight(advisor, pictures=any(i.pictures for i in items), where="--advisors", quiet=self.quiet)
         results = []
         for name, advisor in made.items():
-            sheets = sit(advisor, items, self.at_once)
+            sheets = ask_all(advisor, items, self.at_once)
             if not self.quiet:
                 print(f"{name}: {len(sheets)} questions asked", file=sys.stderr, flush=True)
             results.append(Result(name=name, graded=tuple(grader.grade(sheets))))

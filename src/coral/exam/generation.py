@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
-from coral.exam.contact_questions import contact_items
+from coral.contact.scene.task_file import unseen_tasks
+from coral.exam.contact_questions import contact_items, plan_question
+from coral.exam.item import ExamItem
 from coral.exam.question_set import QuestionSet
 from coral.exam.reef_questions import reef_items
-from coral.exam.unseen_questions import unseen_items
 
 REEFS = ("l1", "l2", "s1", "s2", "k1", "k2", "e1", "e2", "o1", "o2")
 CONTACT: Mapping[str, int] = {
@@ -47,3 +49,20 @@ def make_set(
 def make_unseen_set(name: str, half: str, seed: int) -> QuestionSet:
     """Make a set with one question for a plan of each task in a half of the unseen suite; see `unseen_items`."""
     return QuestionSet(name=name, about={"seed": seed, "unseen": half}, items=tuple(unseen_items(half, seed)))
+
+
+def unseen_items(half: str, seed: int) -> list[ExamItem]:
+    """Make one question for a plan of each task, which a reader outside answers and an episode scores.
+
+    Args:
+        half: "development" or "test".
+        seed: Of the trials.
+
+    Raises:
+        InputError: There is no such half.
+    """
+    items = [(task, plan_question(task, seed)) for task in unseen_tasks(half)]
+    return [
+        replace(item, id=f"{item.kind}-{number:03d}", group=f"{task}-{seed}")
+        for number, (task, item) in enumerate(items)
+    ]

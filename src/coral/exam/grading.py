@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
+from coral.exam.asking import Sheet
 from coral.exam.item import ANSWERS, ExamItem
 from coral.exam.score import score
-from coral.exam.sitting import Sheet
 from coral.exam.worth import Worth
 
 EPISODES = ("cost-function", "cost-repair", "unified")

@@ -10,8 +10,8 @@ from coral.advisor.desk import question_folder, read_answer
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import BadAnswer, Usage
 from coral.errors import InputError
+from coral.exam.asking import Sheet
 from coral.exam.item import ExamItem
-from coral.exam.sitting import Sheet
 from coral.file_writer import write_whole
 from coral.foreign_file import read_json
 

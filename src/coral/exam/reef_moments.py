@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -173,9 +173,3 @@ def _seconds(before: Pose, after: Pose) -> float:
     cfg = VehicleCfg()
     turned = abs(wrap(after.theta - before.theta)) / cfg.max_yaw_rate_rad_s
     return math.dist(before[:2], after[:2]) / cfg.max_speed_m_s + turned
-
-
-def lost_s(seconds: Sequence[float]) -> list[float]:
-    """Compute the time that each choice loses against the best one (s)."""
-    best = min(seconds)
-    return [one - best for one in seconds]

@@ -15,7 +15,7 @@ from coral.advisor.consult import DEADLINE_S, Attempt, BudgetCfg, Outcome, consu
 from coral.advisor.inner_loop import run_on
 from coral.advisor.latency import LatencyCfg
 from coral.advisor.prompt import render
-from coral.advisor.question import Advisor, Picture, Question, Rejection
+from coral.advisor.question import Advisor, Picture, Question, Rejection, trait
 from coral.contact.perception.scene_labels import PictureLabels
 from coral.contact.thinker.thinking_clock import ThinkingClock
 
@@ -145,7 +145,7 @@ class Asker:
         """Close the advisor and the loop."""
         if self._loop is None:
             return
-        if (aclose := getattr(self.advisor, "aclose", None)) is not None:
+        if (aclose := trait(self.advisor, "aclose")) is not None:
             run_on(self._loop, aclose())
         self._loop.close()
         self._loop = None

@@ -32,8 +32,8 @@ from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import Diagnosis
 from coral.contact.thinker.fallback import ask_rules, fall_back
-from coral.contact.thinker.film_strip import draw_film_strip
 from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
+from coral.contact.thinker.rehearsal_picture import draw_rehearsal
 from coral.contact.thinker.repair_prompt import fit_prompt
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
@@ -176,7 +176,7 @@ class Questions:
                 },
                 partial(self._check_revision, now=now),
                 with_picture=True,
-                pictures=(draw_film_strip(self._world, self._trial, moments),),
+                pictures=(draw_rehearsal(self._world, self._trial, moments),),
                 labels=self.labels(now),
             )
             answer = outcome.answer

@@ -3,8 +3,8 @@ import asyncio
 import pytest
 
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Reply, Usage
+from coral.exam.asking import ask, ask_all
 from coral.exam.item import ExamItem
-from coral.exam.sitting import ask, sit
 from coral.reef.decide.answers import CentroidChoice
 
 BAD = BadAnswer("not-json", "no JSON in it", raw="I am sorry", usage=Usage(output_tokens=4))
@@ -44,7 +44,7 @@ class Student:
 
 def test_every_question_is_asked_once_and_answered_in_order():
     student, told = Student(), []
-    sheets = sit(student, [item(k) for k in range(5)], told=told.append)
+    sheets = ask_all(student, [item(k) for k in range(5)], told=told.append)
     assert [sheet.answer.selected_centroid_index for sheet in sheets] == list(range(5))
     assert student.asked == list("01234")
     assert told == sheets
@@ -54,14 +54,14 @@ def test_every_question_is_asked_once_and_answered_in_order():
 @pytest.mark.parametrize("at_once", [1, 3])
 def test_no_more_questions_are_open_than_allowed(at_once):
     student = Student()
-    sheets = sit(student, [item(k) for k in range(7)], at_once)
+    sheets = ask_all(student, [item(k) for k in range(7)], at_once)
     assert student.most_open == at_once
     assert [sheet.item.id for sheet in sheets] == [f"q{k}" for k in range(7)]
 
 
 def test_a_reply_that_is_no_answer_is_kept_with_its_reason_and_not_asked_again():
     student = Student({"1": BAD})
-    sheet = sit(student, [item(1)])[0]
+    sheet = ask_all(student, [item(1)])[0]
     assert (sheet.answer, sheet.raw, sheet.failure) == (None, "I am sorry", "not-json: no JSON in it")
     assert sheet.usage.output_tokens == 4
     assert student.asked == ["1"]
@@ -69,7 +69,7 @@ def test_a_reply_that_is_no_answer_is_kept_with_its_reason_and_not_asked_again()
 
 def test_one_that_is_not_answered_leaves_the_others():
     gone = AdvisorUnavailable("no-network", "there is none", usage=Usage(cost_usd=0.5), final=True)
-    first, second = sit(Student({"1": gone}), [item(1), item(2)])
+    first, second = ask_all(Student({"1": gone}), [item(1), item(2)])
     assert (first.answer, first.failure, first.seconds) == (None, "no-network: there is none", None)
     assert first.usage.cost_usd == 0.5
     assert second.answer.selected_centroid_index == 2
@@ -82,7 +82,7 @@ def test_the_time_is_what_a_recording_says_or_else_what_passed():
 
 def test_the_advisor_is_closed_at_the_end_even_after_a_fault():
     well, faulty = Student(), Student({"1": ZeroDivisionError("no")})
-    sit(well, [item(1)])
-    assert sit(faulty, [item(1)])[0].failure == "advisor-error: ZeroDivisionError: no"
+    ask_all(well, [item(1)])
+    assert ask_all(faulty, [item(1)])[0].failure == "advisor-error: ZeroDivisionError: no"
     assert well.closed
     assert faulty.closed

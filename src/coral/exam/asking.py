@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from coral.advisor.consult import Attempt, BudgetCfg, consult
-from coral.advisor.question import Advisor, BadAnswer, Usage
+from coral.advisor.question import Advisor, BadAnswer, Usage, trait
 from coral.exam.item import ExamItem
 
 
@@ -33,7 +33,7 @@ class Sheet:
     """Tokens and cost."""
 
 
-def sit(
+def ask_all(
     advisor: Advisor, items: Sequence[ExamItem], at_once: int = 1, told: Callable[[Sheet], None] = lambda sheet: None
 ) -> list[Sheet]:
     """Ask every question once; a bad answer is not asked for again.
@@ -44,10 +44,12 @@ def sit(
         at_once: Maximum number of open questions.
         told: Receives each sheet when its reply has arrived.
     """
-    return asyncio.run(_sit(advisor, items, at_once, told))
+    return asyncio.run(_gather(advisor, items, at_once, told))
 
 
-async def _sit(advisor: Advisor, items: Sequence[ExamItem], at_once: int, told: Callable[[Sheet], None]) -> list[Sheet]:
+async def _gather(
+    advisor: Advisor, items: Sequence[ExamItem], at_once: int, told: Callable[[Sheet], None]
+) -> list[Sheet]:
     gate = asyncio.Semaphore(at_once)
 
     async def one(item: ExamItem) -> Sheet:
@@ -59,7 +61,7 @@ async def _sit(advisor: Advisor, items: Sequence[ExamItem], at_once: int, told: 
     try:
         return list(await asyncio.gather(*(one(item) for item in items)))
     finally:
-        if (aclose := getattr(advisor, "aclose", None)) is not None:
+        if (aclose := trait(advisor, "aclose")) is not None:
             await aclose()
 
 

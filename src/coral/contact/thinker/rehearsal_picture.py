@@ -22,7 +22,7 @@ SIZE = (320, 240)
 """Width and height of each, pixels."""
 
 
-def draw_film_strip(world: PlanningWorld, trial: Trial, moments: Sequence[ImaginedMoment]) -> Picture:
+def draw_rehearsal(world: PlanningWorld, trial: Trial, moments: Sequence[ImaginedMoment]) -> Picture:
     """Draw evenly spread moments of a rehearsal side by side, each with its time and stage.
 
     Args:
