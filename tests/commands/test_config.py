@@ -93,3 +93,15 @@ def test_a_mistake_is_one_line(capsys, words, said):
     err = capsys.readouterr().err
     assert err.count("\n") == 1
     assert re.search(said, err)
+
+
+def test_departures_from_the_paper_are_listed_from_the_code(told):
+    listed = told("reef", "--departures")
+    keys = [line.split(" = ")[0] for line in listed.splitlines() if " = " in line and not line.startswith(" ")]
+    assert {"planner.algorithm", "pilot.trigger.cooldown_s", "belief.inspect.enabled", "planner.route.ahead"} <= set(
+        keys
+    )
+    assert " ".join(listed.split()).count("Departs from the paper:") == len(keys)
+    assert told("reef", "pilot.trigger", "--departures").startswith(
+        "pilot.trigger.cooldown_s = 5 s: T_cooldown. Departs"
+    )

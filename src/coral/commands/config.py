@@ -17,6 +17,8 @@ from coral.help_page import first_sentence
 from coral.surface import described, load
 
 WIDTH = 120
+DEPARTS = "Departs from the paper:"
+"""Begins the sentence beside a default that says how, and why."""
 UNITS = {
     "m": "m",
     "mm": "mm",
@@ -49,6 +51,8 @@ class ListConfig:
     of: Annotated[str, Argument(metavar="CONFIGURATION", names=CONFIGURATIONS, help=HELP)]
     key: Annotated[str, Argument(metavar="[KEY]")] = ""
     """A key, such as pilot.trigger.stuck_s, or a group of keys, such as pilot.trigger."""
+    departures: bool = False
+    """Only keys whose default departs from the paper, with the reason."""
     config: Path | None = None
     """Show the values of this YAML file where it has some, such as the config.yaml of a run."""
     variant: str | None = None
@@ -66,6 +70,7 @@ class ListConfig:
         values = self._values(place)
         asked = re.sub(rf"^({flag}|{flag[2:]})\.", "", self.key).replace("-", "_").strip(".")
         chosen = [each for each in about.flags if f"{'.'.join(each.field)}.".startswith(f"{asked}." if asked else "")]
+        chosen = [each for each in chosen if not self.departures or DEPARTS in _flat(each.text)]
         if not chosen:
             keys = [".".join(each.field[:n]) for each in about.flags for n in range(1, len(each.field) + 1)]
             raise InputError(f"coral config {self.of}", "", repr(self.key), f"one of its keys{_near(asked, keys)}")
@@ -95,6 +100,11 @@ class ListConfig:
     def describe(self, result: Mapping[str, Any]) -> str:
         """Return a line for each key, or all about the only one."""
         rows = result["keys"]
+        if self.departures:
+            return "\n".join(
+                textwrap.fill(f"{row['key']} = {_amount(row)}: {_flat(row['text'])}", WIDTH, subsequent_indent="  ")
+                for row in rows
+            )
         if len(rows) == 1 and rows[0]["key"] == result["key"]:
             return _explained(rows[0])
         keys = max(len(row["key"]) for row in rows) + 2
@@ -103,6 +113,10 @@ class ListConfig:
         flag = CONFIGURATIONS[result["configuration"]][1]
         ends = f"Set one by {flag}.KEY VALUE; explain one by: coral config {result['configuration']} KEY"
         return "\n".join([textwrap.fill(result["text"], WIDTH), "", *lines, "", ends])
+
+
+def _flat(text: str) -> str:
+    return " ".join(text.split())
 
 
 def _near(asked: str, keys: list[str]) -> str:

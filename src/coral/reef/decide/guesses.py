@@ -18,7 +18,8 @@ class GuessCfg:
     seen_share: Fraction = 0.9
     """It has come out once this share of the water within `near_m` of its place is explored."""
     allowance_s: Positive = 30.0
-    """What a guess may cost before any has come out: three answers of the paper's median latency."""
+    """What a guess may cost before any has come out: three answers of the paper's median latency. Departs from the
+    paper: its answers state no expectation."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -30,22 +30,23 @@ class PlannerCfg:
     """Which planner asks, and what it offers."""
 
     algorithm: Literal["tour", "paper"] = "tour"
-    """paper: Alg. 2. tour (beyond the paper): asks ahead, offers all that is left, refuses what the robot's own record
-    proves wrong and says what else costs."""
+    """paper: Alg. 2. tour: asks ahead, offers all that is left, refuses what is provably wrong, tells what else costs.
+    Departs from the paper: fixed angles (Eqs. 4-8) refuse right answers, too."""
     forward_m: float = 1.0
     """d_min of Alg. 2: a centroid counts as ahead from this forward projection."""
     step_m: Count = 6
     """Longest waypoint step per axis (paper III-C.2: whole metres, 0 to 6)."""
     separation_m: float = 1.0
-    """Delta d_min (paper IV-F): a new goal lies at least this far from the previous one; under `tour`, from where the
-    robot will be."""
+    """Delta d_min (paper IV-F): a new goal lies at least this far from the previous one. Departs from the paper: under
+    `tour`, from where the robot will be."""
     checks: bool = True
     """False is the ablation "w/o self-verification": only points outside the survey area are refused, which no map
     covers; violations of Eqs. 4-8 are counted, not rejected."""
     centroid_selection: bool = True
     """False is the ablation "w/o centroid selection": the chain is shown, but only waypoints are asked for."""
     explore: bool = True
-    """False: unexplored water is no reason to go anywhere, and nothing is left when no unvisited cluster is known."""
+    """False: unexplored water is no reason to go anywhere, and nothing is left when no unvisited cluster is known.
+    Departs from the paper: it has no rule for when a survey is complete."""
     route: RouteCfg = field(default_factory=RouteCfg)
     survey: SurveyCfg = field(default_factory=SurveyCfg)
     verify: VerifyCfg = field(default_factory=VerifyCfg)

@@ -30,8 +30,8 @@ class RouteCfg:
     """How goals are driven to, one after the other."""
 
     ahead: bool = True
-    """Ask for the next goal while there is still way to go, and measure it from where the robot will be then. False is
-    the paper's rule: ask near the goal, measure from where the robot is, and turn to the new goal at once."""
+    """Ask for the next goal while there is still way to go, and measure it from where the robot will be then. Departs
+    from the paper: it asks near the goal, measures from the robot, and turns to the new goal at once (False)."""
     cruise_m_s: Positive = 0.5
     """Expected speed along a path: max_speed of 0.6 m/s less turns and detours."""
     reach_m: Positive = 1.0

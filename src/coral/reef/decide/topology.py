@@ -28,7 +28,7 @@ class TopologyCfg:
     """Size of the graph, and what its places are worth."""
 
     enabled: bool = True
-    """False is the ablation "w/o topological memory"."""
+    """False is the ablation "w/o topological memory". Departs from the paper: it switches modes by Alg. 2 alone."""
     remaining: RemainingCfg = field(default_factory=RemainingCfg)
     told_s: float = 5.0
     """The price of a choice is told from here on: less than an answer takes."""

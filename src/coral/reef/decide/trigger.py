@@ -26,8 +26,8 @@ class TriggerCfg:
     max_failures: int = 2
     """N_fail_max, consecutive planner failures."""
     cooldown_s: float = 5.0
-    """T_cooldown. The paper says 50 s, but its 54.7 calls per 321 s environment are one per 5.9 s; 50 control ticks
-    of 0.1 s fit both, so 5 s is the default."""
+    """T_cooldown. Departs from the paper: it says 50 s, but its 54.7 calls per 321 s environment are one per 5.9 s; 50
+    control ticks of 0.1 s fit both."""
     always: bool = False
     """Ask at every cooldown, whatever Eq. 12 says (ablation "w/o smart trigger")."""
 

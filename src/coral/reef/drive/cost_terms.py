@@ -36,11 +36,11 @@ class CostCfg:
     """(Metres driven + cost-to-go at the end - cost-to-go now) / longest rollout: metres without progress. Alg. 3 names
     this term, but the paper gives no weight. 0, since the cost-to-go already penalises detours."""
     heading: float = 0.2
-    """Mean of (1 - cos) / 2 of the angle between the heading and the descent of the cost-to-go. Not in the paper: the
-    camera looks forward and the vehicle drives only forward, so a goal behind it needs a turn first."""
+    """Mean of (1 - cos) / 2 of the angle between the heading and the descent of the cost-to-go. Departs from the
+    paper: the camera looks forward and the vehicle drives only forward, so a goal behind it needs a turn first."""
     smooth: float = 0.05
-    """Mean squared change of the command, in units of its limits. The paper names smoothness in III-E, but not in
-    Alg. 3, and gives no weight."""
+    """Mean squared change of the command, in units of its limits. Departs from the paper: it names smoothness in III-E,
+    but not in Alg. 3, and gives no weight."""
     soft_m: Positive = 0.4
     """Clearance of the hull below which proximity has a cost."""
 

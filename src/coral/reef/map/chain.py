@@ -21,7 +21,8 @@ class InspectCfg:
     """When a cluster counts as done: by what was seen of it from near, not by where the robot has been."""
 
     enabled: bool = True
-    """False is the paper's rule: a cluster is visited once the robot has been near its centroid, whatever it saw."""
+    """Whether a cluster is done by what was seen of it. Departs from the paper: there it is visited once the robot has
+    been near its centroid, whatever it saw (False)."""
     pixel_m: Positive = 0.05
     """Largest pixel at which oysters can be counted (see `ImagingCfg.pixel_m`); with the default camera 2.3 m away."""
     share: Fraction = 0.95
@@ -41,7 +42,7 @@ class ChainCfg:
     min_area_px: int = 100
     """A_min (paper IV-F)."""
     closing_m: float = 0.35
-    """Gaps between oysters up to this wide are closed before components are labelled. Not in the paper: at 0.05 m
+    """Gaps between oysters up to this wide are closed before components are labelled. Departs from the paper: at 0.05 m
     one oyster is about 12 cells, so a bed of separate oysters would never reach A_min."""
     merge_distance_m: float = 1.0
     """d_merge; not given in the paper. Equal to its minimum target separation."""

@@ -24,7 +24,7 @@ class LocalizationCfg:
 
     drift_xy: NonNegative = 0.0
     """Random walk of the odometry's position along each axis (m/√s), as its data sheet or a trial gives it. With this
-    and the next at 0 the odometry is taken as it is: the paper's positions are exact."""
+    and the next at 0 the odometry is taken as it is, as in the paper, whose positions are exact."""
     drift_theta: NonNegative = 0.0
     """The same of its heading (rad/√s)."""
     use_covariance: bool = True

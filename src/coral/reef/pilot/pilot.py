@@ -76,12 +76,13 @@ class PilotCfg:
     blind_m: float = 6.0
     """It may lie up to this far, so that the robot need not stand still until the first answer comes."""
     first_s: float = 1.0
-    """The first question is asked so long after the start: a map of one picture shows too little."""
+    """The first question is asked so long after the start. Departs from the paper: a map of one picture shows too
+    little."""
     local_m: float = 5.0
     """How far about itself the robot keeps its distances to obstacles up to date; beyond the sensing range."""
     cost_to_go: bool = True
     """False is the ablation "w/o cost-to-go": the controller is given the straight distance to the goal, whatever lies
-    between, as a local planner alone would have it. The paper describes no cost-to-go."""
+    between, as a local planner alone would have it. Departs from the paper: it describes no cost-to-go."""
     blind_speed_m_s: Positive = 0.3
     """Speed without a camera, half the cruise speed: if the sonar is lost too, the vehicle stands within 1 s."""
     passed_m: Positive = 0.45
