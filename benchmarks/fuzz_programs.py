@@ -170,6 +170,8 @@ def same(found: Any, wanted: Any) -> bool:
 
     A number alone may be whole here and a decimal there: `max(2, x)` is one or the other, state by state.
     """
+    if isinstance(wanted, dict | Iterator):
+        return True  # what they hold is compared where it is used
     if isinstance(found, list | tuple) or isinstance(wanted, list | tuple):
         return (
             isinstance(found, list | tuple)
@@ -177,8 +179,6 @@ def same(found: Any, wanted: Any) -> bool:
             and len(found) == len(wanted)
             and all(map(same, found, wanted))
         )
-    if isinstance(wanted, dict | Iterator):
-        return True  # what they hold is compared where it is used
     if found is None or isinstance(found, str) or not isinstance(wanted, int | float | np.ndarray | np.generic):
         return type(found) is type(wanted) and bool(found == wanted)
     if isinstance(found, float) and isinstance(wanted, float):
@@ -232,6 +232,9 @@ def compare(tally: Tally, case: str, state: Context, ours: Callable[[], Any], py
         if error.code not in CODES or error.code == "internal":
             tally.add("different", case, str(error))
             return
+    except Exception as crash:
+        tally.add("different", case, f"{type(crash).__name__} in the interpreter: {crash}")
+        return
     outcome, text = "same", ""
     for i, j, plain in STATES:
         try:

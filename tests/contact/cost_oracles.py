@@ -1,17 +1,25 @@
-"""States to evaluate costs on, and two oracles that run a program state by state in plain Python."""
+"""States to evaluate costs on, and an oracle that runs a program state by state in plain Python."""
 
 from __future__ import annotations
 
+import importlib.util
 import math
-import operator
+import sys
 import textwrap
-import types
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from coral.contact.cost.context import Context
 from coral.contact.cost.schema import HAND, object_quantities
+
+spec = importlib.util.spec_from_file_location(
+    "fuzz_programs", Path(__file__).parents[2] / "benchmarks" / "fuzz_programs.py"
+)
+fuzz_programs = importlib.util.module_from_spec(spec)
+sys.modules[spec.name] = fuzz_programs
+spec.loader.exec_module(fuzz_programs)
 
 SCHEMA = {
     **HAND,
@@ -87,128 +95,19 @@ def make_states(rng, k=4, h=5):
     return Context(values, (k, h))
 
 
-class Num:
-    """One number, on which every operation is numpy's on an array of one entry, as the batch's are on many."""
-
-    def __init__(self, v):
-        self.v = np.asarray(v, dtype=float).reshape(1, 1)
-
-    def __bool__(self):
-        return bool(self.v[0, 0] != 0)
-
-    def __neg__(self):
-        return Num(-self.v)
-
-    def __abs__(self):
-        return Num(np.abs(self.v))
-
-
-def raw(x):
-    return x.v if isinstance(x, Num) else x
-
-
-def _operate(function, compares):
-    def forward(a, b):
-        if not isinstance(b, Num | int | float):
-            return NotImplemented
-        found = function(raw(a), raw(b))
-        return bool(found[0, 0]) if compares else Num(found)
-
-    def backward(a, b):
-        return Num(function(raw(b), raw(a)))
-
-    return forward, backward
-
-
-for _word in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
-    _forward, _backward = _operate(getattr(operator, _word), False)
-    setattr(Num, f"__{_word}__", _forward)
-    setattr(Num, f"__r{_word}__", _backward)
-for _word in ("lt", "le", "gt", "ge", "eq", "ne"):
-    setattr(Num, f"__{_word}__", _operate(getattr(operator, _word), True)[0])
-
-
-class Row:
-    """A vector of such numbers."""
-
-    def __init__(self, items):
-        self.items = tuple(items)
-
-    def __getitem__(self, i):
-        return Row(self.items[i]) if isinstance(i, slice) else self.items[i]
-
-    def __iter__(self):
-        return iter(self.items)
-
-    def __len__(self):
-        return len(self.items)
-
-    def __neg__(self):
-        return Row(-x for x in self)
-
-    def copy(self):
-        return Row(self.items)
-
-
-def _rowwise(function):
-    def forward(a, b):
-        return Row(map(function, a, b)) if isinstance(b, Row | list | tuple) else Row(function(x, b) for x in a)
-
-    def backward(a, b):
-        return Row(map(function, b, a)) if isinstance(b, Row | list | tuple) else Row(function(b, x) for x in a)
-
-    return forward, backward
-
-
-for _word in ("add", "sub", "mul", "truediv", "pow"):
-    _forward, _backward = _rowwise(getattr(operator, _word))
-    setattr(Row, f"__{_word}__", _forward)
-    setattr(Row, f"__r{_word}__", _backward)
-
-
-def ufunc(name):
-    function = getattr(np, name)
-
-    def call(*args):
-        if any(isinstance(a, Row) for a in args):
-            n = next(len(a) for a in args if isinstance(a, Row))
-            return Row(call(*(a[i] if isinstance(a, Row) else a for a in args)) for i in range(n))
-        if not any(isinstance(a, Num) for a in args):
-            return float(function(*(np.float64(a) for a in args)))
-        return Num(function(*(raw(a) for a in args)))
-
-    return call
-
-
-def fold(items):
-    items = list(items)
-    found = items[0]
-    for item in items[1:]:
-        found = found + item
-    return found
-
-
-def dot(a, b):
-    return fold(x * y for x, y in zip(a, b, strict=True))
-
-
-def norm(v):
-    return ufunc("sqrt")(fold(x * x for x in v))
-
-
 def xyzw_difference(a, b):
-    """The shorter rotation from a to b, (x, y, z, w), in the same order of operations as the interpreter."""
+    """The shorter rotation from a to b, (x, y, z, w)."""
     (ax, ay, az, aw), (bx, by, bz, bw) = a, b
     if aw * bw + ax * bx + ay * by + az * bz < 0.0:
         bx, by, bz, bw = -bx, -by, -bz, -bw
     cw, cx, cy, cz = aw, -ax, -ay, -az
-    return Row(
-        (
+    return np.array(
+        [
             bw * cx + bx * cw + by * cz - bz * cy,
             bw * cy - bx * cz + by * cw + bz * cx,
             bw * cz + bx * cy - by * cx + bz * cw,
             bw * cw - bx * cx - by * cy - bz * cz,
-        )
+        ]
     )
 
 
@@ -256,49 +155,6 @@ class Bullet:
         return []
 
 
-def exact_modules():
-    """`np` and `math` for Num and Row, whose every step is one numpy operation on one entry."""
-    functions = {
-        name: ufunc(name)
-        for name in (
-            "sqrt",
-            "exp",
-            "log",
-            "tanh",
-            "sin",
-            "cos",
-            "arccos",
-            "abs",
-            "maximum",
-            "minimum",
-            "arctan2",
-            "square",
-            "sign",
-        )
-    }
-
-    def array(x, dtype=None):
-        return Row(x) if isinstance(x, Row | list | tuple) else x
-
-    def clip(x, low, high):
-        return functions["minimum"](functions["maximum"](x, low), high)
-
-    numpy = types.SimpleNamespace(
-        **functions,
-        array=array,
-        dot=dot,
-        clip=clip,
-        sum=fold,
-        pi=math.pi,
-        where=lambda c, a, b: a if c else b,
-        linalg=types.SimpleNamespace(norm=norm),
-    )
-    maths = types.SimpleNamespace(
-        **functions, acos=functions["arccos"], fabs=functions["abs"], pi=math.pi, atan2=functions["arctan2"]
-    )
-    return numpy, maths
-
-
 def near(distance, scale):
     return np.exp(-((distance / scale) ** 2))
 
@@ -342,10 +198,8 @@ def run_per_state(source, state, namespace, number, vector, entry="state_cost"):
             names = {**namespace, "p": Bullet(one)}
             exec(code, names)
             value = names[entry](one)
-            if isinstance(value, dict):
-                value = fold(value.values()) if value else 0.0
-            value = value[0] if isinstance(value, tuple) else value
-            found[i, j] = raw(value)[0, 0] if isinstance(value, Num) else value
+            value = sum(value.values()) if isinstance(value, dict) else value
+            found[i, j] = value[0] if isinstance(value, tuple) else value
     return found
 
 
@@ -362,18 +216,6 @@ def states():
 @pytest.fixture(scope="session")
 def board():
     return BOARD
-
-
-@pytest.fixture(scope="session")
-def exactly():
-    """Runs a program state by state so that every bit should agree."""
-
-    def run(source, state):
-        numpy, maths = exact_modules()
-        with np.errstate(all="ignore"):
-            return run_per_state(source, state, {"np": numpy, "math": maths, "float": lambda x=0.0: x}, Num, Row)
-
-    return run
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,7 @@ import textwrap
 
 import numpy as np
 import pytest
-from cost_oracles import board, exactly, plainly, schema, states  # noqa: F401
+from cost_oracles import board, plainly, schema, states  # noqa: F401
 
 from coral.contact.cost.context import Context
 from coral.contact.cost_program import CostError, CostProgram, LimitsCfg

@@ -1,58 +1,13 @@
-"""Numbers and vectors of a batch follow the rules of Python and NumPy for one state."""
+"""Arrays and lists follow the rules of Python and NumPy for one state."""
 
 import numpy as np
 import pytest
 
 from coral.contact.cost_program import CostError
-from coral.contact.cost_program.arithmetic import (
-    as_vector,
-    binary,
-    dot,
-    elementwise,
-    negative,
-    norm,
-    number,
-    scalar,
-    transposed,
-    truth,
-    where,
-)
-from coral.contact.cost_program.values import ContactList, Seq, Vec
+from coral.contact.cost_program.arithmetic import as_vector, binary, dot, elementwise, negative, norm, transposed
+from coral.contact.cost_program.values import Seq, Vec
 
 YES_NO = np.array([[True, False]])
-
-
-def test_truth_values_count_as_zero_and_one(meter):
-    assert number(meter, True) == 1
-    assert number(meter, YES_NO).tolist() == [[1.0, 0.0]]
-
-
-def test_contact_points_are_true_where_there_are_any_and_no_number(meter):
-    assert truth(meter, ContactList(YES_NO)) is YES_NO
-    with pytest.raises(CostError, match=r"use len\(\.\.\.\)"):
-        number(meter, ContactList(YES_NO))
-
-
-def test_a_choice_between_truth_values_stays_a_truth_value(meter):
-    assert where(meter, YES_NO, True, False).dtype == np.bool_
-    assert where(meter, YES_NO, 1, False).dtype == np.int64
-    assert where(meter, YES_NO, 1, 0.5).dtype == np.float64
-
-
-def test_whole_numbers_end_where_arrays_stop_holding_them_exactly(meter):
-    assert scalar(meter, "-", 2**53, 1) == 2**53 - 1
-    with pytest.raises(CostError) as caught:
-        scalar(meter, "+", 2**53, 1)
-    assert caught.value.code == "too_large_number"
-
-
-@pytest.mark.parametrize("symbol", ["/", "//", "%"])
-def test_a_division_of_constants_by_zero_is_refused_but_not_one_by_the_state(symbol, meter):
-    with pytest.raises(CostError) as caught:
-        scalar(meter, symbol, 1.0, 0)
-    assert caught.value.code == "division_by_zero"
-    with np.errstate(all="ignore"):
-        assert scalar(meter, symbol, 1.0, np.array([[2.0, 0.0]])).shape == (1, 2)
 
 
 def test_a_power_of_constants_is_exact_or_refused(meter):
@@ -127,10 +82,6 @@ def test_a_pairwise_function_meets_every_pair_in_order(meter):
     found = elementwise(meter, lambda x, y: (x, y), Vec((1.0, 2.0)), 5.0)
     assert found.items == ((1.0, 5.0), (2.0, 5.0))
     assert negative(meter, Vec((1.0, -2.0))).items == (-1.0, 2.0)
-
-
-def test_a_sum_of_truth_values_of_the_state_is_refused(refusal):
-    assert "write float" in refusal("return (self.time > 0.5) + (self.time > 0.2)").text
 
 
 def test_an_array_of_matrices_is_refused(refusal):

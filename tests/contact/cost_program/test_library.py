@@ -1,23 +1,14 @@
 """Built-in functions check their arguments, and follow Python and NumPy; generated calls find no difference."""
 
-import importlib.util
-import sys
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
+from cost_oracles import fuzz_programs
 
 from coral.contact.cost_program import CostError
 from coral.contact.cost_program.library import BUILTINS, INSTEAD, MATH, NUMPY, PYTHON, Offer, builtin
 from coral.contact.cost_program.values import ContactList, Seq, Vec
-
-spec = importlib.util.spec_from_file_location(
-    "fuzz_programs", Path(__file__).parents[3] / "benchmarks" / "fuzz_programs.py"
-)
-fuzz_programs = importlib.util.module_from_spec(spec)
-sys.modules[spec.name] = fuzz_programs
-spec.loader.exec_module(fuzz_programs)
 
 SAME = {
     "enumerate from a number": "return sum(i * x for i, x in enumerate(self.ee_pos, 2))",

@@ -27,3 +27,21 @@ def test_the_array_beyond_the_limit_is_refused_before_it_is_made():
     with pytest.raises(CostError, match="more than 5 arrays") as caught:
         meter.made()
     assert caught.value.code == "memory"
+
+
+@pytest.mark.parametrize(
+    ("start", "turn"),
+    [
+        ("np.ones(1000)", "w = v * 1.0"),
+        ("np.ones(1000)", "w = v[1:]"),
+        ("np.ones(1000)", "v[0] = 2.0"),
+        ("np.ones((30, 30))", "w = v.T"),
+        ("[1.0] * 1000", "w = np.array(v)"),
+        ("[1.0] * 1000", "w = v + [1.0]"),
+        ("[1.0] * 1000", "w = max(v)"),
+        ("{i: 1.0 for i in range(64)}", "w = v.copy()"),
+    ],
+)
+def test_arithmetic_of_constants_counts_too(start, turn, refusal):
+    body = f"v = {start}\nfor i in range(64):\n    for j in range(64):\n        {turn}\nreturn self.time"
+    assert refusal(body).code == "steps"

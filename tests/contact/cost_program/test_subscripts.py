@@ -17,6 +17,8 @@ SAME = {
     "slice of a list": "L = [self.time, 2.0, 3.0]\nreturn L[:2][0] + len(L[1:]) + (1.0, 2.0)[-1]",
 }
 REFUSED = {
+    "slices of a dict": ("d = {'a': 1.0}\nreturn d[:2, 1:]", "not_allowed", "a slice is an index"),
+    "starred index": ("i = [0, 1]\nreturn np.eye(2)[*i]", "not_allowed", "in calls and lists"),
     "array without axes": ("return self.ee_pos[..., 0]", "wrong_type", "leave `...` out"),
     "third axis": ("return np.eye(2)[None][0][0][0]", "wrong_size", "one or two axes"),
     "axes of a number": ("return self.time[:, None]", "wrong_type", "no entries to index"),

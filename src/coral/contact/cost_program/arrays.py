@@ -9,18 +9,9 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.cost_program.arithmetic import (
-    LARGEST_INT,
-    NOTHING,
-    as_vector,
-    elementwise,
-    is_whole,
-    no_truth,
-    number,
-    of_one_kind,
-    transposed,
-)
+from coral.contact.cost_program.arithmetic import NOTHING, as_vector, elementwise, of_one_kind, transposed
 from coral.contact.cost_program.limits import Meter
+from coral.contact.cost_program.scalars import LARGEST_INT, is_whole, no_truth, number
 from coral.contact.cost_program.sharing import renewed, view
 from coral.contact.cost_program.values import Builtin, DictValue, Number, Seq, Value, Vec, kind
 

@@ -76,8 +76,8 @@ def _member(machine: Machine, module: Module, name: str) -> Value:
         return Module("np.linalg")
     inside = "linalg." if module.name == "np.linalg" else ""
     table = MODULES[module.name.removesuffix(".linalg")]
-    if name in CONSTANTS and not inside:
-        return CONSTANTS[name]
+    if name in CONSTANTS.get(module.name, {}):
+        return CONSTANTS[module.name][name]
     if inside + name not in table:
         hint = instead(f"{module.name}.{name}")
         known = [key.removeprefix(inside) for key in table if key.startswith(inside) and ("." in key) == bool(inside)]

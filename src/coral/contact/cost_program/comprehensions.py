@@ -6,11 +6,11 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from coral.contact.cost_program.arithmetic import truth
 from coral.contact.cost_program.binding import checked_key, unpack
 from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.limits import Mask
 from coral.contact.cost_program.machine import Machine
+from coral.contact.cost_program.scalars import truth
 from coral.contact.cost_program.values import DictValue, Partial, Scope, Seq, Value, bounded
 
 

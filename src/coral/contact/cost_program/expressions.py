@@ -8,18 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import (
-    binary,
-    both,
-    either,
-    elementwise,
-    invert,
-    is_truth,
-    matmul,
-    negative,
-    no_truth,
-    truth,
-)
+from coral.contact.cost_program.arithmetic import binary, elementwise, matmul, negative
 from coral.contact.cost_program.binding import checked_key, storable
 from coral.contact.cost_program.calls import attribute, call
 from coral.contact.cost_program.comprehensions import comprehend
@@ -27,6 +16,7 @@ from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.limits import Mask
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import merge
+from coral.contact.cost_program.scalars import both, either, invert, is_truth, no_truth, truth
 from coral.contact.cost_program.subscripts import subscript
 from coral.contact.cost_program.texts import formatted, joined_text
 from coral.contact.cost_program.values import (
@@ -328,6 +318,10 @@ def _subscript(machine: Machine, node: Any) -> Value:
     return subscript(machine, base, node.slice, evaluate)
 
 
+def _misplaced(machine: Machine, node: Any) -> Value:
+    raise machine.meter.fault("not_allowed", "a slice is an index of a list or array; `*` stands in calls and lists")
+
+
 EVALUATORS: dict[type[ast.AST], Callable[[Machine, Any], Value]] = {
     ast.Constant: _constant,
     ast.Name: _name,
@@ -346,6 +340,8 @@ EVALUATORS: dict[type[ast.AST], Callable[[Machine, Any], Value]] = {
     ast.GeneratorExp: _comprehension,
     ast.DictComp: _comprehension,
     ast.Subscript: _subscript,
+    ast.Slice: _misplaced,
+    ast.Starred: _misplaced,
     ast.JoinedStr: _text,
     ast.FormattedValue: _formatted,
 }

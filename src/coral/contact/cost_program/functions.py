@@ -7,24 +7,11 @@ from typing import Any, cast
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import (
-    binary,
-    both,
-    components,
-    either,
-    elementwise,
-    invert,
-    no_truth,
-    norm,
-    number,
-    pointwise,
-    scalar,
-    truth,
-    where,
-)
+from coral.contact.cost_program.arithmetic import binary, components, elementwise, norm
 from coral.contact.cost_program.arrays import whole
 from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.scalars import both, either, invert, no_truth, number, pointwise, scalar, truth, where
 from coral.contact.cost_program.values import Number, Partial, Seq, Value, Vec, kind
 
 Call = Callable[..., Value]

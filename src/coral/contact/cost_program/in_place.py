@@ -27,10 +27,11 @@ def check_unshared(machine: Machine, value: Value, name: str, at: Value = None) 
         at: Index or key of the only entry that changes; None if any may.
 
     Raises:
-        CostError: Another variable, container, closure, pending operand or running loop sees the change.
+        CostError: Another variable, container, closure, pending operand, running loop or the state sees the change.
     """
     marks = memory(value)
     count = Holders(marks)
+    count.found += bool(marks & machine.meter.state_marks)  # `self` holds it, too
     for frame in machine.stack:
         count.scope(frame)
     for held in machine.pending:
@@ -38,7 +39,7 @@ def check_unshared(machine: Machine, value: Value, name: str, at: Value = None) 
     if count.found > 1 or not all(_is_consumed(source, marks, turn, at) for source, turn in machine.looping()):
         raise machine.meter.fault(
             "shared",
-            f"{name!r} would change in place while another name, list or loop holds the same value; "
+            f"{name!r} would change in place while another name, list, loop or self holds the same value; "
             f"copy it first, as with {name}.copy()",
         )
 

@@ -14,11 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from coral.contact.cost_program import arrays, functions, orientations
-from coral.contact.cost_program.arithmetic import as_vector, dot, matmul, truth
+from coral.contact.cost_program.arithmetic import as_vector, dot, matmul
 from coral.contact.cost_program.functions import of_math, of_one, of_two
 from coral.contact.cost_program.iterating import entries, iterator
 from coral.contact.cost_program.limits import Meter
 from coral.contact.cost_program.reductions import fold_truth, linalg_norm, reduction
+from coral.contact.cost_program.scalars import truth
 from coral.contact.cost_program.sharing import ONE_PASS
 from coral.contact.cost_program.values import (
     Builtin,
@@ -272,7 +273,8 @@ MATH: Table = {
     "floor": Offer(functions.whole_by(np.floor), "n"),
     "ceil": Offer(functions.whole_by(np.ceil), "n"),
 }
-CONSTANTS: dict[str, float | None] = {"newaxis": None, "pi": math.pi, "e": math.e, "inf": math.inf, "tau": math.tau}
+_CIRCLE: dict[str, float | None] = {"pi": math.pi, "e": math.e, "inf": math.inf}
+CONSTANTS = {"np": {**_CIRCLE, "newaxis": None}, "math": {**_CIRCLE, "tau": math.tau}}
 METHODS: Table = {
     "copy": Offer(arrays.copied, "a"),
     "dot": Offer(dot, "a a"),

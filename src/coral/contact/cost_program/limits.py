@@ -60,6 +60,8 @@ class Meter:
     """Operations on single numbers so far."""
     cache: dict[str, object] = field(default_factory=dict)
     """Components of the quantities read so far."""
+    state_marks: frozenset[int] = frozenset()
+    """Memory of the quantities read so far; see `sharing.py`."""
     zero_axes: list[object] = field(default_factory=list)
     """Numbers that NumPy would hold as arrays without axes."""
     trace: Trace | None = None

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import both
 from coral.contact.cost_program.labels import TermNames
 from coral.contact.cost_program.library import BUILTINS, MODULE_NAMES, instead
 from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.merging import merge_variables
 from coral.contact.cost_program.pybullet import PyBullet
+from coral.contact.cost_program.scalars import both
 from coral.contact.cost_program.state import StateSpace
 from coral.contact.cost_program.values import Module, Partial, Poison, Scope, Value
 from coral.errors import nearest

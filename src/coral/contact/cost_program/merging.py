@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import is_truth, is_whole, where
 from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.scalars import is_truth, is_whole, where
 from coral.contact.cost_program.sharing import marks_of
 from coral.contact.cost_program.values import (
     NUMBER,

@@ -9,18 +9,9 @@ from typing import cast
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import (
-    binary,
-    components,
-    negative,
-    number,
-    pointwise,
-    root,
-    scalar,
-    total,
-    where,
-)
+from coral.contact.cost_program.arithmetic import binary, components, negative, total
 from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.scalars import number, pointwise, root, scalar, where
 from coral.contact.cost_program.values import Value, Vec
 
 ORDERS = ("wxyz", "xyzw")

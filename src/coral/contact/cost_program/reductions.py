@@ -5,20 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from coral.contact.cost_program.arithmetic import (
-    both,
-    components,
-    either,
-    no_truth,
-    norm,
-    number,
-    scalar,
-    total,
-    truth,
-)
+from coral.contact.cost_program.arithmetic import components, norm, total
 from coral.contact.cost_program.arrays import flat, to_float
 from coral.contact.cost_program.functions import ABS, MAXIMUM, MINIMUM, Call
 from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.scalars import both, either, no_truth, number, scalar, truth
 from coral.contact.cost_program.values import Value, Vec, depth, is_matrix, kind
 
 Items = tuple[Value, ...]

@@ -6,11 +6,12 @@ import ast
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import as_vector, is_truth, is_whole, number
+from coral.contact.cost_program.arithmetic import as_vector
 from coral.contact.cost_program.arrays import flat, places, shape, to_float
 from coral.contact.cost_program.limits import Meter
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import TWO_KINDS
+from coral.contact.cost_program.scalars import is_truth, is_whole, number
 from coral.contact.cost_program.sharing import marks_of
 from coral.contact.cost_program.subscripts import Evaluate, Index, index, index_key, indices, picked
 from coral.contact.cost_program.values import DictValue, Seq, Value, Vec, bounded, kind

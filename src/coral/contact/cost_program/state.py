@@ -128,6 +128,7 @@ class StateSpace:
         key = f"memory of {name}"
         if key not in meter.cache:
             meter.cache[key] = marks_of(Vec(()))
+            meter.state_marks |= cast(Marks, meter.cache[key])
         return cast(Marks, meter.cache[key])
 
     def _components(self, meter: Meter, name: str) -> tuple[Value, ...]:

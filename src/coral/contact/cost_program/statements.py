@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import truth
 from coral.contact.cost_program.assigning import assign, augment, change
 from coral.contact.cost_program.binding import storable
 from coral.contact.cost_program.calls import CHANGERS, leave
@@ -16,6 +15,7 @@ from coral.contact.cost_program.expressions import evaluate, make_function
 from coral.contact.cost_program.library import CONSTANTS, IMPORTABLE, MODULES
 from coral.contact.cost_program.loops import leave_loop, next_turn, run_for
 from coral.contact.cost_program.machine import Machine
+from coral.contact.cost_program.scalars import truth
 from coral.contact.cost_program.sums import evaluate_sum
 from coral.contact.cost_program.values import Module, Value
 
@@ -144,7 +144,8 @@ def _import_from(machine: Machine, node: Any) -> bool:
     if node.module in ("typing", "__future__"):
         return True
     for alias in node.names:
-        found: Value = CONSTANTS.get(alias.name, MODULES.get(IMPORTABLE[node.module], {}).get(alias.name))
+        module = IMPORTABLE[node.module]
+        found: Value = CONSTANTS.get(module, {}).get(alias.name, MODULES.get(module, {}).get(alias.name))
         if found is None:
             raise machine.meter.fault("unknown_name", f"{node.module} has no {alias.name!r} here")
         machine.frame.variables[alias.asname or alias.name] = found

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import ast
 
-from coral.contact.cost_program.arithmetic import binary, negative, number
+from coral.contact.cost_program.arithmetic import binary, negative
 from coral.contact.cost_program.arrays import to_float
 from coral.contact.cost_program.expressions import evaluate, operate
 from coral.contact.cost_program.library import BUILTINS
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import filled
+from coral.contact.cost_program.scalars import number
 from coral.contact.cost_program.values import NUMBER, Builtin, DictValue, Value
 
 LEDGER = "terms of "

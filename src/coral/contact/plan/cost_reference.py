@@ -69,7 +69,7 @@ def _functions() -> str:
         ("Python", [*PYTHON, "dict", "print (ignored)"]),
         ("`np.`", list(NUMPY)),
         ("`math.`", list(MATH)),
-        ("`np.`, `math.` constants", list(CONSTANTS)),
+        ("`np.`, `math.` constants", list({**CONSTANTS["np"], **CONSTANTS["math"]})),
         ("methods of arrays", list(METHODS)),
         ("`p.`", list(PyBullet(StateSpace(HAND)).calls)),
     ]
