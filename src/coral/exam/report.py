@@ -9,12 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import jinja2
-from markupsafe import Markup
 
 from coral.exam.result import Result
-from coral.foreign_file import decode_picture, read_text
-from coral.view.report import TEMPLATES, write_page
+from coral.foreign_file import decode_picture
+from coral.view.page import render_page, write_page
 
 WORST = 8
 """Number of answers shown per advisor."""
@@ -42,23 +40,16 @@ def write_report(path: Path, results: Sequence[Result], rows: Sequence[Mapping[s
     Raises:
         InputError: The file cannot be written.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
     kinds = list(rows[0]["by_kind"])
     ranked = sorted(rows, key=lambda row: -row["score"])
-    page = environment.get_template("exam.html.j2").render(
+    page = render_page(
+        "exam.html.j2",
         about=about,
         questions=rows[0]["questions"],
         rows=ranked,
         kinds=[(kind, KINDS[kind], rows[0]["by_kind"][kind]["questions"]) for kind in kinds],
         headline=_headline(ranked),
         worst=[(result.name, [_answer_row(one) for one in result.worst(WORST)]) for result in results],
-        style=Markup(read_text(TEMPLATES / "report.css", "a file of this package")),
     )
     return write_page(path.parent, page)
 

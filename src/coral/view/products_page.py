@@ -9,23 +9,19 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import jinja2
 import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from coral.file_writer import write_whole
-from coral.foreign_file import read_text
-from coral.odd_text import encodable
 from coral.reef.products.cover import CoverCfg
 from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, Stop
 from coral.reef.products.survey_products import SurveyProducts
 from coral.reef.recordings.recording import EXACT, RECORDED
+from coral.view.page import render_page, write_page
 from coral.view.svg import clock
 
-TEMPLATES = Path(__file__).parent / "templates"
 PAGE = "products.html"
 UNSEEN = (214, 218, 222)
 
@@ -58,11 +54,9 @@ def write_products_page(
     """Write `products.html`, which loads nothing from elsewhere, and return its path.
 
     Raises:
-        OSError: The page cannot be written.
+        InputError: The page cannot be written.
     """
-    path = folder / PAGE
-    write_whole(path, encodable(render_products(products, placement, files, cover, truth)).encode())
-    return path
+    return write_page(folder, render_products(products, placement, files, cover, truth), PAGE)
 
 
 def render_products(
@@ -73,13 +67,6 @@ def render_products(
     truth: TruthComparison | None,
 ) -> str:
     """Render the whole page as text."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
     datum, size = placement.datum, products.recording.size_m
     looks: dict[int, list[tuple[str, str]]] = {}
     for picture in products.pictures:
@@ -96,7 +83,8 @@ def render_products(
         )
     if not products.mosaic.colour:
         note = "The recording has no colour pictures: these are classes (green: oysters, sand: floor, dark: obstacles)."
-    return environment.get_template("products.html.j2").render(
+    return render_page(
+        "products.html.j2",
         name=products.recording.name,
         size=size,
         keyframes=products.keyframes,
@@ -122,7 +110,6 @@ def render_products(
         datum=datum is not None,
         looks=sorted(looks.items()),
         files=files,
-        style=Markup(read_text(TEMPLATES / "report.css", "a file of this package")),
     )
 
 

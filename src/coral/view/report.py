@@ -7,15 +7,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 from markupsafe import Markup
 
 from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
-from coral.file_writer import write_whole, writing
-from coral.foreign_file import read_text
-from coral.odd_text import encodable
 from coral.reef.mission.metrics import DEFINITIONS, fleet_metrics, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
 from coral.view.decisions import Decision, decisions
@@ -29,13 +25,13 @@ from coral.view.figures import (
 )
 from coral.view.imaging_chart import imaging_chart
 from coral.view.mapsvg import MapSvg, color_of
+from coral.view.page import TEMPLATES, metric_name, metric_rows, metric_text, origin, render_page, write_page
 from coral.view.run import Record, RunFolder
 from coral.view.svg import clock
 from coral.view.time_slider import script_data, shown_pictures
 from coral.words import many
-from coral.yaml_file import to_yaml
 
-TEMPLATES = Path(__file__).parent / "templates"
+TIMING = ("wall_time_s", "realtime_factor", "control_ms_median", "control_ms_p99")
 EXACT_M = 0.005
 """Position errors below this are rounding."""
 IMAGING = "Imaged and inspected"
@@ -57,36 +53,16 @@ def write_report(run_folder: str | Path) -> Path:
     return write_page(run.path, render_report(run))
 
 
-def write_page(folder: Path, page: str) -> Path:
-    """Write `report.html` atomically and return its path.
-
-    Raises:
-        InputError: The page cannot be written.
-    """
-    path = folder / "report.html"
-    with writing(path):
-        write_whole(path, encodable(page))
-    return path
-
-
 def render_report(run: RunFolder) -> str:
     """Render the whole page as text."""
     made = decisions(run)
     pictures = shown_pictures(run, made)
     metrics = _metrics(run)
     drawing = MapSvg(run, _size(run))
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    environment.filters["clock"] = clock
-    page = environment.get_template("report.html.j2")
     start: Record = (run.select("start") or [{}])[0]
     collisions = len(run.select("collision", "robot_collision"))
-    return page.render(
+    return render_page(
+        "report.html.j2",
         run=run,
         name=str(start.get("world") or run.config.get("world") or run.path.name),
         topology=str(run.world.get("topology", "")),
@@ -99,26 +75,20 @@ def render_report(run: RunFolder) -> str:
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, made)],
         histogram=Markup(control_histogram(run.timing)),
         pictures=pictures,
-        rows=[
-            (_title(key), _show(key, value), DEFINITIONS.get(key, ""))
-            for key, value in metrics.items()
-            if key != "per_robot"
-        ],
+        rows=metric_rows(metrics, DEFINITIONS),
         each=_robot_table(metrics),
         robots=[color_of(k) for k in range(1, len(run.fleet) + 1)],
         truth=_truth_counts(run),
         states=_states(run),
         left=_left(run),
         collisions=collisions,
-        provenance=_provenance(run, start),
-        config=to_yaml(dict(run.config)) if run.config else "",
+        **origin(run, ("world", "advisor", "variant", "seed"), TIMING),
         data=Markup(script_data(run, made, pictures)),
         held=HELD,
         has_frames=bool(run.frame_steps),
         has_colours=any(run.frame(step, "rgb") is not None for step in run.frame_steps[:1]),
         video=(run.path / "mission.mp4").is_file(),
-        script=Markup(read_text(TEMPLATES / "report.js", "a file of this package")),
-        style=Markup(read_text(TEMPLATES / "report.css", "a file of this package")),
+        script=Markup((TEMPLATES / "report.js").read_text("utf-8")),
     )
 
 
@@ -241,27 +211,9 @@ def _robot_table(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]
     each = [one for one in metrics.get("per_robot") or () if isinstance(one, dict)]
     if not each:
         return [], []
-    return [_title(key) for key in each[0]], [[_show(key, value) for key, value in one.items()] for one in each]
-
-
-def _title(key: str) -> str:
-    """Return a metric's name in words, with its unit in brackets."""
-    for suffix, unit in (("_m_s", "m/s"), ("_ms", "ms"), ("_s", "s"), ("_m", "m")):
-        if key.endswith(suffix):
-            return f"{key.removesuffix(suffix).replace('_', ' ')} ({unit})"
-    return key.replace("_", " ")
-
-
-def _show(key: str, value: object) -> str:
-    if value is None:
-        return "–"
-    if key in ("coverage", "imaged", "inspected") and isinstance(value, int | float):
-        return f"{value:.1%}"
-    if isinstance(value, float):
-        return f"{value:,.3f}".rstrip("0").rstrip(".")
-    if isinstance(value, Mapping):
-        return ", ".join(f"{name} {count}" for name, count in value.items())
-    return str(value)
+    return [metric_name(key) for key in each[0]], [
+        [metric_text(key, value) for key, value in one.items()] for one in each
+    ]
 
 
 def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, str]]:
@@ -300,10 +252,10 @@ def _truth_counts(run: RunFolder) -> tuple[int, int]:
     return covered, max(0, total - covered)
 
 
-def _states(run: RunFolder) -> list[tuple[float, str, str, str]]:
+def _states(run: RunFolder) -> list[tuple[str, str, str, str]]:
     """Return (time, state, who, why) of every change; nothing if the vehicle surveyed from start to end."""
     changes = [
-        (float(e["t"]), str(e.get("state", "")), str(e.get("by", "")), str(e.get("reason", "")))
+        (clock(float(e["t"])), str(e.get("state", "")), str(e.get("by", "")), str(e.get("reason", "")))
         for e in run.select("state")
     ]
     return changes if any(state not in ("surveying", "stopped") for _, state, _, _ in changes) else []
@@ -318,15 +270,3 @@ def _left(run: RunFolder) -> list[tuple[str, str]]:
         for one in (clusters if isinstance(clusters, list) else [])
         if isinstance(one, dict)
     ]
-
-
-def _provenance(run: RunFolder, start: Record) -> list[tuple[str, str]]:
-    origin = run.config.get("provenance")
-    facts: list[tuple[str, object]] = [
-        (key, start.get(key, run.config.get(key))) for key in ("world", "advisor", "variant", "seed")
-    ]
-    facts += list(origin.items()) if isinstance(origin, dict) else []
-    facts += [
-        (key, run.timing.get(key)) for key in ("wall_time_s", "realtime_factor", "control_ms_median", "control_ms_p99")
-    ]
-    return [(key.replace("_", " "), str(value)) for key, value in facts if value not in (None, "")]

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import jinja2
 from markupsafe import Markup
 
 from coral.advisor.attribution import who_decided
@@ -17,7 +16,6 @@ from coral.contact.episode.metrics import DEFINITIONS, metrics_of
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole, writing
-from coral.foreign_file import read_text
 from coral.view.contact.figures import (
     cost_chart,
     force_chart,
@@ -34,10 +32,9 @@ from coral.view.contact.keyframes import Keyframe, keyframes, sheet
 from coral.view.contact.replay import trial_of_run
 from coral.view.contact.thought import answers, counted, seen, thoughts
 from coral.view.contact.views import three_views, touch_views
+from coral.view.page import metric_rows, origin, render_page, write_page
 from coral.view.pictures import png
-from coral.view.report import TEMPLATES, write_page
 from coral.view.run import Record, RunFolder
-from coral.yaml_file import to_yaml
 
 ENDED = {
     "success": "done",
@@ -93,15 +90,8 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
     metrics = _metrics(run)
     objects = list(trial.objects) if trial is not None else []
     start: Record = (run.select("start") or [{}])[0]
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    page = environment.get_template("contact.html.j2")
-    return page.render(
+    return render_page(
+        "contact.html.j2",
         title=str(run.world.get("title") or start.get("task") or run.path.name),
         instruction=str(run.world.get("instruction", "")),
         headline=" ".join(filter(None, (_headline(run, metrics), _who_decided(run, metrics)))),
@@ -129,12 +119,10 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
             for e in touching(run)
         ][:200],
         beliefs=_beliefs(run, start),
-        rows=[(_name(key), _show(value), DEFINITIONS.get(key, "")) for key, value in metrics.items()],
-        provenance=_provenance(run, start),
+        rows=metric_rows(metrics, DEFINITIONS),
+        **origin(run, ("task", "world", "variant", "advisor", "seed", "poses", "tracker"), tuple(run.timing)),
         notes=notes,
         video=(run.path / "episode.mp4").is_file(),
-        config=to_yaml(dict(run.config)) if run.config else "",
-        style=Markup(read_text(TEMPLATES / "report.css", "a file of this package")),
     )
 
 
@@ -286,34 +274,6 @@ def _beliefs(run: RunFolder, start: Record) -> list[tuple[str, str, str, str, st
             )
         )
     return rows
-
-
-def _provenance(run: RunFolder, start: Record) -> list[tuple[str, str]]:
-    origin = run.config.get("provenance")
-    facts: list[tuple[str, object]] = [
-        (key, start.get(key, run.config.get(key)))
-        for key in ("task", "world", "variant", "advisor", "seed", "poses", "tracker")
-    ]
-    facts += list(origin.items()) if isinstance(origin, dict) else []
-    facts += list(run.timing.items())
-    return [(key.replace("_", " "), str(value)) for key, value in facts if value not in (None, "")]
-
-
-def _name(key: str) -> str:
-    for suffix in ("_m", "_s", "_n"):
-        if key.endswith(suffix):
-            return f"{key.removesuffix(suffix).replace('_', ' ')} ({suffix[1:].replace('n', 'N')})"
-    return key.replace("_", " ")
-
-
-def _show(value: object) -> str:
-    if value is None:
-        return "–"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:,.3f}".rstrip("0").rstrip(".")
-    return str(value)
 
 
 def _webp(frame: Keyframe) -> str:

@@ -1,0 +1,105 @@
+"""Self-contained pages: one builder for the reports of surveys, tasks, exams and products."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from coral.file_writer import write_whole, writing
+from coral.foreign_file import read_text
+from coral.odd_text import encodable
+from coral.view.run import Record, RunFolder
+from coral.view.svg import clock
+from coral.yaml_file import to_yaml
+
+TEMPLATES = Path(__file__).parent / "templates"
+UNITS = (("_m_s", "m/s"), ("_ms", "ms"), ("_s", "s"), ("_m", "m"), ("_n", "N"))
+"""Ends of the names of metrics, and the units that they stand for."""
+SHARES = ("coverage", "imaged", "inspected")
+"""Metrics that are read in percent."""
+
+
+def render_page(template: str, **values: Any) -> str:
+    """Render a page that loads nothing from elsewhere; every text is escaped unless it is `Markup`.
+
+    Args:
+        template: Name of a template that extends `page.html.j2`.
+        **values: What it shows; a missing one is an error.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    environment.filters["clock"] = clock
+    style = Markup(read_text(TEMPLATES / "report.css", "a file of this package"))
+    return environment.get_template(template).render(style=style, **values)
+
+
+def write_page(folder: Path, page: str, name: str = "report.html") -> Path:
+    """Write a page atomically and return its path.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    path = folder / name
+    with writing(path):
+        write_whole(path, encodable(page))
+    return path
+
+
+def metric_rows(metrics: Mapping[str, Any], definitions: Mapping[str, str]) -> list[tuple[str, str, str]]:
+    """Return name, value and meaning of every metric but those of single robots."""
+    return [
+        (metric_name(key), metric_text(key, value), definitions.get(key, ""))
+        for key, value in metrics.items()
+        if key != "per_robot"
+    ]
+
+
+def metric_name(key: str) -> str:
+    """Return a metric's name in words, with its unit in brackets."""
+    for suffix, unit in UNITS:
+        if key.endswith(suffix):
+            return f"{key.removesuffix(suffix).replace('_', ' ')} ({unit})"
+    return key.replace("_", " ")
+
+
+def metric_text(key: str, value: object) -> str:
+    """Return a metric's value as it is read."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if key in SHARES and isinstance(value, int | float):
+        return f"{value:.1%}"
+    if isinstance(value, float):
+        return f"{value:,.3f}".rstrip("0").rstrip(".")
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {count}" for name, count in value.items())
+    return str(value)
+
+
+def origin(run: RunFolder, names: Sequence[str], timing: Sequence[str]) -> dict[str, Any]:
+    """Return what the last section of a run's page says: provenance, configuration, notes on the record.
+
+    Args:
+        run: The run.
+        names: What the run's first event or its configuration says of it.
+        timing: Its times.
+    """
+    start: Record = (run.select("start") or [{}])[0]
+    machine = run.config.get("provenance")
+    facts = [(name, start.get(name, run.config.get(name))) for name in names]
+    facts += list(machine.items()) if isinstance(machine, dict) else []
+    facts += [(name, run.timing.get(name)) for name in timing]
+    return {
+        "provenance": [(key.replace("_", " "), str(value)) for key, value in facts if value not in (None, "")],
+        "config": to_yaml(dict(run.config)) if run.config else "",
+    }
