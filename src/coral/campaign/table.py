@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from html import escape
 
 
 @dataclass(frozen=True)
@@ -99,18 +98,6 @@ def to_latex(table: Table) -> str:
     return "\n".join([f"% {table.name}", *lines, r"\end{threeparttable}", r"\end{table*}"]) + "\n"
 
 
-def to_html(table: Table) -> str:
-    """Render a `<figure>` with the table and its notes."""
-    head = "".join(f"<th>{escape(cell)}</th>" for cell in table.header)
-    body = "\n".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in table.rows)
-    notes = "".join(f"<li>{escape(note)}</li>" for note in table.notes)
-    return (
-        f"<figure>\n<figcaption><b>{escape(table.name)}.</b> {escape(table.caption)}</figcaption>\n"
-        f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table></div>\n'
-        f"<ul>{notes}</ul>\n</figure>\n"
-    )
-
-
 def document(tables: Sequence[Table], form: str, title: str) -> str:
     """Render all tables as one file.
 
@@ -127,14 +114,9 @@ def document(tables: Sequence[Table], form: str, title: str) -> str:
     if form == "tex":
         preamble = rf"% {title}. Needs \usepackage{{booktabs,threeparttable}}"
         return "\n".join([preamble, *(to_latex(table) for table in tables)])
-    body = "\n".join(to_html(table) for table in tables)
-    common = "".join(f"<li>{escape(note)}</li>" for note in shared)
-    body += f"<h2>Notes</h2>\n<ul>{common}</ul>\n" if shared else ""
-    return (
-        f'<!doctype html>\n<html lang="en"><meta charset="utf-8">\n'
-        f'<meta name="viewport" content="width=device-width">\n<title>{escape(title)}</title>\n'
-        f"<style>{_STYLE}</style>\n<h1>{escape(title)}</h1>\n{body}</html>\n"
-    )
+    from coral.view.page import render_page
+
+    return render_page("tables.html.j2", title=title, tables=tables, shared=shared)
 
 
 _LATEX = {
@@ -174,15 +156,3 @@ _LATEX = {
 
 def _latex(text: str) -> str:
     return "".join(_LATEX.get(letter, letter) for letter in text)
-
-
-_STYLE = """
-:root { color-scheme: light dark; }
-body { font: 15px/1.5 system-ui, sans-serif; max-width: 90rem; margin: 2rem auto; padding: 0 1rem; }
-figure { margin: 2.5rem 0; } figcaption { margin-bottom: .5rem; } .scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .7rem; text-align: right; white-space: nowrap; border-bottom: 1px solid #8884; }
-th:first-child, td:first-child { text-align: left; }
-thead th { border-bottom: 2px solid #8888; vertical-align: bottom; }
-ul { color: #777; font-size: .88rem; padding-left: 1.2rem; }
-"""
