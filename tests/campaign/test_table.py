@@ -88,7 +88,11 @@ def test_a_terminal_shows_two_tables_and_their_common_notes_once():
 
 @pytest.mark.parametrize("form", ["md", "html"])
 def test_notes_of_several_tables_are_written_once(form):
-    tables = [sheet("One", "for all", "for two"), sheet("Two", "for all", "for two"), sheet("Three", "for all", "its own remark")]
+    tables = [
+        sheet("One", "for all", "for two"),
+        sheet("Two", "for all", "for two"),
+        sheet("Three", "for all", "its own remark"),
+    ]
     text = document(tables, form, "Title")
     assert text.count("for all") == text.count("for two") == text.count("its own remark") == 1
     assert "for two (One, Two)" in text

@@ -75,10 +75,6 @@ class MapScene:
     border: tuple[float, float, float, float] | None = None
     """(x0, y0, x1, y1) of the survey area (m)."""
     goal: tuple[float, float] | None = None
-    rollouts: NDArray[np.float64] | None = None
-    """Sampled rollouts of the controller, Shape=(R, T, 2)."""
-    reference: NDArray[np.float64] | None = None
-    """The planned path, Shape=(M, 2)."""
     others: tuple[Companion, ...] = ()
     """The other robots of the mission."""
     named: bool = False
@@ -220,11 +216,6 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
     rgb = view.rgb
     if scene.border is not None:
         draw_border(view, scene.border)
-    if scene.rollouts is not None:
-        for path in view.to_pixels(scene.rollouts):
-            draw_line(rgb, path, (150, 120, 200), 1)
-    if scene.reference is not None:
-        draw_line(rgb, view.to_pixels(scene.reference), (120, 60, 160), 2, edge=(255, 255, 255))
     draw_tracks(view, scene.others)
     draw_line(rgb, view.to_pixels(_thin(scene.trajectory, 1.5 / view.scale)), YELLOW, 3, edge=YELLOW_EDGE)
     dots = view.to_pixels(np.asarray(scene.centroids, np.float64).reshape(-1, 2))
