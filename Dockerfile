@@ -9,9 +9,10 @@ RUN python -m venv /opt/coral \
 FROM python:3.11-slim
 COPY --from=build /opt/coral /opt/coral
 COPY blueos /srv/coral
-# Compiled kernels fit one processor only: they are compiled at the first start, and stay beside the surveys.
+# Compiled kernels fit one processor only: they are compiled at the first start, and stay apart from the surveys,
+# whose folder others may write.
 ENV PATH=/opt/coral/bin:$PATH \
-    NUMBA_CACHE_DIR=/surveys/.numba \
+    NUMBA_CACHE_DIR=/var/cache/coral \
     OPENBLAS_NUM_THREADS=1 \
     OMP_NUM_THREADS=1
 WORKDIR /surveys
@@ -31,7 +32,7 @@ LABEL permissions='{\
   "HostConfig": {\
     "NetworkMode": "host",\
     "CapAdd": ["SYS_NICE"],\
-    "Binds": ["/usr/blueos/extensions/coral:/surveys"]\
+    "Binds": ["/usr/blueos/extensions/coral:/surveys", "/usr/blueos/extensions/coral-cache:/var/cache/coral"]\
   }\
 }'
 LABEL authors="[{\"name\": \"$AUTHOR\", \"email\": \"$EMAIL\"}]"

@@ -3,6 +3,8 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from coral.kernel_cache import guard_kernel_cache
+
 if TYPE_CHECKING:
     from coral.interface.mission import MissionResult, run_mission
     from coral.interface.task import TaskResult, run_task
@@ -10,6 +12,8 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = ["MissionResult", "TaskResult", "__version__", "run_mission", "run_task"]
+
+guard_kernel_cache()
 
 _HOMES = {
     "run_mission": "coral.interface.mission",

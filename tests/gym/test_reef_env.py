@@ -81,3 +81,13 @@ def test_the_picture_has_the_cameras_size():
 def test_bad_arguments_are_refused(wrong, said):
     with pytest.raises(InputError, match=said):
         ReefEnv(**wrong)
+
+
+@pytest.mark.parametrize("action", [[np.nan, 0.0], [0.0, np.inf], [0.5], "fast"])
+def test_an_action_that_is_no_two_numbers_is_refused_and_changes_nothing(action):
+    env = ReefEnv("s1", SimulatorCfg(camera=SMALL))
+    env.reset(seed=1)
+    with pytest.raises(ValueError, match=r"action: found|could not convert"):
+        env.step(action)
+    observation = env.step(np.zeros(2, np.float32))[0]
+    assert np.isfinite(observation["pose"]).all()

@@ -96,8 +96,15 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return self._observe(0.0), self._info()
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Drive for one control period."""
-        forward, turn = np.clip(np.asarray(action, float), -1.0, 1.0)
+        """Drive for one control period.
+
+        Raises:
+            ValueError: The action is not two finite numbers; the pose would be nan for ever after.
+        """
+        asked = np.asarray(action, float)
+        if asked.shape != (2,) or not np.isfinite(asked).all():
+            raise ValueError(f"action: found {asked.tolist()}, expected two finite numbers")
+        forward, turn = np.clip(asked, -1.0, 1.0)
         vehicle = self.cfg.vehicle
         command = float(forward) * vehicle.max_speed_m_s, float(turn) * vehicle.max_yaw_rate_rad_s
         contacts = len(self._simulator.act(command, self._period_s))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError, first_line
 from coral.foreign_file import parse_json, read_picture_file, regular_bytes
-from coral.limits import LOG_BYTES
+from coral.limits import LARGEST_NUMBER, LOG_BYTES
 from coral.odd_text import encodable_values
 from coral.reef.world.geometry import Frame
 from coral.rotating_log import earlier_parts, read_parts
@@ -255,14 +256,15 @@ def _table(path: Path, notes: list[str]) -> dict[str, NDArray[np.float64]]:
 
 
 def numbers_of(row: Sequence[str], count: int) -> list[float] | None:
-    """Return the numbers of a row of a table, an empty field as nan; None if it is no such row."""
+    """Return the numbers of a row of a table; nan for nothing and for what no mission reaches; None if it is none."""
     if len(row) != count:
         return None
     words = {"": float("nan"), "true": 1.0, "false": 0.0}
     try:
-        return [words[field.lower()] if field.lower() in words else float(field) for field in row]
+        found = [words[field.lower()] if field.lower() in words else float(field) for field in row]
     except ValueError:
         return None
+    return [number if abs(number) <= LARGEST_NUMBER else math.nan for number in found]
 
 
 def _document(path: Path, parse: Callable[[str], Any], notes: list[str]) -> Record:
