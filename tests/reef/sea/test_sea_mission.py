@@ -9,6 +9,7 @@ import pytest
 from voyage import WORLD, Voyage
 
 from coral.reef.drive.pd import PdController
+from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.localization import LocalizationCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.recordings.find_recording import find_recording
@@ -40,6 +41,13 @@ def test_a_survey_drives_covers_and_leaves_a_run_folder(tmp_path):
     }
     assert voyage.link.report().mode == "POSHOLD"
     assert voyage.link.report().armed  # never disarmed unless asked
+    assert voyage.camera.attitude() == CameraAttitude(height=1.0)  # eyes would be told what is measured
+
+
+def test_the_age_of_pictures_is_told(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=3.0)
+    voyage.camera.late_s = 0.08  # eyes take their time
+    assert voyage.run()["picture_age_ms_median"] == pytest.approx(80.0, abs=0.1)
 
 
 def test_the_same_seed_gives_the_same_voyage(tmp_path):

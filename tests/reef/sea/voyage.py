@@ -44,7 +44,7 @@ class FakeCamera:
 
     labelled = True
     name = "fake"
-    rate_hz, failure, eyes = 10.0, "", None
+    rate_hz, failure, eyes, late_s = 10.0, "", None, 0.0
 
     def __init__(self, link, clock, cfg):
         self.link, self.clock, self.blind, self.last = link, clock, False, None
@@ -55,7 +55,7 @@ class FakeCamera:
     def latest(self):
         if not self.blind:
             pose = self.link.true_pose()
-            self.last = Shot(stamp_s=self.clock.now, frame=self.camera.render(pose))
+            self.last = Shot(stamp_s=self.clock.now - self.late_s, frame=self.camera.render(pose))
         return self.last
 
 

@@ -146,6 +146,8 @@ class SeaMission:
         if saved is not None:
             self.alignment = SurveyAlignment(saved, area.start, self._forbidden, self.emit, threaded=threaded)
         self._recording, self._awaited = True, ""
+        self.picture_age_ms: list[float] = []
+        """Age of each new picture in the tick that used it (ms): latency of the camera, time of the eyes, waiting."""
 
     @property
     def step(self) -> int:
@@ -236,8 +238,10 @@ class SeaMission:
             idle.offer(spare_s)
 
     def located(self) -> None:
-        """Tell what the autopilot said."""
+        """Tell what the autopilot said, and note how old the picture is."""
         self._tell_texts(self.report)
+        if self.robot.reading.frame is not None and self.robot.seen.frame is not None:
+            self.picture_age_ms.append(1e3 * (self.t - self.robot.seen.frame.t))
 
     def decided(self) -> None:
         """Let the operator, the limits and the person at the joystick decide whether the vehicle drives."""
@@ -388,7 +392,8 @@ class SeaMission:
             **({} if self.alignment is None else {"alignment": self.alignment.outcome or "not decided"}),
         }
         loop, wall_s = self.loop, self._clock() - self.vehicle.began_s
-        timing = timing_of(wall_s, self.t, control_ms=loop.control_ms, tick_ms=loop.tick_ms)
+        ages = {"picture_age_ms": self.picture_age_ms}
+        timing = timing_of(wall_s, self.t, control_ms=loop.control_ms, tick_ms=loop.tick_ms, **ages)
         if not record.work.failure:
             record.writer.json("metrics.json", metrics)
             record.writer.json("timing.json", timing)
