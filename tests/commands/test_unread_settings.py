@@ -107,7 +107,7 @@ def test_a_campaign_refuses_what_it_overwrites(tmp_path):
 OF_THE_COMMAND = (
     *("decider", "robots", "record", "time_limit_s", "latency", "perception", "depth", "pilot.fallback"),
     *("simulator.pictures", "simulator.painter", "simulator.water", "simulator.water_depth_m", "simulator.contact"),
-    *("simulator.sonar", "pilot.guard"),
+    *("simulator.sonar", "simulator.noise", "simulator.navigation", "pilot.guard"),
 )
 """What `coral reef sail` reads before and after the survey, and when it opens the camera and the sonar."""
 
@@ -155,15 +155,15 @@ def test_a_file_may_have_such_a_key_with_its_default(tmp_path):
     file = tmp_path / "a.yaml"
     file.write_text("lane_m: 10\ntime_limit_s: 20\n")
     assert _parse("reef sail", ["s1", "--config", str(file)]).cfg.time_limit_s == 20.0
-    file.write_text("simulator: {noise: {drift_xy: 0.1}}\n")
-    with pytest.raises(InputError, match=r"--cfg.simulator.noise.drift-xy: found a setting that it never reads"):
+    file.write_text("pilot: {traffic: {gap_m: 3}}\n")
+    with pytest.raises(InputError, match=r"--cfg.pilot.traffic.gap-m: found a setting that it never reads"):
         _parse("reef sail", ["s1", "--config", str(file)])
 
 
 def test_groups_and_who_refuses_them():
-    with pytest.raises(InputError, match=r"--cfg.simulator.noise.drift-xy"):
-        refuse_unread("reef sail", ["time_limit_s", "simulator.noise.drift_xy"])
+    with pytest.raises(InputError, match=r"--cfg.pilot.traffic.gap-m"):
+        refuse_unread("reef sail", ["time_limit_s", "simulator.noise.drift_xy", "pilot.traffic.gap_m"])
     refuse_unread("reef run", ["driver"])
-    assert refused_by("simulator.noise.drift_xy") == ["reef sail"]
+    assert refused_by("lane_m") == ["reef sail"]
     assert refused_by("record.video") == ["reef faults", "reef bench"]
     assert changed_keys(merge(MissionCfg(), {"map": {"obstacles": "sonar"}}, "here")) == ["map.obstacles"]

@@ -12,22 +12,6 @@ from typing import Any
 from coral.errors import InputError
 
 _RECORD = "nothing: it keeps no pictures and no report"
-_NOISE = tuple(
-    f"simulator.noise.{name}"
-    for name in (
-        "depth_sigma",
-        "depth_sigma_square",
-        "dropout",
-        "oyster_missed",
-        "oyster_false",
-        "obstacle_missed",
-        "obstacle_false",
-        "patch_px",
-        "visibility_falloff",
-        "drift_xy",
-        "drift_theta",
-    )
-)
 UNREAD: dict[str, dict[str, str]] = {
     "reef faults": {
         "time_limit_s": "--at and --duration, which set how long a mission lasts",
@@ -41,8 +25,6 @@ UNREAD: dict[str, dict[str, str]] = {
     "reef sail": {
         "lane_m": "nothing: no blind sweep is driven in real time",
         "pilot.traffic": "nothing: one robot surveys",
-        **dict.fromkeys(_NOISE, "--fault; a rehearsal's pictures and position are exact but for the visibility"),
-        "simulator.navigation": "--fault; a rehearsal's position is exact",
     },
 }
 """By command: key or group of keys, and what the command does instead."""
