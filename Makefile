@@ -10,7 +10,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-dev setup-libero setup-blender demo kernels test test-ray test-slurm test-warp test-franka test-lance test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz clean help
+.PHONY: setup setup-dev setup-libero setup-blender demo kernels test test-ray test-slurm test-warp test-franka test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -69,9 +69,6 @@ test-franka: setup-dev  ## the driver against franky-sim's arm, in real time (46
 	$(PIP) --no-build-isolation --editable '.[franka,franka-sim]'
 	$(BIN)/python -m pytest -m franka tests/contact/worlds/franka/test_franky_sim.py
 
-test-lance: setup-dev  ## experience memories in LanceDB, several processes writing (a download of 75 MB)
-	$(PIP) --no-build-isolation --editable '.[lance]'
-	$(BIN)/python -m pytest tests/contact/memory tests/commands/test_memory.py
 
 # Without GGML_NATIVE=OFF the compiled server crashes on some virtual machines that advertise AMX.
 test-model: setup-dev  ## a mission through a small real language model (compiles for minutes)

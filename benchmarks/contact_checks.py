@@ -6,7 +6,7 @@
     python benchmarks/contact_checks.py                   # ten trials of the six tasks, all good kinds
 
 The costs: the worked example of the prompt and the shortest cost that a person would write, adapted to each scene; the
-paper's listing for the board; the experts' costs, as one stage and as state machines; the plans that the rules make;
+paper's listing for the board; the experts' costs, as one stage and as state machines;
 the plans of the recorded reader. Every stage of them is checked in the opening scene of each trial.
 
 From trial to trial the scene varies: poses, sizes, masses, frictions, the start of a joint. A verdict draws no random
@@ -38,8 +38,6 @@ from coral.contact.plan.cost_check import verify_cost
 from coral.contact.plan.cost_fault import CostFault
 from coral.contact.plan.cost_plan import PlanAnswer, compile_plan
 from coral.contact.plan.rehearsal import sample_states
-from coral.contact.rules.composition import compose
-from coral.contact.rules.outcome_cost import outcome_plan
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task_file import unseen_tasks
 from coral.contact.scene.trial import Trial, sample_trial
@@ -48,7 +46,7 @@ from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
 TASKS = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
-KINDS = ("prompt", "example", "listing", "expert", "rules", "reader")
+KINDS = ("prompt", "example", "listing", "expert", "reader")
 EXAMPLE = textwrap.dedent("""
     def state_cost(self):
         cost = 10.0 * np.linalg.norm(self.{name}_pos[:2] - {goal}[:2])
@@ -165,8 +163,6 @@ def good_costs(opening: Opening, task: str, kinds: Collection[str] = KINDS) -> I
             yield "prompt", made.cost
     yield from _written_by_persons(opening, task, wanted)
     plans: list[tuple[str, PlanAnswer | None]] = []
-    if wanted["rules"]:
-        plans += [("rules", compose(opening.facts).plan), ("rules, unguided", outcome_plan(opening.facts))]
     if wanted["reader"]:
         plans += [("reader", plan) for plan in _reader_plans(task)]
     for kind, plan in plans:

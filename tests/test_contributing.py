@@ -27,7 +27,7 @@ def test_the_recipes_name_files():
         ("coral.contact.perception.tracker_registry", ["TRACKERS", "TrackerCfgs"]),
         ("coral.contact.perception.tracker", ["PoseTracker"]),
         ("coral.contact.worlds.registry", ["WORLDS"]),
-        ("coral.contact.rules.answers", ["RULES"]),
+        ("coral.contact.mistakes.plausible", ["CONTACT_MISTAKES"]),
         ("coral.contact.episode.variants", ["VARIANTS"]),
         ("coral.reef.mission.variants", ["VARIANTS"]),
         ("coral.advisor.registry", ["ENTRIES"]),

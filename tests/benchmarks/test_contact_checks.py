@@ -33,7 +33,7 @@ def opening():
 def test_costs_that_are_known_to_be_good_are_accepted(opening, task):
     one = opening(task)
     costs = list(contact_checks.good_costs(one, task))
-    assert {"prompt", "example", "example, with abs", "expert", "expert-fsm", "rules"} <= {kind for kind, _ in costs}
+    assert {"prompt", "example", "example, with abs", "expert", "expert-fsm"} <= {kind for kind, _ in costs}
     assert [(kind, cost.name) for kind, cost in costs if contact_checks.fatal(cost, one.samples)] == []
 
 

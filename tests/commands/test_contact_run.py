@@ -70,10 +70,10 @@ def test_run_says_in_words_how_it_ended(task, tmp_path, capsys):
         ),
         (["pick-box", "--cfg.reactive.memory-s", "0"], "reactive.memory_s"),
         (["push-pick-board", "--variant", "full", "--believe", "bord=2,0.9"], "did you mean 'board'?"),
-        (["push-pick-board", "--believe", "board=2,0.9"], "also --variant expert-fsm"),
-        (["pick-box", "--memory", "m.sqlite"], "--memory: found also --variant expert-fsm"),
+        (["push-pick-board", "--variant", "expert", "--believe", "board=2,0.9"], "also --variant expert"),
+        (["pick-box", "--advisor", "heuristic"], "the hand has no rules"),
         (["pick-box", "--memory", "m.sqlite", "--variant", "no-memory"], "also --variant no-memory"),
-        (["pick-box", "--advisor", "desk"], "desk with --variant expert-fsm"),
+        (["pick-box", "--variant", "expert", "--advisor", "desk"], "desk with --variant expert"),
         (["pick-box", "--variant", "full", "--model.attempt-timeout-s", "nan"], "attempt_timeout_s"),
         (["absent.yaml"], "no such file"),
     ],
@@ -139,17 +139,27 @@ def test_a_model_that_refuses_is_refused_before_anything_is_written(task, refusi
     assert list(tmp_path.iterdir()) == []
 
 
-def test_where_the_rules_stand_in_for_a_model_everything_says_so(task, refusing, tmp_path, capsys):
-    memory, out = tmp_path / "memory.sqlite", tmp_path / "run"
-    assert main(["contact", "run", task, *REFUSED, refusing, *SKIP, "--memory", str(memory), "--out", str(out)]) == 0
+def test_where_a_model_decides_nothing_everything_says_so(task, refusing, tmp_path, capsys):
+    out = tmp_path / "run"
+    assert main(["contact", "run", task, *REFUSED, refusing, *SKIP, "--out", str(out)]) == 0
     said, err = capsys.readouterr()
     metrics = json.loads((out / "metrics.json").read_text())
-    assert metrics["decided_by"] == {"advisor": 0, "memory": 0, "recording": 0, "fallback": 3}
-    assert metrics["answers"]["malformed"] == 12
-    last = "he advisor decided 0 of 3 decisions, the fallback's rules 3"
+    assert (metrics["end_reason"], metrics["decided_by"]["fallback"]) == ("no-strategy", 1)
+    assert metrics["answers"]["malformed"] == 8
+    last = "he advisor decided 0 of 1 decisions, nobody 1 (prior)"
     assert said.rstrip().splitlines()[-1] == f"t{last}"
-    assert f"T{last}".replace("'", "&#39;") in (out / "report.html").read_text()
-    assert "the advisor did not decide on the parameters (requeries-used-up): continuing with heuristic" in err
+    assert f"T{last}" in (out / "report.html").read_text()
+    assert "did not decide on the parameters (requeries-used-up): continuing with the prior beliefs" in err
+
+
+def test_a_task_that_nobody_answered_tells_the_ways_on(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("new.yaml").write_text(json.dumps(changed("name", "new-task")), encoding="utf-8")
+    assert main(["contact", "run", "new.yaml", "--world", "hand", "--quiet"]) == 1
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert all(way in error for way in ("--advisor PROVIDER:MODEL", "--advisor desk", "--cost FILE"))
+    assert [path.name for path in tmp_path.iterdir()] == ["new.yaml"]
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@ import pytest
 from coral.commands.contact_bench import read_memory
 from coral.commands.memory import MemoryImport
 from coral.contact.memory.embedding import HashedWords
-from coral.contact.memory.expressions import SizeExpression
 from coral.contact.memory.memory import Experience, Memory
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
@@ -23,13 +22,10 @@ def experience(**provenance):
     )
 
 
-@pytest.fixture(params=["sqlite", "lance"])
-def place(request, tmp_path):
-    """Where a memory of some name is to be, in each of the stores."""
-    if request.param == "sqlite":
-        return lambda name: str(tmp_path / f"{name}.sqlite")
-    pytest.importorskip("lancedb")
-    return lambda name: f"lance:{tmp_path / name}"
+@pytest.fixture
+def place(tmp_path):
+    """Where a memory of some name is to be."""
+    return lambda name: str(tmp_path / f"{name}.sqlite")
 
 
 @pytest.fixture
@@ -60,13 +56,6 @@ def test_the_rate_of_success_is_listed(told, memory):
     assert "helped 1 of 2" in told("memory", "list", "--file", memory.where)[1]
     (row,) = told("memory", "list", "--file", memory.where, "--json")[1]["experiences"]
     assert row["success_rate"] == 0.5
-
-
-def test_lengths_that_follow_the_scene_are_shown(told, memory):
-    half = SizeExpression(shares={"object0.size.2": 0.5}, margin_m=0.01)
-    number = memory.add(experience(seed=5).model_copy(update={"expressions": {"0.04 along z": half}}))
-    text = told("memory", "show", number, "--file", memory.where)[1]
-    assert "  0.04 along z: 0.5 object0.size.2 + 0.01" in text.splitlines()
 
 
 def test_provenance_that_says_little_or_too_much_is_listed_all_the_same(told, memory):

@@ -46,10 +46,7 @@ def scene():
         one.world.close()
 
 
-@pytest.fixture(params=["sqlite", "lance"])
-def place(request, tmp_path):
-    """Where a memory of some name is to be, in each of the stores."""
-    if request.param == "sqlite":
-        return lambda name: str(tmp_path / f"{name}.sqlite")
-    pytest.importorskip("lancedb")
-    return lambda name: f"lance:{tmp_path / name}"
+@pytest.fixture
+def place(tmp_path):
+    """Where a memory of some name is to be."""
+    return lambda name: str(tmp_path / f"{name}.sqlite")

@@ -42,6 +42,20 @@ SLIDE = {
     },
 }
 """A task that is none of the shipped ones, and quick."""
+COST = """def state_cost(self):
+    behind = self.crate_pos + np.array([-0.08, 0.0, -0.01])
+    return {"be behind the crate": 6.0 * norm(self.ee_pos - behind),
+            "crate at the mark": 20.0 * norm(self.crate_pos[:2] - np.array([0.1, 0.0])),
+            "stay upright": 2.0 * (1.0 + quat_axis(self.ee_quat, 2)[2])}
+"""
+ANSWERS = {
+    "physical-parameters": {"crate": {"mass_kg": 0.5, "friction_coeff": 0.5}},
+    "cost-function": {"code": COST, "explanation": "Get behind it and push it along x."},
+    "contact-regions": {
+        "crate": {"regions": [{"center": [-0.06, 0.0, 0.0], "normal": [-1, 0, 0], "approach": "push"}]}
+    },
+}
+"""Answers that slide it."""
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 
 

@@ -1,9 +1,9 @@
 """An experience of a scene, for tests of the memory."""
 
-from coral.contact.memory.expressions import find_expressions
+from recorded import compose
+
 from coral.contact.memory.memory import Experience
 from coral.contact.memory.scene_numbers import scene_numbers
-from coral.contact.rules.composition import compose
 
 
 def experience(one, **provenance):
@@ -17,5 +17,4 @@ def experience(one, **provenance):
         regions=made.regions,
         beliefs={"box": (0.2, 0.5)},
         provenance={"success": True, "world": "hand", "seed": 0, **provenance},
-        expressions=find_expressions(made.plan, numbers),
     )

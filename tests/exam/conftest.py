@@ -1,9 +1,13 @@
 import json
+import sys
+from pathlib import Path
 
 import pytest
 
 from coral.advisor.log import plain_json
 from coral.exam.question_set import load_set
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "contact"))
 
 
 @pytest.fixture(scope="session")

@@ -1,8 +1,9 @@
 import asyncio
 
+from recorded import RULES
+
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.plan.cost_plan import PlanAnswer
-from coral.contact.rules.answers import RULES
 from coral.exam.question_set import load_set
 from coral.exam.score import score
 

@@ -2,9 +2,9 @@ import asyncio
 
 import numpy as np
 import pytest
+from recorded import RULES
 
 from coral.advisor.rules import RuleAdvisor
-from coral.contact.rules.answers import RULES
 from coral.exam.asking import ask_all
 from coral.exam.controls import CONTROLS, control
 from coral.exam.grading import Grader

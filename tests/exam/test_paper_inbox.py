@@ -1,10 +1,10 @@
 import json
 
 import pytest
+from recorded import RULES
 
 from coral.advisor.question import AdvisorUnavailable
 from coral.advisor.rules import RuleAdvisor
-from coral.contact.rules.answers import RULES
 from coral.desk.inbox import Inbox
 from coral.errors import InputError
 from coral.exam.asking import ask_all

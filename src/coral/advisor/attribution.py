@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 from coral.advisor.consult import Attempt, Verdict
-from coral.advisor.fallback import Fallback
 from coral.advisor.question import Usage, trait
 
 Source = Literal["advisor", "memory", "recording", "fallback"]
@@ -25,6 +24,9 @@ _FATE: Mapping[Verdict, Fate] = {
     "unavailable": "missing",
 }
 """A withdrawn question has no fate: its answer was no longer needed."""
+
+RECORDED_MODEL = "recorded model (a vision-language model at the desk)"
+"""Name of the advisor `recorded` in headlines and tables."""
 
 DEFINITIONS = {
     "decided_by": "Number of decisions by source: the advisor, the memory, a recording, the fallback. Their sum is the "
@@ -122,7 +124,14 @@ def spent(attempt: Attempt) -> Spent:
     )
 
 
-def who_decided(metrics: Mapping[str, Any], *, things: str, fallback: Fallback, advisor: str = "the advisor") -> str:
+def who_decided(
+    metrics: Mapping[str, Any],
+    *,
+    things: str,
+    fallback: str,
+    advisor: str = "the advisor",
+    recording: str = "the recording",
+) -> str:
     """Describe who decided, without a full stop; "" if the advisor made every decision.
 
     For example "the advisor decided 5 of 7 goals, the fallback's rules 2".
@@ -130,8 +139,9 @@ def who_decided(metrics: Mapping[str, Any], *, things: str, fallback: Fallback, 
     Args:
         metrics: Metrics with the keys `decided_by` and `answers`; "" if a run of an older version lacks them.
         things: The kind of decision, in the plural: "goals".
-        fallback: The chosen policy.
+        fallback: The chosen policy; rules decide under `rules` only.
         advisor: Name of the advisor in the sentence.
+        recording: Name of a recording in the sentence.
     """
     by, answers = metrics.get("decided_by") or {}, metrics.get("answers") or {}
     total, own = sum(by.values()), int(by.get("advisor", 0))
@@ -139,9 +149,12 @@ def who_decided(metrics: Mapping[str, Any], *, things: str, fallback: Fallback, 
         return f"{advisor} decided nothing" if not total and sum(answers.values()) else ""
     called = {
         "memory": "the memory {}",
-        "recording": "the recording {}",
+        "recording": f"{recording} {{}}",
         "fallback": "the fallback's rules {}" if fallback == "rules" else f"nobody {{}} ({fallback})",
     }
+    if by.get("recording", 0) and by["recording"] + by.get("fallback", 0) == total:
+        advisor, own = recording, by["recording"]
+        called.pop("recording")
     others = [text.format(by[key]) for key, text in called.items() if by.get(key)]
     return ", ".join([f"{advisor} decided {own} of {total} {things}", *others])
 

@@ -56,9 +56,14 @@ class AdvisorEntry:
 ENTRIES = (
     AdvisorEntry(
         form="heuristic",
-        what="rules that come with the package; no network, no key, no model",
+        what="rules that come with the package, for reefs; no network, no key, no model",
         make="coral.advisor.rules:make_rules",
         rules=True,
+    ),
+    AdvisorEntry(
+        form="recorded",
+        what="a vision-language model's recorded answers to the shipped contact tasks",
+        make="coral.advisor.recorded:make_recorded",
     ),
     *(
         AdvisorEntry(form=f"{provider}:MODEL", what="a provider's model", make="coral.advisor.models:make_provider")

@@ -35,13 +35,16 @@ class ReplayAdvisor:
     latency = "recorded"
     source: Source = "recording"
 
-    def __init__(self, recording: Path | str, where: str = "--advisor", *, in_order: bool = False) -> None:
+    def __init__(
+        self, recording: Path | str, where: str = "--advisor", *, in_order: bool = False, accepted: bool = False
+    ) -> None:
         """Read a recording.
 
         Args:
             recording: attempts.jsonl, a run folder that holds one, or a shipped recording's name.
             where: What to name in an error message.
             in_order: Whether to answer questions of a kind in the order of the recording.
+            accepted: Whether to leave out answers that were refused then.
 
         Raises:
             InputError: There is no such file, or a line is not an attempt.
@@ -51,7 +54,7 @@ class ReplayAdvisor:
         self._recorded: dict[str, deque[Attempted]] = {}
         self._keys: list[dict[str, Any]] = []
         for entry in read_attempts(self._file, where):
-            if in_order and never_came(entry):
+            if (in_order and never_came(entry)) or (accepted and entry["verdict"] != "accepted"):
                 continue
             key = {part: entry[part] for part in KEY_PARTS}
             if self._place(key) not in self._recorded:

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply
 from coral.advisor.setting import Rule, Setting
+from coral.errors import InputError
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -44,5 +45,11 @@ class RuleAdvisor:
 
 
 def make_rules(name: str, rest: str, setting: Setting) -> RuleAdvisor:
-    """Make the advisor of the application's rules."""
+    """Make the advisor of the application's rules.
+
+    Raises:
+        InputError: The application has none.
+    """
+    if not setting.rules:
+        raise InputError(setting.where, "", name, "another advisor, such as recorded: the hand has no rules")
     return RuleAdvisor(setting.rules)

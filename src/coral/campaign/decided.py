@@ -56,6 +56,8 @@ def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
         what = (
             "were made by the fallback’s rules, so these rows are not the advisor’s alone"
             if policy == "rules"
+            else "were left undecided: prior beliefs, no regions or the plan before stood"
+            if policy == "prior"
             else "were left undecided by the advisor; the consequences count as its own"
         )
         notes.append(f"§: {fell} of {total} decisions {what} (fallback: {policy or 'unknown'}).")

@@ -10,6 +10,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from coral.advisor.attribution import RECORDED_MODEL
 from coral.advisor.registry import rules_alone
 from coral.errors import InputError
 
@@ -24,6 +25,8 @@ def called(advisor: str) -> str:
         return "none"
     if advisor == "heuristic":
         return "heuristic (embedded rules, no foundation model)"
+    if advisor == "recorded":
+        return RECORDED_MODEL
     if rules_alone(advisor):
         return f"{advisor} (embedded rules with simulated mistakes, no foundation model)"
     return advisor

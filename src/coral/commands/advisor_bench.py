@@ -17,9 +17,8 @@ from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, make_advisor
 from coral.config import checked
 from coral.contact.episode.variants import contact_model
-from coral.contact.rules.answers import RULES
-from coral.contact.rules.mistakes import CONTACT_MISTAKES
-from coral.contact.rules.spoilt_answers import SPOILT
+from coral.contact.mistakes.crude import SPOILT
+from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.errors import InputError
 from coral.exam.asking import ask_all
 from coral.exam.controls import CONTROLS, control
@@ -126,7 +125,7 @@ class AdvisorBench:
             return control(name, rng)
         return make_advisor(
             name,
-            rules={**REEF_RULES, **RULES},
+            rules=REEF_RULES,
             rng=rng,
             inbox=None if self.out is None else self.out / "inbox",
             cfg=checked(self.model, "--model"),

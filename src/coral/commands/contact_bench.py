@@ -13,7 +13,6 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
@@ -41,18 +40,19 @@ from coral.config import checked, to_mapping
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.policy_campaign_episode import run_policy_episode
-from coral.contact.episode.resolution import with_fallback, with_poses, with_samples, with_tracker
+from coral.contact.episode.resolution import DEFAULT_ADVISOR, with_fallback, with_poses, with_samples, with_tracker
 from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_strategist
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import FORMAT, Memory
+from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.perception.tracker_registry import drop_addresses
 from coral.contact.policy.address import Address, parse_address
-from coral.contact.rules.mistakes import CONTACT_MISTAKES
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.scene.variation import split_variation
 from coral.contact.tasks import load_task
+from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
@@ -95,7 +95,7 @@ class ContactEpisode:
 
 def episode_alone() -> EpisodeCfg:
     """Return the default episode configuration of a campaign, in which no fallback decides for the advisor."""
-    return with_fallback(EpisodeCfg(), FOR_BENCHES)
+    return with_fallback(EpisodeCfg(), "hold")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,18 +116,18 @@ class ContactBench(CampaignFlags):
     """Evaluation worlds, separated by commas: panda, hand."""
     seeds: str = "0-9"
     """Numbers and ranges, such as 0-4 or 0,3,7-9; the paper makes ten trials of each task."""
-    advisors: Annotated[str, Option(help=advisor_help("Separated by commas"))] = "heuristic"
+    advisors: Annotated[str, Option(help=advisor_help("Separated by commas"))] = DEFAULT_ADVISOR
     poses: Literal["tracked", "ground-truth"] | None = None
     """Source of the objects' poses: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     tracker: Annotated[str | None, Option(help=f"{TRACKER_HELP} Every worker must be able to reach a server.")] = None
     memory: str | None = None
-    """Initial memory of variants with memory: a memory (an SQLite file, or lance:FOLDER_OR_URI), or an export of one
+    """Initial memory of variants with memory: a memory (an SQLite file), or an export of one
     (such as the memory.json of a campaign). Every trial has its own copy. By default it is empty."""
     samples: int | None = None
-    """Rehearsals per plan, instead of the configuration's."""
-    fallback: Fallback | None = None
+    """Rehearsals per plan, instead of the configuration's; the variant paper has 200."""
+    fallback: StandIn | None = None
     """Fallback when an advisor does not decide: hold (the default: nothing else decides, and the episode ends),
-    fail, or rules, whose rows are marked."""
+    fail, or prior, whose rows are marked."""
     out: Path = Path("runs/contact-bench")
     """Folder of the campaign."""
     config: Path | None = None
@@ -364,11 +364,6 @@ def read_memory(where: str | Path) -> dict[str, Any]:
     Raises:
         InputError: The file is neither.
     """
-    if isinstance(where, str) and where.startswith("lance:"):
-        known = Memory(where)
-        if not known.store.exists():
-            raise InputError("--memory", "", f"{where}: nothing there", "a memory, or an export of one")
-        return known.export()
     file = Path(where)
     try:
         if regular_bytes(file, 15).startswith(b"SQLite format 3"):

@@ -11,11 +11,11 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from coral.advisor.attribution import who_decided
-from coral.advisor.fallback import Fallback
+from coral.advisor.attribution import RECORDED_MODEL, who_decided
+from coral.advisor.recorded import is_recorded
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
-from coral.advisor.registry import advisor_help, make_advisor
+from coral.advisor.registry import advisor_help, innermost, make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.franka_robot import WORLD, RobotFlags, make_robot_world, robot_cfg, robot_trial
 from coral.commands.live import LiveFlags, watching_task
@@ -28,7 +28,13 @@ from coral.contact.episode.episode import Episode
 from coral.contact.episode.own_cost import own_cost
 from coral.contact.episode.policy_campaign_episode import serving
 from coral.contact.episode.policy_episode import PolicyEpisode
-from coral.contact.episode.resolution import OWN_COST, check_combination, resolve_episode
+from coral.contact.episode.resolution import (
+    DEFAULT_ADVISOR,
+    DEFAULT_VARIANT,
+    OWN_COST,
+    check_combination,
+    resolve_episode,
+)
 from coral.contact.episode.variants import (
     ALONE,
     VARIANTS,
@@ -36,21 +42,22 @@ from coral.contact.episode.variants import (
     contact_model,
     make_strategist,
 )
+from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.perception.cameras.camera_registry import camera_help
 from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import tracker_help
 from coral.contact.policy.address import parse_address
-from coral.contact.rules.mistakes import CONTACT_MISTAKES
 from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
+from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.strategist import FixedStrategist
 from coral.contact.thinker.think_cfg import resolved
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
 from coral.contact.worlds.robot_world import RobotWorld
-from coral.errors import InputError
+from coral.errors import InputError, RunError
 from coral.flags import Argument, Option
 from coral.runs import new_run_folder
 from coral.words import many
@@ -78,13 +85,14 @@ class ContactRun:
     camera_pose: Path | None = None
     """Where that camera stands: a file of coral contact calibrate."""
     masks: Annotated[str | None, Option(metavar="MASKS", help=MASKS_HELP)] = None
-    advisor: Annotated[str, Option(help=advisor_help("The advisor, in variants with one"))] = "heuristic"
-    variant: Annotated[str, Option(names=VARIANTS)] = "expert-fsm"
-    """Configuration of the pipeline: full asks the advisor; no-memory, no-refinement, unguided, no-regions and
-    no-tracking disable one part; unified asks one question for everything. expert and expert-fsm follow hand-written
-    costs without an advisor."""
-    fallback: Fallback | None = None
-    """Fallback when the advisor does not decide: rules (the default) decide; hold and fail end the episode."""
+    advisor: Annotated[str, Option(help=advisor_help("The advisor, in variants with one"))] = DEFAULT_ADVISOR
+    variant: Annotated[str, Option(names=VARIANTS)] = DEFAULT_VARIANT
+    """Configuration of the pipeline: full asks the advisor; paper too, and plans with the paper's 200 samples;
+    no-memory, no-refinement, unguided, no-regions and no-tracking disable one part; unified asks one question for
+    everything. expert and expert-fsm follow hand-written costs without an advisor."""
+    fallback: StandIn | None = None
+    """What stands where the advisor does not decide: prior beliefs, no regions and the plan before (prior, the
+    default); hold and fail end the episode."""
     preflight: bool = True
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
@@ -102,7 +110,7 @@ class ContactRun:
     believe: str | None = None
     """Initial beliefs of masses (kg) and frictions, NAME=MASS,FRICTION[;...], instead of the advisor's estimates."""
     memory: str | None = None
-    """Experience memory: an SQLite file, or lance:FOLDER_OR_URI. It is read at the start, and a success is added to
+    """Experience memory: an SQLite file. It is read at the start, and a success is added to
     it. By default there is none. Only full, no-refinement, no-regions and no-tracking use it."""
     inbox: Path = Path("inbox")
     """Folder for the questions of the advisor `desk`."""
@@ -158,7 +166,12 @@ class ContactRun:
         task = load_task(self.task)
         trial = sample_trial(task, self.seed, self.task)
         cfg = resolve_episode(
-            self.cfg, samples=self.samples, poses=self.poses, tracker=self.tracker, fallback=self.fallback
+            self.cfg,
+            variant=self.variant,
+            samples=self.samples,
+            poses=self.poses,
+            tracker=self.tracker,
+            fallback=self.fallback,
         )
         thinking_latency(cfg.think.latency, advisor, self.advisor)
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
@@ -175,6 +188,8 @@ class ContactRun:
             return self._run_policy(self.policy, trial, cfg)
         if self.cost is not None:
             return self._run_cost(str(self.cost), trial, cfg)
+        if not self._is_answered(task.name):
+            raise RunError(nobody_answered(task.name))
         if self.preflight and self.variant not in ALONE:
             preflight(advisor, pictures=True, quiet=self.quiet)
         folder = self.out or new_run_folder(Path("runs"), task.name)
@@ -205,7 +220,15 @@ class ContactRun:
             operator_verdict=_operator(cfg),
         )
         episode.listeners.append(StandInNotice())
-        return self._attempt(episode, folder, cfg)
+        result = self._attempt(episode, folder, cfg)
+        if result["end_reason"] == "no-strategy" and self.advisor == DEFAULT_ADVISOR:
+            raise RunError(nobody_answered(task.name))
+        return result
+
+    def _is_answered(self, task: str) -> bool:
+        """Return whether the advisor can have an answer: only a recording is known to have none."""
+        recorded = self.advisor == DEFAULT_ADVISOR and self.variant not in ALONE
+        return not recorded or is_recorded(task) or self.memory is not None
 
     @property
     def _live_flags(self) -> LiveFlags:
@@ -254,7 +277,8 @@ class ContactRun:
                 result = episode.run([progress, *viewers])
             finally:
                 progress.close()
-            decided = who_decided(result, things="decisions", fallback=cfg.think.fallback)
+            policy, recording = cfg.think.fallback, _recorder(episode.advisor)
+            decided = who_decided(result, things="decisions", fallback=policy, recording=recording)
             return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 
     def _run_policy(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
@@ -307,6 +331,19 @@ def _count(result: Mapping[str, Any]) -> str:
     return many(result["policy_calls"], "answer") if result["policy_calls"] else many(result["plans"], "plan")
 
 
+def _recorder(advisor: str) -> str:
+    """Return what a recording is called in the sentence about who decided."""
+    return f"a {RECORDED_MODEL}" if innermost(advisor)[1] == DEFAULT_ADVISOR else "the recording"
+
+
+def nobody_answered(task: str) -> str:
+    """Return the line for a task without recorded answers: the ways on."""
+    return (
+        f"nobody recorded answers for the task {task!r} and no remembered plan fits: "
+        "ask a model (--advisor PROVIDER:MODEL), answer yourself (--advisor desk), or give a cost (--cost FILE)"
+    )
+
+
 class StandInNotice:
     """Reports once on standard error that the advisor did not decide."""
 
@@ -317,8 +354,7 @@ class StandInNotice:
         """Handle an event of the episode."""
         if event["event"] == "fallback" and not self._said:
             self._said = True
-            stands_in = event["policy"] == "rules"
-            then = f"continuing with {event['by']}" if stands_in else "the episode ends"
+            then = "the episode ends" if event["by"] == "nobody" else f"continuing with {event['by']}"
             print(
                 f"at {event['t']:.1f} s the advisor did not decide on the {event['what']} ({event['because']}): "
                 f"{then} (--fallback {event['policy']})",

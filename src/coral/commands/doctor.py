@@ -34,7 +34,6 @@ CORE = (
 EXTRAS = {
     "contact": ("robosuite", "contact tasks on the Panda"),
     "memory": ("wordllama", "another embedder of instructions, for the experience memory"),
-    "lance": ("lancedb", "an experience memory that several machines share"),
     "ray": ("ray", "campaigns on a Ray cluster"),
     "mcp": ("mcp", "the desk for agents (coral desk --mcp)"),
     "trace": ("opentelemetry.sdk", "OpenTelemetry spans of model calls (CORAL_TRACE)"),

@@ -62,7 +62,7 @@ class MemoryList:
     """List the remembered experiences: origin, uses, and how many of these succeeded."""
 
     file: str = FILE
-    """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
+    """The memory, an SQLite file."""
     json: bool = False
     """Print one JSON object."""
 
@@ -87,7 +87,7 @@ class MemoryShow:
     id: Annotated[int, Argument()]
     """Number of the experience, from `coral memory list`."""
     file: str = FILE
-    """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
+    """The memory, an SQLite file."""
     json: bool = False
     """Print one JSON object."""
 
@@ -98,17 +98,12 @@ class MemoryShow:
             **_row(stored),
             "experience": stored.experience.model_dump(mode="json"),
             "programs": stored.experience.plan.text(),
-            "expressions": {number: one.text() for number, one in stored.experience.expressions.items()},
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Return its record, then its programs."""
-        head = [
-            f"{key}: {value}" for key, value in result.items() if key not in ("experience", "programs", "expressions")
-        ]
-        lengths = [f"  {number}: {text}" for number, text in result["expressions"].items()]
-        means = ["", "lengths that follow the scene:", *lengths] if lengths else []
-        return "\n".join([*head, *means, "", result["programs"]])
+        head = [f"{key}: {value}" for key, value in result.items() if key not in ("experience", "programs")]
+        return "\n".join([*head, "", result["programs"]])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,7 +113,7 @@ class MemoryForget:
     id: Annotated[int, Argument()]
     """Number of the experience, from `coral memory list`."""
     file: str = FILE
-    """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
+    """The memory, an SQLite file."""
     json: bool = False
     """Print one JSON object."""
 
@@ -139,7 +134,7 @@ class MemoryExport:
     to: Annotated[Path, Argument(metavar="FILE")]
     """The JSON file; it must not exist yet."""
     file: str = FILE
-    """The memory: an SQLite file, or lance:FOLDER_OR_URI."""
+    """The memory, an SQLite file."""
     json: bool = False
     """Print one JSON object."""
 
@@ -162,7 +157,7 @@ class MemoryImport:
     source: Annotated[Path, Argument(metavar="FILE")]
     """The JSON file."""
     file: str = FILE
-    """The memory, an SQLite file or lance:FOLDER_OR_URI; created if it does not exist."""
+    """The memory, an SQLite file; created if it does not exist."""
     json: bool = False
     """Print one JSON object."""
 

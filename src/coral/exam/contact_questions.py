@@ -13,7 +13,7 @@ import numpy as np
 
 from coral.advisor.consult import Outcome
 from coral.advisor.prompt import render
-from coral.advisor.question import AdvisorUnavailable, Picture
+from coral.advisor.question import Picture
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.episode.episode import Episode
 from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advisor_camera, to_picture
@@ -22,9 +22,9 @@ from coral.contact.perception.scene_labels import PictureLabels, label_picture
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
-from coral.contact.rules.answers import RULES
 from coral.contact.scene.geometry import rotate
 from coral.contact.scene.observation import Observation
+from coral.contact.scene.prior_beliefs import prior_beliefs
 from coral.contact.scene.trial import PhysicalParameters, Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.correction import TouchHistory, correct_beliefs
@@ -32,12 +32,13 @@ from coral.contact.thinker.diagnosis import diagnose
 from coral.contact.thinker.history_rows import recent
 from coral.contact.thinker.pose_question import pose_facts, pose_prompt
 from coral.contact.thinker.questions import regions_prompt
+from coral.contact.thinker.recorded_answers import recorded_answers
 from coral.contact.thinker.repair_prompt import fit_prompt, repair_values
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.unified_question import unified_prompt
-from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt
+from coral.contact.world_model.parameter_estimates import belief_prompt
 from coral.contact.worlds.registry import make_world
 from coral.exam.contact_outcome import FollowedPlan, PlanFollower, episode_cfg, exam_limits, short_task
 from coral.exam.contact_scenes import looks_like, made_of, trial_to_json
@@ -61,7 +62,7 @@ class Seen:
     frame: RgbdFrame
     facts: dict[str, Any]
     beliefs: dict[str, PhysicalParameters]
-    """Estimated by the rules from the facts; later questions state them."""
+    """As a recorded model estimated them, or else prior ones; later questions state them."""
 
     @property
     def pictures(self) -> tuple[Picture, ...]:
@@ -126,9 +127,8 @@ def _observe(trial: Trial) -> Seen:
         world.close()
     assert frame is not None
     facts = dict(scene_facts(trial, now))
-    estimates = RULES["physical-parameters"](facts, ())
-    assert isinstance(estimates, ParameterEstimates)
-    return Seen(trial, now, frame, facts, estimates.physical())
+    recorded = recorded_answers(trial.task.name)
+    return Seen(trial, now, frame, facts, prior_beliefs(trial) if recorded is None else recorded.parameters.physical())
 
 
 def _item(
@@ -172,7 +172,7 @@ def _poses(task: str, seed: int) -> ExamItem:
 def _regions(task: str, seed: int) -> ExamItem:
     seen = _observe(made_of(load_task(task), seed))
     facts = _plan_facts(seen)
-    plan = _apply_rules(facts)[0]
+    plan = _recorded(task)[0]
     facts["stages"] = plan.names
     prompt = regions_prompt(_shared_prompt(seen, facts), plan, ThinkCfg().region)
     return _item("contact-regions", prompt, facts, {"touches": touches(seen.trial)}, seen.labelled)
@@ -181,15 +181,11 @@ def _regions(task: str, seed: int) -> ExamItem:
 def plan_question(task: str, seed: int) -> ExamItem:
     """Make the question for a plan of a trial, as an episode asks it at its beginning.
 
-    An answer is followed with the regions that the rules choose; without any where they have no skill.
+    An answer is followed without contact regions: those of another plan would not fit.
     """
     seen = _observe(sample_trial(load_task(task), seed))
     facts = _plan_facts(seen)
-    try:
-        regions = _apply_rules(facts)[1]
-    except AdvisorUnavailable:
-        regions = RegionsAnswer({})
-    key = _plan_key(seen.trial, seen, regions)
+    key = _plan_key(seen.trial, seen, RegionsAnswer({}))
     return _item("cost-function", _shared_prompt(seen, facts), facts, key, seen.labelled)
 
 
@@ -208,7 +204,7 @@ def _unified(task: str, seed: int) -> ExamItem:
 def _repair(task: str, seed: int) -> ExamItem | None:
     """Make a question about a plan that was followed for a while with one error in it; None if its episode fails."""
     seen = _observe(sample_trial(load_task(task), seed + 70))
-    plan, regions = _apply_rules(_plan_facts(seen))
+    plan, regions = _recorded(task)
     bad = _break_plan(plan, seed)
     felt = _follow_for(seen.trial, FollowedPlan(bad, seen.beliefs, regions), BAD_S)
     if felt is None or not felt.follower.monitor.steps:
@@ -238,7 +234,7 @@ def _correction(task: str, seed: int) -> ExamItem | None:
         float(np.clip(true.mass_kg * math.exp(rng.choice([-1, 1]) * rng.uniform(0.7, 1.6)), 0.01, 15.0)),
         float(np.clip(true.friction * math.exp(rng.choice([-1, 1]) * rng.uniform(0.4, 0.9)), 0.05, 1.6)),
     )
-    plan, regions = _apply_rules(_plan_facts(seen))
+    plan, regions = _recorded(task)
     beliefs = {**seen.beliefs, name: wrong}
     capture = _RecordingAsker()
     felt = _follow_for(seen.trial, FollowedPlan(plan, beliefs, regions), PUSHED_S, _ask_correction(capture, name, seen))
@@ -262,12 +258,11 @@ def _plan_facts(seen: Seen) -> dict[str, Any]:
     return {**seen.believed, "diagnoses": [], "contact_strategy": True}
 
 
-def _apply_rules(facts: Mapping[str, Any]) -> tuple[PlanAnswer, RegionsAnswer]:
-    plan = RULES["cost-function"](facts, ())
-    assert isinstance(plan, PlanAnswer)
-    regions = RULES["contact-regions"]({**facts, "stages": plan.names}, ())
-    assert isinstance(regions, RegionsAnswer)
-    return plan, regions
+def _recorded(task: str) -> tuple[PlanAnswer, RegionsAnswer]:
+    """Return the plan and the regions of the recorded model."""
+    found = recorded_answers(task)
+    assert found is not None
+    return found.plan, found.regions
 
 
 def _plan_key(trial: Trial, seen: Seen, regions: RegionsAnswer) -> dict[str, Any]:

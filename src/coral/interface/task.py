@@ -9,7 +9,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight as ask_first
 from coral.advisor.question import Advisor
@@ -29,12 +28,13 @@ from coral.contact.episode.resolution import (
     resolve_episode,
 )
 from coral.contact.episode.variants import ALONE, AdvisorSetup, contact_model, make_strategist
-from coral.contact.rules.mistakes import CONTACT_MISTAKES
+from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_validation import check_task
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
+from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.strategist import FixedStrategist, Strategist
 from coral.contact.thinker.think_cfg import resolved
 from coral.contact.thinker.thinking_clock import thinking_latency
@@ -74,7 +74,7 @@ def run_task(
     tracker: str | None = None,
     believe: str | None = None,
     memory: str | Path | None = None,
-    fallback: Fallback | None = None,
+    fallback: StandIn | None = None,
     cfg: EpisodeCfg | Mapping[str, Any] | str | Path | None = None,
     model: ModelCfg | None = None,
     out: str | Path | None = None,
@@ -95,7 +95,7 @@ def run_task(
         advisor: Who decides: as on the command line, or an object with a `name` and a coroutine `answer`.
         controller: "mppi", an entry point of the group `coral.hand_controllers`, or a function of planning world,
             configuration and generator that makes a controller.
-        variant: Configuration of the pipeline; None: "full" if an advisor is given, else "expert-fsm".
+        variant: Configuration of the pipeline; None: "full".
         world: Evaluation world: "panda", which needs robosuite, or "hand".
         conditions: Conditions of success in place of the task's own; any subclass of `BaseCondition`.
         seed: Seed of all random numbers.
@@ -123,7 +123,7 @@ def run_task(
     folder = ResultFolder(out)
     spec = DEFAULT_ADVISOR if advisor is None else advisor if isinstance(advisor, str) else check_advisor(advisor).name
     demand_inbox(spec if isinstance(advisor, str) else "", out)
-    chosen = variant or (DEFAULT_VARIANT if advisor is None else "full")
+    chosen = variant or DEFAULT_VARIANT
     who: Advisor = (
         check_advisor(advisor)
         if advisor is not None and not isinstance(advisor, str)
@@ -155,7 +155,9 @@ def run_task(
         found = with_conditions(found, conditions)
     trial = sample_trial(found, seed, str(task) if not isinstance(task, Task) else "")
     settings, _ = resolve_settings(cfg, EpisodeCfg())
-    settings = resolve_episode(settings, samples=samples, poses=poses, tracker=tracker, fallback=fallback)
+    settings = resolve_episode(
+        settings, variant=chosen, samples=samples, poses=poses, tracker=tracker, fallback=fallback
+    )
     thinking_latency(settings.think.latency, who, spec)
     beliefs = {} if believe is None else parse_beliefs(believe, found, cfg=settings.think.belief)
     record = dataclasses.replace(

@@ -7,7 +7,8 @@ import threading
 
 import pytest
 import yaml
-from episodes import SLIDE
+from episodes import ANSWERS, SLIDE
+from recorded import one_by_one
 
 from coral.advisor.question import Picture
 from coral.contact.control.mppi_controller import ControllerCfg
@@ -15,7 +16,6 @@ from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
-from coral.contact.scene.state_conditions import Upright
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
@@ -26,19 +26,6 @@ FAST = EpisodeCfg(
     planning=PlanningCfg(threads=1),
     controller=ControllerCfg(horizon=25, mppi=KnotMppiCfg(samples=16)),
 )
-COST = """def state_cost(self):
-    behind = self.crate_pos + np.array([-0.08, 0.0, -0.01])
-    return {"be behind the crate": 6.0 * norm(self.ee_pos - behind),
-            "crate at the mark": 20.0 * norm(self.crate_pos[:2] - np.array([0.1, 0.0])),
-            "stay upright": 2.0 * (1.0 + quat_axis(self.ee_quat, 2)[2])}
-"""
-ANSWERS = {
-    "physical-parameters": {"crate": {"mass_kg": 0.5, "friction_coeff": 0.5}},
-    "cost-function": {"code": COST, "explanation": "Get behind it and push it along x."},
-    "contact-regions": {
-        "crate": {"regions": [{"center": [-0.06, 0.0, 0.0], "normal": [-1, 0, 0], "approach": "push"}]}
-    },
-}
 
 
 @pytest.fixture
@@ -49,7 +36,8 @@ def task(tmp_path):
     return load_task(path)
 
 
-def attempted(task, folder, advisor="heuristic", cfg=FAST, **more):
+def attempted(task, folder, advisor="written", cfg=FAST, **more):
+    more |= {"given": one_by_one(ANSWERS)} if advisor == "written" else {}
     strategist = make_strategist("full", task, AdvisorSetup(advisor=advisor, folder=folder, think=cfg.think, **more))
     return Episode(sample_trial(task, 0), "hand", strategist, cfg, folder, variant="full", advisor=advisor).run()
 
@@ -110,14 +98,11 @@ def test_without_latency_the_same_episode_has_no_thinking_in_it(task, tmp_path):
     assert '"thinking"' not in (tmp_path / "run" / "events.jsonl").read_text()
 
 
-def test_a_goal_that_nobody_knows_a_way_to_is_named_and_no_traceback(task, tmp_path):
-    odd = task.model_copy(
-        update={"success": task.success.model_copy(update={"conditions": (Upright(object="crate"),)})}
-    )
-    result = attempted(odd, tmp_path / "run")
+def test_a_task_that_nobody_answered_has_no_strategy_and_no_traceback(task, tmp_path):
+    result = attempted(task, tmp_path / "run", "recorded")
     assert (result["end_reason"], result["steps"]) == ("no-strategy", 0)
     end = json.loads((tmp_path / "run" / "events.jsonl").read_text().splitlines()[-1])
-    assert end["detail"] == "no goal asks for anything to be moved: upright"
+    assert end["detail"] == "the advisor gave no plan (not-recorded)"
 
 
 def test_a_cost_that_a_person_writes_at_the_desk_drives_a_task(task, tmp_path, person):

@@ -2,7 +2,8 @@ import json
 
 import pytest
 import yaml
-from episodes import SLIDE
+from episodes import ANSWERS, SLIDE
+from recorded import as_attempts
 
 from coral.campaign.dataset import read_parquet
 from coral.cli import main
@@ -30,6 +31,8 @@ def practised(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench")
     task = folder / "slide.yaml"
     task.write_text(yaml.safe_dump(SLIDE))
+    said = folder / "attempts.jsonl"
+    said.write_text(as_attempts(ANSWERS))
     assert (
         main(
             [
@@ -42,7 +45,7 @@ def practised(tmp_path_factory):
                 "--seeds",
                 "5",
                 "--advisors",
-                "heuristic,fallible:0.3:heuristic",
+                f"in-order:{said},fallible:0.3:in-order:{said}",
                 "--out",
                 str(folder / "practice"),
                 *QUICK,
@@ -64,6 +67,8 @@ def test_a_trial_begins_with_what_practice_left_and_with_nothing_of_its_neighbou
                 str(task),
                 "--variants",
                 "full",
+                "--advisors",
+                f"in-order:{practice.parent / 'attempts.jsonl'}",
                 "--seeds",
                 "0-1",
                 "--memory",
@@ -93,8 +98,8 @@ def test_only_plans_with_regions_are_handed_on(practised):
 def test_an_advisor_that_errs_has_tables_of_its_own(practised):
     _, practice = practised
     page = (practice / "tables.md").read_text()
-    spoilt = "Advisor: fallible:0.3:heuristic (embedded rules with simulated mistakes, no foundation model)."
-    plain = "Advisor: heuristic (embedded rules, no foundation model)."
+    spoilt = "Advisor: fallible:0.3:in-order:"
+    plain = "Advisor: in-order:"
     tables = page.count("**Against CoRAL (full).**")
     assert tables == 2
     assert page.count(spoilt) == page.count(plain) == 6

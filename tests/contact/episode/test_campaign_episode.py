@@ -21,7 +21,7 @@ from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import RunError
 
 EXPERT = {"world": "hand", "variant": "expert", "advisor": "none", "seed": 0}
-FULL = {"world": "hand", "variant": "full", "advisor": "heuristic", "seed": 0}
+FULL = {"world": "hand", "variant": "full", "advisor": "recorded", "seed": 0}
 
 
 def test_the_result_is_that_of_the_run_folder_and_says_where_it_took_place(tmp_path):

@@ -4,7 +4,7 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.resolution import check_combination, resolve_episode
 from coral.errors import InputError
 
-FINE = {"variant": "expert-fsm", "advisor": "heuristic", "seed": 0}
+FINE = {"variant": "full", "advisor": "recorded", "seed": 0}
 
 
 def test_values_are_taken_and_none_leaves_them():
@@ -13,14 +13,21 @@ def test_values_are_taken_and_none_leaves_them():
     assert resolve_episode(EpisodeCfg()) == EpisodeCfg()
 
 
+def test_the_paper_s_variant_plans_as_the_paper_does():
+    assert EpisodeCfg().controller.mppi.samples == 48
+    cfg = resolve_episode(EpisodeCfg(), variant="paper")
+    assert (cfg.controller.mppi.samples, cfg.controller.mppi.fine, cfg.replan_steps) == (200, 0.0, 1)
+    assert resolve_episode(EpisodeCfg(), variant="paper", samples=7).controller.mppi.samples == 7
+
+
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
         ({"seed": -1}, "--seed: found -1"),
         ({"seed": 0.5}, "--seed: found 0.5"),
         ({"variant": "ful"}, "did you mean 'full'"),
-        ({"cost": "c.py", "variant": "full"}, "--cost: found also --variant full"),
-        ({"policy": "ws://h:1", "variant": "full"}, "--policy: found also --variant full"),
+        ({"cost": "c.py", "variant": "expert"}, "--cost: found also --variant expert"),
+        ({"policy": "ws://h:1", "variant": "expert"}, "--policy: found also --variant expert"),
         ({"cost": "c.py", "policy": "ws://h:1"}, "--cost: found also --policy"),
         ({"cost": "c.py", "advisor": "desk"}, "desk with --cost"),
         ({"cost": "c.py", "memory": "m"}, "--memory: found also --cost"),

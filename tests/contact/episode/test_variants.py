@@ -1,12 +1,9 @@
 import dataclasses
 
-import pytest
-
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.models import ModelAdvisor
-from coral.advisor.registry import rules_alone
-from coral.contact.episode.variants import AdvisorSetup, make_strategist
+from coral.contact.episode.variants import REMEMBERING, AdvisorSetup, make_strategist
 from coral.contact.tasks import load_task
 from coral.contact.thinker.think_cfg import DESK_S
 from coral.contact.thinker.thinker import Thinker
@@ -20,25 +17,9 @@ def thinker(asking: AdvisorSetup) -> Thinker:
     return strategist
 
 
-@pytest.mark.parametrize("advisor", ["heuristic", "fallible:0.3:heuristic", "fallible:0.1:fallible:0.2:heuristic"])
-def test_what_rules_alone_compose_needs_no_confinement(advisor):
-    assert rules_alone(advisor)
-
-
-@pytest.mark.parametrize(
-    "advisor",
-    [
-        "desk",
-        "openai:heuristic",
-        "replay:heuristic",
-        "fallible:0.3:replay:heuristic",
-        "replay:runs:heuristic",
-        "local:http://127.0.0.1:1/v1#a:heuristic",
-        "",
-    ],
-)
-def test_a_name_that_ends_like_the_rules_is_still_confined(advisor):
-    assert not rules_alone(advisor)
+def test_the_paper_s_variant_asks_and_remembers_as_full_does():
+    assert isinstance(make_strategist("paper", load_task("pick-box")), Thinker)
+    assert "paper" in REMEMBERING
 
 
 def test_a_model_is_called_as_configured():

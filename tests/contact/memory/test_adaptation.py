@@ -3,19 +3,16 @@
 import json
 
 import numpy as np
-import pytest
 from experiences import experience
 
 from coral.contact.memory.adaptation import adapt, renamed
-from coral.contact.memory.expressions import lengths_in
 from coral.contact.memory.goal_match import match_goals
 from coral.contact.plan.plan_check import verify_plan
 from coral.contact.plan.region_validation import verify_regions
-from coral.contact.rules.composition import compose
 
 
-def adapted(held, facts, scaled=True):
-    return adapt(held, facts, match_goals(held.goals, facts["goals"]), scaled)
+def adapted(held, facts):
+    return adapt(held, facts, match_goals(held.goals, facts["goals"]))
 
 
 def changed(facts, **texts):
@@ -45,29 +42,6 @@ def test_regions_are_stretched_with_the_object_they_lie_on(scene):
     after = np.array([region.center for region in found.root["box"].regions])
     assert np.abs(before).max() > 0.01
     np.testing.assert_allclose(after, before * factors, atol=1e-5)
-
-
-@pytest.mark.parametrize("task", ["pick-box", "push-force"])
-def test_lengths_become_those_that_the_rules_write_for_the_other_size(scene, task):
-    held, other = experience(scene(task, 0)), scene(task, 2).facts
-    direct = compose(other).plan
-    wanted = [float(one.text) for stage in direct.each() for one in lengths_in(stage.code)]
-
-    def share_right(scaled):
-        plan, _ = adapted(held, other, scaled)
-        found = [float(one.text) for stage in plan.each() for one in lengths_in(stage.code)]
-        return np.isclose(found, wanted, atol=3e-4).mean()
-
-    assert share_right(scaled=True) > max(0.8, share_right(scaled=False) + 0.15)
-
-
-def test_a_lift_goes_to_the_height_that_is_asked_for(scene):
-    one = scene("pick-box")
-    higher = changed(one.facts)
-    higher["goals"][0].update(height_m=0.2, most_m=0.3)
-    plan, _ = adapted(experience(one), higher)
-    assert "init_pos[2] - 0.225)" in plan.stages[-1].code
-    assert plan.stages[-1].toward == "self.ee_pos + np.array([0.0, 0.0, 0.225])"
 
 
 def test_programs_and_regions_take_the_names_of_the_scene(scene):

@@ -6,7 +6,6 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from coral.contact.memory.store import store_of
 from coral.contact.memory.store_sqlite import SqliteStore
 from coral.errors import InputError
 
@@ -32,13 +31,13 @@ def test_reading_what_is_somebody_elses_does_not_write_into_it(tmp_path):
         base.execute("CREATE TABLE things (name TEXT)")
     before = (tmp_path / "theirs.sqlite").read_bytes()
     with pytest.raises(InputError, match="no such table"):
-        store_of(tmp_path / "theirs.sqlite").rows()
+        SqliteStore(tmp_path / "theirs.sqlite").rows()
     assert (tmp_path / "theirs.sqlite").read_bytes() == before
 
 
 def test_a_file_that_another_process_has_only_begun_holds_nothing(tmp_path):
     (tmp_path / "new.sqlite").touch()
-    assert store_of(tmp_path / "new.sqlite").rows() == []
+    assert SqliteStore(tmp_path / "new.sqlite").rows() == []
 
 
 ENDLESS = "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT x FROM n"
@@ -63,13 +62,13 @@ def test_a_file_with_foreign_content_is_one_line(what, tmp_path):
     with closing(sqlite3.connect(tmp_path / "theirs.sqlite")) as base:
         base.executescript(FOREIGN[what])
     with pytest.raises(InputError, match=r"theirs\.sqlite") as caught:
-        store_of(tmp_path / "theirs.sqlite").rows()
+        SqliteStore(tmp_path / "theirs.sqlite").rows()
     assert "\n" not in str(caught.value)
 
 
 def test_endless_work_of_a_file_is_stopped(tmp_path, monkeypatch):
     monkeypatch.setattr("coral.contact.memory.store_sqlite.LONGEST_S", -1.0)
-    store = store_of(tmp_path / "m.sqlite")
+    store = SqliteStore(tmp_path / "m.sqlite")
     store.insert("now", "{}", "e", np.zeros(2))
     with closing(sqlite3.connect(tmp_path / "m.sqlite")) as base:
         base.executescript(

@@ -4,9 +4,7 @@ import pytest
 from coral.contact.plan.contact_regions import Region, RegionCfg, RegionsAnswer, candidates, guide
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.touchable_points import Scenery, candidates_of, off_surface, project
-from coral.contact.rules.composition import compose
 from coral.contact.scene.task import Task
-from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import sample_trial
 
 
@@ -102,18 +100,3 @@ def test_lost_candidates_are_counted_by_their_reason_and_guides_use_the_others(s
     points = guide("box", region, size, local=found.points).points(one.world.present(one.now))
     assert len(points) == 2 * len(found.points)
     assert np.linalg.norm(points[:, :2] - one.now.objects["box"].position[:2], axis=1).max() < np.linalg.norm(size[:2])
-
-
-@pytest.mark.parametrize("task", shipped_tasks())
-@pytest.mark.parametrize("seed", [0, 3])
-def test_the_rules_regions_keep_nearly_all_their_points(scene, task, seed):
-    one = scene(task, seed)
-    made = compose(one.facts)
-    scenery = Scenery.of(one.trial)
-    assert verify_regions(made.regions, one.facts, made.plan.names, None, scenery) is None
-    for (_, region), left in zip(
-        made.regions.each(), candidates_of(made.regions, one.facts, made.plan.names, scenery), strict=True
-    ):
-        flat = candidates(region)
-        assert len(left.points) >= len(flat) - 1
-        assert max(np.linalg.norm(flat - point, axis=1).min() for point in left.points) < 0.003

@@ -6,9 +6,9 @@ import json
 
 import numpy as np
 import pytest
+from recorded import RULES
 
 from coral.advisor.question import Reply
-from coral.contact.rules.answers import RULES
 from coral.contact.scene.observation import HandTarget, Transition
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker import correction

@@ -1,13 +1,13 @@
 import pytest
 
-from coral.contact.thinker.fallback import NoDecision, fall_back
+from coral.contact.thinker.fallback import NoDecision, stand_in
 
 
-def outcome(policy):
+def outcome(policy, by="the plan before"):
     """What is reported, and the end reason; None where the episode goes on."""
     told = []
     try:
-        fall_back(lambda event, **fields: told.append((event, fields)), policy, "plan", "no-network", "heuristic")
+        stand_in(lambda event, **fields: told.append((event, fields)), policy, "plan", "no-network", by)
     except NoDecision as error:
         return told, error.end_reason
     return told, None
@@ -16,7 +16,7 @@ def outcome(policy):
 @pytest.mark.parametrize(
     ("policy", "by", "end_reason"),
     [
-        ("rules", "heuristic", None),
+        ("prior", "the plan before", None),
         ("hold", "nobody", "no-decision: plan"),
         ("fail", "nobody", "advisor failed: no-network"),
     ],

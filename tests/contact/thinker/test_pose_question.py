@@ -4,13 +4,14 @@ import json
 import numpy as np
 import pytest
 from episodes import COARSE, short_task
+from recorded import RULES
 
 from coral.advisor.consult import Outcome
+from coral.advisor.rules import RuleAdvisor
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advisor_camera
 from coral.contact.perception.tracked_cfg import TrackedCfg
-from coral.contact.rules.poses import estimate_poses
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
@@ -23,6 +24,15 @@ from coral.contact.thinker.pose_question import (
     verify_poses,
 )
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+
+
+def usual(facts):
+    return PosesAnswer(
+        {
+            name: ObjectPose(position=tuple(item["usual_pose"][:3]), quaternion=tuple(item["usual_pose"][3:]))
+            for name, item in facts["objects"].items()
+        }
+    )
 
 
 @pytest.fixture(scope="module")
@@ -70,31 +80,9 @@ def test_an_answer_is_the_middle_of_the_object_and_becomes_its_origin(board):
             assert verify(answer) is None
             return Outcome(answer=answer, question=None, attempts=1)
 
-    found = ask_poses(Model(), trial, first, frame, estimate_poses, lambda *given, **fields: None)["board"]
+    found = ask_poses(Model(), trial, first, frame, lambda *given, **fields: None)["board"]
     np.testing.assert_allclose(found.position, true.position, atol=1e-5)
     np.testing.assert_allclose(found.quaternion, true.quaternion, atol=1e-9)
-
-
-def test_the_rule_speaks_of_the_middle_too(board):
-    trial, first, frame = board
-    facts = pose_facts(trial, first, frame)
-    answer, true = estimate_poses(facts), first.objects["board"]
-    assert np.linalg.norm(np.array(answer.root["board"].position) - middle(trial, true)) < 0.03
-    assert np.linalg.norm(answer.bodies(facts)["board"].position - true.position) < 0.03
-    unseen = {**facts, "objects": {"board": {**facts["objects"]["board"], "pixels": 0, "seen_box_m": None}}}
-    np.testing.assert_allclose(
-        estimate_poses(unseen).bodies(unseen)["board"].position[:2],
-        facts["objects"]["board"]["usual_pose"][:2],
-        atol=1e-4,
-    )
-
-
-def test_the_rule_guesses_places_from_the_picture_to_a_few_centimetres(clutter):
-    _, first, facts = clutter
-    guessed = estimate_poses(facts).bodies(facts)
-    off = {name: np.linalg.norm(guessed[name].position - body.position) for name, body in first.objects.items()}
-    assert max(off.values()) < 0.05
-    assert min(off.values()) > 1e-3
 
 
 def test_no_measured_depth_and_no_true_pose_is_in_the_prompt(clutter):
@@ -115,7 +103,7 @@ def test_no_measured_depth_and_no_true_pose_is_in_the_prompt(clutter):
 )
 def test_impossible_poses_are_refused(clutter, change, code):
     _, _, facts = clutter
-    right = estimate_poses(facts)
+    right = usual(facts)
     assert verify_poses(right, facts) is None
     name = next(iter(right.root))
     wrong = ObjectPose(**{**right.root[name].model_dump(), **change})
@@ -123,13 +111,27 @@ def test_impossible_poses_are_refused(clutter, change, code):
     assert verify_poses(PosesAnswer({name: right.root[name]}), facts).code == "objects"
 
 
+class LooksOnce(RuleAdvisor):
+    """Guesses the usual pose of everything, and otherwise answers as the recorded model did."""
+
+    def __init__(self):
+        super().__init__({**RULES, "object-poses": lambda facts, rejections: usual(facts)}, "looks-once")
+
+
 def test_an_episode_without_tracking_asks_for_poses_first_and_says_so(tmp_path):
     task = short_task()
-    strategist = make_strategist("no-tracking", task, AdvisorSetup(folder=tmp_path / "run"))
+    strategist = make_strategist("no-tracking", task, AdvisorSetup(given=LooksOnce(), folder=tmp_path / "run"))
     result = Episode(
-        sample_trial(task, 0), "hand", strategist, COARSE, tmp_path / "run", variant="no-tracking", advisor="heuristic"
+        sample_trial(task, 0), "hand", strategist, COARSE, tmp_path / "run", variant="no-tracking", advisor="looks-once"
     ).run()
     assert (result["poses"], result["end_reason"], result["advisor_calls"]) == ("guessed", "timeout", 4)
     assert result["pose_error_mm"] > 1
     kinds = [json.loads(line)["kind"] for line in (tmp_path / "run" / "attempts.jsonl").open()]
     assert kinds == ["object-poses", "physical-parameters", "cost-function", "contact-regions"]
+
+
+def test_without_poses_there_is_no_episode(tmp_path):
+    task = short_task()
+    strategist = make_strategist("no-tracking", task, AdvisorSetup(folder=tmp_path / "run"))
+    result = Episode(sample_trial(task, 0), "hand", strategist, COARSE, tmp_path / "run", variant="no-tracking").run()
+    assert result["end_reason"] == "no-decision: poses"

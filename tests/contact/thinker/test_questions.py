@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from histories import history as steps_of
+from recorded import RULES
 
 from coral.advisor.question import AdvisorUnavailable, Reply
 from coral.contact.control.mppi_controller import ControllerCfg
@@ -12,7 +13,6 @@ from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAns
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
 from coral.contact.plan.imagined_run import ImaginedRunCfg
 from coral.contact.plan.plan_revision import PlanRevision
-from coral.contact.rules.answers import RULES
 from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
 from coral.contact.thinker import questions as questioning
 from coral.contact.thinker.asker import Asker
@@ -56,7 +56,7 @@ class Unplanned(Careless):
 
 @pytest.fixture
 def ask(scene):
-    def make(advisor, task="pick-box", fallback=RULES, **cfg):
+    def make(advisor, task="pick-box", **cfg):
         one, told = scene(task), []
         questions = Questions(
             Asker(advisor),
@@ -64,7 +64,6 @@ def ask(scene):
             one.world,
             ThinkCfg(**cfg),
             in_process,
-            fallback,
             lambda event, **fields: told.append((event, fields)),
         )
         questions.update_facts(one.now, believed=False)
@@ -104,7 +103,7 @@ def history(questions, **told):
 
 @pytest.mark.parametrize("kind", ["cost-function", "cost-repair", "contact-regions"])
 @pytest.mark.parametrize("task", ["push-pick-board", "pick-clutter", "push-force", "flip-wall"])
-def test_the_rules_know_nothing_that_the_prompt_does_not_show(ask, kind, task):
+def test_the_facts_hold_nothing_that_the_prompt_does_not_show(ask, kind, task):
     advisor = Careless()
     one, questions, _ = ask(advisor, task)
     questions.ask_parameters({})
@@ -200,39 +199,11 @@ def test_regions_are_asked_for_the_plan_that_held_and_its_stages(ask):
     assert len(dict(told)["plan_answer"]["refused"]) == 2
 
 
-def test_where_the_rules_take_over_their_regions_fit_their_plan(ask):
-    advisor = Careless(wrong=99)
-    one, questions, told = ask(advisor)
+def test_without_a_plan_there_is_no_strategy(ask):
+    one, questions, _ = ask(Careless(wrong=99))
     assert questions.ask_plan(one.now) is None
-    questions.ask_regions(questions.plan_by_rules())
-    assert advisor.asked("contact-regions").facts["refused"] == 0
-    assert dict(told)["fallback"]["what"] == "plan"
-
-
-def test_the_rules_go_through_the_checks_of_a_plan_too(ask):
-    told = []
-
-    def careless(facts, rejections):
-        told.append([rejection.code for rejection in rejections])
-        bad = PlanAnswer(code="def state_cost(self):\n    return self.cup_pos[0]")
-        return RULES["cost-function"](facts, ()) if len(rejections) == 2 else bad
-
-    _, questions, _ = ask(Careless(), fallback={"cost-function": careless})
-    assert questions.plan_by_rules() == RULES["cost-function"](questions.facts, ())
-    assert [len(codes) for codes in told] == [0, 1, 2]
-    assert questions.facts["refused"] == 2
-    _, questions, _ = ask(Careless(), fallback={"cost-function": lambda facts, _: careless(facts, ())})
-    with pytest.raises(NoStrategy, match="cup_pos"):
-        questions.plan_by_rules()
-
-
-def test_where_the_rules_know_no_way_either_there_is_no_strategy(ask):
-    def none(facts, rejections):
-        raise AdvisorUnavailable("no-rule", "too wide to grasp", final=True)
-
-    _, questions, _ = ask(Careless(), fallback={"cost-function": none})
-    with pytest.raises(NoStrategy, match="too wide"):
-        questions.plan_by_rules()
+    with pytest.raises(NoStrategy, match="no plan"):
+        questions.no_plan()
 
 
 def test_a_question_about_the_plan_carries_what_went_wrong_so_far(ask):
@@ -337,9 +308,3 @@ def test_a_plan_is_revised_until_it_is_kept_and_at_most_so_often(ask, short_rehe
     plan, followed, told = rehearsed(ask, keeper, rehearsals=2)
     assert followed is plan
     assert [fields["kept"] for fields in told] == [True]
-
-
-def test_the_rules_keep_their_plan_and_say_that_they_read_no_rehearsal(ask, short_rehearsals):
-    plan, followed, (told,) = rehearsed(ask, Careless(), rehearsals=1)
-    assert followed is plan
-    assert told["explanation"] == "The rules do not read rehearsals."

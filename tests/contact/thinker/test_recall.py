@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from experiences import experience
+from recorded import RULES
 
 from coral.advisor.question import Rejection
 from coral.advisor.rules import RuleAdvisor
@@ -13,7 +14,6 @@ from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import Memory, MemoryCfg
 from coral.contact.plan.cost_plan import in_process
 from coral.contact.plan.imagined_outcome import ImaginedOutcome
-from coral.contact.rules.answers import RULES
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.recall import Recall, adaptations
@@ -33,9 +33,7 @@ def choose(one, memory, outcomes=(), **cfg):
     """The chosen plan, the events, and what was rehearsed; outcomes, if any, take the place of rehearsals."""
     think = ThinkCfg(memory=MemoryCfg(**cfg))
     told, rehearsed, left = [], [], list(outcomes)
-    questions = Questions(
-        Asker(RuleAdvisor(RULES)), one.trial, one.world, think, in_process, RULES, lambda *_, **__: None
-    )
+    questions = Questions(Asker(RuleAdvisor(RULES)), one.trial, one.world, think, in_process, lambda *_, **__: None)
     questions.update_facts(one.now)
     recall = Recall(questions, one.trial, one.world, think, np.random.default_rng(0), in_process)
 
@@ -51,11 +49,11 @@ def choose(one, memory, outcomes=(), **cfg):
     return chosen, told, rehearsed
 
 
-def test_each_plan_is_adapted_in_two_ways_if_they_differ(scene, memory):
-    one, other = scene("pick-box", 0), scene("pick-box", 2)
-    memory.add(experience(one))
-    assert [each.scaled for each in adaptations(memory, one.facts)] == [True]
-    assert [each.scaled for each in adaptations(memory, other.facts)] == [True, False]
+def two_plans(scene, memory):
+    """Remember two plans, of which the second comes first: it is the newer."""
+    first = experience(scene("pick-box", 0))
+    memory.add(first)
+    memory.add(first.model_copy(update={"plan": first.plan.model_copy(update={"explanation": "Another."})}))
 
 
 def test_equal_plans_are_adapted_once(scene, memory):
@@ -67,30 +65,30 @@ def test_equal_plans_are_adapted_once(scene, memory):
 
 
 @pytest.mark.parametrize(
-    ("outcomes", "scaled"), [([BAD, GOOD], False), ([BAD, BAD], True), ([BAD, BETTER], False), ([BETTER, BAD], True)]
+    ("outcomes", "first"), [([BAD, GOOD], False), ([BAD, BAD], True), ([BAD, BETTER], False), ([BETTER, BAD], True)]
 )
-def test_the_one_that_came_further_is_followed_and_the_other_is_told_of(scene, memory, outcomes, scaled):
-    memory.add(experience(scene("pick-box", 0)))
+def test_the_one_that_came_further_is_followed_and_the_other_is_told_of(scene, memory, outcomes, first):
+    two_plans(scene, memory)
     chosen, told, rehearsed = choose(scene("pick-box", 2), memory, [(one, "") for one in outcomes])
     assert len(rehearsed) == 2
-    assert chosen.scaled is scaled
+    assert (chosen.match.stored.id == 2) is first
     assert chosen.outcome == max(outcomes)
-    assert [bool(fields["refused"]) for fields in told] == [not scaled, scaled]
+    assert [bool(fields["refused"]) for fields in told] == [not first, first]
     assert [fields.get("source") for fields in told].count("memory") == 1
 
 
 @pytest.mark.parametrize("outcome", [GOOD, THROUGH])
 def test_after_one_that_comes_through_all_stages_nothing_more_is_rehearsed(scene, memory, outcome):
-    memory.add(experience(scene("pick-box", 0)))
+    two_plans(scene, memory)
     chosen, told, rehearsed = choose(scene("pick-box", 2), memory, [(outcome, "")])
-    assert (chosen.scaled, len(told), len(rehearsed)) == (True, 1, 1)
+    assert (chosen.match.stored.id, len(told), len(rehearsed)) == (2, 1, 1)
     assert told[0]["rehearsed_s"] == 3.0
 
 
 def test_a_plan_that_its_rehearsal_refuses_gives_way_to_the_next_however_far_it_came(scene, memory):
-    memory.add(experience(scene("pick-box", 0)))
+    two_plans(scene, memory)
     chosen, told, _ = choose(scene("pick-box", 2), memory, [(BETTER, "it breaks"), (BAD, "")])
-    assert chosen.scaled is False
+    assert chosen.match.stored.id == 1
     assert [fields["refused"] for fields in told] == ["it breaks", ""]
 
 
@@ -110,7 +108,7 @@ def test_a_repair_has_to_come_through_all_its_stages(scene, memory, monkeypatch,
 
 
 def test_if_all_are_refused_none_is_followed(scene, memory):
-    memory.add(experience(scene("pick-box", 0)))
+    two_plans(scene, memory)
     chosen, told, _ = choose(scene("pick-box", 2), memory, [(BETTER, "it breaks"), (BAD, "it falls back")])
     assert chosen is None
     assert [fields["refused"] for fields in told] == ["it breaks", "it falls back"]
@@ -118,15 +116,15 @@ def test_if_all_are_refused_none_is_followed(scene, memory):
 
 
 def test_no_more_are_rehearsed_than_allowed(scene, memory):
-    memory.add(experience(scene("pick-box", 0)))
+    two_plans(scene, memory)
     chosen, told, rehearsed = choose(scene("pick-box", 2), memory, [(BAD, "")], rehearsed=1)
-    assert (chosen.scaled, len(told), len(rehearsed)) == (True, 1, 1)
+    assert (chosen.match.stored.id, len(told), len(rehearsed)) == (2, 1, 1)
 
 
 def test_without_rehearsals_the_first_that_passes_is_followed(scene, memory):
-    memory.add(experience(scene("pick-box", 0)))
+    two_plans(scene, memory)
     chosen, told, rehearsed = choose(scene("pick-box", 2), memory, rehearsed=0)
-    assert (chosen.scaled, len(told), rehearsed) == (True, 1, [])
+    assert (chosen.match.stored.id, len(told), rehearsed) == (2, 1, [])
     assert (told[0]["refused"], told[0]["outcome"]) == ("", None)
 
 
@@ -156,15 +154,15 @@ def test_an_empty_memory_offers_nothing(scene, memory):
 
 
 def test_a_rehearsal_follows_the_plan_in_the_planning_world(scene, memory, monkeypatch):
-    memory.add(experience(scene("pick-box", 0)))
+    two_plans(scene, memory)
     followed = []
 
     def watch(world, trial, strategy, names, first, cfg):
-        followed.append([(stage.name, bool(stage.guides)) for stage in strategy.stages])
+        followed.append([stage.name for stage in strategy.stages])
         return RecallRehearsal(BAD, 2.5, "")
 
     monkeypatch.setattr("coral.contact.thinker.recall.rehearse_recalled", watch)
     chosen, told, _ = choose(scene("pick-box", 2), memory)
-    assert followed == [[("reach", True), ("close", False), ("lift", True)]] * 2
+    assert followed == [["above", "lower", "close", "lift", "hold"]] * 2
     assert chosen.outcome == BAD
     assert [(fields["outcome"]["stages"], fields["rehearsed_s"]) for fields in told] == [(0.3, 2.5)] * 2

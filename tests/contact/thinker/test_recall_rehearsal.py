@@ -1,9 +1,9 @@
 """The rehearsal of a remembered plan."""
 
 import pytest
+from recorded import compose
 
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process, make_strategy
-from coral.contact.rules.composition import compose
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.thinker.recall_rehearsal import rehearse_recalled
 

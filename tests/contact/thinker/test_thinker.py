@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from recorded import RULES
 
 from coral.advisor.question import AdvisorUnavailable, Reply
 from coral.advisor.rules import RuleAdvisor
@@ -14,7 +15,6 @@ from coral.contact.cost_program import CostError, CostWorker
 from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import Memory, MemoryCfg
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process
-from coral.contact.rules.answers import RULES
 from coral.contact.scene.observation import HandTarget, Transition
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import PhysicalParameters
@@ -22,11 +22,14 @@ from coral.contact.thinker import thinker as thinking
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.fallback import NoDecision
 from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
-from coral.contact.thinker.strategist import PlanReport
+from coral.contact.thinker.strategist import NoStrategy, PlanReport
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinker import Thinker
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
 from coral.errors import InputError
+
+NAMES = ["above", "lower", "close", "lift", "hold"]
+"""Stages of the recorded plan for the box."""
 
 
 def thinker(one, advisor=None, memory=None, given=None, rehearsed=0, **cfg):
@@ -35,7 +38,6 @@ def thinker(one, advisor=None, memory=None, given=None, rehearsed=0, **cfg):
         Asker(advisor or RuleAdvisor(RULES)),
         ThinkCfg(memory=MemoryCfg(rehearsed=rehearsed), **cfg),
         np.random.default_rng(0),
-        RULES,
         memory,
         provenance={"world": "hand", "seed": 0},
         given=given,
@@ -62,7 +64,7 @@ def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):
     one = scene("pick-box")
     strategist, told = thinker(one)
     strategy = strategist.begin(one.trial, one.now, one.world)
-    assert [stage.name for stage in strategy.stages] == ["reach", "close", "lift"]
+    assert [stage.name for stage in strategy.stages] == NAMES
     assert strategist.counts.advisor_calls == 3
     assert decisions(told) == [("beliefs", "advisor"), ("plan_answer", "advisor"), ("regions", "advisor")]
     assert json.dumps(told)
@@ -105,13 +107,29 @@ class Gone:
         raise AdvisorUnavailable("no-network", "there is none", final=True)
 
 
-def test_without_an_answer_the_rules_take_over_and_the_record_says_so(scene):
+class PlansOnly(RuleAdvisor):
+    """Answers the questions about plans, and no other."""
+
+    def __init__(self):
+        super().__init__({"cost-function": RULES["cost-function"]}, "plans-only")
+
+
+def test_without_an_answer_what_is_believed_stands_and_the_record_says_so(scene):
     one = scene("pick-box")
-    strategist, told = thinker(one, Gone())
+    before = one.world.beliefs[0]["box"]
+    strategist, told = thinker(one, PlansOnly())
     assert strategist.begin(one.trial, one.now, one.world).stages
     fell = [(fields["what"], fields["because"], fields["by"]) for event, fields in told if event == "fallback"]
-    assert fell == [(what, "no-network", "heuristic") for what in ("parameters", "plan", "regions")]
-    assert {source for _, source in decisions(told)} == {"fallback"}
+    assert fell == [("parameters", "no-rule", "the prior beliefs"), ("regions", "no-rule", "no regions")]
+    assert one.world.beliefs[0]["box"] == before
+    assert {source for _, source in decisions(told)} == {"fallback", "advisor"}
+
+
+def test_without_any_plan_there_is_no_strategy(scene):
+    one = scene("pick-box")
+    strategist, _ = thinker(one, Gone())
+    with pytest.raises(NoStrategy, match="no plan"):
+        strategist.begin(one.trial, one.now, one.world)
 
 
 @pytest.mark.parametrize(
@@ -128,7 +146,7 @@ def test_without_an_answer_nobody_takes_over_who_was_not_chosen(scene, policy, r
 
 def test_what_others_decided_is_not_remembered_as_the_advisors(scene, tmp_path):
     one = scene("pick-box")
-    for advisor, kept in ((Gone(), 0), (None, 1)):
+    for advisor, kept in ((PlansOnly(), 0), (None, 1)):
         memory = Memory(tmp_path / f"{kept}.sqlite", embedder=HashedWords())
         strategist, _ = thinker(one, advisor, memory)
         strategist.begin(one.trial, one.now, one.world)
@@ -218,7 +236,6 @@ def confining(one, memory, **cfg):
         Asker(RuleAdvisor(RULES)),
         ThinkCfg(memory=MemoryCfg(rehearsed=0), **cfg),
         np.random.default_rng(0),
-        RULES,
         memory,
         load,
         {"world": "hand", "seed": 0},
@@ -247,7 +264,7 @@ def test_repairs_of_what_is_remembered_are_confined_too(remembering):
     one, memory = remembering
     strategist, loaded, _ = confining(one, memory)
     strategist.begin(one.trial, one.now, one.world)
-    assert strategist.on_cost_error(CostError("runtime", "no"), "reach", one.now) is not None
+    assert strategist.on_cost_error(CostError("runtime", "no"), "above", one.now) is not None
     assert loaded == []
     strategist.on_end("timeout")
 
@@ -271,7 +288,7 @@ def test_a_remembered_plan_that_was_replaced_did_not_help_and_the_one_that_did_i
     one, memory = remembering
     strategist, _ = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
-    assert strategist.on_cost_error(CostError("runtime", "no"), "reach", one.now) is not None
+    assert strategist.on_cost_error(CostError("runtime", "no"), "above", one.now) is not None
     strategist.on_end("success")
     first, *others = memory.all()
     assert (first.used, first.helped) == (1, 0)
@@ -309,17 +326,17 @@ def test_the_process_ends_though_the_memory_cannot_be_written(remembering):
 
 def test_attempts_without_progress_are_counted(scene):
     one = scene("pick-box")
-    watch = ProgressMonitor(OuterCfg(n_retry=3, attempt_s=0.2), ("reach", "close", "lift"))
-    assert not any(watch.update(plan_report(one, 0.1 * k, "reach", 10.0 - k)) for k in range(8))
-    found = [watch.update(plan_report(one, 0.8 + 0.1 * k, "reach", 3.0)) for k in range(8)]
+    watch = ProgressMonitor(OuterCfg(n_retry=3, attempt_s=0.2), ("above", "close", "lift"))
+    assert not any(watch.update(plan_report(one, 0.1 * k, "above", 10.0 - k)) for k in range(8))
+    found = [watch.update(plan_report(one, 0.8 + 0.1 * k, "above", 3.0)) for k in range(8)]
     assert found[-1]
     assert not found[0]
 
 
 def test_falling_back_again_and_again_is_no_progress(scene):
     one = scene("pick-box")
-    watch = ProgressMonitor(OuterCfg(n_retry=5, attempt_s=0.2), ("reach", "close", "lift"))
-    stages = ["reach", "close"] * 8
+    watch = ProgressMonitor(OuterCfg(n_retry=5, attempt_s=0.2), ("above", "close", "lift"))
+    stages = ["above", "close"] * 8
     assert any(watch.update(plan_report(one, 0.2 * k, stage, 5.0)) for k, stage in enumerate(stages))
     assert watch.returns >= 2
 
@@ -355,17 +372,17 @@ def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):
     other = None
     for k in range(8):
         step = Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
-        other = other or strategist.on_plan(plan_report(one, 0.1 * k, "reach", 5.0, (step,)))
+        other = other or strategist.on_plan(plan_report(one, 0.1 * k, "above", 5.0, (step,)))
     assert other is not None
     assert strategist.counts.repairs == 1
     stuck = next(fields for event, fields in told if event == "stuck")
     assert stuck["diagnosis"] == "not-reached"
     assert stuck["history"]
-    assert stuck["evidence"][-1].startswith("Stage 'reach' ends when `norm(self.ee_pos - self.box_pos")
+    assert stuck["evidence"][-1].startswith("Stage 'above' ends when `norm(self.ee_pos[:2] - self.box_pos[:2]) < 0.02`")
     repair = [fields for event, fields in told if event == "plan_answer"][-1]
     assert repair["kind"] == "cost-repair"
-    assert "does not touch" in repair["explanation"]
-    assert strategist.on_plan(plan_report(one, 9.0, "reach", 5.0)) is None
+    assert repair["explanation"].startswith("Once more.")
+    assert strategist.on_plan(plan_report(one, 9.0, "above", 5.0)) is None
 
 
 class Found:
@@ -400,7 +417,7 @@ def test_a_planner_that_is_too_weak_gets_more_samples_once_before_the_plan_chang
     strategist, told = thinker(one, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
     strategist.begin(one.trial, one.now, one.world)
     changed = [
-        strategist.on_plan(dataclasses.replace(plan_report(one, 0.1 * k, "reach", 5.0), planner=planner)) is not None
+        strategist.on_plan(dataclasses.replace(plan_report(one, 0.1 * k, "above", 5.0), planner=planner)) is not None
         for k in range(12)
     ]
     assert sum(changed) == 1
@@ -418,7 +435,7 @@ def test_the_time_of_the_trial_with_more_samples_passes_in_the_world(scene, monk
     strategist.begin(one.trial, one.now, one.world)
     strategist.attach_episode(SimpleNamespace(clock_s=0.0, go_on=lambda seconds: passed.append(seconds) or True))
     for k in range(6):
-        report = dataclasses.replace(plan_report(one, 0.1 * k, "reach", 5.0), planner=WeakPlanner(), plan_s=0.04)
+        report = dataclasses.replace(plan_report(one, 0.1 * k, "above", 5.0), planner=WeakPlanner(), plan_s=0.04)
         strategist.on_plan(report)
     assert pytest.approx(20 * 0.04) in passed
 
@@ -442,10 +459,10 @@ def test_after_a_repair_places_to_touch_are_asked_for_the_new_stages(scene):
     other = None
     for k in range(8):
         other = other or strategist.on_plan(plan_report(one, 0.1 * k, "task", 5.0))
-    assert [stage.name for stage in other.stages] == ["reach", "close", "lift"]
+    assert [stage.name for stage in other.stages] == NAMES
     regions = [fields for event, fields in told if event == "regions"]
     assert [(fields["failure"], fields["refused"]) for fields in regions] == [("", [])] * 2
-    assert {region["stage"] for region in regions[1]["regions"]["box"]["regions"]} <= {"reach", "close", "lift"}
+    assert {region["stage"] for region in regions[1]["regions"]["box"]["regions"]} <= set(NAMES)
 
 
 class Silent(Regrouper):
@@ -463,7 +480,7 @@ def test_a_plan_that_stays_keeps_the_places_that_it_was_made_for(scene):
     before = strategist.begin(one.trial, one.now, one.world)
     other = None
     for k in range(8):
-        other = other or strategist.on_plan(plan_report(one, 0.1 * k, "reach", 5.0))
+        other = other or strategist.on_plan(plan_report(one, 0.1 * k, "above", 5.0))
     assert [event for event, _ in told].count("regions") == 1
     assert [len(stage.guides) for stage in other.stages] == [len(stage.guides) for stage in before.stages]
 
@@ -472,7 +489,7 @@ def test_without_refinement_nothing_changes(scene):
     one = scene("pick-box")
     strategist, _ = thinker(one, refine=False, outer=OuterCfg(n_retry=1, attempt_s=0.1))
     strategist.begin(one.trial, one.now, one.world)
-    assert [strategist.on_plan(plan_report(one, 0.1 * k, "reach", 5.0)) for k in range(6)] == [None] * 6
+    assert [strategist.on_plan(plan_report(one, 0.1 * k, "above", 5.0)) for k in range(6)] == [None] * 6
     assert strategist.counts.repairs == 0
 
 
@@ -566,7 +583,7 @@ def test_a_unified_mind_asks_once_and_believes_what_it_hears(scene):
     one = scene("pick-box")
     strategist, told = thinker(one, unified=True)
     strategy = strategist.begin(one.trial, one.now, one.world)
-    assert [stage.name for stage in strategy.stages] == ["reach", "close", "lift"]
+    assert [stage.name for stage in strategy.stages] == NAMES
     assert strategy.stages[0].guides
     assert strategist.counts.advisor_calls == 1
     assert [event for event, _ in told if event != "verdict"] == ["beliefs", "plan_answer"]
@@ -608,7 +625,7 @@ def test_a_unified_mind_that_is_stuck_asks_its_one_question_with_the_history(sce
     strategist, told = thinker(one, advisor, unified=True, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
     strategist.begin(one.trial, one.now, one.world)
     step = Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
-    assert any(strategist.on_plan(plan_report(one, 0.1 * k, "reach", 5.0, (step,))) for k in range(8))
+    assert any(strategist.on_plan(plan_report(one, 0.1 * k, "above", 5.0, (step,))) for k in range(8))
     assert "What happened lately" in advisor.prompts[-1]
     assert "correction" not in [event for event, _ in told]
 
@@ -630,7 +647,7 @@ def corrected(scene, monkeypatch):
                 for n, body in enumerate((box, after))
             )
             step = Transition(here, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), there)
-            assert strategist.on_plan(plan_report(one, 0.1 * k, "reach", 50.0 - k, (step,))) is None
+            assert strategist.on_plan(plan_report(one, 0.1 * k, "above", 50.0 - k, (step,))) is None
         if last:
             strategist.on_end("timeout")
         return [name for name, _ in noted], [round(time, 3) for _, time in noted]

@@ -1,12 +1,12 @@
 import pytest
 from pydantic import ValidationError
+from recorded import RULES
 
 from coral.advisor.question import Rejection, Reply
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.touchable_points import Scenery
-from coral.contact.rules.answers import RULES
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.scene_text import world_prompt

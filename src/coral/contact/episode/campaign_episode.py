@@ -12,6 +12,7 @@ from typing import Any
 from coral.advisor.model_cfg import ModelCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
+from coral.contact.episode.resolution import of_variant
 from coral.contact.episode.variants import REMEMBERING, AdvisorSetup, contact_model, make_strategist
 from coral.contact.memory.memory import Memory
 from coral.contact.scene.task import Task
@@ -55,6 +56,7 @@ def run_episode(
     Raises:
         RunError: The episode was interrupted, or its tracker failed: no result of the variant.
     """
+    cfg = of_variant(cfg, variant)
     cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, report=False, video=False))
     with tempfile.TemporaryDirectory() as aside:
         own = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None

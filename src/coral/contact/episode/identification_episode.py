@@ -62,11 +62,11 @@ def probe_episode(
             seed=trial.seed,
             world=world,
             folder=folder,
-            think=resolved(cfg.think, cfg.controller, "heuristic"),
+            think=resolved(cfg.think, cfg.controller, "recorded"),
             believe={name: first},
         ),
     )
-    episode = Episode(real, world, strategist, cfg, folder, variant="full", advisor="heuristic")
+    episode = Episode(real, world, strategist, cfg, folder, variant="full", advisor="recorded")
     result = episode.run([] if observer is None else [observer])
     events = read_events(folder / "events.jsonl")
     told = tuple(

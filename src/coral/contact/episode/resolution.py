@@ -5,14 +5,14 @@ from __future__ import annotations
 import dataclasses
 from typing import Literal
 
-from coral.advisor.fallback import Fallback
 from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.variants import ALONE, REMEMBERING, check_variant
 from coral.contact.perception.tracker_registry import choose_tracker
+from coral.contact.thinker.fallback import StandIn
 from coral.errors import InputError
 
-DEFAULT_ADVISOR, DEFAULT_VARIANT = "heuristic", "expert-fsm"
+DEFAULT_ADVISOR, DEFAULT_VARIANT = "recorded", "full"
 OWN_COST = "own-cost"
 """Variant in records of episodes that follow a cost of the user's own."""
 
@@ -71,18 +71,30 @@ def check_combination(
 def resolve_episode(
     cfg: EpisodeCfg,
     *,
+    variant: str = DEFAULT_VARIANT,
     samples: int | None = None,
     poses: Literal["tracked", "ground-truth"] | None = None,
     tracker: str | None = None,
-    fallback: Fallback | None = None,
+    fallback: StandIn | None = None,
 ) -> EpisodeCfg:
     """Return the configuration of an episode; None leaves a value as configured.
+
+    The variant `paper` plans as the paper does: K = 200 samples with equal noise, and one step executed per plan.
 
     Raises:
         InputError: A value is out of range, or there is no such tracker.
     """
-    cfg = with_tracker(with_poses(with_samples(cfg, samples), poses), tracker)
+    cfg = with_tracker(with_poses(with_samples(of_variant(cfg, variant), samples), poses), tracker)
     return checked(with_fallback(cfg, fallback), "--cfg")
+
+
+def of_variant(cfg: EpisodeCfg, variant: str) -> EpisodeCfg:
+    """Return the configuration of a variant: another one for `paper`, which plans as the paper's section 4 says."""
+    if variant != "paper":
+        return cfg
+    mppi = dataclasses.replace(cfg.controller.mppi, samples=200, fine=0.0)
+    controller = dataclasses.replace(cfg.controller, mppi=mppi, press_weight=0.0)
+    return dataclasses.replace(cfg, controller=controller, replan_steps=1)
 
 
 def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
@@ -99,7 +111,7 @@ def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
     return dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, mppi=mppi))
 
 
-def with_fallback(cfg: EpisodeCfg, fallback: Fallback | None) -> EpisodeCfg:
+def with_fallback(cfg: EpisodeCfg, fallback: StandIn | None) -> EpisodeCfg:
     """Return the configuration with another fallback; None leaves it as configured."""
     if fallback is None:
         return cfg

@@ -13,15 +13,12 @@ from coral.contact.episode.retrieval_cases import NOTHING, REMEMBERED, Retrieval
 from coral.contact.memory.embedding import Embedder
 from coral.contact.memory.memory import Experience, Memory, MemoryCfg
 from coral.contact.memory.scene_numbers import scene_numbers
-from coral.contact.plan.contact_regions import RegionsAnswer
-from coral.contact.plan.cost_plan import PlanAnswer
-from coral.contact.rules.composition import compose
-from coral.contact.rules.goals import NoRule
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import load_task_file
 from coral.contact.scene.trial import sample_trial
+from coral.contact.thinker.recorded_answers import recorded_answers
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 
@@ -131,20 +128,16 @@ def initial_facts(task: Task, seed: int) -> SceneFacts:
 
 
 def _experience(task: Task) -> Experience:
-    """Return a success of a task with the rules' plan; where they have none, with one that does nothing."""
-    facts = initial_facts(task, REMEMBERED_SEED)
-    try:
-        made = compose(facts)
-        plan, regions = made.plan, made.regions
-    except NoRule:
-        plan, regions = PlanAnswer(code="def state_cost(self):\n    return 1.0"), RegionsAnswer({})
+    """Return a success of a task with the recorded model's plan."""
+    facts, answers = initial_facts(task, REMEMBERED_SEED), recorded_answers(task.name)
+    assert answers is not None
     return Experience(
         task=task.name,
         instruction=task.instruction,
         goals=[dict(goal) for goal in facts["goals"]],
         numbers=scene_numbers(facts),
-        plan=plan,
-        regions=regions,
+        plan=answers.plan,
+        regions=answers.regions,
         beliefs={name: (item["mass_kg"], item["friction"]) for name, item in facts["objects"].items()},
         provenance={"success": True, "world": "hand", "seed": REMEMBERED_SEED},
     )

@@ -13,14 +13,12 @@ from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
-from coral.advisor.registry import make_advisor, rules_alone
+from coral.advisor.registry import make_advisor
 from coral.contact.cost_program import CostWorker
 from coral.contact.experts import expert
 from coral.contact.memory.memory import Memory
-from coral.contact.plan.cost_plan import in_process
-from coral.contact.rules.answers import RULES
-from coral.contact.rules.mistakes import CONTACT_MISTAKES
-from coral.contact.rules.spoilt_answers import SPOILT
+from coral.contact.mistakes.crude import SPOILT
+from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.asker import Asker
@@ -40,7 +38,7 @@ def contact_model() -> ModelCfg:
 class AdvisorSetup:
     """The advisor of an episode and its settings."""
 
-    advisor: str = "heuristic"
+    advisor: str = "recorded"
     """As on the command line; of a given advisor, its name."""
     given: Advisor | None = None
     """The advisor itself; None to make the one that `advisor` names."""
@@ -49,7 +47,7 @@ class AdvisorSetup:
     world: str = ""
     """Evaluation world, recorded with a success."""
     memory: str | Path | None = None
-    """The experience memory, as `store_of` accepts it; None for none."""
+    """The experience memory, an SQLite file; None for none."""
     folder: Path | None = None
     """Run folder, which logs every attempt; None for no log."""
     inbox: Path | None = None
@@ -89,7 +87,7 @@ def _asking_variant(
         )
         advisor = asking.given or make_advisor(
             asking.advisor,
-            rules=RULES,
+            rules={},
             rng=np.random.default_rng([asking.seed, 2]),
             inbox=asking.inbox,
             cfg=asking.model,
@@ -98,17 +96,14 @@ def _asking_variant(
         )
         latency = thinking_latency(think.latency, advisor, asking.advisor)
         clock = ThinkingClock(latency, np.random.default_rng([asking.seed, 7]))
-        # Programs composed by rules need no confinement; those written by a model do, and so do remembered ones.
         worker = CostWorker()
-        load = in_process if asking.given is None and rules_alone(asking.advisor) else worker.load
         budget = decision_budget(asking.think.budget, asking.advisor)
         return Thinker(
             Asker(advisor, budget, _lazy_logger(asking.folder), clock=clock),
             think,
             np.random.default_rng([asking.seed, 3]),
-            RULES,
             memory,
-            load,
+            worker.load,
             {
                 "world": asking.world,
                 "seed": asking.seed,
@@ -141,6 +136,8 @@ VARIANTS: dict[str, Make] = {
     "expert": lambda task, asking: FixedStrategist(expert(task, "expert")),
     "expert-fsm": lambda task, asking: FixedStrategist(expert(task, "expert-fsm")),
     "full": _asking_variant("full"),
+    # The same questions; `of_variant` makes the planner the paper's.
+    "paper": _asking_variant("paper"),
     "no-memory": _asking_variant("no-memory", remember=False),
     "no-refinement": _asking_variant("no-refinement", refine=False),
     # Remembered plans have a contact strategy.
@@ -153,7 +150,7 @@ VARIANTS: dict[str, Make] = {
 """Function that makes the strategist of each variant."""
 ALONE = ("expert", "expert-fsm")
 """Variants without an advisor."""
-REMEMBERING = ("full", "no-refinement", "no-regions", "no-tracking")
+REMEMBERING = ("full", "paper", "no-refinement", "no-regions", "no-tracking")
 """Variants that use the experience memory; all but `no-regions` add to it."""
 
 

@@ -1,4 +1,4 @@
-"""Adaptation of a remembered plan to the scene: names of things, lengths that were sizes or places, and regions."""
+"""Adaptation of a remembered plan to the scene: names of things, and regions. Its numbers stay as they are."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import ast
 import re
 from collections.abc import Mapping, Sequence
 
-from coral.contact.memory.expressions import PROGRAMS, replace_lengths
 from coral.contact.memory.goal_match import GoalMatch
 from coral.contact.memory.memory import Experience
-from coral.contact.memory.scene_numbers import roles, scene_numbers, translate_numbers
+from coral.contact.memory.scene_numbers import roles
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
 from coral.contact.scene.facts import SceneFacts
 
+PROGRAMS = ("code", "done", "lost", "toward")
+"""Fields of a stage that hold programs."""
 
-def adapt(
-    experience: Experience, facts: SceneFacts, goals: GoalMatch, scaled: bool = True
-) -> tuple[PlanAnswer, RegionsAnswer]:
+
+def adapt(experience: Experience, facts: SceneFacts, goals: GoalMatch) -> tuple[PlanAnswer, RegionsAnswer]:
     """Rewrite a remembered plan and its regions for this scene; verify them like new ones.
 
     Names follow the goals. Regions are stretched with their objects. Cost terms about things that are not here, such as
@@ -27,16 +27,11 @@ def adapt(
         experience: The remembered success.
         facts: The scene.
         goals: How its goals correspond to those of the scene.
-        scaled: Whether lengths that were sizes or places are computed anew (`expressions.py`).
     """
     names, absent = _counterparts(experience, facts, goals)
-    inverse = {here: there for there, here in names.items()}
-    numbers = translate_numbers(scene_numbers(facts), facts["goals"], experience.goals, inverse)
-    found = {text: one.value(numbers) for text, one in experience.expressions.items()} if scaled else {}
-    values = {text: value for text, value in found.items() if value is not None and value >= 0.0}
 
     def rewrite(program: str) -> str:
-        return renamed(_without_terms_of(replace_lengths(program, values), absent), names)
+        return renamed(_without_terms_of(program, absent), names)
 
     plan = experience.plan
     stages = [

@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator, model_validator
 
 from coral.config import Count, Signed
 from coral.contact.memory.embedding import DEFAULT, Embedder, Vector, embedder_of
-from coral.contact.memory.expressions import SizeExpression
 from coral.contact.memory.goal_match import GoalMatch, match_goals
 from coral.contact.memory.scene_numbers import (
     HELD,
@@ -25,7 +24,7 @@ from coral.contact.memory.scene_numbers import (
     scene_numbers,
     translate_numbers,
 )
-from coral.contact.memory.store import ExperienceStore, store_of
+from coral.contact.memory.store_sqlite import SqliteStore
 from coral.contact.memory.wording import contradict
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
@@ -45,7 +44,6 @@ class Experience(BaseModel):
         plan, regions: The successful plan and its regions.
         beliefs: Believed mass and friction at the end.
         provenance: Origin of the success: world, seed, variant, advisor, run, metrics.
-        expressions: Lengths of the programs that were sizes or places, by the number as written (`expressions.py`).
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -57,7 +55,12 @@ class Experience(BaseModel):
     regions: RegionsAnswer
     beliefs: dict[str, tuple[FiniteFloat, FiniteFloat]]
     provenance: dict[str, Any]
-    expressions: dict[str, SizeExpression] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_an_earlier_version(cls, given: Any) -> Any:
+        # Versions before stored which lengths they took for sizes.
+        return {key: one for key, one in given.items() if key != "expressions"} if isinstance(given, dict) else given
 
     @field_validator("goals")
     @classmethod
@@ -123,9 +126,8 @@ class MemoryCfg(ScaleLimits):
     a paraphrase may share no word."""
     candidates: Count = 3
     """Maximum number of remembered plans that are adapted and checked."""
-    rehearsed: Annotated[int, Field(ge=0)] = 6
-    """Maximum number of plans that are rehearsed: of each remembered plan, with lengths computed anew and, if that
-    changes it, with lengths as they were. 0 follows the first that passes its checks without a rehearsal."""
+    rehearsed: Annotated[int, Field(ge=0)] = 3
+    """Maximum number of plans that are rehearsed. 0 follows the first that passes its checks without a rehearsal."""
     failures: Count = 3
     """A plan that failed so often without ever succeeding again is no longer offered."""
 
@@ -134,13 +136,13 @@ class Memory:
     """Stores experiences and retrieves them.
 
     Args:
-        where: The SQLite file, or another string for `store_of`; created at the first success.
+        where: The SQLite file; created at the first success.
         cfg: Limits within which an experience matches.
         embedder: Embeds texts; by default the one that `cfg` names.
     """
 
     def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
-        self.store: ExperienceStore = store_of(where)
+        self.store = SqliteStore(Path(where))
         self.cfg, self.embedder = cfg or MemoryCfg(), embedder or embedder_of((cfg or MemoryCfg()).embedder)
 
     @property

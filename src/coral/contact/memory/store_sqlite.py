@@ -10,16 +10,18 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import cast
 
 import numpy as np
 
 from coral.contact.memory.embedding import Vector
-from coral.contact.memory.row import BUSY_S, Row
 from coral.errors import InputError
 from coral.foreign_file import open_sqlite, refuse_computed
 
+BUSY_S = 30.0
+"""Longest wait for other writers."""
 LONGEST_S = 30.0
 """Longest duration of one call; a trigger or view in a foreign file could ask for endless work."""
 COLUMNS = ("id", "created", "record", "embedder", "vector", "used", "helped")
@@ -29,8 +31,29 @@ TABLE = """CREATE TABLE IF NOT EXISTS experience (
     vector BLOB NOT NULL, used INTEGER NOT NULL DEFAULT 0, helped INTEGER NOT NULL DEFAULT 0)"""
 
 
+@dataclass(frozen=True)
+class Row:
+    """One stored experience."""
+
+    id: int
+    """Number of the experience, from 1."""
+    created: str
+    """Time of storage, UTC."""
+    record: str
+    """The experience as JSON."""
+    embedder: str
+    """Name of the embedder of the vector."""
+    vector: Vector = field(compare=False, repr=False)
+    """Embedding of the instruction, Shape=(n,); vectors of different embedders are not comparable."""
+    used: int = 0
+    helped: int = 0
+    """Number of uses, and number of uses that ended in success."""
+
+
 class SqliteStore:
-    """See `ExperienceStore`.
+    """Keeps rows. Several processes may write at once; an acknowledged write survives a kill.
+
+    Every call raises `InputError`, which names the file, if it cannot be read or written.
 
     Args:
         path: The file; created at the first row.
@@ -40,11 +63,11 @@ class SqliteStore:
         self.path, self.name = path, str(path)
 
     def exists(self) -> bool:
-        """See `ExperienceStore.exists`."""
+        """Return whether anything was ever written."""
         return self.path.is_file()
 
     def insert(self, created: str, record: str, embedder: str, vector: Vector) -> int:
-        """See `ExperienceStore.insert`."""
+        """Write an unused row and return its number. The file is created if it does not exist."""
         with self._open(write=True) as base:
             row = base.execute(
                 "INSERT INTO experience (created, record, embedder, vector) VALUES (?, ?, ?, ?)",
@@ -53,7 +76,7 @@ class SqliteStore:
             return int(row.lastrowid or 0)
 
     def rows(self) -> list[Row]:
-        """See `ExperienceStore.rows`."""
+        """Return all rows by their numbers; none if nothing was ever written."""
         if not self.path.exists():
             return []
         with self._open() as base:
@@ -76,12 +99,12 @@ class SqliteStore:
         return Row(number, created, record, embedder, _vector(blob), used, helped)
 
     def delete(self, number: int) -> None:
-        """See `ExperienceStore.delete`."""
+        """Remove a row if it exists."""
         with self._open(write=True) as base:
             base.execute("DELETE FROM experience WHERE id = ?", (number,))
 
     def count(self, number: int, helped: bool) -> None:
-        """See `ExperienceStore.count`."""
+        """Record that a row was used, if it still exists."""
         with self._open(write=True) as base:
             base.execute(
                 "UPDATE experience SET used = used + 1, helped = helped + ? WHERE id = ?", (int(helped), number)

@@ -1,23 +1,20 @@
-"""The fallback when the advisor does not decide: rules answer, or the episode ends."""
+"""What stands where the advisor does not decide: what is believed and followed already, or the episode ends."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from collections.abc import Callable
+from typing import Literal
 
-from pydantic import BaseModel
+from coral.advisor.fallback import failed
 
-from coral.advisor.consult import Outcome, consult_at_once
-from coral.advisor.fallback import Fallback, failed
-from coral.advisor.question import Question, Rejection
-from coral.advisor.rules import RuleAdvisor
-from coral.advisor.setting import Rule
-
-A = TypeVar("A", bound=BaseModel)
+StandIn = Literal["prior", "hold", "fail"]
+"""prior: prior masses and frictions, no contact regions, and the plan before stand; without any plan the episode ends.
+hold: the episode ends, and its reason names the open decision; only a plan without regions goes on. fail: it ends, and
+its reason names the failure."""
 
 
 class NoDecision(RuntimeError):
-    """The advisor did not decide, and the chosen policy lets nothing else decide.
+    """The advisor did not decide, and the chosen policy lets nothing else stand.
 
     Args:
         policy: `hold` or `fail`.
@@ -25,7 +22,7 @@ class NoDecision(RuntimeError):
         failure: Why the advisor did not decide, as named by `consult`.
     """
 
-    def __init__(self, policy: Fallback, what: str, failure: str) -> None:
+    def __init__(self, policy: StandIn, what: str, failure: str) -> None:
         self.end_reason = failed(failure) if policy == "fail" else f"no-decision: {what}"
         super().__init__(
             f"the advisor did not decide on the {what} ({failure}), "
@@ -33,40 +30,21 @@ class NoDecision(RuntimeError):
         )
 
 
-def fall_back(emit: Callable[..., None], policy: Fallback, what: str, failure: str, by: str) -> None:
-    """Report that the advisor did not decide and that a fallback does.
+def stand_in(emit: Callable[..., None], policy: StandIn, what: str, failure: str, by: str) -> None:
+    """Report that the advisor did not decide and what stands instead.
 
     Args:
         emit: Event sink.
-        policy: The fallback policy.
+        policy: The policy.
         what: The open decision.
         failure: Why the advisor did not decide.
-        by: What decides instead under `rules`.
+        by: What stands under `prior`; "" if nothing can.
 
     Raises:
-        NoDecision: The policy is not `rules`.
+        NoDecision: Nothing does.
     """
-    who = by if policy == "rules" else "nobody"
+    stands = policy == "prior" and bool(by)
+    who = by if stands else "nobody"
     emit("fallback", what=what, by=who, because=failure, policy=policy, decided=what, source="fallback")
-    if policy != "rules":
+    if not stands:
         raise NoDecision(policy, what, failure)
-
-
-def ask_rules(
-    rules: Mapping[str, Rule],
-    kind: str,
-    answer_type: type[A],
-    facts: Mapping[str, Any],
-    verify: Callable[[A], Rejection | None],
-) -> Outcome[A]:
-    """Let the rules answer a question that the advisor did not, through the checks of any answer.
-
-    Args:
-        rules: The rules by kind of question.
-        kind: Kind of the question.
-        answer_type: Type of its answer.
-        facts: Its facts.
-        verify: Returns why an answer is refused, or None.
-    """
-    question: Question[A] = Question(kind=kind, prompt="", answer_type=answer_type, facts=facts)
-    return consult_at_once(RuleAdvisor(rules), lambda _: question, lambda _, answer: verify(answer))

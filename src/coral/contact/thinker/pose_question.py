@@ -13,9 +13,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, RootModel
 
-from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.advisor.question import Rejection
-from coral.advisor.setting import Rule
 from coral.contact.perception.advisor_camera import to_picture
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.tracked_world import nominal_pose
@@ -23,7 +21,7 @@ from coral.contact.scene.geometry import quaternion_of, rotate
 from coral.contact.scene.observation import Array, BodyState, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.fallback import fall_back
+from coral.contact.thinker.fallback import StandIn, stand_in
 from coral.contact.thinker.question_facts import PoseFacts, UnposedObjectFacts
 from coral.contact.thinker.scene_facts import pose
 
@@ -155,23 +153,21 @@ def ask_poses(
     trial: Trial,
     first: Observation,
     frame: RgbdFrame,
-    fallback: Rule,
     emit: Callable[..., None],
-    policy: Fallback = FOR_RUNS,
+    policy: StandIn = "prior",
 ) -> dict[str, BodyState]:
-    """Ask an advisor for the objects' poses; apply the rule if it gives none.
+    """Ask an advisor for the objects' poses.
 
     Args:
         asker: The advisor.
         trial: As in `pose_facts`.
         first: As `now` in `pose_facts`.
         frame: As in `pose_facts`.
-        fallback: The rule that answers if the advisor does not.
         emit: Event sink.
         policy: The fallback policy.
 
     Raises:
-        NoDecision: Neither the advisor nor the rule answers.
+        NoDecision: It gives none: where nothing is tracked, nothing can stand for them.
     """
     facts = pose_facts(trial, first, frame)
     outcome = asker.ask(
@@ -183,16 +179,16 @@ def ask_poses(
         pictures=(to_picture(frame),),
     )
     if outcome.answer is None:
-        fall_back(emit, policy, "poses", outcome.failure, "heuristic")
-    answer = outcome.answer or fallback(facts, ())
-    assert isinstance(answer, PosesAnswer)
-    found = answer.bodies(facts)
+        stand_in(emit, policy, "poses", outcome.failure, "")
+        raise AssertionError
+    found = outcome.answer.bodies(facts)
     emit(
         "poses",
         failure=outcome.failure,
         attempts=outcome.attempts,
         refused=[rejection.reason for rejection in outcome.rejections],
-        **({} if outcome.answer is None else {"decided": "poses", "source": asker.source}),
+        decided="poses",
+        source=asker.source,
         **{name: pose(body) for name, body in found.items()},
     )
     return found

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any, cast
+from typing import Any, NoReturn, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.advisor.consult import Outcome
 from coral.advisor.question import Rejection
-from coral.advisor.setting import Rule
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
@@ -31,7 +30,7 @@ from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import Diagnosis
-from coral.contact.thinker.fallback import ask_rules, fall_back
+from coral.contact.thinker.fallback import stand_in
 from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
 from coral.contact.thinker.rehearsal_picture import draw_rehearsal
 from coral.contact.thinker.repair_prompt import fit_prompt
@@ -47,7 +46,7 @@ Emit = Callable[..., None]
 
 
 class Questions:
-    """Asks about one scene, verifies the answers, and falls back on rules if there is none.
+    """Asks about one scene and verifies the answers; without one, what is believed and followed already stands.
 
     Args:
         asker: The advisor.
@@ -55,7 +54,6 @@ class Questions:
         world: The planning world; its beliefs are set.
         cfg: Which parts are enabled.
         load: Loads cost programs.
-        fallback: Rules that answer if the advisor gives no plan, by kind of question.
         emit: Event sink; receives every outcome.
         limits: Tells the present limits of the planner; None for one with the defaults.
 
@@ -76,7 +74,6 @@ class Questions:
         world: PlanningWorld,
         cfg: ThinkCfg,
         load: Loader,
-        fallback: Mapping[str, Rule],
         emit: Emit,
         limits: Callable[[], PlannerLimits] | None = None,
     ) -> None:
@@ -86,7 +83,7 @@ class Questions:
         self.diagnoses: list[Diagnosis] = []
         self.stood_in: set[str] = set()
         self._asker, self._trial, self._world, self._cfg = asker, trial, world, cfg
-        self.load, self._fallback, self._emit = load, fallback, emit
+        self.load, self._emit = load, emit
         step_s = world.cfg.step_s
         self._limits = limits or (lambda: PlannerLimits.of(ControllerCfg(), step_s, 2 * step_s))
         self._unanswered = ""
@@ -119,10 +116,8 @@ class Questions:
             with_picture=True,
         )
         if outcome.answer is None:
-            self._fall_back("parameters", outcome.failure)
-        answer = outcome.answer or self._fallback["physical-parameters"](self.facts, ())
-        assert isinstance(answer, ParameterEstimates)
-        beliefs = {**answer.physical(), **given}
+            self._stand_in("parameters", outcome.failure, "the prior beliefs")
+        beliefs = {**(self.beliefs if outcome.answer is None else outcome.answer.physical()), **given}
         self._world.believe(beliefs)
         self._emit(
             "beliefs",
@@ -207,29 +202,16 @@ class Questions:
             self.advice = kept
         return refusal
 
-    def plan_by_rules(self) -> PlanAnswer:
-        """Make the plan by rules, if the policy lets them answer for the advisor.
+    def no_plan(self) -> NoReturn:
+        """End the episode, which has no plan to follow.
 
         Raises:
-            NoStrategy: The rules have no plan either, or none that passes the checks.
-            NoDecision: The policy does not let the rules answer.
+            NoStrategy: Always under `prior`.
+            NoDecision: Always under another policy.
         """
-        if self._cfg.fallback != "rules":
-            self._fall_back("plan", self._unanswered)
-        present = self.present(self._seen)
-        outcome = ask_rules(
-            self._fallback,
-            "cost-function",
-            PlanAnswer,
-            self._plan_facts(),
-            lambda plan: self.check_plan(plan, present),
-        )
-        if outcome.answer is None:
-            raise NoStrategy("; ".join(rejection.reason for rejection in outcome.rejections[-1:]))
-        # Its regions are to fit it, not the answers that were refused.
-        self.facts["refused"] = len(outcome.rejections)
-        self._fall_back("plan", self._unanswered)
-        return outcome.answer
+        if self._cfg.fallback != "prior":
+            self._stand_in("plan", self._unanswered, "")
+        raise NoStrategy(f"the advisor gave no plan ({self._unanswered})")
 
     def keep_plan(self, plan: PlanAnswer) -> PlanAnswer:
         """Keep the plan because the advisor gives no repair.
@@ -237,11 +219,11 @@ class Questions:
         Raises:
             NoDecision: The policy forbids it.
         """
-        fall_back(self._emit, self._cfg.fallback, "repair", self._unanswered, "the plan before")
+        self._stand_in("repair", self._unanswered, "the plan before")
         return plan
 
     def ask_regions(self, plan: PlanAnswer) -> RegionsAnswer:
-        """Ask where the stages of a plan touch: the advisor, or else the rules; no regions without either.
+        """Ask where the stages of a plan touch; no regions without an answer.
 
         Raises:
             NoDecision: The advisor does not answer and the policy lets nobody else answer.
@@ -259,8 +241,8 @@ class Questions:
             labels=self.labels(self._seen),
         )
         if outcome.answer is None:
-            self._fall_back("regions", outcome.failure)
-        found = outcome.answer or self._regions_by_rules(asked, plan)
+            self._without_regions(outcome.failure)
+        found = outcome.answer or RegionsAnswer({})
         self._emit(
             "regions",
             failure=outcome.failure,
@@ -270,13 +252,6 @@ class Questions:
             regions=found.model_dump(mode="json"),
         )
         return found
-
-    def _regions_by_rules(self, facts: RegionFacts, plan: PlanAnswer) -> RegionsAnswer:
-        """Return the rules' regions; none if the rules have none or theirs are refused."""
-        outcome = ask_rules(
-            self._fallback, "contact-regions", RegionsAnswer, facts, lambda answer: self.check_regions(answer, plan)
-        )
-        return RegionsAnswer({}) if outcome.answer is None else outcome.answer
 
     def check_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
         """Return why a plan's regions cannot be used in the scene as last observed; None if they can."""
@@ -362,9 +337,15 @@ class Questions:
         """Return the latest observation: a new one if the episode continued while an advisor answered."""
         return getattr(self._asker.clock.thinking, "now", before)
 
-    def _fall_back(self, what: str, failure: str) -> None:
-        self.stood_in.add(what)
-        fall_back(self._emit, self._cfg.fallback, what, failure, "heuristic")
+    def _without_regions(self, failure: str) -> None:
+        """Go on without regions, which only guide samples; `fail` alone lets no failure pass."""
+        self.stood_in.add("regions")
+        stand_in(self._emit, "fail" if self._cfg.fallback == "fail" else "prior", "regions", failure, "no regions")
+
+    def _stand_in(self, what: str, failure: str, by: str) -> None:
+        if what != "repair":  # the plan before is the advisor's own
+            self.stood_in.add(what)
+        stand_in(self._emit, self._cfg.fallback, what, failure, by)
 
     def _decided_fields(self, what: str, outcome: Outcome[Any]) -> dict[str, str]:
         """Return who decided, for the event of a decision; empty if the advisor did not."""

@@ -36,8 +36,6 @@ class RecalledPlan:
     """Its experience."""
     plan: PlanAnswer
     regions: RegionsAnswer
-    scaled: bool
-    """Whether lengths that were sizes or places were computed anew."""
     refusal: Rejection | None = None
     """Why it is not followed."""
     gain: float = 0.0
@@ -98,7 +96,7 @@ class Recall:
             if one.refusal is None and (one.outcome is None or one.outcome.stages == 1.0):
                 break
         passed = [one for one in tried if one.refusal is None]
-        # Of equal ones the first: the better match, and lengths computed anew.
+        # Of equal ones the first: the better match.
         chosen = max(passed, key=lambda one: one.outcome or NOTHING, default=None)
         for one in tried:
             self._report(one, one is chosen, memory, emit)
@@ -117,7 +115,6 @@ class Recall:
             embedder=memory.embedder.name,
             used=stored.used,
             helped=stored.helped,
-            lengths="computed anew" if one.scaled else "as they were",
             gain=round(one.gain, 4),
             rehearsed_s=one.rehearsed_s,
             outcome=None if one.outcome is None else {key: round(v, 3) for key, v in asdict(one.outcome).items()},
@@ -160,14 +157,13 @@ class Recall:
 
 
 def adaptations(memory: Memory, facts: SceneFacts) -> Iterator[RecalledPlan]:
-    """Yield the remembered plans that match, the best first: each with its lengths computed anew, then as they were.
+    """Yield the remembered plans that match, the best first, adapted to the scene.
 
     One author writes the same plan more than once: equal ones are yielded once.
     """
     seen: list[tuple[PlanAnswer, RegionsAnswer]] = []
     for match in memory.find(facts):
-        for scaled in (True, False):
-            plan, regions = adapt(match.stored.experience, facts, match.goals, scaled)
-            if (plan, regions) not in seen:
-                seen.append((plan, regions))
-                yield RecalledPlan(match, plan, regions, scaled)
+        plan, regions = adapt(match.stored.experience, facts, match.goals)
+        if (plan, regions) not in seen:
+            seen.append((plan, regions))
+            yield RecalledPlan(match, plan, regions)

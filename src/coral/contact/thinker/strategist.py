@@ -63,7 +63,7 @@ class PlanReport:
 
 
 class NoStrategy(RuntimeError):
-    """Neither the advisor nor the rules have a strategy; the text says why."""
+    """The advisor has no strategy; the text says why."""
 
 
 class Strategist(Protocol):

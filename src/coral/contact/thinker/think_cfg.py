@@ -8,13 +8,13 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from coral.advisor.consult import BudgetCfg
-from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.advisor.registry import asks_person
 from coral.config import Count, NonNegative
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_effort import EffortCfg
 from coral.contact.memory.memory import MemoryCfg
 from coral.contact.plan.contact_regions import RegionCfg, reach_box
+from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.world_model.identification import IdentifyCfg
 from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
@@ -38,7 +38,7 @@ class ThinkCfg:
     """Whether to ask for another plan when stuck. Off: `no-refinement`."""
     rehearsals: Annotated[int, Field(ge=0, le=2)] = 0
     """How often a new plan is rehearsed in the planning world and shown to its author, who may revise it, before the
-    robot moves. 0 by default: the rules ignore rehearsals and would pay their time, and recordings hold no answer."""
+    robot moves. 0 by default: recordings hold no answer."""
     unified: bool = False
     """Whether to ask one question for everything (the paper's unified VLM)."""
     tracking: bool = True
@@ -52,13 +52,13 @@ class ThinkCfg:
     """Maximum number of these corrections per episode; one is kept for its end."""
     budget: BudgetCfg = field(default_factory=BudgetCfg)
     """Attempts and wall time of one decision."""
-    fallback: Fallback = FOR_RUNS
-    """Fallback when the advisor does not decide: `rules` answer, or the episode ends (`hold`, or `fail`, whose end
-    reason names the failure)."""
+    fallback: StandIn = "prior"
+    """What stands where the advisor does not decide: `prior` masses and frictions, no regions and the plan before; or
+    the episode ends (`hold`, or `fail`, whose end reason names the failure)."""
     latency: str = "auto"
     """Simulated latency of an answer: 0, SECONDS, fixed:SECONDS, lognormal:MEDIAN:SIGMA, measured, recorded, paper or
-    auto. `paper` is 2.3 s (questions with a picture), 1.5 s (a plan) or 3 s (a repair); `auto` is 0 for rules and
-    persons, measured for models, recorded for recordings."""
+    auto. `paper` is 2.3 s (questions with a picture), 1.5 s (a plan) or 3 s (a repair); `auto` is 0 for persons,
+    measured for models, recorded for recordings."""
     meanwhile: Literal["go-on", "hold"] = "go-on"
     """What the hand does during the latency once there is a plan: follow the plan, or hold still."""
     belief: ParameterBoundsCfg = field(default_factory=ParameterBoundsCfg)

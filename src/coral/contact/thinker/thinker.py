@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.question import Picture
-from coral.advisor.setting import Rule
 from coral.contact.control.hand_controllers import AdjustableController
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_effort import probe_effort
@@ -17,7 +16,6 @@ from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Cost
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError, CostWorker
-from coral.contact.memory.expressions import find_expressions
 from coral.contact.memory.memory import Experience, Match, Memory
 from coral.contact.memory.scene_numbers import scene_numbers
 from coral.contact.perception.advisor_camera import Look, to_picture
@@ -64,7 +62,6 @@ class Thinker:
         asker: The advisor.
         cfg: Which parts are enabled.
         rng: Draws samples for checks and fits.
-        fallback: Rules that answer if the advisor does not, by kind of question.
         memory: Memory of successful plans, if any.
         load: Loads cost programs: in this process, or in the confined one.
         worker: The confined process, which runs all remembered programs; closed at the end of the episode.
@@ -77,7 +74,6 @@ class Thinker:
         asker: Asker,
         cfg: ThinkCfg,
         rng: np.random.Generator,
-        fallback: Mapping[str, Rule],
         memory: Memory | None = None,
         load: Loader = in_process,
         provenance: Mapping[str, Any] | None = None,
@@ -85,7 +81,7 @@ class Thinker:
         worker: CostWorker | None = None,
     ) -> None:
         self.asker, self.cfg, self.memory = asker, cfg, memory
-        self._rng, self._fallback, self._load = rng, fallback, load
+        self._rng, self._load = rng, load
         self._provenance = dict(provenance or {})
         self._emit: Callable[..., None] = lambda event, **fields: None
         self._given = dict(given or {})
@@ -152,14 +148,12 @@ class Thinker:
         frame = self._camera()
         if frame is None:
             raise RunError("poses cannot be guessed in a world without pictures")
-        return ask_poses(self.asker, trial, first, frame, self._fallback["object-poses"], self._emit, self.cfg.fallback)
+        return ask_poses(self.asker, trial, first, frame, self._emit, self.cfg.fallback)
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Perceive, recall or ask, verify, and make the strategy."""
         self._trial, self._world = trial, world
-        self._questions = Questions(
-            self.asker, trial, world, self.cfg, self._load, self._fallback, self._emit, self._limits
-        )
+        self._questions = Questions(self.asker, trial, world, self.cfg, self._load, self._emit, self._limits)
         self._questions.update_facts(first, believed=False)
         strategy = self._ask_all(first) if self.cfg.unified else self._recall_or_ask(first)
         self._monitor = self._new_monitor()
@@ -167,7 +161,7 @@ class Thinker:
 
     def _ask_all(self, first: Observation) -> Strategy:
         found = self._questions.ask_everything(first)
-        self._plan, self._regions = found or (self._questions.plan_by_rules(), RegionsAnswer({}))
+        self._plan, self._regions = found or self._questions.no_plan()
         return self._strategy("asked")
 
     def _recall_or_ask(self, first: Observation) -> Strategy:
@@ -178,7 +172,7 @@ class Thinker:
         if strategy is not None:
             return strategy
         asked = questions.ask_plan(first)
-        self._plan = questions.plan_by_rules() if asked is None else questions.revise_plan(asked, first)
+        self._plan = questions.no_plan() if asked is None else questions.revise_plan(asked, first)
         self._regions = questions.ask_regions(self._plan)
         return self._strategy("asked")
 
@@ -214,7 +208,7 @@ class Thinker:
         self._questions.diagnoses.append("cost-error")
         self._questions.update_facts(now)
         try:
-            self._replan(now, self._questions.plan_by_rules, f"in stage {stage!r}, {error}")
+            self._replan(now, self._questions.no_plan, f"in stage {stage!r}, {error}")
         except NoStrategy:
             return None
         return self._repaired_strategy()
@@ -409,15 +403,14 @@ class Thinker:
             self._correct(name, self._now)
 
     def _experience(self) -> Experience:
-        task, numbers = self._trial.task, scene_numbers(self._questions.facts)
+        task = self._trial.task
         return Experience(
             task=task.name,
             instruction=task.instruction,
             goals=[dict(goal) for goal in self._questions.facts["goals"]],
-            numbers=numbers,
+            numbers=scene_numbers(self._questions.facts),
             plan=self._plan,
             regions=self._regions,
             beliefs={name: (one.mass_kg, one.friction) for name, one in self._questions.beliefs.items()},
             provenance={"success": True, "repairs": self._repairs, **self._provenance},
-            expressions=find_expressions(self._plan, numbers),
         )

@@ -11,7 +11,6 @@ import cv2
 from markupsafe import Markup
 
 from coral.advisor.attribution import who_decided
-from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.contact.episode.metrics import DEFINITIONS, metrics_of
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError, RunError
@@ -48,7 +47,7 @@ ENDED = {
     "camera-off": "failed: the camera gave no pictures",
     "not-found": "failed: an object was not found",
     "cost-error": "failed: the cost could not be evaluated",
-    "no-strategy": "failed: neither the advisor nor the rules had a strategy",
+    "no-strategy": "failed: the advisor had no strategy",
     "no-decision": "failed: the advisor did not decide",
     "advisor failed": "ended: the advisor did not decide",
     "no-plan": "failed: no usable rehearsal",
@@ -169,9 +168,9 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
 def _who_decided(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     """Describe who decided, unless it was the advisor alone."""
     try:
-        policy: Fallback = run.config["episode"]["think"]["fallback"]
+        policy: str = run.config["episode"]["think"]["fallback"]
     except (KeyError, TypeError):
-        policy = FOR_RUNS
+        policy = "prior"
     said = who_decided(metrics, things="decisions", fallback=policy, advisor="The advisor")
     return f"{said}." if said else ""
 

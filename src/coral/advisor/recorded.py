@@ -1,0 +1,57 @@
+"""The default advisor of the hand: what a vision-language model answered at the desk, by the name of the task."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+from pydantic import BaseModel
+
+from coral.advisor.attribution import Source
+from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply
+from coral.advisor.recorded_attempts import shipped_recordings
+from coral.advisor.replay import ReplayAdvisor
+from coral.advisor.setting import Setting
+
+A = TypeVar("A", bound=BaseModel)
+CONTACT = "contact-"
+"""Beginning of the names of shipped recordings of contact tasks."""
+
+
+class RecordedAdvisor:
+    """Answers with what a vision-language model answered at the desk for the task that the question names.
+
+    A plan is a program over quantities, so one recording serves every trial of its task, whatever its poses, sizes and
+    masses; a repair is given where one is asked for. There is nothing for a task that nobody answered, or for questions
+    without contact strategies, which ask for other plans.
+    """
+
+    latency = "recorded"
+    source: Source = "recording"
+    name = "recorded"
+
+    def __init__(self) -> None:
+        self._recordings: dict[str, ReplayAdvisor] = {}
+
+    async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:
+        """Give the next recorded answer of the question's kind.
+
+        Raises:
+            AdvisorUnavailable: With code "not-recorded": there is none, or none is left.
+        """
+        task = str(question.facts.get("task", ""))
+        if not is_recorded(task) or not question.facts.get("contact_strategy", True):
+            raise AdvisorUnavailable("not-recorded", f"nobody answered {task!r} yet", final=True, latency_s=0.0)
+        if task not in self._recordings:
+            self._recordings[task] = ReplayAdvisor(f"{CONTACT}{task}", in_order=True, accepted=True)
+        return await self._recordings[task].answer(question, rejections)
+
+
+def is_recorded(task: str) -> bool:
+    """Return whether a recording of a contact task comes with the package."""
+    return f"{CONTACT}{task}" in shipped_recordings()
+
+
+def make_recorded(name: str, rest: str, setting: Setting) -> RecordedAdvisor:
+    """Make the advisor of the shipped recordings of contact tasks."""
+    return RecordedAdvisor()

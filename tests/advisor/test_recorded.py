@@ -1,0 +1,38 @@
+import asyncio
+
+import pytest
+from pydantic import BaseModel
+
+from coral.advisor.question import AdvisorUnavailable, Question
+from coral.advisor.recorded import RecordedAdvisor
+
+
+class Anything(BaseModel):
+    """Any answer."""
+
+    model_config = {"extra": "allow"}
+
+
+def ask(advisor, task, kind="cost-function", **facts):
+    question = Question(kind=kind, prompt="?", answer_type=Anything, facts={"task": task, **facts})
+    return asyncio.run(advisor.answer(question, ())).value.model_dump()
+
+
+def test_each_task_gets_its_own_plan_once():
+    advisor = RecordedAdvisor()
+    assert ask(advisor, "pick-box")["stages"][0]["name"] == "above"
+    assert ask(advisor, "flip-box") != ask(advisor, "flip-wall")
+    with pytest.raises(AdvisorUnavailable, match="no answer to a cost-function question is left"):
+        ask(advisor, "pick-box")
+
+
+def test_answers_that_were_refused_then_are_left_out():
+    assert ask(RecordedAdvisor(), "push-pick-board", "parameter-repair")
+    with pytest.raises(AdvisorUnavailable):
+        [ask(advisor, "push-pick-board", "parameter-repair") for advisor in [RecordedAdvisor()] for _ in range(2)]
+
+
+@pytest.mark.parametrize(("task", "facts"), [("swap-cans", {}), ("pick-box", {"contact_strategy": False})])
+def test_what_nobody_answered_is_not_answered(task, facts):
+    with pytest.raises(AdvisorUnavailable, match="nobody answered"):
+        ask(RecordedAdvisor(), task, **facts)
