@@ -12,9 +12,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from coral.advisor.attribution import RECORDED_MODEL, who_decided
-from coral.advisor.recorded import is_recorded
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
+from coral.advisor.recorded import is_recorded
 from coral.advisor.registry import advisor_help, innermost, make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.franka_robot import WORLD, RobotFlags, make_robot_world, robot_cfg, robot_trial
