@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -46,9 +46,6 @@ from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld, load_world
 from coral.view.questions import question_pictures
 
-if TYPE_CHECKING:
-    from coral.commands.reef_sail import ReefSail
-
 DEPTH_M = 1.0
 WARM_UP_S = 6.0
 
@@ -68,6 +65,29 @@ def read_area(name: str) -> tuple[SurveyArea, ReefWorld | None, float]:
         return area, world, file.depth_m
     world = find_world(name)
     return SurveyArea.of_world(world), world, DEPTH_M
+
+
+class SailFlags(Protocol):
+    """The flags of the command that say what is opened."""
+
+    @property
+    def area(self) -> str: ...  # noqa: D102
+    @property
+    def vehicle(self) -> str: ...  # noqa: D102
+    @property
+    def camera(self) -> str: ...  # noqa: D102
+    @property
+    def dvl(self) -> str: ...  # noqa: D102
+    @property
+    def sonar(self) -> str: ...  # noqa: D102
+    @property
+    def truth(self) -> str: ...  # noqa: D102
+    @property
+    def seed(self) -> int: ...  # noqa: D102
+    @property
+    def camera_latency(self) -> float: ...  # noqa: D102
+    @property
+    def camera_rate(self) -> float: ...  # noqa: D102
 
 
 @dataclass
@@ -115,7 +135,7 @@ class Parts:
 
 @contextmanager
 def open_parts(
-    flags: ReefSail,
+    flags: SailFlags,
     area: SurveyArea,
     world: ReefWorld | None,
     cfg: MissionCfg,
@@ -171,7 +191,7 @@ def open_parts(
             each.close()
 
 
-def _simulated(flags: ReefSail, area: SurveyArea, world: ReefWorld | None, cfg: MissionCfg, depth_m: float) -> Parts:
+def _simulated(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, cfg: MissionCfg, depth_m: float) -> Parts:
     if flags.truth:
         raise InputError("--truth", "", flags.truth, "--vehicle mavlink:...; the simulated vehicle knows its own")
     if world is None:
@@ -199,7 +219,7 @@ def _simulated(flags: ReefSail, area: SurveyArea, world: ReefWorld | None, cfg: 
     )
 
 
-def _mavlink(flags: ReefSail, area: SurveyArea, world: ReefWorld | None, opened: list[Any]) -> Parts:
+def _mavlink(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, opened: list[Any]) -> Parts:
     address = parse_address(flags.vehicle)
     from coral.reef.sea.mavlink_link import MavlinkLink
 
@@ -248,7 +268,7 @@ def proves_simulation(feed: Any, timeout_s: float = 10.0) -> bool:
     return True
 
 
-def _sonar(flags: ReefSail, world: ReefWorld | None, cfg: MissionCfg, parts: Parts) -> SonarSource:
+def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Parts) -> SonarSource:
     kind, _, place = flags.sonar.partition(":")
     if flags.sonar == "simulated":
         if world is None:
