@@ -122,7 +122,7 @@ BOMBS = {
     "deep.json": (
         lambda path: path.write_text("[" * 1_000_000 + "]" * 1_000_000),
         "read_json(path, 'a file')",
-        "found values nested more than 60 deep",
+        "found broken JSON (values nested more than 60 deep)",
     ),
     "small.log": (lambda path: path.write_text("a\n" * 10), "regular_bytes(path, 10**12)", "read: bytes False"),
 }

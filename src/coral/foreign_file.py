@@ -173,7 +173,7 @@ def read_json(path: Path, expected: str, most_bytes: int = limits.JSON_BYTES) ->
     try:
         return parse_json(text)
     except ValueError as error:
-        raise InputError(str(path), "", first_line(error), expected) from None
+        raise InputError(str(path), "", f"broken JSON ({first_line(error)})", expected) from None
 
 
 def read_log_lines(path: Path, most_chars: int = limits.LOG_BYTES) -> Iterator[str]:
