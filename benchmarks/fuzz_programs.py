@@ -170,7 +170,7 @@ def same(found: Any, wanted: Any) -> bool:
 
     A number alone may be whole here and a decimal there: `max(2, x)` is one or the other, state by state.
     """
-    if isinstance(wanted, dict | Iterator):
+    if isinstance(wanted, dict | Iterator | SimpleNamespace):
         return True  # what they hold is compared where it is used
     if isinstance(found, list | tuple) or isinstance(wanted, list | tuple):
         return (

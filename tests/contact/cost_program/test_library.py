@@ -30,6 +30,7 @@ REFUSED = {
     "range without a step": ("return sum(range(0, 3, 0))", "wrong_call", "not 0"),
     "range over the state": ("return sum(range(self.current_step))", "not_fixed", "whole numbers"),
     "long range": ("return sum(range(65))", "steps", "at most 64"),
+    "list of None": ("return len(list(None))", "wrong_type", "None cannot be looped over"),
     "largest of nothing": ("return max([])", "wrong_call", "several numbers"),
     "vector in math": ("return math.sqrt(self.ee_pos)", "wrong_type", "takes a number, not a vector of 3"),
     "another sign": ("return np.mod(self.ee_pos[0], 0.3)", "unknown_attribute", "write a % b"),

@@ -140,8 +140,10 @@ def _enumerate(meter: Meter, iterable: Value, start: Value = 0) -> Value:
 
 
 def _sequence(name: str) -> Callable[..., Value]:
-    def call(meter: Meter, value: Value = None, /) -> Value:
-        return bounded(meter, Seq(entries(meter, value) if value is not None else (), name))
+    def call(meter: Meter, *values: Value) -> Value:
+        if len(values) > 1:
+            raise meter.fault("wrong_call", f"{name} takes one list, not {len(values)}")
+        return bounded(meter, Seq(entries(meter, values[0]) if values else (), name))
 
     return call
 
