@@ -19,5 +19,5 @@ def test_every_cell_runs_where_an_event_loop_is_running(tmp_path):
     client.execute()
     said = ["".join(part.get("text", "") for part in cell.outputs) for cell in notebook.cells]
     assert [text.partition("(")[0] for text in said[1:3]] == ["MissionResult", "TaskResult"]
-    assert len(CELLS) == 3
+    assert len(CELLS) == 4
     assert not list(tmp_path.iterdir())
