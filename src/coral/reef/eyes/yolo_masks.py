@@ -1,14 +1,33 @@
-"""Decodes the raw outputs of YOLO segmentation networks: boxes, class scores and coefficients of mask prototypes."""
+"""Decodes the outputs of YOLO segmentation networks: boxes, class scores and coefficients of mask prototypes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 PROTOTYPES = 32
 """Mask prototypes of these networks (YOLACT, arXiv 1904.02689)."""
+Layout = Literal["classes", "objectness", "chosen"]
+"""Of a candidate. classes: in columns, a box and a score per class (YOLOv8, 11). objectness: in rows, a box, the score
+of any object, and one per class given that (YOLOv5). chosen: in rows, two corners, score and class, after the network's
+own suppression (YOLO26, `nms=True`)."""
+_CHOSEN = 6 + PROTOTYPES
+_MOST_CHOSEN = 1000
+"""More rows than a network's own suppression leaves (300 by default)."""
+
+
+def layout_of(rows: int, columns: int, classes: int | None) -> Layout | None:
+    """Return the layout of an output of shape (1, rows, columns); None if it fits none, or not this many classes."""
+    if columns == _CHOSEN and rows <= _MOST_CHOSEN:
+        return "chosen"
+    if rows > 4 + PROTOTYPES and classes in (None, rows - 4 - PROTOTYPES):
+        return "classes" if columns > rows or classes is not None else None
+    if columns > 5 + PROTOTYPES and classes in (None, columns - 5 - PROTOTYPES):
+        return "objectness"
+    return None
 
 
 @dataclass(frozen=True)
@@ -25,15 +44,25 @@ class Detections:
     """Weights of the prototypes. Shape=(N, 32)."""
 
 
-def decode(raw: NDArray[np.float32], score: float = 0.25, overlap: float = 0.7) -> Detections:
+def decode(raw: NDArray[np.float32], layout: Layout, score: float = 0.25, overlap: float = 0.7) -> Detections:
     """Choose the objects: those with a score, without those that overlap a likelier one of their class.
 
     Args:
-        raw: Per candidate the middle, width and height of its box, a score per class, and coefficients.
-            Shape=(4 + classes + 32, M).
+        raw: The candidates. Shape=(4 + classes + 32, M), (M, 5 + classes + 32) or (M, 6 + 32), as the layout says.
+        layout: What stands where.
         score: Least score.
         overlap: Largest intersection over union of two boxes of a class.
     """
+    if layout == "chosen":
+        kept_rows = raw[np.argsort(-raw[:, 4], kind="stable")]
+        kept_rows = kept_rows[kept_rows[:, 4] >= score]
+        return Detections(
+            kept_rows[:, :4], kept_rows[:, 4], kept_rows[:, 5].round().astype(np.intp),
+            np.ascontiguousarray(kept_rows[:, 6:]),
+        )  # fmt: skip
+    if layout == "objectness":
+        raw = raw.T
+        raw = np.concatenate([raw[:4], raw[4] * raw[5:-PROTOTYPES], raw[-PROTOTYPES:]])
     scores = raw[4:-PROTOTYPES]
     classes = scores.argmax(axis=0)
     best = scores.max(axis=0)
