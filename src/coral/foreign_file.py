@@ -19,13 +19,13 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from gzip import GzipFile
 from pathlib import Path
-from typing import Any, BinaryIO
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from coral import limits
 from coral.errors import InputError, first_line
+
+if TYPE_CHECKING:  # most commands read no arrays
+    from numpy.typing import NDArray
 
 
 class NotRegularError(OSError):
@@ -232,6 +232,7 @@ def decode_picture(content: bytes, mode: int | None = None) -> NDArray[Any] | No
         ValueError: It has more pixels than any camera's.
     """
     import cv2
+    import numpy as np
 
     size = picture_size(content)
     if size is None:
@@ -298,6 +299,8 @@ def read_arrays(source: Path | bytes, most_bytes: int = limits.ARRAYS_BYTES) -> 
 
 def _array(content: bytes, name: str) -> NDArray[Any]:
     """Read an array in NumPy's format, versions 1 to 3."""
+    import numpy as np
+
     long = content[6:7] in (b"\x02", b"\x03")
     start = 12 if long else 10
     if content[:6] != b"\x93NUMPY" or len(content) < start:

@@ -12,6 +12,7 @@ from markupsafe import Markup
 
 from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
+from coral.foreign_file import read_text
 from coral.reef.mission.metrics import DEFINITIONS, fleet_metrics, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
 from coral.view.decisions import Decision, decisions
@@ -88,7 +89,7 @@ def render_report(run: RunFolder) -> str:
         has_frames=bool(run.frame_steps),
         has_colours=any(run.frame(step, "rgb") is not None for step in run.frame_steps[:1]),
         video=(run.path / "mission.mp4").is_file(),
-        script=Markup((TEMPLATES / "report.js").read_text("utf-8")),
+        script=Markup(read_text(TEMPLATES / "report.js", "a file of this package")),
     )
 
 

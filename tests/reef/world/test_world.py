@@ -143,9 +143,8 @@ def test_saving_rounds_to_the_millimetre(tmp_path):
 
 def test_saving_where_nothing_can_be_written_is_an_input_error(tmp_path):
     world = ReefWorld.model_validate(plain())
-    for path in (tmp_path / "no" / "w.yaml", tmp_path):
-        with pytest.raises(InputError, match="a file that can be written"):
-            save_world(world, path)
+    with pytest.raises(InputError, match="a file that can be written"):
+        save_world(world, tmp_path)
 
 
 def test_schema_file_is_that_of_the_model():

@@ -14,12 +14,11 @@ from coral.reef.world.world_yaml import read_mapping, to_text
         ("", "", "an empty file"),
         ("[1, 2]", "", "a list"),
         (b"\xff\xfe\x00\x80", "", "UTF-8"),
-        ("when: 2026-13-45", "", "month"),
         ("name: !!python/object:os.system x", "line 1", "constructor"),
-        ("clusters: &a [*a]", "", "more than"),
+        ("clusters: &a [*a]", "line 1", "inside itself"),
         (
             "\n".join(["a0: &a0 [1, 1]", *(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]" for i in range(1, 9))]),
-            "",
+            "line 7",
             "more than",
         ),
     ],
@@ -32,6 +31,11 @@ def test_a_file_that_is_no_world_is_refused(tmp_path, content, field, words):
     assert (caught.value.where, caught.value.field) == (str(path), field)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_date_is_text_as_in_yaml_1_2(tmp_path):
+    (tmp_path / "w.yaml").write_text("when: 2026-13-45")
+    assert read_mapping(tmp_path / "w.yaml") == {"when": "2026-13-45"}
 
 
 def test_a_missing_file_and_a_folder_are_refused(tmp_path):
