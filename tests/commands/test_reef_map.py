@@ -134,7 +134,7 @@ def test_recordings_that_lie_are_one_line(colour_run, network, tmp_path, told):
     assert "recorded, rgb or FILE.onnx (did you mean 'rgb'?)" in refused("--perception", "rbg")
     assert "--period-s" in refused("--period-s", "-1", "--perception", network)
     picture.unlink()
-    assert "line 4: rgb: found 000003.jpg: No such file" in refused("--perception", network)
+    assert "line 4: rgb: found 000003.jpg: no such file" in refused("--perception", network)
     picture.write_bytes(content[:200])
     assert "line 4: rgb: found no picture" in refused("--perception", network)
     picture.write_bytes(content)

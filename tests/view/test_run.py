@@ -106,14 +106,14 @@ def test_a_table_without_a_header_is_left_out(fresh):
     assert "trajectory.csv begins with an empty line instead of a header and was left out." in run.notes
 
 
-def test_numbers_that_no_mission_reaches_are_left_out_of_tables(finished):
-    table = finished / "trajectory.csv"
+def test_numbers_that_no_mission_reaches_are_left_out_of_tables(fresh):
+    table = fresh / "trajectory.csv"
     head, first, *rest = table.read_text().splitlines()
     fields = first.split(",")
     fields[head.split(",").index("x")] = "1e300"
     fields[head.split(",").index("y")] = "inf"
     table.write_text("\n".join([head, ",".join(fields), *rest]) + "\n")
-    run = RunFolder.read(finished)
+    run = RunFolder.read(fresh)
     assert np.isnan(run.column("x")[0])
     assert np.isnan(run.column("y")[0])
     assert np.isfinite(run.column("x")[1])

@@ -1,13 +1,12 @@
-"""The fallback policy if the advisor does not decide; chosen per run or campaign, the same in both applications."""
+"""The fallback policy of a reef mission if the advisor does not decide; chosen per run or campaign."""
 
 from __future__ import annotations
 
 from typing import Literal
 
 Fallback = Literal["rules", "hold", "fail"]
-"""rules: the application's own rules decide instead. hold: nothing decides; a reef mission keeps its last goal and
-asks again at its next trigger, a contact episode ends with its own reason. fail: the run ends, and its `end_reason`
-names the advisor's failure."""
+"""rules: the application's own rules decide instead. hold: nothing decides; the mission keeps its last goal and asks
+again at its next trigger. fail: the run ends, and its `end_reason` names the advisor's failure."""
 
 FOR_RUNS: Fallback = "rules"
 """Default of a single run, which should continue; its headline and its last line report the rules' share."""

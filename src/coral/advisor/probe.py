@@ -13,7 +13,7 @@ from coral.advisor.model_cfg import ModelCfg, OutputMode
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.preflight import small_question
 from coral.advisor.question import AdvisorUnavailable, BadAnswer
-from coral.advisor.registry import make_advisor
+from coral.advisor.registry import make_advisor, rules_alone
 from coral.errors import InputError
 
 MODES: tuple[OutputMode, ...] = ("native", "tool", "prompted", "plain")
@@ -75,9 +75,12 @@ def probe(spec: str, cfg: ModelCfg | None = None, where: str = "MODEL") -> Probe
         InputError: The string names no real model, or the environment lacks its key.
     """
     base = replace(cfg or ModelCfg(), max_retries=0, format_repairs=0, facts=False)
+    no_model = InputError(where, "", repr(spec), "a real model: PROVIDER:MODEL or local:URL#MODEL")
+    if rules_alone(spec):
+        raise no_model
     advisor = make_advisor(spec, rules={}, rng=np.random.default_rng(0), cfg=base, where=where)
     if not isinstance(advisor, ModelAdvisor):
-        raise InputError(where, "", repr(spec), "a real model: PROVIDER:MODEL or local:URL#MODEL")
+        raise no_model
     return run_alone(_probe(advisor, base))
 
 
