@@ -63,8 +63,10 @@ def test_a_neighbour_that_is_not_here_is_not_read(scene):
         del alone["objects"][name]
     text = adapted(held, alone)[0].text()
     assert "self.can_pos" in text
-    assert "leave others alone" not in text
-    assert "leave others alone" in held.plan.text()
+    assert "'over': 12.0 * norm(d[:2])" in text
+    for unread in ("carton", "block", "tin_", "'others'", "'gap'", "'can gap'"):
+        assert unread not in text
+        assert unread in held.plan.text()
 
 
 def test_a_neighbour_of_another_name_takes_the_place_of_one(scene):
@@ -72,6 +74,8 @@ def test_a_neighbour_of_another_name_takes_the_place_of_one(scene):
     held = experience(one).model_copy(update={"beliefs": dict.fromkeys(one.facts["objects"], (0.2, 0.5))})
     text = adapted(held, changed(one.facts, tin="jar"))[0].text()
     assert "norm(self.carton_vel) + norm(self.block_vel) + norm(self.jar_vel)" in text
+    assert "self.can_jar_clearance" in text
+    assert "tin_" not in text
 
 
 def test_only_whole_names_of_quantities_are_renamed():

@@ -71,28 +71,60 @@ def renamed(text: str, names: Mapping[str, str]) -> str:
     if not changed:
         return text
     one_of = "|".join(map(re.escape, sorted(changed, key=len, reverse=True)))
-    # The first name owns the quantity, a second one is what it touches: self.box_wall_contact.
-    text = re.sub(rf"(\bself\.\w+_)({one_of})(?=_contact\b)", lambda found: found[1] + changed[found[2]], text)
+    # The first name owns the quantity, a second one is what it touches or nears: self.box_wall_contact.
+    text = re.sub(
+        rf"(\bself\.\w+_)({one_of})(?=_(?:contact|clearance)\b)", lambda found: found[1] + changed[found[2]], text
+    )
     return re.sub(rf"\bself\.({one_of})_", lambda found: f"self.{changed[found[1]]}_", text)
 
 
 def _without_terms_of(program: str, absent: Sequence[str]) -> str:
-    """Return a program without the terms that read a quantity of an absent thing."""
-    reads = re.compile(r"\bself\.(" + "|".join(map(re.escape, absent)) + ")_") if absent else None
-    if reads is None or not reads.search(program):
+    """Return a program without the terms that read a quantity of an absent thing, directly or through a variable."""
+    if not absent:
         return program
+    one_of = "|".join(map(re.escape, absent))
+    reads = re.compile(rf"({one_of})_|\w+_({one_of})_(contact|clearance)$")
     try:
         tree = ast.parse(program)
+        # Nothing is written anew that reads only what is here.
+        if not any(isinstance(node, ast.Attribute) and reads.match(node.attr) for node in ast.walk(tree)):
+            return program
+        return ast.unparse(_WithoutTerms(reads).visit(tree))
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return program
-    lines = program.split("\n")
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Subscript) and node.end_lineno is not None:
-            span = range(node.lineno - 1, node.end_lineno)
-            if reads.search("\n".join(lines[k] for k in span)):
-                for k in span:
-                    lines[k] = ""
-    return "\n".join(lines)
+
+
+class _WithoutTerms(ast.NodeTransformer):
+    """Drops assignments and entries of a mapping that read an absent thing; what else reads it remains, and is refused.
+
+    Args:
+        reads: Matches the quantities of absent things.
+    """
+
+    def __init__(self, reads: re.Pattern[str]) -> None:
+        self._reads = reads
+        self._dropped: set[str] = set()
+
+    def visit_Assign(self, node: ast.Assign) -> ast.AST | None:
+        """Drop an assignment, and with it what reads its variables."""
+        node.value = self.visit(node.value)
+        if not self._is_absent(node.value):
+            return node
+        self._dropped |= {target.id for target in node.targets if isinstance(target, ast.Name)}
+        return None
+
+    def visit_Dict(self, node: ast.Dict) -> ast.AST:
+        """Drop the terms of a cost."""
+        kept = [(key, value) for key, value in zip(node.keys, node.values, strict=True) if not self._is_absent(value)]
+        node.keys, node.values = [key for key, _ in kept], [value for _, value in kept]
+        return node
+
+    def _is_absent(self, value: ast.expr) -> bool:
+        return any(
+            (isinstance(node, ast.Attribute) and self._reads.match(node.attr) is not None)
+            or (isinstance(node, ast.Name) and node.id in self._dropped)
+            for node in ast.walk(value)
+        )
 
 
 def _stretch_region(region: Region, old: Sequence[float], new: Sequence[float]) -> Region:
