@@ -54,7 +54,7 @@ def test_tables_are_written_in_three_forms_and_told(store):
     for form in ("md", "tex", "html"):
         assert "Scores." in (store.folder / f"tables.{form}").read_text(encoding="utf-8")
     more = {**result, "figure": "", "figures": ["one.png", "two.png"]}
-    told = describe_campaign(store.folder, more, "mission", ("tables", "figure", "figures"))
+    told = describe_campaign(store.folder, more, "mission", ("tables", "figure", "figures"), [TABLE.name])
     assert "Table I" in told
     assert told.splitlines()[-4:] == [
         f"1 mission; 1 failed (see {store.folder / 'failures'}; --retry-failed runs them again)",

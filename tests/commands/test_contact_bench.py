@@ -74,6 +74,8 @@ def test_a_bench_runs_what_is_missing_and_makes_tables(bench, task, tmp_path, ca
                 "contact",
                 "run",
                 task,
+                "--variant",
+                "expert-fsm",
                 "--world",
                 "hand",
                 "--seed",
@@ -140,9 +142,9 @@ def test_a_bench_counts_nothing_for_a_model_that_refuses_and_remembers_nothing(t
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b"", "--memory"),
+        (b"", "broken JSON"),
         (b"{}", "--memory"),
-        (b"nothing", "--memory"),
+        (b"nothing", "broken JSON"),
         (b'{"format": "coral-memory/1"}', "format"),
         (b'{"format": "coral-memory/1", "experiences": [3]}', "experiences"),
         (b'{"format": "coral-memory/1", "experiences": [{"instruction": 3}]}', "experiences"),

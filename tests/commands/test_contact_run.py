@@ -37,6 +37,8 @@ def test_run_prints_one_object_with_the_promised_keys_and_leaves_a_run(task, tmp
         "config.yaml",
         "task.yaml",
         "events.jsonl",
+        "attempts.jsonl",
+        "pictures",
         "trajectory.csv",
         "states.csv",
         "metrics.json",

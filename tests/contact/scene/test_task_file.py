@@ -164,7 +164,7 @@ BOMB = "a: &a [x, x, x, x, x, x, x, x, x]\n" + "".join(
         ("- 1", "a mapping"),
         ("a: [", "line"),
         (b"\xff\xfe\x00", "not UTF-8 text"),
-        ("when: 2026-13-45", "month"),
+        ("when: 2026-13-45", "when: found an unknown key"),
         ("a: " + "[" * 3000, ""),
         ("? [1, 2]\n: 3", "unhashable"),
         ("1: 2", "found nothing"),

@@ -1,6 +1,6 @@
 import pytest
 from pydantic import ValidationError
-from recorded import RULES
+from recorded import RULES, compose
 
 from coral.advisor.question import Rejection, Reply
 from coral.contact.control.mppi_controller import ControllerCfg
@@ -20,7 +20,7 @@ SIDE = {"center": (0.0, 0.0, 0.5), "normal": (0.0, 0.0, 1.0)}
 
 
 class Varied:
-    """The default advisor; the first answer has some parts replaced."""
+    """The recorded model; the first answer has some parts replaced."""
 
     name = "varied"
 
@@ -102,7 +102,7 @@ def test_the_plan_is_checked_with_the_beliefs_of_its_own_answer(ask):
 
     advisor = Varied(parameters=parameters(0.4))
     ask(advisor, wrong_plan)
-    assert seen == [0.4, pytest.approx(ask.one.beliefs["box"].mass_kg, abs=1e-5)]
+    assert seen == [0.4, compose(ask.one.facts).parameters.root["box"].mass_kg]
     assert advisor.reasons == [("barrier", "dear")]
 
 

@@ -1,6 +1,8 @@
 """A recorded run of the hand's world."""
 
 import shutil
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +16,8 @@ from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.strategist import FixedStrategist
 from coral.mppi.knots import KnotMppiCfg
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "contact"))
 
 COARSE = EpisodeCfg(
     poses="ground-truth",

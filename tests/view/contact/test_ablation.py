@@ -24,7 +24,8 @@ def test_a_killed_run_is_drawn_as_far_as_it_goes(copy, tmp_path):
 
 
 def test_a_picture_that_cannot_be_written_and_a_folder_that_is_no_run_are_one_line(recorded, tmp_path):
+    (tmp_path / "file").write_text("x")
     with pytest.raises(InputError, match="a file that can be written"):
-        draw_ablation({"with": [recorded]}, tmp_path / "none" / "a.png", "x")
+        draw_ablation({"with": [recorded]}, tmp_path / "file" / "a.png", "x")
     with pytest.raises(InputError, match="the folder of a run"):
         draw_ablation({"with": [tmp_path / "none"]}, tmp_path / "a.png", "x")

@@ -1,13 +1,17 @@
 import json
 
+import numpy as np
 import pytest
+from recorded import RULES
 
+from coral.advisor.fallible import FallibleAdvisor, FallibleCfg
+from coral.advisor.rules import RuleAdvisor
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
-from coral.contact.scene.state_conditions import Upright
+from coral.contact.mistakes.crude import SPOILT
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.progress_monitor import OuterCfg
@@ -30,12 +34,10 @@ def spoilt(tmp_path_factory):
     """A second of a run whose advisor errs every other time, stuck once."""
     folder = tmp_path_factory.mktemp("thought") / "run"
     task = load_task("pick-box").model_copy(update={"time_limit_s": 1.0})
-    strategist = make_strategist(
-        "full", task, AdvisorSetup(advisor="fallible:0.5:heuristic", seed=1, folder=folder, think=COARSE.think)
-    )
-    Episode(
-        sample_trial(task, 1), "hand", strategist, COARSE, folder, variant="full", advisor="fallible:0.5:heuristic"
-    ).run()
+    advisor = FallibleAdvisor(RuleAdvisor(RULES), FallibleCfg.total(0.5), np.random.default_rng([1, 2]), SPOILT)
+    setup = AdvisorSetup(advisor=advisor.name, given=advisor, seed=1, folder=folder, think=COARSE.think)
+    strategist = make_strategist("full", task, setup)
+    Episode(sample_trial(task, 1), "hand", strategist, COARSE, folder, variant="full", advisor=advisor.name).run()
     return RunFolder.read(folder)
 
 
@@ -182,15 +184,9 @@ def test_a_run_without_an_advisor_has_no_thoughts(tmp_path):
 
 def test_a_run_that_never_began_has_a_page_that_says_why(tmp_path):
     folder = tmp_path / "run"
-    task = load_task("pick-box")
-    goals = task.success.model_copy(update={"conditions": (Upright(object="box"),)})
-    odd = task.model_copy(update={"success": goals})
+    odd = load_task("pick-box").model_copy(update={"name": "nobody-answered"})
     strategist = make_strategist("full", odd, AdvisorSetup(folder=folder))
-    assert (
-        Episode(sample_trial(odd, 0), "hand", strategist, COARSE, folder, variant="full", advisor="heuristic").run()[
-            "steps"
-        ]
-        == 0
-    )
+    episode = Episode(sample_trial(odd, 0), "hand", strategist, COARSE, folder, variant="full", advisor="recorded")
+    assert episode.run()["steps"] == 0
     page = write_contact_report(folder).read_text()
-    assert "Ended at the start: neither the advisor nor the rules had a strategy (no goal asks" in page
+    assert "Ended at the start: the advisor had no strategy (the advisor gave no plan (not-recorded))" in page
