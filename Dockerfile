@@ -1,4 +1,4 @@
-# What `coral reef sail` needs, for a surface computer or as a BlueOS extension: docs/run-on-a-bluerov2.md.
+# What `coral reef sail` needs, for a surface computer or as a BlueOS extension: docs/reference/vehicle.md.
 FROM python:3.11 AS build
 WORKDIR /source
 COPY pyproject.toml constraints.txt README.md LICENSE ./

@@ -57,7 +57,7 @@ test-ray: setup-dev  ## a two-node Ray cluster on this machine, one node killed 
 	$(PIP) --no-build-isolation --editable '.[ray]'
 	$(BIN)/python -m pytest -m ray tests/campaign/test_cluster.py
 
-test-slurm: setup-dev  ## jobs of Slurm, where a cluster of this machine is configured (docs/run-on-a-cluster.md)
+test-slurm: setup-dev  ## jobs of Slurm, where a cluster of this machine is configured (docs/guide/cluster.md)
 	$(PIP) --no-build-isolation --editable '.[slurm]'
 	$(BIN)/python -m pytest -m slurm tests/campaign/test_slurm.py
 

@@ -1,6 +1,6 @@
 """Time of rehearsals in the planning world beside a plain Python loop and judo; time of a plan against K and H.
 
-Usage: python benchmarks/planner.py [--peer-python /path/to/venv/bin/python] [--out docs/results] [--json]
+Usage: python benchmarks/planner.py [--peer-python /path/to/venv/bin/python] [--out docs/research] [--json]
        python benchmarks/planner.py --fewer 48 [--repeats 15]
 
 All do the same work: K sequences of H control steps (two physics steps each) of the hand near the box of pick-box,
@@ -278,7 +278,7 @@ def main() -> None:
         "--horizon", type=int, default=50, help="H of the table, and the largest K and H of the curves in proportion"
     )
     parser.add_argument("--repeats", type=int, default=15)
-    parser.add_argument("--out", type=Path, help="folder for the curves, such as docs/results")
+    parser.add_argument("--out", type=Path, help="folder for the curves, such as docs/research")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--fewer", type=int, help="only time whole plans with so many rehearsals beside --samples")
     args = parser.parse_args()

@@ -1,8 +1,8 @@
 """What plans for the unseen tasks are worth: recorded answers of a reader outside, or plans without a thought.
 
-    python benchmarks/unseen_reader.py --seed 0 --answers docs/results/contact-unseen-reader.jsonl
+    python benchmarks/unseen_reader.py --seed 0 --answers docs/research/contact-unseen-reader.jsonl
     python benchmarks/unseen_reader.py --seed 0 --control hover
-    python benchmarks/unseen_reader.py --seed 1 --answers docs/results/contact-unseen-reader-1.jsonl --noise 1
+    python benchmarks/unseen_reader.py --seed 1 --answers docs/research/contact-unseen-reader-1.jsonl --noise 1
 
 Each plan is checked and followed as `coral advisor bench` does, once, without repairs. `hover` is one cost for all
 tasks, to stay where the hand is; `greedy` has two terms, the hand's distance to the first goal's object and the

@@ -16,6 +16,6 @@ def test_every_limit_is_on_the_page_with_its_value_and_reason():
         for one, below in pairwise(body)
         if isinstance(one, ast.Assign)
     ]
-    page = (ROOT / "docs/what-we-promise.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/guide/what-we-promise.md").read_text(encoding="utf-8")
     assert len(rows) > 10
     assert [line for line in page.splitlines() if line.startswith("| `")] == rows

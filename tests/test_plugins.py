@@ -44,5 +44,5 @@ def test_one_that_does_not_load_is_named_with_its_value(installed, name):
 def test_every_group_is_described_in_the_documentation():
     from pathlib import Path
 
-    page = (Path(__file__).parents[1] / "docs/use-from-python.md").read_text()
+    page = (Path(__file__).parents[1] / "docs/guide/python.md").read_text()
     assert [group for group in GROUPS if f"`{group}`" not in page] == []

@@ -27,16 +27,25 @@ def test_the_navigation_leads_to_every_page_once(tmp_path: Path) -> None:
     assert sorted(named) == sorted(pages - {"index"})
 
 
-def test_a_page_in_no_section_stands_under_more(tmp_path: Path) -> None:
-    (tmp_path / "new-page.md").write_text("# New\n")
-    assert "More\n\nnew-page\n" in build.write_navigation(tmp_path)
+def test_the_guide_is_read_in_its_order_and_a_new_page_comes_last(tmp_path: Path) -> None:
+    (tmp_path / "guide").mkdir()
+    for name in ("a-new-page", "your-reef", "install"):
+        (tmp_path / "guide" / f"{name}.md").write_text("# Page\n")
+    assert "guide/install\nguide/your-reef\nguide/a-new-page\n" in build.write_navigation(tmp_path)
+
+
+def test_every_page_of_the_guide_has_its_place() -> None:
+    assert sorted(build.GUIDE) == sorted(path.stem for path in (ROOT / "docs" / "guide").glob("*.md"))
 
 
 def test_links_to_the_project_lead_to_its_pages_and_links_to_sources_keep_their_words() -> None:
-    text = "See [how](../CONTRIBUTING.md#style), [runs](../src/coral/advisor/recordings/README.md), [a page](index.md)."
-    assert build.redirect_links(text) == "See [how](CONTRIBUTING.md#style), runs, [a page](index.md)."
+    text = (
+        "See [how](../CONTRIBUTING.md#style), [runs](../../src/coral/advisor/recordings/README.md), [this](index.md)."
+    )
+    assert build.redirect_links(text) == "See [how](CONTRIBUTING.md#style), runs, [this](index.md)."
+    assert build.redirect_links("[how](../../CONTRIBUTING.md)") == "[how](../CONTRIBUTING.md)"
 
 
-@pytest.mark.parametrize("module", sorted({name for _, names in build.REFERENCE.values() for name in names}))
-def test_the_reference_has_something_to_say_of_each_module(module: str) -> None:
+@pytest.mark.parametrize("module", sorted({name for _, names in build.PYTHON.values() for name in names}))
+def test_the_python_pages_have_something_to_say_of_each_module(module: str) -> None:
     assert (importlib.import_module(module).__doc__ or "").strip()

@@ -1,4 +1,4 @@
-"""The pictures of docs/underwater-pictures.md. The second needs folders that `coral reef blender` rendered.
+"""The pictures of docs/reference/underwater-pictures.md. The second needs folders that `coral reef blender` rendered.
 
 Usage: python docs/figures/underwater.py [FOLDER ...]
 """

@@ -17,21 +17,14 @@ from pathlib import Path
 DOCS = Path(__file__).parents[1]
 PROJECT = ("CONTRIBUTING.md", "CHANGELOG.md")
 
-SECTIONS = {
-    "Reef": ["run-a-mission", "read-a-report", "watch-a-mission", "add-a-reef", "many-robots", "robustness",
-             "run-on-a-bluerov2"],
-    "Eyes and maps": ["underwater-pictures", "see-with-your-own-network", "sonar-and-navigation",
-                      "what-an-ecologist-takes-home", "map-a-recording"],
-    "Contact": ["contact-run", "contact-mind", "contact-memory", "contact-tasks", "contact-costs", "contact-libero",
-                "read-a-contact-report", "contact-perception", "put-a-camera-on-it",
-                "run-on-a-franka", "contact-policy-server"],
-    "Models": ["plug-in-a-model", "is-this-model-good-enough", "answer-as-the-operator"],
-    "Python and data": ["use-from-python", "train-a-policy"],
-    "Experiments": ["compare-variants", "run-on-a-cluster", "benchmarks"],
-}  # fmt: skip
-"""Sections of the navigation. A page that is in none of them stands under More."""
+GUIDE = [
+    *("install", "first-survey", "first-task", "read-a-report", "watch"),
+    *("your-reef", "your-task", "your-cost", "your-model", "the-desk", "your-bluerov2", "your-franka", "your-camera"),
+    *("map-a-recording", "results-to-take-home", "compare", "cluster", "python", "train-a-policy", "what-we-promise"),
+]
+"""Pages of the guide in the order in which one reads them. The other folders are in the order of their names."""
 
-REFERENCE = {
+PYTHON = {
     "python": ("Missions and tasks", ["coral.interface.mission", "coral.interface.task", "coral.interface.result"]),
     "reef": (
         "Parts of a reef mission",
@@ -51,7 +44,7 @@ REFERENCE = {
     "advisor": ("Advisors and plugins", ["coral.advisor.question", "coral.plugins"]),
     "environments": ("Gymnasium environments", ["coral.gym.reef_env", "coral.gym.contact_env"]),
 }  # fmt: skip
-"""Pages of the reference: title and modules."""
+"""Pages about the Python interface: title and modules."""
 
 
 def collect_pages(folder: Path) -> None:
@@ -63,33 +56,35 @@ def collect_pages(folder: Path) -> None:
         (folder / name).write_text(text.replace("](docs/", "]("), encoding="utf-8")
     for page in folder.rglob("*.md"):
         page.write_text(redirect_links(page.read_text(encoding="utf-8")), encoding="utf-8")
-    (folder / "reference").mkdir()
-    for name, (title, modules) in REFERENCE.items():
+    (folder / "python").mkdir()
+    for name, (title, modules) in PYTHON.items():
         lines = [title, "=" * len(title)]
         for module in modules:
             lines += ["", module, "-" * len(module), "", f".. automodule:: {module}"]
-        (folder / "reference" / f"{name}.rst").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        (folder / "python" / f"{name}.rst").write_text("\n".join(lines) + "\n", encoding="utf-8")
     with (folder / "index.md").open("a", encoding="utf-8") as index:
         index.write(write_navigation(folder))
 
 
 def redirect_links(text: str) -> str:
     """Let links to the project's files lead to their copies, and keep only the words of links into the source tree."""
-    for name in PROJECT:
-        text = text.replace(f"](../{name}", f"]({name}")
-    return re.sub(r"\[([^\]]+)\]\(\.\./(?:\.\./)?(?:src|tests|benchmarks)/[^)]*\)", r"\1", text)
+    text = re.sub(rf"\]\(\.\./((?:\.\./)?(?:{'|'.join(map(re.escape, PROJECT))}))", r"](\1", text)
+    return re.sub(r"\[([^\]]+)\]\((?:\.\./)+(?:src|tests|benchmarks|examples|README|LICENSE)[^)]*\)", r"\1", text)
 
 
 def write_navigation(folder: Path) -> str:
     """Return the tables of contents of all sections, hidden in the page itself."""
-    sections = {title: list(pages) for title, pages in SECTIONS.items()}
-    placed = {page for pages in sections.values() for page in pages} | {"index", *(Path(n).stem for n in PROJECT)}
-    left = sorted(path.stem for path in folder.glob("*.md") if path.stem not in placed)
-    if left:
-        sections["More"] = left
-    sections["Results"] = sorted(f"results/{path.stem}" for path in (folder / "results").glob("*.md"))
-    sections["Reference"] = [f"reference/{name}" for name in REFERENCE]
-    sections["Project"] = [Path(name).stem for name in PROJECT]
+
+    def pages(part: str, first: list[str]) -> list[str]:
+        found = sorted(path.stem for path in (folder / part).glob("*.md"))
+        return [f"{part}/{page}" for page in sorted(found, key=lambda page: (*first, page).index(page))]
+
+    sections = {
+        "Guide": pages("guide", GUIDE),
+        "Reference": pages("reference", ["index"]) + [f"python/{name}" for name in PYTHON],
+        "Research": pages("research", ["index"]),
+        "Project": [Path(name).stem for name in PROJECT],
+    }
     blocks = [
         "\n".join(["", "```{toctree}", ":hidden:", f":caption: {title}", "", *pages, "```", ""])
         for title, pages in sections.items()

@@ -123,7 +123,7 @@ def test_two_missions_share_an_inbox(tmp_path):
 
 def test_the_documented_program_never_sees_a_question_that_is_being_written(tmp_path, monkeypatch):
     """It runs at the moment before the folder gets its name, and again afterwards."""
-    page = (Path(__file__).parents[2] / "docs" / "answer-as-the-operator.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "guide" / "the-desk.md").read_text()
     (program,) = [code for code in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "question.json" in code]
     monkeypatch.chdir(tmp_path)
     inbox = tmp_path / "inbox"
@@ -138,7 +138,7 @@ def test_the_documented_program_never_sees_a_question_that_is_being_written(tmp_
 
     def watched(source, target):
         monkeypatch.setattr(desk_module.os, "rename", rename)
-        exec(compile(program, "answer-as-the-operator.md", "exec"), {})
+        exec(compile(program, "the-desk.md", "exec"), {})
         seen.append([path.name for path in inbox.glob("*/question.json")])
         rename(source, target)
 
@@ -146,7 +146,7 @@ def test_the_documented_program_never_sees_a_question_that_is_being_written(tmp_
         monkeypatch.setattr(desk_module.os, "rename", watched)
         task = asyncio.create_task(DeskAdvisor(inbox, poll_s=0.0).answer(question, ()))
         await open_questions(inbox, 1)
-        exec(compile(program, "answer-as-the-operator.md", "exec"), {})
+        exec(compile(program, "the-desk.md", "exec"), {})
         return await task
 
     assert asyncio.run(run()).value.selected_centroid_index == 3

@@ -6,12 +6,12 @@ from pathlib import Path
 from coral.advisor.model_cfg import ModelCfg, SpendCfg
 from coral.contact.episode.variants import contact_model
 
-PAGE = (Path(__file__).parents[2] / "docs" / "plug-in-a-model.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "advisors.md").read_text()
 
 
 def test_program_on_the_page_prints_what_the_page_says(capsys):
     code = re.search(r"```python\n(.*?)```", PAGE, re.DOTALL).group(1)
-    exec(compile(code, "plug-in-a-model.md", "exec"), {})
+    exec(compile(code, "advisors.md", "exec"), {})
     assert capsys.readouterr().out.strip() == code.rsplit("# ", 1)[1].strip()
 
 
@@ -37,7 +37,7 @@ def test_other_defaults_of_contact_tasks_are_the_real_ones():
 def test_the_advisor_on_the_page_drives_a_mission(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (code,) = [code for code in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL) if "Mission(" in code]
-    exec(compile(code, "plug-in-a-model.md", "exec"), {"__name__": "page"})
+    exec(compile(code, "advisors.md", "exec"), {"__name__": "page"})
     verdicts = [json.loads(line)["verdict"] for line in (tmp_path / "mine" / "attempts.jsonl").open()]
     assert int(capsys.readouterr().out.split()[1]) == len(verdicts) > 0
     assert "accepted" in verdicts

@@ -14,7 +14,7 @@ def test_the_end_reason_names_the_failure():
 
 @pytest.mark.parametrize(
     ("page", "row", "default"),
-    [("run-a-mission.md", "...", FOR_RUNS), ("contact-run.md", "WHY", ThinkCfg().fallback)],
+    [("reference/mission-runs.md", "...", FOR_RUNS), ("reference/task-runs.md", "WHY", ThinkCfg().fallback)],
 )
 def test_the_pages_tell_the_end_reason_and_the_default_of_a_run(page, row, default):
     text = (DOCS / page).read_text(encoding="utf-8")
@@ -24,4 +24,4 @@ def test_the_pages_tell_the_end_reason_and_the_default_of_a_run(page, row, defau
 
 def test_in_a_bench_nobody_else_decides():
     assert FOR_BENCHES != "rules"
-    assert f"`{FOR_BENCHES}` (the default" in (DOCS / "compare-variants.md").read_text(encoding="utf-8")
+    assert f"`{FOR_BENCHES}` (the default" in (DOCS / "guide/compare.md").read_text(encoding="utf-8")

@@ -115,7 +115,7 @@ def test_each_entry_names_a_maker_that_exists_and_stands_in_help(entry):
     assert entry.form in advisor_help("Who decides")
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/plug-in-a-model.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/reference/advisors.md"])
 def test_the_tables_of_the_documentation_list_every_advisor(page):
     text = (Path(__file__).parents[2] / page).read_text(encoding="utf-8")
     rows = re.search(r"\| `--advisor` \|.*?\n\n", text, re.DOTALL).group(0)

@@ -125,7 +125,7 @@ def test_a_copy_that_lacks_what_the_experts_read_is_told_so(name, changes, varia
 
 
 def test_every_variant_and_end_is_explained():
-    page = (Path(__file__).parents[2] / "docs" / "contact-run.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "reference" / "task-runs.md").read_text()
     assert [variant for variant in VARIANTS if f"| `{variant}` |" not in page] == []
     assert [reason for reason in END_REASONS if f"| `{reason}" not in page] == []
 

@@ -1,8 +1,8 @@
 """What the documentation shows works: its commands run, its flags exist, its links lead somewhere.
 
-A page's `sh` blocks that begin with the command run in order, in one folder; YAML blocks whose first line is a file's
-name as a comment are put there first. Blocks marked `sh no-run` need a key, a person or a server: their flags are
-looked up.
+A page's `sh` blocks that begin with the command run in order, in one folder; YAML and Python blocks whose first line
+is a file's name as a comment are put there first. Blocks marked `sh no-run` need a key, a person or a server: their
+flags are looked up.
 """
 
 import os
@@ -17,7 +17,8 @@ from coral.cli import COMMANDS
 from coral.surface import described
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("*/*.md"))]
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 COMMAND = re.compile(r"^(?:\.venv/bin/)?coral ", re.MULTILINE)
 
@@ -36,8 +37,8 @@ def name(page):
 
 @pytest.mark.parametrize("page", [page for page in PAGES if runnable(page)], ids=name)
 def test_the_commands_of_a_page_run(page, tmp_path, environment, fast_coral):
-    for text in blocks(page, "yaml"):
-        if match := re.match(r"# ([\w-]+\.yaml)$", text.split("\n", 1)[0]):
+    for text in blocks(page, "yaml", "python"):
+        if match := re.match(r"# ([\w-]+\.(?:yaml|py))$", text.split("\n", 1)[0]):
             (tmp_path / match[1]).write_text(text)
     path = os.pathsep.join([str(fast_coral), environment["PATH"]])
     for text in runnable(page):
@@ -82,19 +83,20 @@ def test_links_lead_somewhere(page):
     assert [link for link in links if link and "://" not in link and not (page.parent / link).exists()] == []
 
 
-def test_every_page_is_in_the_index():
-    index = ROOT / "docs" / "index.md"
-    pages = {page.name for page in (ROOT / "docs").glob("*.md")} - {index.name}
-    assert {page for page in pages if f"({page})" not in index.read_text()} == set()
+def test_every_page_of_the_guide_is_on_the_landing_page_and_the_others_in_the_index_of_their_folder():
+    for folder, index in {"guide": "", "reference": "reference/", "research": "research/"}.items():
+        text = (DOCS / index / "index.md").read_text(encoding="utf-8")
+        pages = {page.relative_to(DOCS / index).as_posix() for page in (DOCS / folder).glob("*.md")}
+        assert {page for page in pages - {"index.md"} if f"({page})" not in text} == set()
 
 
 def test_every_picture_is_shown():
-    text = "".join(page.read_text() for page in PAGES)
-    assert [p.name for p in sorted((ROOT / "docs" / "images").iterdir()) if f"images/{p.name}" not in text] == []
+    text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    assert [p.name for p in sorted((DOCS / "images").iterdir()) if f"images/{p.name}" not in text] == []
 
 
 def test_every_variant_and_end_is_explained():
     from coral.reef.mission.variants import VARIANTS
 
-    page = (ROOT / "docs" / "run-a-mission.md").read_text()
+    page = (ROOT / "docs" / "reference" / "mission-runs.md").read_text()
     assert [variant for variant in VARIANTS if f"| `{variant}` |" not in page] == []

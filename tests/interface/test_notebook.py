@@ -7,7 +7,7 @@ import pytest
 
 nbclient = pytest.importorskip("nbclient")
 nbformat = pytest.importorskip("nbformat")
-PAGE = Path(__file__).parents[2] / "docs/use-from-python.md"
+PAGE = Path(__file__).parents[2] / "docs/guide/python.md"
 CELLS = re.findall(r"^```python run\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
 LOOP_RUNS = "import asyncio\nassert asyncio.get_running_loop().is_running()"
 

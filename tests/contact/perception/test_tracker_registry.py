@@ -15,7 +15,7 @@ from coral.contact.perception.tracker import TrackerFailed
 from coral.contact.perception.tracker_registry import TRACKERS, TrackerCfgs, choose_tracker
 from coral.errors import InputError
 
-RUN_PAGE = (Path(__file__).parents[3] / "docs" / "contact-run.md").read_text(encoding="utf-8")
+RUN_PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "task-runs.md").read_text(encoding="utf-8")
 
 
 def configured(**server):

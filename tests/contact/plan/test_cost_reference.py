@@ -9,7 +9,7 @@ import pytest
 from coral.contact.cost_program import CostProgram
 from coral.contact.plan.cost_reference import interface, updated
 
-PAGE = (Path(__file__).parents[3] / "docs" / "contact-costs.md").read_text()
+PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "cost-language.md").read_text()
 
 
 def test_the_tables_of_the_page_are_up_to_date():

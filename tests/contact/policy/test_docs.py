@@ -12,7 +12,7 @@ import websockets.sync.server
 from coral.contact.policy.client import PolicyClient
 from coral.contact.policy.libero_convention import LiberoCfg, actions_of
 
-PAGE = (Path(__file__).parents[3] / "docs" / "contact-policy-server.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "policy-server.md").read_text(encoding="utf-8")
 
 
 def test_the_example_is_a_server_that_the_client_understands(monkeypatch, patient):

@@ -145,7 +145,7 @@ FULL = {
 
 @pytest.mark.parametrize("task", [*shipped_tasks(), *unseen_tasks()])
 def test_prompts_have_fewer_than_3000_tokens(ask, task):
-    """In these prompts a token has 3.1 characters at least, whichever tokenizer counts (docs/contact-mind.md).
+    """In these prompts a token has 3.1 characters at least, whichever tokenizer counts.
 
     Repairs with as many characters as here were counted one by one; the program in one is its author's, on top.
     """

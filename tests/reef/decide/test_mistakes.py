@@ -115,6 +115,6 @@ def test_every_error_of_a_mission_is_in_its_log(pond, tmp_path):
 
 
 def test_the_documentation_lists_every_mistake():
-    page = (Path(__file__).parents[3] / "docs" / "run-a-mission.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "reference" / "mission-runs.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `([a-z-]+)` \| (.+?) \|", page.split("| error |")[1].split("\n\n")[0], re.MULTILINE)
     assert rows == [(mistake.name, mistake.what) for mistake in REEF_MISTAKES]

@@ -79,7 +79,7 @@ def test_every_state_can_be_reached_and_ended():
 
 
 def test_the_documentation_has_every_row():
-    page = (Path(__file__).parents[3] / "docs/run-on-a-bluerov2.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs/reference/vehicle.md").read_text(encoding="utf-8")
     rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| ")]
     told = {
         (source, *row[1:4], row[4].split(" *")[0].rstrip(" |"))

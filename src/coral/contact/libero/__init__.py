@@ -1,1 +1,1 @@
-"""Scenes of LIBERO-OBJECT as contact tasks, read from an installed package; see `docs/contact-libero.md`."""
+"""Scenes of LIBERO-OBJECT as contact tasks, read from an installed package; see `docs/reference/libero.md`."""

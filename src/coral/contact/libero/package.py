@@ -97,6 +97,6 @@ def find_package(where: str, suite: str = "object") -> Package:
             where,
             "",
             f"no LIBERO package in {root}",
-            f"it installed by `make setup-libero` (or {FOLDER} to name its folder; docs/contact-libero.md)",
+            f"it installed by `make setup-libero` (or {FOLDER} to name its folder; docs/reference/libero.md)",
         )
     return Package(root, SUITES[suite])

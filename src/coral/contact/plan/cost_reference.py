@@ -1,6 +1,6 @@
 """Reference of the cost language as text: for a model's prompt, and for the tables of the reference page.
 
-`python -m coral.contact.plan.cost_reference docs/contact-costs.md` regenerates the tables of the page.
+`python -m coral.contact.plan.cost_reference docs/reference/cost-language.md` regenerates the tables of the page.
 """
 
 from __future__ import annotations

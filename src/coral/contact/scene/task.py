@@ -24,7 +24,7 @@ class Success(TaskPart):
 
 
 class Task(TaskPart):
-    """A contact task; see `docs/contact-tasks.md` for the file format."""
+    """A contact task; see `docs/reference/task-file.md` for the file format."""
 
     format: Literal["coral-contact/1"] = FORMAT
     name: str = Field(pattern=r"^[a-z0-9][a-z0-9-]{0,40}$")

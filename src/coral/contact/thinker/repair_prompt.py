@@ -13,7 +13,7 @@ from coral.contact.thinker.history_rows import REPAIR_ROWS, recent, recent_terms
 from coral.contact.thinker.progress_monitor import ProgressMonitor
 
 MOST_CHARACTERS = 9_200
-"""Characters of a repair's prompt without its author's program: fewer than 3,000 tokens (docs/contact-mind.md)."""
+"""Characters of a repair's prompt without its author's program: under 3,000 tokens.."""
 SHORTENED = (("earlier", 1), ("history", 2), ("terms", 1), ("earlier", 0), ("history", 1))
 """What is shortened, in this order, and to how many rows."""
 

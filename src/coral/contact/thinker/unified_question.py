@@ -1,7 +1,7 @@
 """Perception and planning in one question: the ablation with a unified VLM (section 4, Table 1).
 
 The paper says only that it "uses a single multimodal prompt for both perception and planning". The consequences drawn
-here are listed in docs/contact-mind.md, "Ablations".
+here are listed in docs/reference/task-questions.md, "Ablations".
 """
 
 from __future__ import annotations
