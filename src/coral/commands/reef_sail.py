@@ -42,7 +42,7 @@ from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.priority import describe_priority, prefer_process, prefer_thread
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sail_cfg import SailCfg
-from coral.reef.sea.saved_survey import load_survey, save_survey
+from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.sea.survey_alignment import SavedMap
 from coral.reef.sea.video_camera import Fit
@@ -238,7 +238,6 @@ class ReefSail:
             result = conduct(mission, observers, words, first=first)
             if notice is not None:
                 notice.finished(f"{result['clusters_covered']} clusters covered; {result['end_reason']}")
-        save_survey(folder, mission.belief, mission.belief.pose) if not result["recording_failure"] else None
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
         return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
 

@@ -14,7 +14,7 @@ from coral.reef.map.localization import LocalizationCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.recordings.find_recording import find_recording
 from coral.reef.sea.map_alignment import AlignmentCfg
-from coral.reef.sea.saved_survey import load_survey, save_survey
+from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.sea_mission import OWN_MAP, TRUTH
 from coral.reef.sea.survey_alignment import ResumeCfg, SavedMap
 from coral.reef.sea.survey_file import SurveyArea
@@ -215,8 +215,26 @@ def earlier(tmp_path_factory):
     folder = tmp_path_factory.mktemp("earlier") / "run"
     voyage = Voyage(folder)
     voyage.run()
-    save_survey(folder, voyage.mission.belief, voyage.mission.belief.pose)
     return folder
+
+
+def test_the_map_of_a_survey_that_is_killed_under_way_is_there(tmp_path):
+    class Killed(BaseException):
+        pass
+
+    def kill():
+        raise Killed
+
+    folder, cfg, areas = tmp_path / "run", MissionCfg(), []
+    voyage = Voyage(folder, time_limit_s=30.0).on(40, lambda: areas.append((folder / "survey.npz").exists()))
+    voyage.mission._finish = dict  # nothing is written any more
+    voyage.on(140, kill)
+    with pytest.raises(Killed):
+        voyage.run()
+    saved, pose = load_survey(folder, WORLD.size_m, cfg.simulator.camera, cfg.map, cfg.belief)
+    assert areas == [False]  # nothing is due before 5 s
+    assert pose[:2] == pytest.approx(voyage.mission.belief.pose[:2], abs=4.0)
+    assert saved.map.explored.sum() > 0.5 * voyage.mission.belief.map.explored.sum() > 0
 
 
 def resumed(folder, earlier, **given):

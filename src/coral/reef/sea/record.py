@@ -8,9 +8,11 @@ from typing import Any
 
 from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
+from coral.reef.map.belief import Belief
 from coral.reef.mission.record import COLUMNS, FrameRecorder, PicturePose, RecordCfg
 from coral.reef.mission.reef_truth import ReefTruth
 from coral.reef.sea.background import BackgroundWork
+from coral.reef.sea.saved_survey import save_survey
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.world import ReefWorld
@@ -18,6 +20,9 @@ from coral.runs import RunWriter
 
 OWN_COLUMNS = tuple(name for name in COLUMNS if not name.startswith("est_"))
 """Columns of a vehicle of which nobody knows the truth: x, y and theta are where it believed it was."""
+SAVE_S, SAVE_S_A_CELL = 5.0, 5e-6
+"""Time between two savings of the map (s): at least the first, and so much for each cell, which is ten times what they
+take to write."""
 
 
 class SeaRecord:
@@ -56,6 +61,7 @@ class SeaRecord:
         self._period_s = record.frame_period_s if record.frames else float("inf")
         self._keyframe_s = record.keyframe_period_s if record.frames and record.keyframes else float("inf")
         self._due_s = self._keyframe_due_s = 0.0
+        self._saved_s = 0.0
         self._step, self._t = 0, 0.0
         self.truth = None if world is None else ReefTruth(world, simulator, folder, self._told_by_truth)
 
@@ -114,6 +120,21 @@ class SeaRecord:
         if with_map or keyframe:
             now = cells() if with_map else None
             self.work.offer(lambda: self._frames.offer(step, t, lambda: now, frame, taken_at if keyframe else None))
+
+    def offer_survey(self, t: float, belief: Belief, *, last: bool = False) -> None:
+        """Save the map if it is due, so that a killed survey can be gone on with.
+
+        The map may change while it is copied. Then it has half of a picture, whose cells are evidence by themselves.
+
+        Args:
+            t: Time (s).
+            belief: What the vehicle knows.
+            last: Whether it is due in any case.
+        """
+        if last or t - self._saved_s >= max(SAVE_S, SAVE_S_A_CELL * belief.map.target.size):
+            self._saved_s = t
+            tracks, pose = tuple(belief.tracks), belief.pose
+            self.work.offer(lambda: save_survey(self.folder, belief, pose, tracks))
 
     def close(self) -> None:
         """Write what waits and close all files."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +24,14 @@ FILE = "survey.npz"
 FORMAT = "coral-saved-survey/1"
 
 
-def save_survey(folder: Path, belief: Belief, pose: Pose) -> Path:
+def save_survey(folder: Path, belief: Belief, pose: Pose, clusters: Sequence[Track] | None = None) -> None:
     """Write `survey.npz` into a run folder: everything a later survey needs, atomically.
 
     Args:
         folder: Run folder.
         belief: What the vehicle knows.
         pose: Where it is, in the survey's frame.
+        clusters: The clusters, where another thread may change them meanwhile; by default the belief's.
     """
     tracks = [
         {
@@ -40,7 +42,7 @@ def save_survey(folder: Path, belief: Belief, pose: Pose) -> Path:
             "length_m": track.length_m,
             "far": track.far,
         }
-        for track in belief.tracks
+        for track in (belief.tracks if clusters is None else clusters)
     ]
     head = {
         "format": FORMAT,
@@ -56,9 +58,7 @@ def save_survey(folder: Path, belief: Belief, pose: Pose) -> Path:
         trail=belief.trajectory,
         **belief.map.memory(),  # type: ignore[arg-type]
     )
-    path = folder / FILE
-    write_whole(path, buffer.getvalue(), durable=True)
-    return path
+    write_whole(folder / FILE, buffer.getvalue(), durable=True)
 
 
 def load_survey(
@@ -75,7 +75,7 @@ def load_survey(
         InputError: There is none, it is broken, or it is of another area or cell size.
     """
     path = run / FILE
-    expected = "the run folder of an earlier survey that was ended, not killed"
+    expected = "the run folder of an earlier survey of more than 5 s"
     if not path.is_file():
         raise InputError(str(path), "--resume", "no such file", expected)
     try:

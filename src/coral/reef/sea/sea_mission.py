@@ -340,6 +340,7 @@ class SeaMission:
         self.record.tick(self.step, self.t, belief.pose, odometry, self.crew.true_pose(), state, self._own())
         if robot.picture is not None:
             self.record.offer_frame(self.step, self.t, belief.map.cells, robot.picture, robot.taken_at)
+        self.record.offer_survey(self.t, belief)
         if self._recording and self.record.work.failure:
             self._recording = False
             self.emit("recording_stopped", reason=self.record.work.failure)
@@ -369,6 +370,7 @@ class SeaMission:
         else:
             self.emit("judged", tracks=near)
         self.emit("end", reason=self.end_reason)
+        record.offer_survey(self.t, self.belief, last=True)
         self.clock.close()
         if self.alignment is not None:
             self.alignment.close()
