@@ -47,7 +47,11 @@ SCHEMA = {
     "box_hand_contact": Quantity(0, "", "", truth=True),
     "box_table_contact": Quantity(0, "", "", truth=True),
 }
-NUMBERS = ["self.time", "self.gripper_opening", "self.box_mass", "0.5", "-1.5", "2", "0", "int(self.time * 3.0)", "1e3"]
+NUMBERS = [
+    *("self.time", "self.gripper_opening", "self.box_mass", "0.5", "-1.5", "2", "0", "int(self.time * 3.0)", "1e3"),
+    *("float(self.time)", "(int(self.time * 3.0) * 0.5)", "math.sqrt(self.gripper_opening)", "self.ee_pos.tolist()[0]"),
+    *("max(self.ee_pos[1], 0.0)", "(self.ee_pos[2] if self.box_hand_contact else 0.0)", "-float(self.gripper_opening)"),
+]
 TRUTHS = ["self.box_hand_contact", "self.box_table_contact", "(self.time > 0.5)", "(self.ee_pos[0] < 0.0)", "True"]
 VECTORS = [
     *("self.ee_pos", "self.box_pos", "self.goal_pos", "self.box_quat", "self.last_action", "[0.1, -0.2, 0.3]"),

@@ -63,3 +63,27 @@ def test_a_whole_divisor_that_is_zero_counts_only_where_its_line_does(meter):
     meter.mask = YES_NO
     with np.errstate(all="ignore"):
         assert scalar(meter, "/", 1.0, counts)[0, 0] == 1.0
+
+
+ZERO = "z, v = 0.0 * self.time, 0.0 * self.ee_pos\nreturn np.tanh({})"
+PLAIN = [
+    *("float(z)", "(int(z) * 0.5)", "math.sqrt(z)", "abs(float(z))", "max(z - 1.0, 0.0)", "-float(z)"),
+    *("(z + 1.0 if self.time < -9.0 else 0.0)", "v.tolist()[0]", "v[:1].item()", "math.hypot(z, 0.0)"),
+]
+"""Numbers that Python holds as its own: it raises where they are 0, where NumPy's give inf."""
+
+
+@pytest.mark.parametrize("number", PLAIN)
+@pytest.mark.parametrize("text", ["1.0 / {}", "2 % {}", "{} ** -1.5", "1 // (-{})"])
+def test_what_python_refuses_to_divide_by_is_refused(number, text, refusal):
+    assert refusal(ZERO.format(text.format(number))).code in ("division_by_zero", "not_finite")
+
+
+@pytest.mark.parametrize("number", ["z", "np.float64(z)", "np.sqrt(z)", "float(z) * z", "np.where(z > 0.0, 1.0, 0.0)"])
+def test_what_numpy_divides_by_zero_is_infinite(number, agrees):
+    with np.errstate(all="ignore"):
+        agrees(ZERO.format(f"1.0 / ({number})"))
+
+
+def test_a_negative_number_of_python_has_no_root(refusal):
+    assert refusal("return (float(self.time) - 9.0) ** 0.5").code == "not_finite"

@@ -219,7 +219,8 @@ def negative(meter: Meter, value: Value) -> Value:
         meter.spend()
         if isinstance(x, np.ndarray):
             meter.made()
-        return -no_truth(meter, x)  # type: ignore[misc]
+        found = -no_truth(meter, x)  # type: ignore[misc]
+        return meter.as_plain(found) if meter.is_plain(x) else found
 
     if isinstance(value, Seq):
         raise meter.fault("wrong_type", f"`-` does not apply to {kind(value)}; use np.array")

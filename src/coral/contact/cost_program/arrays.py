@@ -112,6 +112,12 @@ def to_float(meter: Meter, value: Value = 0.0, /) -> Value:
     return found.astype(np.float64, copy=False) if isinstance(found, np.ndarray) else float(found)
 
 
+def to_plain(meter: Meter, value: Value = 0.0, /) -> Value:
+    """Evaluate Python's `float`."""
+    found = to_float(meter, value)
+    return meter.as_plain(found.view()) if isinstance(found, np.ndarray) else found
+
+
 def to_int(meter: Meter, value: Value = 0, /) -> Value:
     """Evaluate `int(...)`: drop the fractional part."""
     return whole(meter, np.trunc, number(meter, value))
@@ -231,7 +237,9 @@ def flatten(meter: Meter, value: Value) -> Value:
 
 def to_list(meter: Meter, value: Value) -> Value:
     """Evaluate `tolist()`: a list of numbers, or for a matrix a list of lists."""
-    return Seq(tuple(to_list(meter, item) for item in value.items)) if isinstance(value, Vec) else value
+    if isinstance(value, Vec):
+        return Seq(tuple(to_list(meter, item) for item in value.items))
+    return meter.as_plain(value.view()) if isinstance(value, np.ndarray) else value
 
 
 def item(meter: Meter, value: Value) -> Value:
@@ -239,7 +247,7 @@ def item(meter: Meter, value: Value) -> Value:
     only, *more = flat(value)
     if more:
         raise meter.fault("wrong_size", f"item() is of an array of one number, not of {kind(value)}")
-    return only
+    return to_list(meter, only)
 
 
 def transpose(meter: Meter, a: Value) -> Value:

@@ -11,7 +11,18 @@ from coral.contact.cost_program.arithmetic import binary, components, elementwis
 from coral.contact.cost_program.arrays import whole
 from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.scalars import both, either, invert, no_truth, number, pointwise, scalar, truth, where
+from coral.contact.cost_program.scalars import (
+    both,
+    chosen,
+    either,
+    invert,
+    no_truth,
+    number,
+    pointwise,
+    scalar,
+    truth,
+    where,
+)
 from coral.contact.cost_program.values import Number, Partial, Seq, Value, Vec, kind
 
 Call = Callable[..., Value]
@@ -62,7 +73,16 @@ def of_math(function: Callable[..., Any]) -> Call:
             meter.refuse_where(
                 lost, "not_finite", "math raises an exception here in some state; guard the argument with max and min"
             )
-        return cast(Number, found) if isinstance(x, np.ndarray) else float(found)
+        return meter.as_plain(cast(Number, found)) if isinstance(x, np.ndarray) else float(found)
+
+    return call
+
+
+def plain(function: Call) -> Call:
+    """Make a function of `math` that never raises out of one of numbers."""
+
+    def call(meter: Meter, *values: Value) -> Value:
+        return meter.as_plain(function(meter, *values))
 
     return call
 
@@ -125,7 +145,7 @@ def select(meter: Meter, condition: Value, x: Value, y: Value, /) -> Value:
         meter.spend()
         met = truth(meter, condition)
         if isinstance(met, np.ndarray) or isinstance(x, np.ndarray) or isinstance(y, np.ndarray):
-            return where(meter, np.atleast_2d(np.asarray(met, dtype=np.bool_)), x, y)
+            return chosen(meter, np.atleast_2d(np.asarray(met, dtype=np.bool_)), x, y)
         return cast(Number, np.where(met, cast(float, x), cast(float, y)).item())
 
     found = elementwise(meter, choose, condition, x, y)

@@ -178,7 +178,8 @@ def _length(meter: Meter, value: Value, /) -> Value:
 def _abs(meter: Meter, x: Value, /) -> Value:
     if isinstance(x, Seq):
         raise meter.fault("wrong_type", f"abs takes a number or an array, not {kind(x)}; use np.abs")
-    return functions.ABS(meter, x)
+    found = functions.ABS(meter, x)
+    return meter.as_plain(found) if meter.is_plain(x) else found
 
 
 OURS: Table = {
@@ -205,7 +206,7 @@ PYTHON: Table = {
     "min": Offer(_extreme("<"), "list"),
     "sum": Offer(functions.add_up, "list start"),
     "len": Offer(_length, "list"),
-    "float": Offer(arrays.to_float, "number"),
+    "float": Offer(arrays.to_plain, "number"),
     "int": Offer(arrays.to_int, "number"),
     "bool": Offer(_bool, "number"),
     "round": Offer(functions.whole_by(np.rint), "n"),
@@ -271,7 +272,7 @@ MATH: Table = {
         }.items()
     },
     "atan2": Offer(of_two(np.arctan2), "n n"),
-    "hypot": Offer(functions.hypotenuse, "n"),
+    "hypot": Offer(functions.plain(functions.hypotenuse), "n"),
     "floor": Offer(functions.whole_by(np.floor), "n"),
     "ceil": Offer(functions.whole_by(np.ceil), "n"),
 }

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TypeVar
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,7 @@ from coral.contact.cost_program.errors import CostError
 from coral.contact.cost_program.trace import Trace
 
 Mask = NDArray[np.bool_]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +67,8 @@ class Meter:
     """Memory of the quantities read so far; see `sharing.py`."""
     zero_axes: list[object] = field(default_factory=list)
     """Numbers that NumPy would hold as arrays without axes."""
+    plain: WeakValueDictionary[int, object] = field(default_factory=WeakValueDictionary)
+    """Decimals that Python holds as its own, by identity: a division by zero raises, where NumPy's gives inf."""
     trace: Trace | None = None
     """Records for the checks, if enabled."""
 
@@ -106,6 +111,16 @@ class Meter:
         """
         if np.any(bad) and (self.mask is None or np.any(np.logical_and(bad, self.mask))):
             raise self.fault(code, text)
+
+    def as_plain(self, value: T) -> T:
+        """Note that Python would hold a new number as its own kind, in some state at least; return it."""
+        if isinstance(value, np.ndarray):
+            self.plain[id(value)] = value
+        return value
+
+    def is_plain(self, value: object) -> bool:
+        """Check whether Python may hold a number as its own kind; whole numbers and truth values count as such."""
+        return not isinstance(value, np.ndarray) or value.dtype != np.float64 or self.plain.get(id(value)) is value
 
     def fault(self, code: str, text: str) -> CostError:
         """Make the error for the line being evaluated."""

@@ -97,7 +97,13 @@ def truth(meter: Meter, value: Value) -> bool | Mask:
 
 
 def where(meter: Meter, condition: Mask, a: Value, b: Value) -> Number:
-    """Return `a` in the states where the condition holds and `b` in the others; both are numbers."""
+    """Return `a` in the states where the condition holds and `b` in the others, each of its own kind of number."""
+    found = chosen(meter, condition, a, b)
+    return meter.as_plain(found) if meter.is_plain(a) or meter.is_plain(b) else found
+
+
+def chosen(meter: Meter, condition: Mask, a: Value, b: Value) -> Number:
+    """Return the same as `where`, as a number of NumPy."""
     meter.made()
     if is_truth(a) and is_truth(b):
         return np.where(condition, cast(Mask, a), cast(Mask, b))
@@ -119,13 +125,18 @@ def scalar(meter: Meter, symbol: str, a: Value, b: Value) -> Number:
         raise meter.fault("wrong_type", f"NumPy's {symbol} of two truth values is no sum of numbers; write float(a)")
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         meter.made()
-        if symbol in ("/", "//", "%") and is_whole(b):
-            meter.refuse_where(np.equal(b, 0), "division_by_zero", "the divisor, a whole number, is 0 in some state")
+        plain = meter.is_plain(a) and meter.is_plain(b)
+        if symbol in ("/", "//", "%") and (plain or is_whole(b)):
+            meter.refuse_where(np.equal(b, 0), "division_by_zero", "the divisor is 0 in some state; guard it with max")
         if symbol not in COMPARISONS and is_whole(a) and is_whole(b):
             return _whole(meter, symbol, a, b)
+        found = np.asarray(a, dtype=np.float64) ** b if symbol == "**" else OPERATORS[symbol](a, b)
+        if not plain:
+            return cast(Number, found)
         if symbol == "**":
-            return cast(Number, np.asarray(a, dtype=np.float64) ** b)
-        return cast(Number, OPERATORS[symbol](a, b))
+            lost = ~np.isfinite(found) & np.isfinite(a) & np.isfinite(b)
+            meter.refuse_where(lost, "not_finite", "this power is no decimal in some state; guard it with max")
+        return meter.as_plain(cast(Number, found))
     a, b = number(meter, a), number(meter, b)
     if symbol == "**":
         return _constant_power(meter, cast(float, a), cast(float, b))
@@ -149,7 +160,7 @@ def _whole(meter: Meter, symbol: str, a: Number, b: Number) -> Number:
         raise meter.fault("wrong_type", "a power of whole numbers takes a constant exponent; write float(a) ** b")
     rough = OPERATORS[symbol](np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64))
     if symbol == "/":
-        return cast(Number, rough)
+        return meter.as_plain(cast(Number, rough))
     meter.refuse_where(~(np.abs(rough) <= LARGEST_INT), "too_large_number", "whole numbers reach to 2**53")
     return cast(Number, OPERATORS[symbol](a, b))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 
 from coral.contact.cost_program.arithmetic import binary, negative
-from coral.contact.cost_program.arrays import to_float
+from coral.contact.cost_program.arrays import to_float, to_plain
 from coral.contact.cost_program.expressions import evaluate, operate
 from coral.contact.cost_program.library import BUILTINS
 from coral.contact.cost_program.machine import Machine
@@ -113,14 +113,13 @@ def _sum(machine: Machine, node: ast.expr, variable: str, whole: bool) -> tuple[
         value, ledger = _sum(machine, node.operand, variable, whole)
         return negative(machine.meter, value), _join_ledgers(machine, DictValue({}), ledger, True)
     inner = _float_argument(node)
-    if inner is not None and _plain_float(machine, node):
+    if inner is not None and isinstance(node, ast.Call) and _plain_float(machine, node):
         value, ledger = _sum(machine, inner, variable, whole)
-        return to_float(machine.meter, value), ledger
+        return (to_plain if isinstance(node.func, ast.Name) else to_float)(machine.meter, value), ledger
     return _leaf(machine, node, variable, whole)
 
 
-def _plain_float(machine: Machine, node: ast.expr) -> bool:
-    assert isinstance(node, ast.Call)
+def _plain_float(machine: Machine, node: ast.Call) -> bool:
     if not isinstance(node.func, ast.Name):
         return True
     found = machine.lookup("float")
