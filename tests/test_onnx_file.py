@@ -6,7 +6,7 @@ import pytest
 from coral.errors import InputError
 from coral.onnx_file import open_onnx, open_picture_network
 from coral.reef.eyes.reef_net import SHIPPED
-from onnx_files import prompted_pair
+from onnx_files import model, node, prompted_pair, red_is_oyster
 
 
 def test_the_shipped_network_tells_its_layout():
@@ -43,3 +43,20 @@ def test_a_network_of_several_inputs_takes_no_picture_alone(tmp_path):
     (tmp_path / "decoder.onnx").write_bytes(prompted_pair(64)[1])
     with pytest.raises(InputError, match=r"one float input of shape \(1, channels, height, width\)"):
         open_picture_network(tmp_path / "decoder.onnx")
+
+
+def test_half_precision_is_converted_and_open_shapes_are_found_by_a_look(tmp_path):
+    pytest.importorskip("onnxruntime")
+    (tmp_path / "half.onnx").write_bytes(red_is_oyster("w", "h", half=True))
+    file = open_picture_network(tmp_path / "half.onnx")
+    assert file.outputs == {"logits": (1, 4, None, None)}
+    assert file.with_shapes_of(12, 8).outputs == {"logits": (1, 4, 8, 12)}
+    assert file.run(np.zeros((1, 3, 8, 12), np.float32))["logits"].dtype == np.float32
+
+
+def test_a_network_for_several_pictures_at_once_is_refused(tmp_path):
+    pytest.importorskip("onnxruntime")
+    shape = (2, 3, 8, 8)
+    (tmp_path / "two.onnx").write_bytes(model([node("Identity", ["x"], ["y"])], {}, {"x": shape}, {"y": shape}))
+    with pytest.raises(InputError, match=r"found x tensor\(float\) \(2, 3, 8, 8\), expected one float input"):
+        open_picture_network(tmp_path / "two.onnx")

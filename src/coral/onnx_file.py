@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError, first_line
+
+SINGLE, HALF = "tensor(float)", "tensor(float16)"
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,8 @@ class OnnxFile:
     """Shape by name; None for a size that is free."""
     outputs: Mapping[str, tuple[int | None, ...]]
     metadata: Mapping[str, str]
+    kinds: Mapping[str, str] = field(default_factory=dict)
+    """Type by name of input or output, as onnxruntime names it; by default tensor(float)."""
 
     @property
     def input_shape(self) -> tuple[int | None, ...]:
@@ -32,11 +36,14 @@ class OnnxFile:
     def run_named(self, tensors: Mapping[str, NDArray[np.float32]]) -> dict[str, NDArray[np.float32]]:
         """Return the outputs by name for inputs by name.
 
+        Numbers of half precision are converted on the way in and out, and whole numbers on the way out.
+
         Raises:
             InputError: The network refuses these inputs.
         """
+        half = {name: np.float16 for name, kind in self.kinds.items() if kind == HALF}
         try:
-            values = self.session.run(None, dict(tensors))
+            values = self.session.run(None, {name: v.astype(half.get(name, v.dtype)) for name, v in tensors.items()})
         except Exception as error:  # its errors have no common base but Exception
             raise InputError(
                 self.path, "inputs", f"shapes that it refuses ({first_line(error)})", "the shapes of its kind"
@@ -46,6 +53,14 @@ class OnnxFile:
     def run(self, tensor: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
         """Return the outputs by name for the first input."""
         return self.run_named({next(iter(self.inputs)): tensor})
+
+    def with_shapes_of(self, width: int, height: int) -> OnnxFile:
+        """Return the network with the shapes of its outputs for pictures of a size, where the file leaves them open."""
+        if all(shape and None not in shape for shape in self.outputs.values()):
+            return self
+        channels = self.input_shape[1] or 3
+        made = self.run(np.zeros((1, channels, height, width), np.float32))
+        return replace(self, outputs={name: value.shape for name, value in made.items()})
 
 
 def open_onnx(path: Path, where: str = "--perception") -> OnnxFile:
@@ -75,12 +90,14 @@ def open_onnx(path: Path, where: str = "--perception") -> OnnxFile:
         raise InputError(
             str(path), "", f"a file that onnxruntime refuses ({first_line(error)})", "an ONNX file"
         ) from None
+    inputs, outputs = session.get_inputs(), session.get_outputs()
     return OnnxFile(
         str(path),
         session,
-        {i.name: _sizes(i.shape) for i in session.get_inputs()},
-        {o.name: _sizes(o.shape) for o in session.get_outputs()},
+        {i.name: _sizes(i.shape) for i in inputs},
+        {o.name: _sizes(o.shape) for o in outputs},
         dict(session.get_modelmeta().custom_metadata_map),
+        {one.name: one.type for one in (*inputs, *outputs)},
     )
 
 
@@ -95,10 +112,11 @@ def open_picture_network(path: Path, where: str = "--perception") -> OnnxFile:
         InputError: onnxruntime is not installed, or the file cannot be used.
     """
     found = open_onnx(path, where)
-    if len(found.inputs) != 1 or len(found.input_shape) != 4 or found.session.get_inputs()[0].type != "tensor(float)":
-        raise InputError(
-            str(path), "inputs", f"{dict(found.inputs)}", "one float input of shape (1, channels, height, width)"
-        )
+    kinds = [found.kinds[name] for name in found.inputs]
+    shape = found.input_shape if len(found.inputs) == 1 else ()
+    if len(shape) != 4 or shape[0] not in (1, None) or kinds[0] not in (SINGLE, HALF):
+        told = ", ".join(f"{name} {kind} {of}" for (name, of), kind in zip(found.inputs.items(), kinds, strict=True))
+        raise InputError(str(path), "inputs", told, "one float input of shape (1, channels, height, width)")
     return found
 
 

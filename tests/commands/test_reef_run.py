@@ -128,9 +128,11 @@ def test_networks_of_ones_own_see_for_a_mission(told, tmp_path):
     inverse = 1.0 / ground_depth(CameraCfg(width=56, height=42))
     (tmp_path / "depth.onnx").write_bytes(relative_depth(4.0 * inverse + 1.0))
     words = ["reef", "run", "s1", "--perception", tmp_path / "yolo.onnx", "--depth", tmp_path / "depth.onnx", "--sonar"]
-    short = ["--cfg.time-limit-s", "0.3", "--cfg.record.no-report", "--quiet", "--json"]
+    short = ["--cfg.time-limit-s", "0.3", "--cfg.record.no-report", "--json"]
     code, result, error = told(*words, *short, "--out", tmp_path / "run")
     assert code == 0, error
+    assert "classes: 0 oyster: oyster; 1 rock: obstacle" in error
+    assert "a depth network, relative as the shipped picture shows" in error
     assert result["steps"] == 3
     config = (tmp_path / "run/config.yaml").read_text()
     assert "yolo.onnx" in config

@@ -8,6 +8,8 @@ from coral.reef.world.geometry import Label
 
 
 class FlatEyes:
+    about = ()
+
     def __init__(self, doubt=0.1):
         self.looks, self.doubt, self.attitude, self.camera = 0, doubt, None, None
 

@@ -14,6 +14,7 @@ from coral.errors import InputError, nearest
 from coral.flags import Argument, Option
 from coral.reef.eyes.backends import RGB, open_eyes
 from coral.reef.eyes.doubt import DoubtCfg
+from coral.reef.eyes.perception import RgbPerception
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.products.survey_products import ProductsCfg
 from coral.reef.products.truth import true_area_m2
@@ -73,11 +74,13 @@ class ReefMap:
             raise InputError("--sonar-start-s", "", self.sonar_start_s, "a number of seconds")
         if not 0.0 <= self.period_s < math.inf:
             raise InputError("--period-s", "", self.period_s, "a number of seconds from 0 on")
+        eyes = self._eyes()
+        named = self.perception if self.depth is None else f"{self.perception}, {self.depth}"
         recording = find_recording(
             self.recording,
             camera=self.camera,
             topics=self.topics,
-            perception=self._perception(),
+            perception=None if eyes is None else PicturePerception(eyes, named),
             period_s=self.period_s,
             sonar=checked(self.sonar, "--sonar"),
         )
@@ -95,9 +98,10 @@ class ReefMap:
         world = self.recording / "world.yaml"
         true_m2 = true_area_m2(load_world(world)) if is_run(self.recording) and world.is_file() else None
         made = make_products(recording, self.cfg, datum, self.out, true_m2)
-        return {**made, "pictures_left_out": len(recording.omitted)}
+        about = [] if eyes is None else list(eyes.about)
+        return {**made, "pictures_left_out": len(recording.omitted), "eyes": about}
 
-    def _perception(self) -> PicturePerception | None:
+    def _eyes(self) -> RgbPerception | None:
         if self.perception == RECORDED:
             if self.depth is not None:
                 raise InputError("--depth", "", f"{self.depth} alone", "--perception rgb or FILE.onnx, for the classes")
@@ -110,13 +114,11 @@ class ReefMap:
                 repr(self.perception),
                 f"recorded, rgb or FILE.onnx{nearest(self.perception, known)}",
             )
-        eyes = open_eyes(self.perception, depth=str(self.depth or ""))
-        assert eyes is not None
-        return PicturePerception(eyes, self.perception if self.depth is None else f"{self.perception}, {self.depth}")
+        return open_eyes(self.perception, depth=str(self.depth or ""))
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was found, and list the main files."""
-        lines = [describe_products(result)]
+        lines = [describe_products(result), *result["eyes"]]
         if result["pictures_left_out"]:
             lines.append(f"left out for want of a pose: {many(result['pictures_left_out'], 'picture')}")
         return "\n".join(lines)

@@ -161,6 +161,8 @@ class ReefRun:
             trigger=self.trigger,
             verifier=self.verifier,
         )
+        if mission.eyes is not None and not self.quiet:
+            print(*mission.eyes.about, sep="\n", end="\n" if mission.eyes.about else "", file=sys.stderr, flush=True)
         progress = MissionProgress(quiet=self.quiet)
         mission.listeners.append(FallbackNotice(cfg.pilot.fallback))
         about = {"world": world.name, "variant": self.variant, "seed": self.seed, "run": str(folder)}

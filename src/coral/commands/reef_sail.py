@@ -168,6 +168,8 @@ class ReefSail:
             view = LiveView.of_file(self.lens)
             cfg, fit = with_camera(cfg, view.camera), view.picture
         parts = opened.enter_context(open_parts(self, truly, world, cfg, depth, fit))
+        for line in parts.camera.eyes.about if parts.camera.eyes else ():
+            self._say(line)
         rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else "--put-in" if self.put_in else ""
         if rehearsed and not parts.proven_simulation:
             raise InputError(

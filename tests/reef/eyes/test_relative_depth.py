@@ -1,11 +1,13 @@
+import cv2
 import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.onnx_file import OnnxFile
+from coral.onnx_file import OnnxFile, open_picture_network
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.relative_depth import DepthAnything, fit_scale_shift, floor_points
 from coral.reef.vehicle.camera import CameraCfg
+from onnx_files import relative_depth
 
 
 def test_scale_and_shift_come_back_from_sparse_points_with_outliers():
@@ -58,8 +60,45 @@ def test_pictures_are_normalised_and_results_have_the_cameras_size():
     assert relative.shape == (12, 16)
 
 
-def test_another_layout_is_one_clear_line():
-    with pytest.raises(InputError, match=r"d\.onnx: outputs: found y, expected predicted_depth"):
-        DepthAnything(fake(outputs={"y": (1,)}))
-    with pytest.raises(InputError, match="multiples of 14"):
-        DepthAnything(fake(inputs={"pixel_values": (1, 3, 30, 42)}))
+GROUND = cv2.resize(np.minimum(ground_depth(CameraCfg()), 20.0), (28, 28), interpolation=cv2.INTER_AREA)
+
+
+@pytest.mark.parametrize("names", [("pixel_values", "predicted_depth"), ("image", "depth"), ("l_x_", "select_36")])
+@pytest.mark.parametrize("channel", [False, True])
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("half", [False, True])
+@pytest.mark.parametrize("kind", ["relative", "metric"])
+def test_exports_of_depth_anything_show_the_same(tmp_path, names, channel, free, half, kind):
+    """Names, with or without an axis for the one channel, fixed or free size, single or half precision."""
+    pytest.importorskip("onnxruntime")
+    path = tmp_path / "d.onnx"
+    values = 1.0 / GROUND if kind == "relative" else GROUND
+    path.write_bytes(relative_depth(values, names, channel, free, half=half))
+    network = DepthAnything(open_picture_network(path), size=(28, 28))
+    assert network.metric == (kind == "metric")
+    assert f"{kind} as the shipped picture shows" in network.about[0]
+    found = network.relative(np.zeros((28, 28, 3), np.uint8), CameraCfg(width=28, height=28))
+    np.testing.assert_allclose(found, 1.0 / GROUND, rtol=5e-3)
+
+
+def test_what_is_stated_must_be_so(tmp_path):
+    pytest.importorskip("onnxruntime")
+    path = tmp_path / "d.onnx"
+    path.write_bytes(relative_depth(GROUND))
+    (tmp_path / "d.eyes.yaml").write_text("depth: relative")
+    with pytest.raises(InputError, match="stated as relative, expected metric, as the shipped picture shows"):
+        DepthAnything(open_picture_network(path))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"outputs": {"y": (1,)}},
+        {"outputs": {"a": (1, 28, 42), "b": (1, 28, 42)}},
+        {"outputs": {"boxes": (1, 84, 8400)}},
+        {"inputs": {"pixel_values": (1, 4, 28, 42)}},
+    ],
+)
+def test_another_layout_is_one_clear_line(wrong):
+    with pytest.raises(InputError, match=r"d\.onnx: inputs, outputs: found .* one map of depth"):
+        DepthAnything(fake(**wrong))

@@ -3,10 +3,13 @@ import pytest
 from given_networks import given, one_hot
 
 from coral.errors import InputError
+from coral.reef.eyes.class_table import ClassTable
+from coral.reef.eyes.doubt import choose_labels
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.eyes.semantic_map import SemanticEyes, resize_channels
+from coral.reef.eyes.semantic_map import SemanticEyes, gather_labels, resize_channels
 from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Label
 
 CAMERA = CameraCfg(width=4, height=2)
 LABELS = [[0, 2, 0, 0], [3, 2, 1, 3]]
@@ -39,7 +42,18 @@ def test_coarse_maps_are_scaled_to_the_camera():
 
 
 def test_a_missing_map_and_a_wrong_number_of_classes_are_named():
-    with pytest.raises(InputError, match=r"net\.onnx: outputs\.logits: found only y, expected"):
+    with pytest.raises(InputError, match=r"net\.onnx: metadata.names: found none, expected a class"):
         SemanticEyes(given({"y": np.zeros((1, 4, 2, 4), np.float32)}))
-    with pytest.raises(InputError, match=r"outputs\.logits: found \(1, 2, 2, 4\)"):
-        SemanticEyes(given({"logits": np.zeros((1, 2, 2, 4), np.float32)}))
+    with pytest.raises(InputError, match=r"net\.onnx: outputs: found y .*, expected logits of shape"):
+        SemanticEyes(given({"y": np.zeros((1, 1, 2, 4), np.float32)}))
+    with pytest.raises(InputError, match=r"outputs\.logits: found 2 channels for the classes 0"):
+        SemanticEyes(given({"logits": np.zeros((1, 2, 2, 4), np.float32)}, metadata={"names": "{0: 'oyster'}"}))
+
+
+def test_classes_of_one_meaning_are_added():
+    table = ClassTable({}, {0: Label.SEABED, 1: Label.OYSTER, 2: Label.OYSTER})
+    shares = np.array([0.4, 0.3, 0.3], np.float32)[:, None, None]
+    gathered = gather_labels(shares, table)
+    labels, doubt = choose_labels(gathered, 0.4)
+    assert labels[0, 0] == Label.OYSTER
+    assert doubt[0, 0] == pytest.approx(0.4, abs=1e-4)

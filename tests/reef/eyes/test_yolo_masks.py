@@ -46,16 +46,17 @@ def test_no_object_at_all():
 
 
 @pytest.mark.parametrize(
-    ("shape", "classes", "layout"),
+    ("shape", "classes", "size", "layout"),
     [
-        ((37, 8400), 1, "classes"),
-        ((37, 8400), None, "classes"),
-        ((37, 8400), 2, None),
-        ((25200, 39), 2, "objectness"),
-        ((25200, 38), 1, "objectness"),
-        ((300, 38), 7, "chosen"),
-        ((300, 6), 1, None),
+        ((37, 8400), 1, (640, 640), "classes"),
+        ((37, 8400), 2, (640, 640), None),
+        ((25200, 39), 2, (640, 640), "objectness"),
+        ((25200, 38), 1, (640, 640), "objectness"),
+        ((567, 38), 1, (96, 96), "objectness"),
+        ((300, 38), 1, (96, 96), "chosen"),
+        ((300, 38), 7, (640, 640), "chosen"),
+        ((300, 6), 1, (640, 640), None),
     ],
 )
-def test_a_layout_is_told_by_shape_and_classes_together(shape, classes, layout):
-    assert layout_of(*shape, classes) == layout
+def test_a_layout_is_told_by_shape_and_classes_together(shape, classes, size, layout):
+    assert layout_of(*shape, classes, size) == layout

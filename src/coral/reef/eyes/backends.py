@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from copy import copy
+from functools import partial
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from coral.errors import InputError, nearest
 from coral.onnx_file import open_picture_network
-from coral.reef.eyes.perception import RgbPerception
+from coral.reef.eyes.network_notes import SUFFIX, read_notes
+from coral.reef.eyes.perception import CameraAttitude, RgbPerception
+from coral.reef.eyes.picture_input import PictureInput
+from coral.reef.eyes.pixel_check import CAMERA, check_pixels
 from coral.reef.eyes.reef_net import OUTPUTS, SHIPPED, ReefNetEyes
-from coral.reef.eyes.relative_depth import DepthAnything
+from coral.reef.eyes.relative_depth import DepthAnything, is_depth
 from coral.reef.eyes.relative_depth_eyes import RelativeDepthEyes
 from coral.reef.eyes.semantic_map import SemanticEyes
 from coral.reef.eyes.yolo_eyes import YoloEyes, is_yolo
@@ -44,15 +52,24 @@ def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> Rgb
     file = open_picture_network(SHIPPED if name == RGB else Path(name), where)
     if file.input_shape[1] == 4 and "depth_doubt" in file.outputs:
         return ReefNetEyes(file)
-    if file.input_shape[1] != 3:
-        raise InputError(
-            file.path,
-            "inputs",
-            f"{file.input_shape[1]} channels",
-            f"3 (red, green, blue), or 4 with outputs {', '.join(OUTPUTS)}",
-        )
-    if "predicted_depth" in file.outputs:
-        raise InputError(file.path, "outputs", "predicted_depth alone", "classes; for depth give this file to --depth")
-    if is_yolo(file):
-        return YoloEyes(file)
-    return SemanticEyes(file)
+    if file.input_shape[1] not in (3, None):
+        found = f"{file.input_shape[1]} channels"
+        raise InputError(file.path, "inputs", found, f"3, a picture, or 4 with outputs {', '.join(OUTPUTS)}")
+    notes = read_notes(file)
+    if notes.task not in ("", "segment", "semantic"):
+        raise InputError(file.path, "metadata.task", notes.task, "segment: outlines, not boxes alone")
+    if is_depth(file):
+        only = next(iter(file.outputs))
+        raise InputError(file.path, "outputs", f"{only} alone", "classes; for depth give this file to --depth")
+    eyes = YoloEyes(file, notes) if is_yolo(file) else SemanticEyes(file, notes)
+    if name != RGB and notes.stated.channels is None and notes.stated.pixels is None:
+        told = check_pixels(partial(_labels, eyes), eyes.pixels)
+        eyes.about += (f"{told} in {Path(file.path).with_suffix(SUFFIX).name}",) if told else ()
+    return eyes
+
+
+def _labels(eyes: YoloEyes | SemanticEyes, rgb: NDArray[np.uint8], pixels: PictureInput) -> NDArray[np.uint8]:
+    """Return the classes of a picture of the simulated camera that is given to a network in another way."""
+    other = copy(eyes)
+    other.pixels = pixels
+    return other.perceive(rgb, CAMERA, CameraAttitude()).labels

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Frame, Label
 
+UNSTATED_DOUBT = 0.3
+"""Doubt of what a network says without a probability."""
+
 
 @dataclass(frozen=True)
 class SeenPicture:
@@ -42,6 +45,9 @@ class CameraAttitude:
 
 class RgbPerception(Protocol):
     """Eyes."""
+
+    about: tuple[str, ...]
+    """What they take their network for, line by line: layout, classes, pictures."""
 
     def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
         """Find classes and depth in a picture.

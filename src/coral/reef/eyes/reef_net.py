@@ -29,6 +29,8 @@ OBSTACLE_FROM = 0.4
 class ReefNetEyes:
     """Runs a network with the layout of `coral.reef.paint.unet`, on pictures of any size."""
 
+    about: tuple[str, ...] = ()
+
     def __init__(self, file: OnnxFile, obstacle_from: float = OBSTACLE_FROM) -> None:
         """Check the layout.
 

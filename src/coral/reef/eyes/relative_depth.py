@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.onnx_file import OnnxFile
+from coral.reef.eyes.network_notes import NetworkNotes, read_notes
+from coral.reef.eyes.picture_input import IMAGENET
+from coral.reef.eyes.pixel_check import CAMERA, depth_kind, shipped_picture
 from coral.reef.vehicle.camera import CameraCfg
 
-_MEAN, _SPREAD = np.array([0.485, 0.456, 0.406], np.float32), np.array([0.229, 0.224, 0.225], np.float32)
-"""Of ImageNet, by which these networks' inputs are normalised."""
-_PATCH = 14
-"""Sizes are multiples of the transformer's patch."""
+_SAME_SHAPE = 0.05
+"""Share by which the proportions of a map may differ from its picture's: maps have whole pixels."""
 _ROUNDS, _OUTLIER = 10, 3.0
 """Rounds of reweighting; residuals beyond this multiple of their median count as outliers."""
 
@@ -78,38 +79,65 @@ def floor_points(
     return relative[chosen], ground[chosen]
 
 
-class DepthAnything:
-    """Runs Depth Anything V2: `pixel_values` in, `predicted_depth` out."""
+def is_depth(file: OnnxFile) -> bool:
+    """Check whether the only output is a map of one number a pixel: (1, h, w) or (1, 1, h, w), shaped as the picture.
 
-    def __init__(self, file: OnnxFile, size: tuple[int, int] = (252, 182)) -> None:
-        """Check the layout.
+    Boxes of a detector are (1, rows, columns), too, but never shaped so.
+    """
+    if len(file.outputs) != 1:
+        return False
+    ((name, shape),) = file.outputs.items()
+    if "int" in file.kinds.get(name, "") or not (len(shape) == 3 or (len(shape) == 4 and shape[1] == 1)):
+        return False
+    height, width, rows, columns = (size or 0 for size in (*file.input_shape[2:], *shape[-2:]))
+    known = height * width * rows * columns
+    return not known or abs(columns * height / (rows * width) - 1.0) < _SAME_SHAPE
+
+
+class DepthAnything:
+    """Runs Depth Anything V2, relative or metric, in any export with one picture in and one map out.
+
+    transformers names them `pixel_values` and `predicted_depth`, other exports `image` and `depth`.
+    """
+
+    def __init__(self, file: OnnxFile, notes: NetworkNotes | None = None, size: tuple[int, int] = (252, 182)) -> None:
+        """Check the layout, and whether the network's map is relative or metric: larger is nearer, or farther.
 
         Args:
             file: The network.
+            notes: What is stated about it; None: as its files say.
             size: Width and height of its pictures where the file leaves them open (px), multiples of 14.
 
         Raises:
-            InputError: The file has another layout.
+            InputError: The file has another layout, or what is stated contradicts what it does.
         """
-        for kind, names, name in (
-            ("inputs", file.inputs, "pixel_values"),
-            ("outputs", file.outputs, "predicted_depth"),
-        ):
-            if name not in names:
-                raise InputError(file.path, kind, ", ".join(names), name)
         shape = file.input_shape
-        self.file, self.size = file, (shape[3] or size[0], shape[2] or size[1])
-        if any(n % _PATCH for n in self.size):
-            raise InputError(
-                file.path, "inputs.pixel_values", self.size, f"a width and height of multiples of {_PATCH}"
-            )
+        self.size = shape[3] or size[0], shape[2] or size[1]
+        self.file = file = file.with_shapes_of(*self.size)
+        if shape[1] not in (3, None) or not is_depth(file):
+            found = ", ".join(f"{name} {of}" for name, of in (*file.inputs.items(), *file.outputs.items()))
+            expected = "a picture (1, 3, height, width) in, and one map of depth (1, height, width) out"
+            raise InputError(file.path, "inputs, outputs", found, expected)
+        notes = read_notes(file) if notes is None else notes
+        self.pixels = notes.picture_input(IMAGENET)
+        rgb, _ = shipped_picture()
+        kind = depth_kind(self._map(rgb, CAMERA))
+        if notes.depth and kind and kind != notes.depth:
+            raise InputError(file.path, "depth", f"stated as {notes.depth}", f"{kind}, as the shipped picture shows")
+        self.metric = (notes.depth or kind) == "metric"
+        told = "as stated" if notes.depth else "as the shipped picture shows" if kind else "as is usual"
+        self.about: tuple[str, ...] = (
+            f"a depth network, {'metric' if self.metric else 'relative'} {told}, {self.size[0]} x {self.size[1]}, "
+            f"{self.pixels.describe()}; scale and shift are fitted to each picture",
+        )
 
     def relative(self, rgb: NDArray[np.uint8], camera: CameraCfg) -> NDArray[np.float32]:
         """Return the relative inverse depth of a picture. Shape=(H, W)."""
-        scaled = cv2.resize(rgb, self.size, interpolation=cv2.INTER_CUBIC).astype(np.float32) / np.float32(255.0)
-        tensor = ((scaled - _MEAN) / _SPREAD).transpose(2, 0, 1)[None]
-        out = self.file.run(np.ascontiguousarray(tensor, np.float32))["predicted_depth"]
-        relative = out.reshape(out.shape[-2:])
-        return np.asarray(
-            cv2.resize(relative, (camera.width, camera.height), interpolation=cv2.INTER_LINEAR), np.float32
-        )
+        found = self._map(rgb, camera)
+        return np.asarray(1.0 / np.maximum(found, np.float32(0.01)), np.float32) if self.metric else found
+
+    def _map(self, rgb: NDArray[np.uint8], camera: CameraCfg) -> NDArray[np.float32]:
+        scaled = cv2.resize(rgb, self.size, interpolation=cv2.INTER_CUBIC)
+        (out,) = self.file.run(self.pixels.tensor(np.asarray(scaled, np.uint8))).values()
+        found = out.reshape(out.shape[-2:])
+        return np.asarray(cv2.resize(found, (camera.width, camera.height), interpolation=cv2.INTER_LINEAR), np.float32)

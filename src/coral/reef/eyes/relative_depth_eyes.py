@@ -24,6 +24,7 @@ class RelativeDepthEyes:
 
     def __init__(self, eyes: RgbPerception, network: DepthAnything) -> None:
         self.eyes, self.network = eyes, network
+        self.about: tuple[str, ...] = (*eyes.about, *network.about)
 
     def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
         """Find classes and depth. Where nothing gives scale and shift, depth is that of the other eyes."""

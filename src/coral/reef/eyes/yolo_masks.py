@@ -17,17 +17,25 @@ own suppression (YOLO26, `nms=True`)."""
 _CHOSEN = 6 + PROTOTYPES
 _MOST_CHOSEN = 1000
 """More rows than a network's own suppression leaves (300 by default)."""
+_STRIDES, _ANCHORS = (8, 16, 32), 3
+"""Pixels of the picture for a cell of each grid of candidates, and candidates in a cell of YOLOv5."""
 
 
-def layout_of(rows: int, columns: int, classes: int | None) -> Layout | None:
-    """Return the layout of an output of shape (1, rows, columns); None if it fits none, or not this many classes."""
-    if columns == _CHOSEN and rows <= _MOST_CHOSEN:
+def layout_of(rows: int, columns: int, classes: int, size: tuple[int, int]) -> Layout | None:
+    """Return the layout of an output of shape (1, rows, columns); None if it fits none, or not this many classes.
+
+    Args:
+        rows: Of the output.
+        columns: Of the output.
+        classes: Of the network.
+        size: Width and height of its pictures (px), which tell YOLOv5 of one class from chosen objects.
+    """
+    anchors = _ANCHORS * sum((size[0] // stride) * (size[1] // stride) for stride in _STRIDES)
+    if columns == _CHOSEN and rows <= _MOST_CHOSEN and not (classes == 1 and rows == anchors):
         return "chosen"
-    if rows > 4 + PROTOTYPES and classes in (None, rows - 4 - PROTOTYPES):
-        return "classes" if columns > rows or classes is not None else None
-    if columns > 5 + PROTOTYPES and classes in (None, columns - 5 - PROTOTYPES):
-        return "objectness"
-    return None
+    if rows == 4 + classes + PROTOTYPES:
+        return "classes"
+    return "objectness" if columns == 5 + classes + PROTOTYPES else None
 
 
 @dataclass(frozen=True)

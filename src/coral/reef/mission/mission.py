@@ -99,7 +99,7 @@ class Mission:
         streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3 * cfg.robots)]
         advisor = decider_of(cfg, advisor, seed)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
-        eyes = open_eyes(cfg.perception, depth=cfg.depth)
+        eyes = self.eyes = open_eyes(cfg.perception, depth=cfg.depth)
         self.preset = preset
         """Name of the water and sensors, for the record; `cfg` and `world` have their values."""
         if eyes is not None and not cfg.simulator.pictures:
