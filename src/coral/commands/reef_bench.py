@@ -83,8 +83,8 @@ class ReefEpisode:
 
 
 def mission_alone() -> MissionCfg:
-    """Return the default mission configuration of a campaign, in which no fallback decides for the advisor."""
-    return with_fallback(MissionCfg(), FOR_BENCHES)
+    """Return the default mission of a campaign: no fallback decides for the advisor, and full coverage ends it."""
+    return with_fallback(MissionCfg(stop_when_covered=True), FOR_BENCHES)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -215,9 +215,8 @@ def still_left(result: Mapping[str, Any]) -> list[str]:
     stood = ", ".join(
         f"{state} {states[state]:.0f} s" for state in ("holding", "surfacing", "taken over") if state in states
     )
-    goes_on = "; --cfg.no-stop-when-covered goes on" if result["end_reason"] == "coverage complete" else ""
     return [
-        *([f"not inspected to the end, by the robot's own map: {many(left, 'cluster')}{goes_on}"] if left else []),
+        *([f"not inspected to the end, by the robot's own map: {many(left, 'cluster')}"] if left else []),
         *([f"not surveying: {stood}"] if stood else []),
     ]
 

@@ -20,7 +20,9 @@ from coral.reef.mission.record import RecordCfg
 from coral.reef.pilot.guard import GuardCfg
 from coral.reef.vehicle.vehicle import VehicleState
 
-QUIET = MissionCfg(time_limit_s=150.0, latency="fixed:3", record=RecordCfg(pictures=False, frames=False))
+QUIET = MissionCfg(
+    time_limit_s=150.0, latency="fixed:3", stop_when_covered=True, record=RecordCfg(pictures=False, frames=False)
+)
 
 
 def run(world, folder, advisor=None, cfg=QUIET, seed=0, observers=()):

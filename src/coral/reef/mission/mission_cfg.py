@@ -31,10 +31,10 @@ class MissionCfg:
     """Reply time of the advisor in simulated seconds: fixed:S, lognormal:MEDIAN:SIGMA or measured. auto: as recorded
     for a recording, measured for models and people, fixed:10 for rules, the paper's median for CORAL (IV-E). In real
     time an answer is given no earlier than this, later if it takes longer; auto is then the time that it takes."""
-    stop_when_covered: bool = True
-    """End when every true cluster is covered. The experimenter stops the mission, as for the paper's coverage time; the
-    robot does not know it and decides nothing by it. In real water nobody knows it. False: the robot goes on until
-    nothing is left."""
+    stop_when_covered: bool = False
+    """End when every true cluster is covered: the experimenter stops the mission, as for the paper's coverage time, and
+    tables of coverage do so. The robot does not know it and decides nothing by it; in real water nobody knows it. By
+    default the robot continues until nothing is left."""
     perception: str = EXACT
     """Where classes and depth come from: exact, by the simulator's ray caster, which a real camera lacks; rgb, from the
     colour pictures by the network that comes with the package; or a network of your own, FILE.onnx."""
