@@ -99,6 +99,24 @@ def test_the_time_limit_truncates():
     assert (terminated, truncated) == (False, True)
 
 
+def test_pictures_of_an_episode_show_that_the_hand_moves():
+    env = gymnasium.make("coral/pick-box-v0", poses="ground-truth", render_mode="rgb_array")
+    recorded = gymnasium.wrappers.RenderCollection(env)
+    recorded.reset(seed=0)
+    for _ in range(3):
+        recorded.step(moved(0))
+    first, *_, last = recorded.render()
+    env.close()
+    assert first.shape == (480, 640, 3)
+    assert first.std() > 10
+    assert not np.array_equal(first, last)
+
+
+def test_without_a_render_mode_there_is_no_picture(exact):
+    exact.reset(seed=0)
+    assert exact.render() is None
+
+
 @pytest.mark.parametrize(
     ("wrong", "said"), [({"task": "pick-bx"}, "pick-box"), ({"world": "pand"}, "panda"), ({"poses": "true"}, "tracked")]
 )

@@ -13,21 +13,25 @@ from numpy.typing import NDArray
 from coral.config import checked
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.perception.camera import RayCamera
 from coral.contact.perception.tracked_world import TrackedWorld
 from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.task import Task
-from coral.contact.scene.trial import sample_trial
+from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
+from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError, simulation_of
 from coral.contact.worlds.registry import check_world, make_world
 from coral.errors import InputError
+from coral.view.contact.replay import overview, scene_camera
 
 Array = NDArray[np.float64]
 Seen = dict[str, NDArray[np.float32]]
 FARTHEST_M, MOST_N = 5.0, 500.0
 """Bounds of observed positions, and of forces and torques."""
+PICTURE_PX, ROOM_M = (640, 480), 0.15
+"""Size of the pictures of `render`, and how far around hand and objects they reach."""
 
 
 class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
@@ -46,13 +50,13 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         world: "hand", the free-flying hand; "panda" needs robosuite.
         poses: "tracked", or "ground-truth": then the observation holds true poses.
         cfg: Control period, limits of the target's speed, camera and tracker.
-        render_mode: Only None.
+        render_mode: "rgb_array": `render` returns a picture of the scene; None: it returns nothing.
 
     Raises:
         InputError: There is no such task or world.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 50}  # noqa: RUF012
 
     def __init__(
         self,
@@ -60,7 +64,7 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         world: str = "hand",
         poses: Literal["tracked", "ground-truth"] = "tracked",
         cfg: EpisodeCfg | None = None,
-        render_mode: None = None,
+        render_mode: Literal["rgb_array"] | None = None,
     ) -> None:
         check_world(world, "world")
         if poses not in ("tracked", "ground-truth"):
@@ -68,6 +72,7 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         self.task = task if isinstance(task, Task) else load_task(task)
         self.cfg = checked(cfg or EpisodeCfg(), "cfg")
         self.render_mode = render_mode
+        self.metadata = {**self.metadata, "render_fps": round(1.0 / self.cfg.planning.step_s)}
         self._world_name, self._poses = world, poses
         pose = spaces.Box(-FARTHEST_M, FARTHEST_M, (7,), np.float32)
         self._boxes: dict[str, spaces.Box[Any]] = {
@@ -80,6 +85,7 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         self.observation_space = spaces.Dict({**self._boxes})  # type: ignore[assignment]
         self.action_space = spaces.Box(-1.0, 1.0, (7,), np.float32)
         self._world: EvaluationWorld | None = None
+        self._camera: RayCamera | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Seen, dict[str, Any]]:
         """Sample a trial: poses, sizes, masses, frictions. The option `trial` is the seed of a given one.
@@ -104,6 +110,7 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         self._target = HandTarget(tool.position.copy(), tool.quaternion.copy(), self._now.opening_m, stiffness)
         truth = world.truth()
         self._judge.success(truth)
+        self._camera = None if self.render_mode is None else self._overview(world, trial, truth)
         return self._observe(), self._info(truth, "")
 
     def step(self, action: NDArray[np.float32]) -> tuple[Seen, float, bool, bool, dict[str, Any]]:
@@ -123,6 +130,21 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         late = self._now.time_s >= self.task.time_limit_s - 1e-9
         reward = float(success and not failure)
         return self._observe(), reward, done, late and not done, self._info(truth, failure)
+
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+        """Return a picture of the scene, Shape=(480, 640, 3); None without a render mode or before the first reset."""
+        simulation = None if self._world is None else simulation_of(self._world)
+        return None if simulation is None or self._camera is None else self._camera.take(simulation.data).rgb
+
+    def _overview(self, world: EvaluationWorld, trial: Trial, truth: Truth) -> RayCamera | None:
+        """Make a camera that shows the hand and all objects where they begin, and some room around them."""
+        simulation = simulation_of(world)
+        if simulation is None:
+            return None
+        points = np.array([self._now.tool.position, *(body.position for body in truth.objects.values())])
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        radius = float(np.linalg.norm(points - middle, axis=1).max()) + ROOM_M
+        return scene_camera(simulation.model, trial, overview(middle, radius), PICTURE_PX)
 
     def close(self) -> None:
         """Release the world."""

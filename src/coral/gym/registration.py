@@ -1,18 +1,19 @@
-"""Registers one Gymnasium environment for each shipped reef and task; imports nothing heavy."""
+"""Registers one Gymnasium environment for each shipped reef and task, the unseen suite included; imports nothing heavy."""
 
 from __future__ import annotations
 
 import gymnasium
 
+from coral.contact.scene.task_names import shipped_tasks, unseen_tasks
+
 REEFS = ("l1", "l2", "s1", "s2", "k1", "k2", "e1", "e2", "o1", "o2")
-TASKS = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
 
 
 def register_environments() -> None:
     """Register the environments that are not registered yet."""
     for name in REEFS:
         _register(f"coral/reef-{name}-v0", "coral.gym.reef_env:ReefEnv", {"world": name})
-    for name in TASKS:
+    for name in (*shipped_tasks(), *unseen_tasks()):
         _register(f"coral/{name}-v0", "coral.gym.contact_env:ContactEnv", {"task": name})
 
 

@@ -63,10 +63,10 @@ class ReplayedScene:
                 f"the {self._model.nq} of its world",
             )
         middle, radius = _extent(run, self.trial)
-        shown = [self._seen_from(_overview(middle, radius, direction)) for direction in DIRECTIONS]
+        shown = [self._seen_from(overview(middle, radius, direction)) for direction in DIRECTIONS]
         best = int(np.argmax(shown)) if max(shown) > BETTER * shown[0] else 0
         self.direction: Array = DIRECTIONS[best]
-        self._camera = self._make_camera(_overview(middle, radius, self.direction), size)
+        self._camera = scene_camera(self._model, self.trial, overview(middle, radius, self.direction), size)
 
     def at(self, t: float) -> Image:
         """Draw the last state until `t`, Shape=(H, W, 3) RGB."""
@@ -80,19 +80,9 @@ class ReplayedScene:
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
 
-    def _make_camera(self, placed: Array, size: tuple[int, int], names: bool = False) -> RayCamera:
-        return RayCamera(
-            self._model,
-            RgbdCameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG),
-            placed,
-            instance_names(self._model, self.trial) if names else {},
-            colours="none" if names else "shaded",
-            hidden=hidden_geoms(self._model, self.trial),
-        )
-
     def _seen_from(self, placed: Array) -> float:
         """Return how many pixels show objects that move, summed over moments of the run."""
-        camera, total = self._make_camera(placed, LOOK_SIZE, names=True), 0
+        camera, total = scene_camera(self._model, self.trial, placed, LOOK_SIZE, names=True), 0
         for row in np.linspace(0, len(self.times) - 1, LOOKS).astype(int):
             self._put(int(row))
             picture = camera.take(self._data)
@@ -112,8 +102,30 @@ def _extent(run: RunFolder, trial: Trial) -> tuple[Array, float]:
     return (low + high) / 2, float(np.linalg.norm(high - low)) / 2 + 0.1
 
 
-def _overview(middle: Array, radius: float, direction: Array) -> Array:
-    """Compute a T_world_camera that shows it from a direction, Shape=(4, 4)."""
+def scene_camera(
+    model: mujoco.MjModel, trial: Trial, placed: Array, size: tuple[int, int], names: bool = False
+) -> RayCamera:
+    """Make a camera of a simulated scene.
+
+    Args:
+        model: The world's model.
+        trial: Its trial.
+        placed: T_world_camera, Shape=(4, 4).
+        size: Width and height (px).
+        names: Whether pictures hold which thing each pixel shows instead of colours.
+    """
+    return RayCamera(
+        model,
+        RgbdCameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG),
+        placed,
+        instance_names(model, trial) if names else {},
+        colours="none" if names else "shaded",
+        hidden=hidden_geoms(model, trial),
+    )
+
+
+def overview(middle: Array, radius: float, direction: Array = DIRECTIONS[0]) -> Array:
+    """Compute a T_world_camera that shows a ball, with centre Shape=(3,) and radius (m), from a direction."""
     away = radius / np.sin(np.radians(VFOV_DEG / 2))
     return look_at(middle + direction / np.linalg.norm(direction) * away, middle)
 
