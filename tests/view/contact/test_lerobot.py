@@ -98,6 +98,9 @@ def test_features_tasks_and_statistics_agree_with_the_data(dataset):
     assert tasks.to_pydict() == {"task_index": [0], "task": [load_task("pick-box").instruction]}
     assert json.loads(tasks.schema.metadata[b"pandas"])["index_columns"] == ["task"]
     stats = json.loads((out / "meta/stats.json").read_text())
+    assert {"q01", "q99"} < set(stats["action"])
+    assert np.shape(stats[CAMERA]["mean"]) == (3, 1, 1)
+    assert info["robot_type"] == "free_hand"
     assert stats["observation.state"]["max"] == pytest.approx(np.max(table["observation.state"].to_pylist(), axis=0))
 
 

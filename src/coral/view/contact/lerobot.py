@@ -15,6 +15,7 @@ from pydantic import Field
 from coral.config import Count
 from coral.errors import InputError
 from coral.file_writer import scratch_for, write_whole
+from coral.view.contact.lerobot_stats import PictureStats, column_stats
 from coral.view.contact.replay import ReplayedScene
 from coral.view.pictures import Image
 from coral.view.run import RunFolder
@@ -61,6 +62,8 @@ class Frames:
     """The instruction."""
     source: str
     """Name of the run folder."""
+    robot: str
+    """LeRobot's type of the robot: the world's arm, or a hand that flies freely."""
 
 
 @dataclass
@@ -68,6 +71,8 @@ class _Dataset:
     columns: dict[str, list[Any]] = field(default_factory=dict)
     episodes: list[dict[str, Any]] = field(default_factory=list)
     tasks: list[str] = field(default_factory=list)
+    robots: set[str] = field(default_factory=set)
+    pictures: PictureStats = field(default_factory=PictureStats)
 
 
 def write_lerobot(runs: Sequence[Path], out: Path, cfg: LerobotCfg | None = None) -> dict[str, Any]:
@@ -101,7 +106,7 @@ def write_lerobot(runs: Sequence[Path], out: Path, cfg: LerobotCfg | None = None
             _append(found, number, frames, cfg)
             if scenes:
                 path = folder / VIDEO / f"file-{number:03d}.mp4"
-                _write_video(path, (scenes[number].at(float(t)) for t in frames.times_s), cfg)
+                _write_video(path, (scenes[number].at(float(t)) for t in frames.times_s), found.pictures, cfg)
         _write_tables(found, folder, cfg)
     successes = sum(frames.success for frames in taken)
     total = len(found.columns["index"])
@@ -133,11 +138,14 @@ def frames_of(run: RunFolder, fps: int) -> Frames:
     start: Mapping[str, Any] = starts[0] if starts else {}
     success = bool(run.metrics.get("success"))
     task = str(start.get("instruction") or run.config.get("task"))
-    return Frames(state, action, times[rows], success, task, Path(run.path).name)
+    world = str(run.config.get("world", "hand"))
+    robot = "free_hand" if world == "hand" else world
+    return Frames(state, action, times[rows], success, task, Path(run.path).name, robot)
 
 
 def _append(found: _Dataset, number: int, frames: Frames, cfg: LerobotCfg) -> None:
     """Append the frames of one episode."""
+    found.robots.add(frames.robot)
     if frames.task not in found.tasks:
         found.tasks.append(frames.task)
     n, first = len(frames.state), len(found.columns.get("index", []))
@@ -204,11 +212,12 @@ def _write_tables(found: _Dataset, out: Path, cfg: LerobotCfg) -> None:
         "video_files_size_in_mb": 200,
         "data_path": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
         "video_path": "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4" if cfg.pictures else None,
-        "robot_type": "panda",
+        "robot_type": "+".join(sorted(found.robots)),
         "splits": {"train": f"0:{len(found.episodes)}"},
     }
     _write_json(out / "meta/info.json", info)
-    _write_json(out / "meta/stats.json", {name: _stats(values) for name, values in found.columns.items()})
+    stats: dict[str, Any] = {name: column_stats(values) for name, values in found.columns.items()}
+    _write_json(out / "meta/stats.json", stats | ({CAMERA: found.pictures.stats()} if cfg.pictures else {}))
 
 
 def _features(cfg: LerobotCfg) -> dict[str, Any]:
@@ -254,27 +263,16 @@ def _task_table(tasks: Sequence[str]) -> Any:
     return table.replace_schema_metadata({"pandas": json.dumps(pandas)})
 
 
-def _stats(values: Sequence[Any]) -> dict[str, list[float]]:
-    rows = np.asarray(values, np.float64).reshape(len(values), -1)
-    return {
-        "min": rows.min(axis=0).tolist(),
-        "max": rows.max(axis=0).tolist(),
-        "mean": rows.mean(axis=0).tolist(),
-        "std": rows.std(axis=0).tolist(),
-        "count": [len(rows)],
-    }
-
-
 def _write_json(path: Path, content: Any) -> None:
     write_whole(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
 
 
-def _write_video(path: Path, pictures: Iterator[Image], cfg: LerobotCfg) -> None:
+def _write_video(path: Path, pictures: Iterator[Image], stats: PictureStats, cfg: LerobotCfg) -> None:
     """Write an MP4 (H.264) with a key frame at every second picture, so that a learner can jump in it."""
     import imageio_ffmpeg
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    film = imageio_ffmpeg.write_frames(
+    video = imageio_ffmpeg.write_frames(
         str(path),
         (cfg.width, cfg.height),
         fps=cfg.fps,
@@ -285,7 +283,8 @@ def _write_video(path: Path, pictures: Iterator[Image], cfg: LerobotCfg) -> None
         output_params=["-crf", "23", "-preset", "veryfast", "-g", "2", "-bf", "0", "-movflags", "+faststart"],
         ffmpeg_log_level="error",
     )
-    film.send(None)
+    video.send(None)
     for picture in pictures:
-        film.send(np.ascontiguousarray(picture))
-    film.close()
+        stats.add(picture)
+        video.send(np.ascontiguousarray(picture))
+    video.close()
