@@ -74,7 +74,6 @@ def main() -> None:
             "--quiet",
             "--cfg.latency",
             "fixed:10",
-            "--cfg.no-stop-when-covered",
         ]
         mission = subprocess.Popen([sys.executable, "-m", "coral.cli", *words], cwd=temporary)
         shown = False

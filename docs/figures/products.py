@@ -55,7 +55,7 @@ def main() -> None:
     """Survey a reef with colour pictures, make the products, keep the pictures."""
     with tempfile.TemporaryDirectory() as scratch:
         run = Path(scratch) / "s1"
-        flags = ["--cfg.simulator.pictures", "--cfg.no-stop-when-covered", "--quiet"]
+        flags = ["--cfg.simulator.pictures", "--quiet"]
         subprocess.run([CORAL, "reef", "run", "s1", *flags, "--out", str(run)], check=True)
         subprocess.run([CORAL, "reef", "products", str(run), "--datum", "36.95,-122.02"], check=True)
         photograph(run / "products" / "products.html", IMAGES / "products.png")
