@@ -76,7 +76,9 @@ def test_a_bench_leaves_data_tables_figure_and_runs(finished):
     assert json.loads(json.dumps(result, allow_nan=False)) == result
 
 
-def test_a_mission_of_a_bench_is_the_mission_of_coral_reef_run_that_stops_when_covered(finished, puddle, tmp_path, capsys):
+def test_a_mission_of_a_bench_is_the_mission_of_coral_reef_run_that_stops_when_covered(
+    finished, puddle, tmp_path, capsys
+):
     _, out = finished
     assert (
         main(

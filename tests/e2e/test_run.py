@@ -123,7 +123,11 @@ def test_a_recording_repeats_the_mission_without_its_advisor(runs, coral):
         "replayed",
     )
     assert done.returncode == 0, done.stderr
-    assert (first.parent / "replayed" / "metrics.json").read_bytes() == (first / "metrics.json").read_bytes()
+    again, once = (json.loads((folder / "metrics.json").read_text()) for folder in (first.parent / "replayed", first))
+    deciders = again.pop("decided_by"), once.pop("decided_by")
+    assert again == once
+    assert [who["recording"] for who in deciders] == [deciders[1]["advisor"], 0]
+    assert deciders[1]["advisor"] > 0
 
 
 def test_people_get_a_summary_and_the_next_free_folder(place, coral):

@@ -1,4 +1,4 @@
-"""Registers one Gymnasium environment for each shipped reef and task, the unseen suite included; imports nothing heavy."""
+"""Registers a Gymnasium environment for each shipped reef, task and unseen task; imports nothing heavy."""
 
 from __future__ import annotations
 

@@ -52,4 +52,6 @@ class PictureStats:
             name: [levels[min(int(np.searchsorted(row, at - 1e-12)), 255)] for row in below]
             for name, at in QUANTILES.items()
         }
-        return {name: np.reshape(each, (3, 1, 1)).tolist() for name, each in found.items()} | {"count": [self._pictures]}
+        return {name: np.reshape(each, (3, 1, 1)).tolist() for name, each in found.items()} | {
+            "count": [self._pictures]
+        }
