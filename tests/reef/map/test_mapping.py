@@ -171,8 +171,9 @@ def test_cells_are_classified_as_their_counts_say():
     target, obstacle = rng.random((2, 40, 40)) < 0.2
     before = obstacle.copy()
     solid = (counts[1] >= 3) & (counts[1] >= 0.3 * counts[2])
-    soft = (counts[0] >= 2) & (counts[0] >= 0.05 * counts[2]) & ~solid
-    changed = classify(counts[0], counts[1], counts[2], 2, 3, 0.05, 0.3, target, obstacle, (0, 40, 0, 40))
+    sharp = rng.random((40, 40)) < 0.5
+    soft = (counts[0] >= 2) & (counts[0] >= np.where(sharp, 0.1, 0.05) * counts[2]) & ~solid
+    changed = classify(*counts, 2, 3, 0.05, 0.1, 0.3, sharp, target, obstacle, (0, 40, 0, 40))
     assert np.array_equal(obstacle, solid)
     assert np.array_equal(target, soft)
     assert changed == np.count_nonzero(before != solid)
@@ -321,9 +322,13 @@ def test_doubtful_oysters_are_no_evidence():
     cells = OccupancyMap((10.0, 10.0), CAMERA)
     labels = np.full((CAMERA.height, CAMERA.width), Label.OYSTER, np.uint8)
     depth, nobody = np.full(labels.shape, 2.0, np.float32), np.full(labels.shape, -1, np.int32)
-    for _ in range(3):
-        cells.integrate(Frame(depth, labels, nobody, doubt=np.full(labels.shape, 0.9, np.float32)), Pose(5.0, 5.0, 0.0))
+    for k in range(3):
+        cells.integrate(
+            Frame(depth, labels, nobody, doubt=np.full(labels.shape, 0.9, np.float32)), Pose(5.0 + 0.2 * k, 5.0, 0.0)
+        )
     assert not cells.target.any()
-    for _ in range(3):
-        cells.integrate(Frame(depth, labels, nobody, doubt=np.full(labels.shape, 0.1, np.float32)), Pose(5.0, 5.0, 0.0))
+    for k in range(3):
+        cells.integrate(
+            Frame(depth, labels, nobody, doubt=np.full(labels.shape, 0.1, np.float32)), Pose(5.0 + 0.2 * k, 5.0, 0.0)
+        )
     assert cells.target.any()

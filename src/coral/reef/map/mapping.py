@@ -18,6 +18,7 @@ from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
 from coral.reef.map.changes import Box
 from coral.reef.map.mapping_kernels import SATURATED, cell_classes, classify, explore, look, project
 from coral.reef.map.obstacle_layer import ObstacleLayer, SonarLayerCfg
+from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.vehicle.camera import CameraCfg, check_picture
 from coral.reef.vehicle.range_image import RangeImage
@@ -67,6 +68,8 @@ class MapCfg:
     its map takes obstacles from the camera too. sonar: the camera's obstacles count for nothing, as where its depth is
     only estimated. Without a sonar it is the camera's."""
     sonar: SonarLayerCfg = field(default_factory=SonarLayerCfg)
+    sight: SightLayerCfg = field(default_factory=SightLayerCfg)
+    """Of eyes that doubt, on a vehicle without a sonar."""
     doubt: DoubtCfg = field(default_factory=DoubtCfg)
     """Doubt with which a pixel still counts, where perception states one."""
 
@@ -107,6 +110,7 @@ class OccupancyMap:
         self._obstacles = np.zeros(shape, np.uint16)
         self._ground = np.zeros(shape, np.uint16)
         self._counted = np.zeros(shape, np.int32)
+        self._sharp = np.zeros(shape, np.bool_)
         self._pictures = 0
         self.target = np.zeros(shape, np.bool_)
         """Oyster cells. Shape=(NY, NX)."""
@@ -116,6 +120,8 @@ class OccupancyMap:
         """Cells that have been in view. Shape=(NY, NX)."""
         self.layer = None if sonar is None or not sonar.enabled else ObstacleLayer(shape, cfg.cell_m, sonar, cfg.sonar)
         """Obstacles by the sonar; None without one."""
+        self.sight: SightLayer | None = None
+        """Obstacles of doubtful pictures; None before the first one, and with a sonar."""
         self._seen_obstacle = self.obstacle if self.layer is None else np.zeros(shape, np.bool_)
         self._closed = np.zeros(shape, np.bool_)
         self.version = 0
@@ -164,22 +170,36 @@ class OccupancyMap:
             looks = np.ascontiguousarray(np.concatenate([rays, self._looks[..., 2:]], axis=2))
         cfg = self.cfg
         self._pictures += 1
-        project(
-            frame.depth,
-            frame.labels,
-            rays,
-            self._lever,
-            (pose.x, pose.y, pose.theta),
-            cfg.cell_m,
-            cfg.range_m,
-            cfg.obstacle_range_m,
-            self._targets,
-            self._obstacles,
-            self._ground,
-            self._counted,
-            self._pictures,
-            self._reach,
-        )
+        changed, counts, obstacle_range_m, sharp_m = False, True, cfg.obstacle_range_m, 0.0
+        doubted = frame.doubt is not None and self.layer is None
+        if doubted:
+            if self.sight is None:
+                self.sight = SightLayer(self.obstacle & ~self._closed, cfg.cell_m, self.camera, cfg.sight)
+                self._obstacles[~self._closed] = 0
+                self._seen_obstacle = self._closed.copy()
+            changed = self.sight.integrate(
+                frame, pose, self._lever, (cfg.obstacle_range_m, cfg.range_m), self.explored, roll, pitch
+            )
+            counts, obstacle_range_m, sharp_m = self.sight.counted, -1.0, self.sight.sharp_m
+        if counts:
+            project(
+                frame.depth,
+                frame.labels,
+                rays,
+                self._lever,
+                (pose.x, pose.y, pose.theta),
+                cfg.cell_m,
+                cfg.range_m,
+                obstacle_range_m,
+                self._targets,
+                self._obstacles,
+                self._ground,
+                self._counted,
+                self._pictures,
+                self._reach,
+                self._sharp,
+                sharp_m,
+            )
         look(
             frame.depth,
             frame.labels,
@@ -194,21 +214,27 @@ class OccupancyMap:
             self._hinted,
             self._pictures,
         )
-        changed = classify(
-            self._targets,
-            self._obstacles,
-            self._ground,
-            cfg.target_hits,
-            cfg.obstacle_hits,
-            cfg.target_ratio,
-            cfg.obstacle_ratio,
-            self.target,
-            self._seen_obstacle,
-            self._window(pose, cfg.range_m),
+        changed |= bool(
+            classify(
+                self._targets,
+                self._obstacles,
+                self._ground,
+                cfg.target_hits,
+                cfg.obstacle_hits,
+                cfg.target_ratio,
+                cfg.sight.target_ratio,
+                cfg.obstacle_ratio,
+                self._sharp,
+                self.target,
+                self._seen_obstacle,
+                self._window(pose, cfg.range_m),
+            )
         )
-        self.version += changed > 0
         if changed:
+            self.version += 1
             self._combine(self._window(pose, cfg.range_m))
+        if doubted:
+            return  # its lines of sight have told what is explored
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         origin = (pose.x + c * self._lever[0] - s * self._lever[1], pose.y + s * self._lever[0] + c * self._lever[1])
         explore(
@@ -250,11 +276,12 @@ class OccupancyMap:
 
     def _combine(self, window: Box) -> None:
         """Put together the obstacles of camera and sonar within a window."""
-        if self.layer is None:
+        layer = self.layer or self.sight
+        if layer is None:
             return
         at = slice(*window[:2]), slice(*window[2:])
-        self.obstacle[at] = self.layer.obstacle[at] | self._closed[at]
-        if self.cfg.obstacles == "both":
+        self.obstacle[at] = layer.obstacle[at] | self._closed[at]
+        if self.cfg.obstacles == "both" or layer is self.sight:
             self.obstacle[at] |= self._seen_obstacle[at]
         self.target[at] &= ~self.obstacle[at]
 
@@ -301,7 +328,11 @@ class OccupancyMap:
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Return the arrays from which `recall` makes the same map again, by name."""
-        return {name: getattr(self, name).copy() for name in _MEMORY}
+        arrays = {name: getattr(self, name).copy() for name in _MEMORY}
+        if self.sight is not None:
+            least = np.maximum(self.cfg.obstacle_hits, np.ceil(self.cfg.obstacle_ratio * self._ground))
+            arrays["_obstacles"][self.sight.obstacle] = least[self.sight.obstacle]
+        return arrays
 
     def recall(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Take over what another map of the same size knew.
@@ -322,7 +353,9 @@ class OccupancyMap:
             cfg.target_hits,
             cfg.obstacle_hits,
             cfg.target_ratio,
+            cfg.sight.target_ratio,
             cfg.obstacle_ratio,
+            self._sharp,
             self.target,
             self._seen_obstacle,
             (0, ny, 0, nx),

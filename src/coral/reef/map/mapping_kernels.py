@@ -28,6 +28,8 @@ def project(
     counted: NDArray[np.int32],
     picture: int,
     column_reach: NDArray[np.float64],
+    sharp: NDArray[np.bool_],
+    sharp_m: float,
 ) -> None:
     """Project every pixel into the grid (Eq. 1). Each cell counts the pictures that show a class there.
 
@@ -48,6 +50,9 @@ def project(
         counted: Shape=(NY, NX), classes that the last picture of each cell counted: 8 picture + a bit per class.
         picture: Number of this picture, from 1 on.
         column_reach: Shape=(W,), farthest horizontal distance (m) with a return in each column, written.
+        sharp: Shape=(NY, NX), cells that have been seen from `sharp_m` or nearer, updated in place. What was counted
+            from farther away is forgotten then, and nothing more from there is counted.
+        sharp_m: Horizontal distance (m); 0: all looks are alike.
     """
     ny, nx = targets.shape
     height, width = depth.shape
@@ -73,6 +78,12 @@ def project(
             if label != OYSTER and label != OBSTACLE and label != SEABED:
                 continue
             done = counted[iy, ix]
+            if distance > sharp_m:
+                if sharp[iy, ix]:
+                    continue
+            elif not sharp[iy, ix]:
+                sharp[iy, ix] = True
+                targets[iy, ix] = ground[iy, ix] = done = 0
             if done >> 3 != picture:
                 done = picture << 3
             bit = 1 << (label - 1)
@@ -211,7 +222,9 @@ def classify(
     target_hits: int,
     obstacle_hits: int,
     target_ratio: float,
+    sharp_ratio: float,
     obstacle_ratio: float,
+    sharp: NDArray[np.bool_],
     target_mask: NDArray[np.bool_],
     obstacle_mask: NDArray[np.bool_],
     window: tuple[int, int, int, int],
@@ -228,7 +241,8 @@ def classify(
             if solid != obstacle_mask[iy, ix]:
                 obstacle_mask[iy, ix] = solid
                 changed += 1
-            target_mask[iy, ix] = soft and targets[iy, ix] >= target_ratio * floor and not solid
+            ratio = sharp_ratio if sharp[iy, ix] else target_ratio
+            target_mask[iy, ix] = soft and targets[iy, ix] >= ratio * floor and not solid
     return changed
 
 

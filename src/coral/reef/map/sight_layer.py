@@ -1,0 +1,138 @@
+"""Obstacles that a network alone sees: lines of sight over the sea floor, doubtful until seen from two places."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import Fraction, NonNegative, Positive
+from coral.reef.map.sight_layer_kernels import scan, trace
+from coral.reef.vehicle.camera import CameraCfg, T_world_camera
+from coral.reef.world.geometry import Frame, Label, Pose, wrap
+
+
+@dataclass(frozen=True, kw_only=True)
+class SightLayerCfg:
+    """What a line of sight says of the cells, where obstacles are told by a network's picture alone."""
+
+    near_share: Fraction = 0.2
+    """An obstacle is where this share of its pixels along a bearing is nearer, or at its foot if that is nearer."""
+    sharp_pixel_m: Positive = 0.05
+    """Looks count fully while a pixel is at most so wide, 2.3 m away with the default camera; then less and less. Where
+    oysters have been looked for from so near, looks from farther away no longer count."""
+    target_ratio: NonNegative = 0.5
+    """A cell seen from so near is no target if fewer pictures show oysters than this share of those with seabed."""
+    back_m: NonNegative = 0.15
+    back_share: Fraction = 0.1
+    """Water within `back_m` and this share of its distance in front of an obstacle is not told free."""
+    through: Positive = 0.5
+    """Weight of a look through a cell; a look that ends there weighs 1."""
+    most: Positive = 2.0
+    """Evidence is bounded by this, that for an obstacle by twice as much: what is looked through is free again."""
+    solid: Positive = 1.5
+    """Evidence that makes an obstacle: looks from two places."""
+    step_m: Positive = 0.1
+    turn_rad: Positive = 0.1
+    """A picture is evidence once the camera has moved or turned so far: errors of a network repeat themselves while it
+    stands still."""
+
+
+class SightLayer:
+    """Keeps for each cell the evidence for and against an obstacle."""
+
+    def __init__(self, known: NDArray[np.bool_], cell_m: float, camera: CameraCfg, cfg: SightLayerCfg) -> None:
+        """Set up for a grid with cells of `cell_m` (m), in which obstacles are known. Shape=(NY, NX)."""
+        self.cfg, self.camera, self._cell_m = cfg, camera, cell_m
+        self.obstacle = known
+        """Obstacle cells. Shape=(NY, NX)."""
+        self.odds = np.where(known, 2.0 * cfg.most, 0.0).astype(np.float32)
+        """Evidence for an obstacle. Shape=(NY, NX)."""
+        self._said, self._pictures = np.zeros(known.shape, np.int32), 0
+        self._lines = sight_lines(camera)
+        bearings = math.ceil(2.0 * math.pi * camera.intrinsics[0])
+        self._scan = np.empty((3, bearings))
+        self._last: Pose | None = None
+        self.counted = False
+        """Whether the last picture was evidence: taken at another place than the one before."""
+        self.sharp_m = cfg.sharp_pixel_m * camera.intrinsics[0]
+        """Distance up to which looks count fully (m)."""
+
+    def integrate(
+        self,
+        frame: Frame,
+        pose: Pose,
+        lever: NDArray[np.float64],
+        ranges_m: tuple[float, float],
+        explored: NDArray[np.bool_],
+        roll: float = 0.0,
+        pitch: float = 0.0,
+    ) -> bool:
+        """Fuse a picture taken at `pose`.
+
+        Args:
+            frame: The picture, without its doubtful pixels.
+            pose: Pose of the body.
+            lever: Place of the camera in the body's frame (m). Shape=(2,).
+            ranges_m: Greatest distance (m) of obstacles, and of explored cells.
+            explored: Shape=(NY, NX), updated in place.
+            roll: As in `T_world_camera` (rad).
+            pitch: The same.
+
+        Returns:
+            Whether an obstacle cell appeared or went.
+        """
+        cfg, at = self.cfg, self._last
+        lines = sight_lines(self.camera, roll, pitch) if roll or pitch else self._lines
+        flat = np.hypot(lines[0], lines[1])
+        floor = frame.labels == Label.SEABED
+        # Eyes put the floor where the measured height puts it.
+        height = float(np.median((frame.depth * lines[2])[floor])) if floor.any() else self.camera.altitude_m
+        with np.errstate(divide="ignore", invalid="ignore"):
+            plane = np.where(lines[2] > 1e-6, height * flat / lines[2], np.inf)
+        turn = np.arctan2(lines[1], lines[0]) + math.pi
+        (ranges, first, last), bearings = self._scan, self._scan.shape[1]
+        bearing = np.minimum((turn * (bearings / (2.0 * math.pi))).astype(np.int64), bearings - 1)
+        scan(frame.depth, frame.labels, flat, plane, bearing, cfg.near_share, ranges, first, last)
+        self.counted = (
+            at is None or math.dist(at[:2], pose[:2]) >= cfg.step_m or abs(wrap(at.theta - pose.theta)) >= cfg.turn_rad
+        )
+        if self.counted:
+            self._last = pose
+            self._pictures += 1
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        return bool(
+            trace(
+                ranges,
+                first,
+                last,
+                (pose.x + c * lever[0] - s * lever[1], pose.y + s * lever[0] + c * lever[1]),
+                pose.theta,
+                self._cell_m,
+                *ranges_m,
+                self.sharp_m,
+                cfg.back_m,
+                cfg.back_share,
+                cfg.through,
+                cfg.most,
+                cfg.solid,
+                self.counted,
+                self.odds,
+                self._said,
+                self._pictures,
+                explored,
+                self.obstacle,
+            )
+        )
+
+
+def sight_lines(camera: CameraCfg, roll: float = 0.0, pitch: float = 0.0) -> NDArray[np.float64]:
+    """Return the forward, left and downward components of each pixel's ray at unit depth. Shape=(3, H, W)."""
+    fx, fy, cx, cy = camera.intrinsics
+    u, v = np.meshgrid((np.arange(camera.width) - cx) / fx, (np.arange(camera.height) - cy) / fy)
+    turn = T_world_camera(Pose(0.0, 0.0, 0.0), camera, roll=roll, pitch=pitch)[:3, :3]
+    rays = np.tensordot(turn, np.stack([u, v, np.ones_like(u)]), axes=1)
+    rays[2] *= -1.0
+    return np.ascontiguousarray(rays)
