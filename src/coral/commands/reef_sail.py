@@ -36,6 +36,7 @@ from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_camera, with_sonar
+from coral.reef.recordings.lens_check import check_run_lens
 from coral.reef.recordings.live_view import LiveView, resized
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.operator import OperatorWords
@@ -241,7 +242,8 @@ class ReefSail:
             if notice is not None:
                 notice.finished(f"{result['clusters_covered']} clusters covered; {result['end_reason']}")
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
-        return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
+        lens = "" if self.camera == "simulated" else check_run_lens(folder)
+        return {**result, "decided": decided, "lens": lens, "run": str(folder), **render(folder, cfg)}
 
     def _config(self) -> MissionCfg:
         if self.seed < 0:
@@ -345,6 +347,7 @@ class ReefSail:
             f"run folder: {result['run']}",
         ]
         lines += [f"saved map: {result['alignment']}"] if result.get("alignment") else []
+        lines += [result["lens"]] if result.get("lens") else []
         lines += [f"recording stopped: {result['recording_failure']}"] if result["recording_failure"] else []
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
         lines += [str(result["decided"])] if result["decided"] else []

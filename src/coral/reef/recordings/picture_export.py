@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from pathlib import Path
 
+from coral.config import read_yaml
 from coral.errors import InputError
 from coral.file_writer import scratch_for, write_whole
+from coral.foreign_file import read_text
+from coral.limits import TABLE_BYTES
 from coral.reef.recordings.picture_files import encode_jpeg
 from coral.reef.recordings.picture_folder import TABLE
 from coral.reef.recordings.recording import PosedFrame, Recording
 from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.world.geometry import Pose
 from coral.yaml_file import to_yaml
 
+CAMERA = "camera.yaml"
 COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw", "rgb")
 
 
@@ -28,19 +34,53 @@ def write_pictures(recording: Recording, path: Path) -> dict[str, int]:
     """
     if path.exists():
         raise InputError(str(path), "--out", "something there already", "a new path")
-    table = io.StringIO()
-    rows = csv.writer(table, lineterminator="\n")
-    rows.writerow(COLUMNS)
-    count = 0
+    table, count = _row(COLUMNS), 0
     with scratch_for(path) as folder:
         for count, one in enumerate(recording.keyframes(), 1):
             name = f"{count:06d}.jpg"
             write_whole(folder / name, colour_of(one, recording))
             values = (one.t, one.pose.x, one.pose.y, one.height_m, one.roll, one.pitch, one.pose.theta)
-            rows.writerow([*(f"{value:.9g}" for value in values), name])
-        write_whole(folder / TABLE, table.getvalue())
-        write_whole(folder / "camera.yaml", to_yaml(_camera(recording.camera)))
+            table += _row([*(f"{value:.9g}" for value in values), name])
+        write_whole(folder / TABLE, table)
+        write_whole(folder / CAMERA, to_yaml(_camera(recording.camera)))
     return {"pictures": count}
+
+
+class PictureFolder:
+    """A folder of pictures of one camera that grows picture by picture, as `read_folder` reads it."""
+
+    def __init__(self, folder: Path, camera: CameraCfg) -> None:
+        """Begin a folder, or go on with one.
+
+        Raises:
+            InputError: It has pictures of another camera, or a table of another kind.
+        """
+        self._folder, self._camera = folder, camera
+        self._rows, self._last = _row(COLUMNS), -1.0
+        table = folder / TABLE
+        if (folder / CAMERA).exists() or table.exists():
+            known = read_yaml(folder / CAMERA) if (folder / CAMERA).is_file() else None
+            if known != _camera(camera):
+                raise InputError(str(folder), CAMERA, "another camera", "a folder for the pictures of one camera")
+            self._rows = read_text(table, "a table of poses", TABLE_BYTES)
+            head, *body = self._rows.splitlines()
+            if _row(COLUMNS) != f"{head}\n" or not self._rows.endswith("\n"):
+                raise InputError(str(table), "", f"columns {head}", ", ".join(COLUMNS))
+            self._last = float(body[-1].partition(",")[0]) if body else -1.0
+
+    def add(self, name: str, pose: Pose, t: float) -> None:
+        """Add a picture, which lies in the folder, by its name; its time is a second after the last one at least."""
+        self._last = max(t, self._last + 1.0)
+        values = (self._last, pose.x, pose.y, self._camera.altitude_m, 0.0, 0.0, pose.theta)
+        self._rows += _row([*(f"{value:.9g}" for value in values), name])
+        write_whole(self._folder / TABLE, self._rows)
+        write_whole(self._folder / CAMERA, to_yaml(_camera(self._camera)))
+
+
+def _row(cells: Sequence[str]) -> str:
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(cells)
+    return line.getvalue()
 
 
 def colour_of(keyframe: PosedFrame, recording: Recording) -> bytes:
