@@ -1,4 +1,7 @@
 import errno
+import re
+import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -30,3 +33,13 @@ def test_only_a_name_that_is_alike_is_suggested():
     assert nearest("obstcles", ["clusters", "obstacles"]) == " (did you mean 'obstacles'?)"
     assert nearest("zzz", ["clusters", "obstacles"]) == ""
     assert nearest("clutters", ["clusters"], likeness=0.95) == ""
+
+
+def test_every_extra_that_a_message_names_exists():
+    root = Path(__file__).parents[1]
+    extras = tomllib.loads((root / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    sources = [path.read_text() for path in (root / "src").rglob("*.py")]
+    named = {name for text in sources for name in re.findall(r"install_extra\([\"'](\w+)[\"']\)", text)}
+    assert len(named) > 6
+    assert named <= set(extras)
+    assert not [text for text in sources if "pip install 'coral-robotics" in text]

@@ -28,7 +28,7 @@ def test_a_missing_and_a_broken_file_are_one_clear_line(tmp_path):
 
 def test_without_onnxruntime_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "onnxruntime", None)
-    with pytest.raises(InputError, match=r"--perception: found no package onnxruntime, expected the extra `vision`"):
+    with pytest.raises(InputError, match=r"--perception: found no package onnxruntime, expected the extra vision"):
         open_onnx(SHIPPED)
 
 

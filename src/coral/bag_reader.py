@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from coral.errors import InputError, first_line
+from coral.errors import InputError, first_line, install_extra
 from coral.foreign_file import check_tables, read_head, read_text
 from coral.limits import CHUNK_BYTES
 from coral.yaml_file import load_mapping
@@ -92,9 +92,7 @@ def _opened(path: Path) -> Iterator[Any]:
         from rosbags.rosbag2 import storage_mcap
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
-        raise InputError(
-            str(path), "", "no package rosbags", "the extra bags: pip install 'coral-robotics[bags]'"
-        ) from None
+        raise InputError(str(path), "", "no package rosbags", install_extra("bags")) from None
     _refuse_odd_files(path)
     _bound_chunks(storage_mcap)
     try:

@@ -59,6 +59,11 @@ def nearest(word: str, known: Iterable[str], likeness: float = 0.5) -> str:
     return f" (did you mean {close[0]!r}?)" if close else ""
 
 
+def install_extra(name: str) -> str:
+    """Return how to install an extra of the package, which no index has."""
+    return f"the extra {name}: in a checkout of coral, pip install -e '.[{name}]'"
+
+
 def shown(value: Any) -> str:
     """Shorten a wrong value for a message."""
     text = repr(value)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError, first_line
+from coral.errors import InputError, first_line, install_extra
 
 SINGLE, HALF = "tensor(float)", "tensor(float16)"
 
@@ -78,9 +78,7 @@ def open_onnx(path: Path, where: str = "--perception") -> OnnxFile:
     try:
         import onnxruntime
     except ImportError:
-        raise InputError(
-            where, "", "no package onnxruntime", "the extra `vision`: pip install 'coral-robotics[vision]'"
-        ) from None
+        raise InputError(where, "", "no package onnxruntime", install_extra("vision")) from None
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.log_severity_level = 4

@@ -76,7 +76,11 @@ def to_yaml(content: Any, **style: Any) -> str:
 
 
 def load_mapping(
-    text: str, where: str, most_values: int = YAML_VALUES, expected: str = "a mapping of keys to values"
+    text: str,
+    where: str,
+    most_values: int = YAML_VALUES,
+    expected: str = "a mapping of keys to values",
+    list_key: str = "",
 ) -> dict[str, Any]:
     """Return the mapping in a YAML text; {} for an empty one.
 
@@ -85,6 +89,7 @@ def load_mapping(
         where: The file, for messages.
         most_values: Maximum number of values, including expanded aliases.
         expected: Expected content, for the message.
+        list_key: Key under which a list that stands alone is returned; "" refuses it.
 
     Raises:
         InputError: It is not YAML, not a mapping, or nested or expanded without end.
@@ -102,6 +107,8 @@ def load_mapping(
         raise InputError(where, "", str(error) or "brackets nested without end", "valid YAML") from None
     if content is None:
         return {}
+    if list_key and isinstance(content, list):
+        return {list_key: content}
     if not isinstance(content, dict):
         raise InputError(where, "", f"a {type(content).__name__}", expected)
     return content

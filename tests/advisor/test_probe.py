@@ -46,7 +46,7 @@ def test_able_endpoint(stub):
         ("native", "tool", "prompted", "plain"), "ok"
     )
     assert report.pictures.says == "named 3 colours of 3"
-    assert report.lines()[-1] == "  use output: native"
+    assert report.lines()[-1] == f"  use it with: --advisor '{report.advisor}' --model.output native"
 
 
 def test_endpoint_with_gaps(stub):
@@ -55,7 +55,7 @@ def test_endpoint_with_gaps(stub):
     assert "not-json" in report.modes["tool"].says
     assert report.recommended == "prompted"
     assert "takes no images" in report.pictures.says
-    assert report.lines()[-1] == "  use output: prompted, pictures: false"
+    assert report.lines()[-1].endswith("--model.output prompted --model.no-pictures")
 
 
 def test_endpoint_that_refuses_the_key_is_asked_once(stub):

@@ -36,7 +36,7 @@ def test_what_an_endpoint_can_do_is_told_in_words_and_in_json(model, told):
     assert (code, err, result["usable"], result["recommended"]) == (0, "", True, "plain")
     text = AdvisorProbe(model=address).describe(result)
     assert text.startswith(address)
-    assert text.endswith("use output: plain, pictures: false")
+    assert text.endswith("--model.output plain --model.no-pictures")
 
 
 @pytest.mark.parametrize("flags", [(), ("--json",)])

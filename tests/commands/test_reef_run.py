@@ -57,6 +57,14 @@ def test_the_share_inspected_is_told_where_it_is_known():
     assert share_inspected({"inspected": None}) == ""
 
 
+def test_why_no_answer_was_accepted_is_told(capsys):
+    notice = FallbackNotice("rules")
+    refused = {"event": "verdict", "t": 4.0, "verdict": "rejected", "code": "hazard", "reason": "3 lies behind rock"}
+    notice(refused)
+    notice({"event": "fallback", "t": 5.0, "failure": "requeries-used-up"})
+    assert "(every answer was refused, the last answer because: 3 lies behind rock)" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("policy", "then"), [("rules", "rules decide"), ("hold", "goal is kept"), ("fail", "mission ends")]
 )

@@ -58,8 +58,8 @@ class ProbeReport:
         if self.recommended is None:
             rows.append("  no output mode works")
         else:
-            eyes = "" if self.pictures is not None and self.pictures.works else ", pictures: false"
-            rows.append(f"  use output: {self.recommended}{eyes}")
+            eyes = "" if self.pictures is not None and self.pictures.works else " --model.no-pictures"
+            rows.append(f"  use it with: --advisor '{self.advisor}' --model.output {self.recommended}{eyes}")
         return rows
 
 

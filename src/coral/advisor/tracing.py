@@ -9,7 +9,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from coral.advisor.scrub import scrub
-from coral.errors import InputError, nearest
+from coral.errors import InputError, install_extra, nearest
 
 if TYPE_CHECKING:
     from opentelemetry.sdk.trace import ReadableSpan
@@ -36,9 +36,7 @@ def trace_mode() -> str:
             import opentelemetry.exporter.otlp.proto.http.trace_exporter
             import opentelemetry.sdk.trace  # noqa: F401
         except ImportError:
-            raise InputError(
-                TRACE, "", "no packages of OpenTelemetry", "the extra trace: pip install 'coral-robotics[trace]'"
-            ) from None
+            raise InputError(TRACE, "", "no packages of OpenTelemetry", install_extra("trace")) from None
     return mode
 
 

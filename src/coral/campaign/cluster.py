@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, perform
-from coral.errors import InputError, RunError, first_line
+from coral.errors import InputError, RunError, first_line, install_extra
 
 ATTEMPTS = 4
 """A lost node and an episode that kills its worker look alike to the driver, and losing a node is common on a
@@ -45,7 +45,7 @@ class RayExecutor:
                 "--executor",
                 "",
                 "ray, which is not installed",
-                "local, or the extra installed: pip install -e '.[ray]'",
+                f"local, or {install_extra('ray')}",
             ) from None
         self._ray = ray
         _check_listening(address)

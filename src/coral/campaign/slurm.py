@@ -17,7 +17,7 @@ from typing import Any
 from coral.campaign.cluster import pack, unpack
 from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, perform
 from coral.campaign.spec import Spec
-from coral.errors import InputError, RunError
+from coral.errors import InputError, RunError, install_extra
 
 ATTEMPTS = 4
 """A lost node and an episode that kills its process look alike from here, as with Ray."""
@@ -63,7 +63,7 @@ class SlurmExecutor:
                 "--executor",
                 "",
                 "no package submitit",
-                "local, or the extra installed: pip install 'coral-robotics[slurm]'",
+                f"local, or {install_extra('slurm')}",
             ) from None
         for flag, number in (("minutes", cfg.minutes), ("memory-gb", cfg.memory_gb)):
             if not number > 0:

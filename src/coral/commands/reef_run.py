@@ -225,19 +225,25 @@ class FallbackNotice:
     """Reports once on standard error that the advisor did not decide."""
 
     def __init__(self, policy: Fallback) -> None:
-        self._policy, self._said = policy, False
+        self._policy, self._said, self._refused = policy, False, ""
 
     def __call__(self, event: Mapping[str, Any]) -> None:
         """Handle an event of the mission."""
+        if event["event"] == "verdict" and event["verdict"] in ("rejected", "malformed"):
+            self._refused = f", the last answer because: {event['reason'] or event['code']}"
         if event["event"] == "fallback" and not self._said:
             self._said = True
             then = {"rules": "the fallback's rules decide", "hold": "the goal is kept", "fail": "the mission ends"}
+            why = self._why(str(event["failure"]))
             print(
-                f"at {event['t']:.0f} s the advisor did not decide ({event['failure']}): {then[self._policy]} "
+                f"at {event['t']:.0f} s the advisor did not decide ({why}): {then[self._policy]} "
                 f"(--fallback {self._policy})",
                 file=sys.stderr,
                 flush=True,
             )
+
+    def _why(self, failure: str) -> str:
+        return f"every answer was refused{self._refused}" if failure == "requeries-used-up" else failure
 
 
 def render(folder: Path, cfg: MissionCfg) -> dict[str, str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit
 from coral.desk.server import NAME_LIMIT
-from coral.errors import InputError
+from coral.errors import InputError, install_extra
 from coral.web import WebServer
 
 if TYPE_CHECKING:
@@ -41,9 +41,7 @@ class McpDesk:
         try:
             from mcp.server import MCPServer
         except ImportError:
-            raise InputError(
-                "--mcp", "", "no package mcp", "the extra mcp: pip install 'coral-robotics[mcp]'"
-            ) from None
+            raise InputError("--mcp", "", "no package mcp", install_extra("mcp")) from None
         self.inbox = inbox
         self.answered = 0
         """Number of answers accepted by this server."""

@@ -22,6 +22,13 @@ def test_a_yaml_file_has_stages(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("name", "text"), [("plan.yaml", "- {name: a, code: c}\n"), ("p.json", '[{"name": "a", "code": "c"}]')]
+)
+def test_the_list_of_stages_may_stand_alone(tmp_path, name, text):
+    assert read_cost_file(write(tmp_path, name, text)).names == ["a"]
+
+
+@pytest.mark.parametrize(
     ("name", "text", "said"),
     [
         ("cost.txt", PROGRAM, "a file that ends in .py"),

@@ -14,9 +14,9 @@ import mujoco
 import numpy as np
 
 from coral.contact.control.rollouts import Array, Mend, Rolled, RolloutStart, column_major
-from coral.errors import InputError
+from coral.errors import InputError, install_extra
 
-MISSING = "pip install 'coral-robotics[warp]'"
+MISSING = install_extra("warp")
 CONTACTS, CONSTRAINTS = 96, 400
 """Room for each rehearsal. A grasped object among others needs some 20 contacts of four pyramid's edges each."""
 KEPT_MODELS = 8
@@ -52,7 +52,7 @@ class WarpRollouts:
             import mujoco_warp
             import warp
         except ImportError as error:
-            raise InputError("--cfg", "planning.rollouts", f"warp ({error})", f"the extra warp: {MISSING}") from None
+            raise InputError("--cfg", "planning.rollouts", f"warp ({error})", MISSING) from None
         warp.config.quiet = True
         self._physics, self._warp = mujoco_warp, warp
         known = [str(one) for one in warp.get_devices()]

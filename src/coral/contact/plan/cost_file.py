@@ -20,7 +20,7 @@ def read_cost_file(path: Path) -> PlanAnswer:
 
     Args:
         path: A `.py` file with `def state_cost(self)`, or a YAML or JSON file with `code` or `stages`
-            (`PlanAnswer`).
+            (`PlanAnswer`), or the list of stages alone.
 
     Raises:
         InputError: The file cannot be read, or is no plan.
@@ -31,6 +31,6 @@ def read_cost_file(path: Path) -> PlanAnswer:
     try:
         if path.suffix.lower() == ".py":
             return PlanAnswer(code=text)
-        return PlanAnswer.model_validate(load_mapping(text, str(path)))
+        return PlanAnswer.model_validate(load_mapping(text, str(path), list_key="stages"))
     except ValidationError as error:
         raise input_error(str(path), error, PlanAnswer) from None

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError
+from coral.errors import InputError, install_extra
 from coral.file_writer import scratch_for
 from coral.reef.products.feature import Feature, Layer, closed_ring
 from coral.reef.products.placement import EarthPlacement
@@ -37,7 +37,7 @@ def write_geopackage(path: Path, layers: Sequence[Layer], placement: EarthPlacem
     try:
         from pyogrio import raw
     except ModuleNotFoundError:
-        raise InputError(str(path), "", "no package pyogrio", "pip install '.[geo]'") from None
+        raise InputError(str(path), "", "no package pyogrio", install_extra("geo")) from None
     crs = NO_PLACE if placement.epsg is None else f"EPSG:{placement.epsg}"
     with scratch_for(path) as file:
         for k, layer in enumerate(layers):

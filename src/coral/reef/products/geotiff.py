@@ -10,7 +10,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from coral.errors import InputError
+from coral.errors import InputError, install_extra
 from coral.file_writer import write_whole
 from coral.reef.products.placement import PlacedRaster
 
@@ -37,9 +37,7 @@ def write_geotiff(
     try:
         import tifffile
     except ImportError:
-        raise InputError(
-            str(path), "", "no package tifffile", "the extra geo: pip install 'coral-robotics[geo]'"
-        ) from None
+        raise InputError(str(path), "", "no package tifffile", install_extra("geo")) from None
     values = raster.values
     colour = values.dtype == np.uint8 and values.ndim == 3
     options: dict[str, Any] = {"photometric": "rgb", "extrasamples": ["unassalpha"]} if colour else {}

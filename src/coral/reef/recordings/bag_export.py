@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError
+from coral.errors import InputError, install_extra
 from coral.file_writer import scratch_for
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
@@ -64,9 +64,7 @@ def write_bag(recording: Recording, path: Path, *, single_file: bool, only_colou
     try:
         from rosbags.rosbag2 import StoragePlugin, Writer
     except ImportError:
-        raise InputError(
-            str(path), "", "no package rosbags", "the extra bags: pip install 'coral-robotics[bags]'"
-        ) from None
+        raise InputError(str(path), "", "no package rosbags", install_extra("bags")) from None
     with scratch_for(path) as scratch:
         folder = scratch.with_name(f"{path.stem}.bag") if single_file else scratch
         with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from coral.errors import InputError
+from coral.errors import InputError, install_extra
 
 MODES = {
     0: "STABILIZE",
@@ -45,7 +45,7 @@ def load_dialect() -> Any:
     try:
         return importlib.import_module("pymavlink.dialects.v20.ardupilotmega")
     except ModuleNotFoundError:
-        raise InputError("--vehicle", "", "no pymavlink", "pip install 'coral-robotics[vehicle]'") from None
+        raise InputError("--vehicle", "", "no pymavlink", install_extra("vehicle")) from None
 
 
 def version_of(number: int) -> tuple[int, int, int]:

@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, Literal
 
 import numpy as np
 
-from coral.errors import InputError, first_line
+from coral.errors import InputError, first_line, install_extra
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.vehicle.range_image import RangeImage
 
@@ -127,7 +127,7 @@ def load_protocol() -> ModuleType:
     try:
         import wlsonar.range_image_protocol as rip
     except ImportError:
-        raise InputError("--sonar", "", "no wlsonar", "pip install 'coral-robotics[vehicle]'") from None
+        raise InputError("--sonar", "", "no wlsonar", install_extra("vehicle")) from None
     return rip  # type: ignore[no-any-return]
 
 

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Hashable
 from typing import Any, Protocol
 
-from coral.errors import InputError, first_line
+from coral.errors import InputError, first_line, install_extra
 from coral.reef.sea.address import VehicleAddress
 
 CHUNK = 65536
@@ -198,7 +198,7 @@ def open_transport(address: VehicleAddress) -> Transport:
         try:
             importlib.import_module("serial")
         except ModuleNotFoundError:
-            raise InputError("--vehicle", "", "no pyserial", "pip install 'coral-robotics[vehicle]'") from None
+            raise InputError("--vehicle", "", "no pyserial", install_extra("vehicle")) from None
         return StreamLine(lambda: _SerialDevice(address.host, address.port))
 
     def connect() -> socket.socket:

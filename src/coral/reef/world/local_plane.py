@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError
+from coral.errors import InputError, install_extra
 
 MOST_DEGREES = 84.0
 """UTM ends there."""
@@ -67,7 +67,5 @@ def _projection(definition: str) -> Any:
     try:
         from pyproj import Proj
     except ImportError:
-        raise InputError(
-            "coordinates", "", "no package pyproj", "the extra geo: pip install 'coral-robotics[geo]'"
-        ) from None
+        raise InputError("coordinates", "", "no package pyproj", install_extra("geo")) from None
     return Proj(definition)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.cameras.bare_frame import Undistortion, bare_frame
 from coral.contact.perception.cameras.rgbd_camera import CameraFailed
-from coral.errors import InputError, first_line
+from coral.errors import InputError, first_line, install_extra
 
 Array = NDArray[np.float64]
 WIDTH, HEIGHT, RATE_HZ = 640, 480, 30
@@ -35,7 +35,7 @@ class RealSenseCamera:
         try:
             import pyrealsense2
         except ImportError as error:
-            expected = "the extra realsense: pip install 'coral-robotics[realsense]'"
+            expected = install_extra("realsense")
             raise InputError("--camera", "", f"{self.name} ({first_line(error)})", expected) from None
         self._rs: Any = pyrealsense2
         self._serial, self._placed = serial, np.eye(4) if T_world_camera is None else T_world_camera

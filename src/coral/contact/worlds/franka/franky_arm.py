@@ -12,9 +12,9 @@ from coral.contact.scene.geometry import quaternion_of
 from coral.contact.scene.observation import Array, HandTarget
 from coral.contact.worlds.franka.arm import ArmError, ArmState
 from coral.contact.worlds.franka.cfg import FrankaCfg
-from coral.errors import InputError, RunError
+from coral.errors import InputError, RunError, install_extra
 
-MISSING = "an arm needs the package franky-control: pip install 'coral-robotics[franka]'"
+MISSING = f"{install_extra('franka')}, for the package franky-control"
 STOP_RAMP_S = 0.02
 """Time in which the torques of the impedance give way to pure damping."""
 STOP_DAMPING = np.array([60.0, 60.0, 60.0, 60.0, 15.0, 15.0, 10.0])
@@ -34,7 +34,7 @@ def franky() -> Any:
     try:
         import franky as package
     except ImportError as error:
-        raise InputError("--world", "", f"franka ({error})", f"the extra franka: {MISSING}") from None
+        raise InputError("--world", "", f"franka ({error})", MISSING) from None
     return package
 
 
