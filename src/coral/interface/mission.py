@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +30,9 @@ from coral.reef.world.world import ReefWorld
 from coral.run_loop import Observer
 from coral.view.questions import question_pictures
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 class MissionResult(RunResult):
     """Result of a reef mission."""
@@ -40,6 +43,12 @@ class MissionResult(RunResult):
     def coverage(self) -> float:
         """Return the share of the clusters that were covered, 0 to 1."""
         return float(self.metrics["coverage"])
+
+    def plot(self) -> Figure:
+        """Draw the robot's map, and the shares covered and inspected over time."""
+        from coral.view.plots import plot_survey
+
+        return plot_survey(self.folder)
 
 
 def run_mission(

@@ -17,6 +17,7 @@ from coral.runs import read_events, trajectory_name
 
 if TYPE_CHECKING:
     import pyarrow as pa
+    from matplotlib.figure import Figure
 
 
 class ResultFolder:
@@ -115,6 +116,16 @@ class RunResult:
             raise InputError(str(target), "", "a file or a folder that is not empty", "a new or empty folder")
         shutil.copytree(self.folder, target, dirs_exist_ok=True)
         return target
+
+    def plot(self) -> Figure:
+        """Draw the run as a matplotlib figure."""
+        raise NotImplementedError
+
+    def _repr_html_(self) -> str:
+        from coral.view.plots import html_of
+
+        shown = {key: self.metrics[key] for key in self._shown if key in self.metrics}
+        return html_of(str(self.folder), shown, self.plot())
 
     def __repr__(self) -> str:
         shown = ", ".join(f"{key}={self.metrics[key]!r}" for key in self._shown if key in self.metrics)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -47,6 +47,9 @@ from coral.run_loop import Observer
 
 __all__ = ["Context", "TaskResult", "run_task"]
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 class TaskResult(RunResult):
     """Result of a contact task."""
@@ -57,6 +60,12 @@ class TaskResult(RunResult):
     def success(self) -> bool:
         """Return whether the task was done, judged by the true state."""
         return bool(self.metrics["success"])
+
+    def plot(self) -> Figure:
+        """Draw how far the objects moved, and the force on the hand, over time."""
+        from coral.view.plots import plot_attempt
+
+        return plot_attempt(self.folder)
 
 
 def run_task(
