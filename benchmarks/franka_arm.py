@@ -1,7 +1,7 @@
 """The driver of a Franka arm against the simulated arm of franky-sim: successes, the stream's punctuality, stops.
 
-    python benchmarks/franka_arm.py --seeds 0-9 --stops 0 --out docs/research/franka-arm.md
-    python benchmarks/franka_arm.py --seeds '' --stops 1 --out docs/research/franka-stops.md
+    python benchmarks/franka_arm.py --seeds 0-9 --stops 0 --out arm.md
+    python benchmarks/franka_arm.py --seeds '' --stops 1 --out stops.md
 
 Each episode starts a simulated arm of its own, with contact forces, noisy wrenches and noisy poses. Plans are charged
 with a fixed latency by the arm's clock, so a machine on which the simulated arm is slow gains nothing. With --speed

@@ -4,7 +4,7 @@ import pytest
 
 from coral import plugins
 from coral.errors import InputError
-from coral.plugins import GROUPS, find_plugins, named_plugin
+from coral.plugins import find_plugins, named_plugin
 
 GROUP = "coral.triggers"
 
@@ -39,10 +39,3 @@ def test_an_unknown_name_gives_one_line_with_the_nearest(installed):
 def test_one_that_does_not_load_is_named_with_its_value(installed, name):
     with pytest.raises(InputError, match=f"'{name}' of a package, which does not load .*no_such"):
         named_plugin(GROUP, name, "--trigger")
-
-
-def test_every_group_is_described_in_the_documentation():
-    from pathlib import Path
-
-    page = (Path(__file__).parents[1] / "docs/guide/python.md").read_text()
-    assert [group for group in GROUPS if f"`{group}`" not in page] == []

@@ -8,11 +8,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
+GUIDE = [ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md"))]
 spec = importlib.util.spec_from_file_location("build", ROOT / "docs" / "site" / "build.py")
 assert spec is not None
 assert spec.loader is not None
 build = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(build)
+tables = importlib.import_module("tables")
 
 
 def test_the_navigation_leads_to_every_page_once(tmp_path: Path) -> None:
@@ -49,3 +51,40 @@ def test_links_to_the_project_lead_to_its_pages_and_links_to_sources_keep_their_
 @pytest.mark.parametrize("module", sorted({name for _, names in build.PYTHON.values() for name in names}))
 def test_the_python_pages_have_something_to_say_of_each_module(module: str) -> None:
     assert (importlib.import_module(module).__doc__ or "").strip()
+
+
+def test_every_table_that_a_page_names_is_made_and_every_table_is_named() -> None:
+    named = [name for page in (ROOT / "docs").glob("*/*.md") for name in tables.MARK.findall(page.read_text("utf-8"))]
+    assert set(named) == set(tables.TABLES)
+
+
+@pytest.mark.parametrize("name", sorted(tables.TABLES))
+def test_a_table_has_rows_that_all_say_something(name: str) -> None:
+    lines = [line for line in tables.TABLES[name]().splitlines() if line.startswith(("| `", "| ready"))]
+    assert lines
+    assert len({len(re.split(r"(?<!\\)\|", line)) for line in lines}) == 1
+
+
+def test_tables_tell_what_the_code_knows() -> None:
+    from coral import limits
+    from coral.advisor.registry import ENTRIES
+    from coral.cli import COMMANDS
+    from coral.plugins import GROUPS
+    from coral.reef.vehicle.states import CHANGES
+
+    made = {name: make() for name, make in tables.TABLES.items()}
+    assert all(f"## coral {name}\n" in made["commands"] for name in COMMANDS)
+    assert "| `attempt_timeout_s` | 45 s |" in made["settings-model"]
+    assert f"| `YAML_BYTES` | {limits.YAML_BYTES:,.0f} | Of a YAML file" in made["limits"]
+    assert made["limits"].count("\n| `") == len([name for name in vars(limits) if name.isupper()])
+    assert all(f"| `{entry.form}` |" in made["advisors"] for entry in ENTRIES)
+    assert all(f"| `{group}` |" in made["entry-points"] for group in GROUPS)
+    assert made["states"].count("\n| ") == len(CHANGES)
+    assert "| `at-object` |" in made["conditions"]
+
+
+def test_the_guide_is_short_and_no_diary() -> None:
+    pages = {page.name: page.read_text(encoding="utf-8") for page in GUIDE}
+    assert len(pages) - 1 <= 20
+    assert {name: len(text.split()) for name, text in pages.items() if len(text.split()) > 900} == {}
+    assert [name for name, text in pages.items() if re.search(r"\bcommit [0-9a-f]{7}|\bmeasured on\b", text)] == []

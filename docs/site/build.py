@@ -3,7 +3,8 @@
 Usage: python docs/site/build.py OUT
 
 The pages stay plain Markdown that reads in any viewer. What only a site needs is added to a copy of them: the
-navigation, the project's own files, and the reference. A link that leads nowhere is an error.
+navigation, the project's own files, tables that the code knows, and the Python reference. A link that leads nowhere is
+an error.
 """
 
 from __future__ import annotations
@@ -13,6 +14,9 @@ import shutil
 import sys
 import tempfile
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+from tables import fill
 
 DOCS = Path(__file__).parents[1]
 PROJECT = ("CONTRIBUTING.md", "CHANGELOG.md")
@@ -55,7 +59,7 @@ def collect_pages(folder: Path) -> None:
         text = (DOCS.parent / name).read_text(encoding="utf-8")
         (folder / name).write_text(text.replace("](docs/", "]("), encoding="utf-8")
     for page in folder.rglob("*.md"):
-        page.write_text(redirect_links(page.read_text(encoding="utf-8")), encoding="utf-8")
+        page.write_text(fill(redirect_links(page.read_text(encoding="utf-8"))), encoding="utf-8")
     (folder / "python").mkdir()
     for name, (title, modules) in PYTHON.items():
         lines = [title, "=" * len(title)]
@@ -69,7 +73,9 @@ def collect_pages(folder: Path) -> None:
 def redirect_links(text: str) -> str:
     """Let links to the project's files lead to their copies, and keep only the words of links into the source tree."""
     text = re.sub(rf"\]\(\.\./((?:\.\./)?(?:{'|'.join(map(re.escape, PROJECT))}))", r"](\1", text)
-    return re.sub(r"\[([^\]]+)\]\((?:\.\./)+(?:src|tests|benchmarks|examples|README|LICENSE)[^)]*\)", r"\1", text)
+    return re.sub(
+        r"\[([^\]]+)\]\((?:\.\./)+(?:src|tests|benchmarks|examples|README|LICENSE|SECURITY)[^)]*\)", r"\1", text
+    )
 
 
 def write_navigation(folder: Path) -> str:

@@ -1,7 +1,5 @@
 import importlib
-import re
 from importlib.metadata import EntryPoint
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -113,14 +111,6 @@ def test_each_entry_names_a_maker_that_exists_and_stands_in_help(entry):
     module, _, function = entry.make.partition(":")
     assert callable(getattr(importlib.import_module(module), function))
     assert entry.form in advisor_help("Who decides")
-
-
-@pytest.mark.parametrize("page", ["README.md", "docs/reference/advisors.md"])
-def test_the_tables_of_the_documentation_list_every_advisor(page):
-    text = (Path(__file__).parents[2] / page).read_text(encoding="utf-8")
-    rows = re.search(r"\| `--advisor` \|.*?\n\n", text, re.DOTALL).group(0)
-    first = "".join(row.split("|")[1] for row in rows.splitlines()[2:] if row)
-    assert sorted(re.findall(r"`([^`]+)`", first)) == sorted(entry.form for entry in ENTRIES)
 
 
 @pytest.mark.parametrize(

@@ -19,12 +19,12 @@ def test_the_program_on_the_page_prints_the_squares(tmp_path):
 
 def test_flags_on_the_pages_exist():
     fields = {"--" + field.name.replace("_", "-") for field in dataclasses.fields(ReefBench)}
-    told = set(re.findall(r"`(--[a-z-]+)", (DOCS / "guide/compare.md").read_text()))
+    told = set(re.findall(r"`(--[a-z-]+)", (DOCS / "reference/campaigns.md").read_text()))
     told |= set(re.findall(r"coral reef bench (--[a-z]+)", (DOCS / "guide/cluster.md").read_text()))
     assert {flag.replace("--no-", "--") for flag in told} - fields == set()
     assert len(told) > 10
 
 
 def test_variants_on_the_page_exist():
-    row = re.search(r"^\| `--variants` \|(.*)$", (DOCS / "guide/compare.md").read_text(), re.MULTILINE).group(1)
+    row = re.search(r"^\| `--variants` \|(.*)$", (DOCS / "reference/campaigns.md").read_text(), re.MULTILINE).group(1)
     assert set(re.findall(r"`([a-z-]+)`", row)) <= set(VARIANTS)

@@ -31,17 +31,6 @@ def test_the_example_is_a_task_that_can_be_simulated(tmp_path):
         assert HandWorld(sample_trial(task, seed), HandWorldCfg()).reset().objects.keys() == {"mug"}
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.model_fields["kind"].default)
-def test_every_condition_has_its_row_with_its_keys(kind):
-    [row] = [line for line in PAGE.splitlines() if line.startswith(f"| `{kind.model_fields['kind'].default}` |")]
-    for key, field in kind.model_fields.items():
-        if key in ("kind", "object"):
-            continue
-        assert f"`{key}`" in row
-        if isinstance(field.default, float | int):
-            assert f"({field.default:g}" in row or f"({field.default}" in row
-
-
 def test_the_pieces_of_files_are_valid():
     _, conditions, joint = map(yaml.safe_load, BLOCKS)
     assert [TypeAdapter(Condition).validate_python(one).kind for one in conditions] == ["sequence"]

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class ConfidenceCfg:
-    """Chosen by measurement on the six tasks' motions (docs/reference/tracking.md)."""
+    """Chosen by measurement on the six tasks' motions (docs/research/tracking.md)."""
 
     min_pixels: Count = 30
     """An object with fewer depth pixels in its mask counts as not seen."""

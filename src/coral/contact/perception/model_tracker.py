@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class TrackerCfg:
-    """Weights and thresholds, chosen by measurement on the six tasks' motions (docs/reference/tracking.md)."""
+    """Weights and thresholds, chosen by measurement on the six tasks' motions (docs/research/tracking.md)."""
 
     pixels: Count = 12000
     """Pixels of the patch that is aligned: all of an object at 320 x 240."""

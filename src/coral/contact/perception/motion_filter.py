@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class MotionFilterCfg:
-    """Gains and thresholds, chosen by measurement on the six tasks' episodes (docs/reference/tracking.md)."""
+    """Gains and thresholds, chosen by measurement on the six tasks' episodes (docs/research/tracking.md)."""
 
     pictures: Count = 5
     """An object is at rest once this many successive pictures agree; its pose is then their mean."""

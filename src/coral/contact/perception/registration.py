@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class RegistrationCfg:
-    """Chosen by measurement on the six tasks' objects (docs/reference/tracking.md); the paper uses a network."""
+    """Chosen by measurement on the six tasks' objects (docs/research/tracking.md); the paper uses a network."""
 
     orientations: Count = 240
     """Orientations spread over all rotations, each class of equal ones tried once. FoundationPose starts from 252."""

@@ -1,13 +1,6 @@
-"""Reference of the cost language as text: for a model's prompt, and for the tables of the reference page.
-
-`python -m coral.contact.plan.cost_reference docs/reference/cost-language.md` regenerates the tables of the page.
-"""
+"""Reference of the cost language as text: for a model's prompt, and for the tables of the reference page."""
 
 from __future__ import annotations
-
-import re
-import sys
-from pathlib import Path
 
 from coral.contact.cost.context import Quantity, Schema
 from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
@@ -15,10 +8,6 @@ from coral.contact.cost_program.errors import CODES
 from coral.contact.cost_program.library import CONSTANTS, MATH, METHODS, NUMPY, OURS, PYTHON
 from coral.contact.cost_program.pybullet import PyBullet
 from coral.contact.cost_program.state import StateSpace
-from coral.file_writer import write_whole
-from coral.foreign_file import read_text
-
-BLOCK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def interface(schema: Schema) -> str:
@@ -93,14 +82,3 @@ def tables() -> dict[str, str]:
         "functions": _functions(),
         "errors": _errors(),
     }
-
-
-def updated(page: str) -> str:
-    """Return the page with its tables regenerated."""
-    made = tables()
-    return BLOCK.sub(lambda match: f"{match[1]}{made[match[2]]}{match[3]}", page)
-
-
-if __name__ == "__main__":
-    path = Path(sys.argv[1])
-    write_whole(path, updated(read_text(path, "a page")))

@@ -21,7 +21,7 @@ class DoubtCfg:
     oyster: Fraction = 0.3
     """Of the shipped network: in single pictures of the generated reefs `gen:0` to `gen:11` any limit from 0.1 to 0.5
     gives the same overlap within 3 m (mean IoU of three waters 0.58 to 0.59). A map, which adds up pictures, is better
-    with less (docs/research/reef-eyes.md)."""
+    with less (docs/research/network-eyes.md)."""
     obstacle: Fraction = 0.7
     """More than for oysters: an obstacle too many costs a detour, one too few a collision."""
     seabed: Fraction = 0.5

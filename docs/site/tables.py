@@ -1,0 +1,149 @@
+"""Tables of the reference, made from the code. A page names one in a line of its own: `<!-- table: limits -->`.
+
+Usage: python docs/site/tables.py NAME    (prints a table; without a name, the names)
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from itertools import pairwise
+from typing import get_args
+
+from coral import limits
+from coral.advisor.registry import ENTRIES
+from coral.cli import COMMANDS
+from coral.commands.config import ListConfig
+from coral.configurations import CONFIGURATIONS
+from coral.contact.episode import metrics as contact_metrics
+from coral.contact.plan.cost_reference import tables as cost_tables
+from coral.contact.scene.conditions import Condition
+from coral.plugins import GROUPS
+from coral.reef.mission import metrics as reef_metrics
+from coral.reef.mission.presets import PRESETS
+from coral.reef.recordings.bag_export import TOPICS
+from coral.reef.rehearsal.autopilot_faults import FAULTS as AUTOPILOT_FAULTS
+from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
+from coral.reef.vehicle.states import CHANGES
+from coral.surface import described
+
+MARK = re.compile(r"^<!-- table: ([\w-]+) -->$", re.MULTILINE)
+Rows = Iterable[Iterable[object]]
+
+
+def fill(page: str) -> str:
+    """Put the tables into a page that names them."""
+    return MARK.sub(lambda match: TABLES[match[1]](), page)
+
+
+def _table(head: str, rows: Rows) -> str:
+    titles = [title.strip() for title in head.split("|")]
+    lines = [" | ".join(" ".join(str(cell).split()).replace("|", "\\|") for cell in row) for row in rows]
+    return "\n".join([f"| {' | '.join(titles)} |", "|" + "---|" * len(titles), *(f"| {line} |" for line in lines)])
+
+
+def _commands() -> str:
+    parts = []
+    for name, (place, _) in COMMANDS.items():
+        command = described(place)
+        words = " ".join(flag.name for flag in command.flags if flag.positional)
+        rows = [
+            (f"`{flag.name}`", f"`{flag.default}`" if flag.default else "", flag.text)
+            for flag in command.flags
+            if "." not in flag.name
+        ]
+        text = " ".join(command.text.split())
+        parts.append(f"## coral {name}\n\n`coral {name} {words}`. {text}\n\n{_table('flag | default | what', rows)}")
+    return "\n\n".join(parts)
+
+
+def _settings(of: str) -> str:
+    rows = ListConfig(of=of)()["keys"]
+    return _table(
+        "key | default | what",
+        ((f"`{row['key']}`", f"{row['default'] or '–'} {row['unit']}", row["text"]) for row in rows),
+    )
+
+
+def _named(head: str, rows: Mapping[str, str]) -> str:
+    return _table(head, ((f"`{name}`", text) for name, text in rows.items()))
+
+
+def _limits() -> str:
+    body = ast.parse(inspect.getsource(limits)).body
+    return _table(
+        "limit | value | of what, and why",
+        (
+            (f"`{one.targets[0].id}`", f"{getattr(limits, one.targets[0].id):,.0f}", below.value.value)
+            for one, below in pairwise(body)
+            if isinstance(one, ast.Assign)
+            and isinstance(one.targets[0], ast.Name)
+            and isinstance(below, ast.Expr)
+            and isinstance(below.value, ast.Constant)
+        ),
+    )
+
+
+def _states() -> str:
+    return _table(
+        "from | to | who | cause | when",
+        (
+            (row.source, row.target, row.who, row.cause, row.means + (" *Only its own hold.*" if row.after else ""))
+            for row in CHANGES
+        ),
+    )
+
+
+def _presets() -> str:
+    return _table(
+        "preset | key | value | why",
+        (
+            (f"`{preset.name}`", f"`{condition.key}`", f"{condition.value:g}", condition.reason)
+            for preset in PRESETS.values()
+            for condition in preset.conditions
+        ),
+    )
+
+
+def _conditions() -> str:
+    def keys(kind: type) -> str:
+        fields = {key: field for key, field in kind.model_fields.items() if key not in ("kind", "object")}  # type: ignore[attr-defined]
+        return ", ".join(
+            f"`{key}`" + ("" if field.is_required() or field.default is None else f" ({field.default})")
+            for key, field in fields.items()
+        )
+
+    kinds = sorted(get_args(get_args(Condition)[0]), key=lambda kind: kind.model_fields["kind"].default)
+    return _table(
+        "kind | holds when | keys (default)",
+        (
+            (f"`{kind.model_fields['kind'].default}`", inspect.cleandoc(kind.__doc__).partition("\n\n")[0], keys(kind))
+            for kind in kinds
+        ),
+    )
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    "commands": _commands,
+    **{f"settings-{name}": partial(_settings, name) for name in CONFIGURATIONS},
+    "metrics-survey": partial(_named, "key | what", reef_metrics.DEFINITIONS),
+    "metrics-task": partial(_named, "key | what", contact_metrics.DEFINITIONS),
+    "presets": _presets,
+    "sensor-faults": partial(_named, "fault | what", {name: kind.means for name, kind in SENSOR_FAULTS.items()}),
+    "autopilot-faults": partial(_named, "fault | what", AUTOPILOT_FAULTS),
+    "states": _states,
+    "limits": _limits,
+    "advisors": partial(_named, "advisor | who", {entry.form: entry.what for entry in ENTRIES}),
+    "entry-points": partial(_named, "group | the entry point is a", GROUPS),
+    "topics": partial(_named, "topic | type", TOPICS),
+    "conditions": _conditions,
+    **{f"cost-{name}": partial(str, text.rstrip()) for name, text in cost_tables().items()},
+}
+
+
+if __name__ == "__main__":
+    print(TABLES[sys.argv[1]]() if len(sys.argv) == 2 else "\n".join(TABLES))
