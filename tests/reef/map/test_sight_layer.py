@@ -84,6 +84,24 @@ def test_nothing_behind_an_obstacle_is_explored_however_far_the_network_puts_it(
     assert not cells.explored[100, 112:].any()
 
 
+@pytest.mark.parametrize(("doubt", "metres"), [(0.0, 4.8), (0.4, 0.0)])
+def test_explored_is_floor_that_is_seen_without_much_doubt(doubt, metres):
+    cells = OccupancyMap((10.0, 10.0), CAMERA)
+    drive(cells, [(3.0, 5.0)], doubt=doubt)
+    iy, ix = np.nonzero(cells.explored)
+    found = np.hypot((ix + 0.5) * 0.05 - 3.0, (iy + 0.5) * 0.05 - 5.0).max(initial=0.0)
+    assert found == pytest.approx(metres, abs=0.3)
+
+
+def test_nothing_is_explored_beyond_floor_that_is_missing():
+    cells, pose = OccupancyMap((10.0, 10.0), CAMERA), Pose(3.0, 5.0, 0.0)
+    picture = seen(pose)
+    picture.labels[66:74], picture.depth[66:74] = Label.WATER, np.inf
+    cells.integrate(picture, pose)
+    assert cells.explored[100, 80]
+    assert not cells.explored[100, 100:].any()
+
+
 def test_a_near_look_replaces_what_was_seen_from_afar():
     cells = OccupancyMap((10.0, 10.0), CAMERA)
     afar, near = Pose(2.0, 5.0, 0.0), Pose(4.5, 5.0, 0.0)

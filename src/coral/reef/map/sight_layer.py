@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Fraction, NonNegative, Positive
+from coral.config import Count, Fraction, NonNegative, Positive
 from coral.reef.map.sight_layer_kernels import scan, trace
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera
 from coral.reef.world.geometry import Frame, Label, Pose, wrap
@@ -25,6 +25,13 @@ class SightLayerCfg:
     oysters have been looked for from so near, looks from farther away no longer count."""
     target_ratio: NonNegative = 0.5
     """A cell seen from so near is no target if fewer pictures show oysters than this share of those with seabed."""
+    row_m: Positive = 0.5
+    """Floor counts as explored while a row of pixels covers at most so much of it, 4.8 m away with the default camera:
+    the smallest cluster is about as wide. Farther away networks take oysters for sea floor."""
+    floor_doubt: Fraction = 0.3
+    """Floor with more doubt is not seen: there may be oysters. The limit of `DoubtCfg` for oysters."""
+    gap_px: Count = 2
+    """A line of sight ends where more rows of floor are missing."""
     back_m: NonNegative = 0.15
     back_share: Fraction = 0.1
     """Water within `back_m` and this share of its distance in front of an obstacle is not told free."""
@@ -95,7 +102,11 @@ class SightLayer:
         turn = np.arctan2(lines[1], lines[0]) + math.pi
         (ranges, first, last), bearings = self._scan, self._scan.shape[1]
         bearing = np.minimum((turn * (bearings / (2.0 * math.pi))).astype(np.int64), bearings - 1)
-        scan(frame.depth, frame.labels, flat, plane, bearing, cfg.near_share, ranges, first, last)
+        labels = frame.labels
+        if frame.doubt is not None:
+            labels = np.where(floor & (frame.doubt > cfg.floor_doubt), np.uint8(Label.WATER), labels)
+        focal = self.camera.intrinsics[0]
+        scan(frame.depth, labels, flat, plane, bearing, cfg.near_share, cfg.gap_px, ranges, first, last)
         self.counted = (
             at is None or math.dist(at[:2], pose[:2]) >= cfg.step_m or abs(wrap(at.theta - pose.theta)) >= cfg.turn_rad
         )
@@ -111,7 +122,8 @@ class SightLayer:
                 (pose.x + c * lever[0] - s * lever[1], pose.y + s * lever[0] + c * lever[1]),
                 pose.theta,
                 self._cell_m,
-                *ranges_m,
+                ranges_m[0],
+                min(ranges_m[1], math.sqrt(cfg.row_m * height * focal)),
                 self.sharp_m,
                 cfg.back_m,
                 cfg.back_share,

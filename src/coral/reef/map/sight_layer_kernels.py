@@ -19,6 +19,7 @@ def scan(
     plane: NDArray[np.float64],
     bearing: NDArray[np.int64],
     share: float,
+    gap: int,
     ranges: NDArray[np.float64],
     first: NDArray[np.float64],
     last: NDArray[np.float64],
@@ -35,43 +36,51 @@ def scan(
         plane: Shape=(H, W), horizontal distance (m) at which each pixel's ray meets the floor; inf above the horizon.
         bearing: Shape=(H, W), index of each pixel's bearing.
         share: Share of the obstacle's pixels along a bearing that may be nearer than its range: errors of depth.
+        gap: Rows of pixels that may be missing of the floor.
         ranges: Shape=(K,), written: horizontal distance (m) of the nearest obstacle, inf without any.
         first: Shape=(K,), written: of the nearest floor that is seen; inf without any.
-        last: Shape=(K,), written: of the farthest floor that is seen before the obstacle.
+        last: Shape=(K,), written: of the farthest floor that is seen without a gap, before the obstacle.
     """
-    height, width = depth.shape
-    count = np.zeros(len(ranges) + 1, np.int64)
+    rows, columns = depth.shape
+    n = len(ranges)
+    count = np.zeros(n + 1, np.int64)
+    kind = np.zeros((rows, columns), np.uint8)
     ranges[:] = np.inf
     first[:] = np.inf
     last[:] = 0.0
-    for v in range(height):
-        for u in range(width):
-            # One pixel alone is no obstacle.
-            if labels[v, u] != OBSTACLE or not (
-                (v > 0 and labels[v - 1, u] == OBSTACLE) or (v + 1 < height and labels[v + 1, u] == OBSTACLE)
-            ):
-                continue
-            k = bearing[v, u]
-            count[k + 1] += 1
-            ranges[k] = min(ranges[k], plane[v, u])
-    for k in range(len(ranges)):
-        count[k + 1] += count[k]
-    seen, at = np.empty(count[-1], np.float64), count.copy()
-    for v in range(height):
-        for u in range(width):
+    for u in range(columns):
+        missing, linked = -1, True  # -1: no floor so far
+        for v in range(rows - 1, -1, -1):
             k, label = bearing[v, u], labels[v, u]
             if label == OBSTACLE:
-                if (v > 0 and labels[v - 1, u] == OBSTACLE) or (v + 1 < height and labels[v + 1, u] == OBSTACLE):
-                    seen[at[k]] = depth[v, u] * flat[v, u]
-                    at[k] += 1
-            elif label in (SEABED, OYSTER) and plane[v, u] < ranges[k]:
+                linked = False
+                above = v > 0 and labels[v - 1, u] == OBSTACLE
+                if above or (v + 1 < rows and labels[v + 1, u] == OBSTACLE):  # one pixel alone is no obstacle
+                    kind[v, u] = OBSTACLE
+                    count[k + 1] += 1
+                    ranges[k] = min(ranges[k], plane[v, u])
+            elif label in (SEABED, OYSTER) and missing <= gap:
+                missing = 0
+                if linked:
+                    kind[v, u] = SEABED
+            elif missing >= 0:
+                missing += 1
+    for k in range(n):
+        count[k + 1] += count[k]
+    near, at = np.empty(count[n], np.float64), count.copy()
+    for v in range(rows):
+        for u in range(columns):
+            k = bearing[v, u]
+            if kind[v, u] == OBSTACLE:
+                near[at[k]] = depth[v, u] * flat[v, u]
+                at[k] += 1
+            elif kind[v, u] == SEABED and plane[v, u] < np.inf:
                 first[k] = min(first[k], plane[v, u])
                 last[k] = max(last[k], plane[v, u])
-    n = len(ranges)
     for k in range(n):
         if count[k + 1] > count[k]:
-            near = np.sort(seen[count[k] : count[k + 1]])
-            ranges[k] = min(ranges[k], near[int(share * len(near))])
+            sorted_m = np.sort(near[count[k] : count[k + 1]])
+            ranges[k] = min(ranges[k], sorted_m[int(share * len(sorted_m))])
     own = ranges.copy()
     for k in range(n):
         if count[k + 1] > count[k]:  # rows of pixels near the feet skip some bearings
