@@ -77,6 +77,28 @@ def test_water_is_free_again_once_it_is_looked_through():
     assert cells.version > version
 
 
+def test_an_obstacle_is_doubtful_until_it_is_seen_from_another_side_or_from_near():
+    afar, aside, near = ([(2.5, 5.0), (2.7, 5.0), (2.9, 5.0)], [(3.3, 4.0), (3.5, 4.0)], [(3.9, 5.0), (4.0, 5.0)])
+    for then, heading, sure in ([], 0.0, False), (aside, 0.5, True), (near, 0.0, True):
+        cells = OccupancyMap((10.0, 10.0), CAMERA)
+        drive(cells, afar, POST)
+        drive(cells, then, POST, heading=heading)
+        assert cells.obstacle.any()
+        assert bool((cells.obstacle & ~cells.sight.doubtful).any()) == sure
+
+
+def test_what_is_forgotten_of_a_copy_stays_on_the_map():
+    cells = OccupancyMap((10.0, 10.0), CAMERA)
+    drive(cells, [(2.5, 5.0), (2.7, 5.0), (2.9, 5.0)], POST)
+    copied, before = cells.snapshot(), cells.obstacle.copy()
+    assert copied.forget_doubt()
+    assert not copied.obstacle.any()
+    assert np.array_equal(cells.obstacle, before)
+    assert cells.forget_doubt()
+    assert not cells.obstacle.any()
+    assert not cells.forget_doubt()
+
+
 def test_nothing_behind_an_obstacle_is_explored_however_far_the_network_puts_it():
     cells = OccupancyMap((10.0, 10.0), CAMERA)
     drive(cells, APPROACH, POST, depth_error=3.0)

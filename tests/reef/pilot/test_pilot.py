@@ -20,8 +20,9 @@ from coral.reef.drive.pd import PdController
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
+from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
 from coral.reef.pilot.guard import GuardCfg
-from coral.reef.pilot.pilot import Pilot, PilotCfg
+from coral.reef.pilot.pilot import NOTHING_LEFT, Pilot, PilotCfg
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.sensing import Stamped, VehicleObservation
 from coral.reef.vehicle.states import PilotState
@@ -150,6 +151,29 @@ def test_who_is_pushed_off_its_path_plans_it_anew_from_there(drive):
     assert left["deviation_m"] == pytest.approx(2.0, abs=0.1)
     x, y = mission.pilot.monitor.path[0]
     assert math.dist((x, y), mission.pose[:2]) < 0.2
+
+
+@pytest.mark.parametrize("sure", [False, True])
+def test_who_is_fenced_in_by_doubt_looks_round_and_goes_on_instead_of_ending(drive, sure):
+    mission = drive()
+    cells = mission.pilot.belief.map
+    wall = np.zeros(cells.obstacle.shape, np.bool_)
+    wall[:, 280:282] = True
+    cells.sight = SightLayer(wall.copy(), cells.cfg.cell_m, cells.camera, SightLayerCfg())
+    cells.sight._sure[:] = sure
+    cells.obstacle |= wall
+    cells.explored[:, :300] = True
+    mission.spoil = lambda seen: dataclasses.replace(
+        seen, frame=Stamped(seen.t, dataclasses.replace(BARE, doubt=np.full(SHAPE, 0.45, np.float32)))
+    )
+    while not mission.pilot.end_reason and mission.t < 60.0 and len(mission.told("doubt")) < 2:
+        mission.tick()
+    steps = [e["step"] for e in mission.told("doubt")]
+    assert (steps, mission.pilot.end_reason) == (([], NOTHING_LEFT) if sure else (["turn", "forget"], ""))
+    if not sure:
+        forgot = mission.t
+        mission.until(forgot + 8.0)
+        assert mission.told("question")[-1]["t"] >= forgot
 
 
 def spoilt(mission, change, start, end=math.inf):

@@ -86,6 +86,14 @@ class Belief:
         copied._waters, copied._still = {}, {cfg: water.snapshot() for cfg, water in self._waters.items()}
         return copied
 
+    def forget_doubt(self) -> bool:
+        """Forget the obstacles that one place alone has shown, and the goals that have failed; False without any."""
+        if not self.map.forget_doubt():
+            return False
+        self._failed.clear()
+        self._still.clear()
+        return True
+
     def water(self, cfg: CostFieldCfg) -> Water:
         """Return the water of the present map; a later call may change it in place."""
         if cfg in self._still:

@@ -326,6 +326,16 @@ class OccupancyMap:
             self._closed |= cells
             self.version += 1
 
+    def forget_doubt(self) -> bool:
+        """Take away the obstacles that eyes which doubt have seen from one side and from afar; False without any."""
+        doubtful = None if self.sight is None else self.sight.doubtful & self.obstacle & ~self._closed
+        if self.sight is None or doubtful is None or not doubtful.any():
+            return False
+        self.obstacle[doubtful] = False
+        self.sight.forget(doubtful)
+        self.version += 1
+        return True
+
     def memory(self) -> dict[str, NDArray[Any]]:
         """Return the arrays from which `recall` makes the same map again, by name."""
         arrays = {name: getattr(self, name).copy() for name in _MEMORY}
@@ -405,6 +415,7 @@ class OccupancyMap:
         """Copy the masks, which later pictures change in place; nothing may be integrated into the copy."""
         copied = copy.copy(self)
         copied.target, copied.obstacle, copied.explored = self.target.copy(), self.obstacle.copy(), self.explored.copy()
+        copied.sight = None if self.sight is None else self.sight.snapshot()
         return copied
 
     def view_box(self, pose: Pose) -> Box:

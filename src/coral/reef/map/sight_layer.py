@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
 
@@ -41,6 +42,9 @@ class SightLayerCfg:
     """Evidence is bounded by this, that for an obstacle by twice as much: what is looked through is free again."""
     solid: Positive = 1.5
     """Evidence that makes an obstacle: looks from two places."""
+    aside_rad: Positive = 0.35
+    near_m: Positive = 1.5
+    """An obstacle is beyond doubt once two lines of sight so far apart, or one so short, have ended there."""
     step_m: Positive = 0.1
     turn_rad: Positive = 0.1
     """A picture is evidence once the camera has moved or turned so far: errors of a network repeat themselves while it
@@ -57,6 +61,7 @@ class SightLayer:
         """Obstacle cells. Shape=(NY, NX)."""
         self.odds = np.where(known, 2.0 * cfg.most, 0.0).astype(np.float32)
         """Evidence for an obstacle. Shape=(NY, NX)."""
+        self._sure, self._aspect = known.copy(), np.full(known.shape, np.nan, np.float32)
         self._said, self._pictures = np.zeros(known.shape, np.int32), 0
         self._lines = sight_lines(camera)
         bearings = math.ceil(2.0 * math.pi * camera.intrinsics[0])
@@ -66,6 +71,22 @@ class SightLayer:
         """Whether the last picture was evidence: taken at another place than the one before."""
         self.sharp_m = cfg.sharp_pixel_m * camera.intrinsics[0]
         """Distance up to which looks count fully (m)."""
+
+    @property
+    def doubtful(self) -> NDArray[np.bool_]:
+        """Obstacle cells that were seen from one side only, and from afar. Shape=(NY, NX)."""
+        return np.asarray(self.obstacle & ~self._sure)
+
+    def forget(self, cells: NDArray[np.bool_]) -> None:
+        """Take back what is known of cells. Shape=(NY, NX)."""
+        self.obstacle[cells], self.odds[cells], self._aspect[cells] = False, 0.0, np.nan
+
+    def snapshot(self) -> SightLayer:
+        """Copy the obstacles and their evidence; nothing may be integrated into the copy."""
+        copied = copy.copy(self)
+        copied.obstacle, copied.odds, copied._aspect = self.obstacle.copy(), self.odds.copy(), self._aspect.copy()
+        copied._sure = self._sure.copy()
+        return copied
 
     def integrate(
         self,
@@ -131,7 +152,10 @@ class SightLayer:
                 cfg.most,
                 cfg.solid,
                 self.counted,
+                (cfg.near_m, cfg.aside_rad),
                 self.odds,
+                self._aspect,
+                self._sure,
                 self._said,
                 self._pictures,
                 explored,

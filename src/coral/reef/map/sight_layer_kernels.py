@@ -105,7 +105,10 @@ def trace(
     most: float,
     solid: float,
     counts: bool,
+    beyond_doubt: tuple[float, float],
     odds: NDArray[np.float32],
+    aspect: NDArray[np.float32],
+    sure: NDArray[np.bool_],
     said: NDArray[np.int32],
     picture: int,
     explored: NDArray[np.bool_],
@@ -129,7 +132,11 @@ def trace(
         most: Bounds of the evidence: -most to 2 most.
         solid: Evidence from which a cell is an obstacle.
         counts: Whether the picture counts as evidence; if not, it only explores.
+        beyond_doubt: Distance (m) up to which one line that ends in a cell makes it sure; the angle (rad)
+            between two that do.
         odds: Shape=(NY, NX), evidence, updated in place.
+        aspect: Shape=(NY, NX), direction (rad) of the first line that ended there, NaN without any, updated in place.
+        sure: Shape=(NY, NX), whether an obstacle there is beyond doubt, updated in place.
         said: Shape=(NY, NX), last picture that told each cell, updated in place.
         picture: Number of this picture, from 1 on.
         explored: Shape=(NY, NX), updated in place.
@@ -173,6 +180,13 @@ def trace(
                     weight = min(1.0, sharp_m / d)
                     told = odds[iy, ix] + (weight if kind == 0 else -through * weight)
                     odds[iy, ix] = min(max(told, -most), 2.0 * most)
+                    if kind == 0:
+                        if math.isnan(aspect[iy, ix]):
+                            aspect[iy, ix] = angle
+                        turned = abs((angle - aspect[iy, ix] + math.pi) % (2.0 * math.pi) - math.pi)
+                        sure[iy, ix] |= d <= beyond_doubt[0] or turned >= beyond_doubt[1]
+                    elif odds[iy, ix] <= 0.0:
+                        aspect[iy, ix], sure[iy, ix] = np.nan, False
                     now = odds[iy, ix] >= solid
                     if now != obstacle[iy, ix]:
                         obstacle[iy, ix] = now

@@ -29,6 +29,7 @@ from coral.reef.drive.traffic import Traffic, TrafficCfg
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.pilot.guard import GuardCfg, Reading, SensorGuard
+from coral.reef.pilot.look_round import LookRound, LookRoundCfg
 from coral.reef.pilot.safety import SafetyWatch
 from coral.reef.vehicle.sensing import VehicleObservation, Velocity
 from coral.reef.vehicle.states import Mover
@@ -68,6 +69,7 @@ class PilotCfg:
     fallback: Fallback = FOR_RUNS
     """What happens when a decision was not reached within its budget: the rules decide, hold keeps the last goal and
     asks again, fail ends the mission. `coral reef bench` holds by default: there the advisor stands alone."""
+    look_round: LookRoundCfg = field(default_factory=LookRoundCfg)
     synchronous: bool = False
     """Stand still while a question is open, then drive for `action_s`: DREAM's protocol (paper IV-E), a baseline."""
     action_s: float = 1.0
@@ -157,6 +159,7 @@ class Pilot:
         )
         self.safety = SafetyWatch(guard, emit)
         """Checks the sensors; its `states` say what the vehicle is doing, and why."""
+        self._look_round = LookRound(belief, self.cfg.look_round)
         self.plan: Plan | None = None
         self.open_question: Question[Any] | None = None
         self.last_attempt: Attempt | None = None
@@ -257,6 +260,9 @@ class Pilot:
                 violates=False,
             )
         self._advance(t)
+        if (turn := self._look_round.command()) is not None and not (self._blind or self.homing):
+            self.trigger.new_goal()  # to look round is not to be stuck
+            return turn
         if self.planner.cfg.route.ahead and self.route.update(t):
             self.trigger.new_goal()
         self._route(t)
@@ -442,7 +448,11 @@ class Pilot:
         self.belief.last_failure = None
         asked = self._asked
         if asked is not None and asked.finished:
-            self.end_reason = NOTHING_LEFT
+            step = self._look_round.step(self._nothing_left)
+            if step is None:
+                self.end_reason = NOTHING_LEFT
+            else:
+                self._emit("doubt", step=step)
         elif by_rules and outcome.failure not in ("", "withdrawn"):
             self._hold(outcome.failure)
         elif outcome.failure and outcome.failure != "withdrawn":
@@ -453,6 +463,10 @@ class Pilot:
             self._adopt(asked, outcome.answer, "fallback" if by_rules else source_of(self.advisor))
         self._decided = True
         self._acting_until = self.clock.now() + self.cfg.action_s
+
+    def _nothing_left(self, belief: Belief) -> bool:
+        """Check whether nothing would be left on another map."""
+        return self.planner.ask(dataclasses.replace(self.planner.outlook(self.field), belief=belief)).finished
 
     def _fall_back(self, outcome: Outcome[Any]) -> None:
         """Apply the named policy after the advisor was silent or wrong past its budget."""

@@ -1,0 +1,67 @@
+"""What a vehicle does that only doubtful obstacles fence in: it turns and looks, then drives where they were."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from coral.config import Count, Positive
+from coral.reef.map.belief import Belief
+from coral.reef.world.geometry import Pose, wrap
+
+Step = Literal["turn", "forget"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LookRoundCfg:
+    """How doubt is settled before nothing is left to explore."""
+
+    yaw_rate_rad_s: Positive = 0.5
+    """Rate of the turn; a picture at 10 Hz is then 3° from the one before."""
+    apart_m: Positive = 1.0
+    """A place so far from the last one is worth another turn."""
+    times: Count = 5
+    """Turns in a mission."""
+
+
+class LookRound:
+    """Takes one step after another: a turn on the spot; then doubtful obstacles are forgotten until seen again."""
+
+    def __init__(self, belief: Belief, cfg: LookRoundCfg | None = None) -> None:
+        self.belief, self.cfg = belief, cfg or LookRoundCfg()
+        self._place: Pose | None = None
+        self._next: Step | None = "turn"
+        self._turns = 0
+        self._to_turn, self._heading = 0.0, 0.0
+
+    def step(self, nothing_left: Callable[[Belief], bool]) -> Step | None:
+        """Take the next step where doubt alone leaves nothing to explore; None where the map is sure of it.
+
+        Args:
+            nothing_left: Tells it of a belief.
+        """
+        belief, place = self.belief, self._place
+        if place is None or math.dist(place[:2], belief.pose[:2]) >= self.cfg.apart_m:
+            self._place, self._next = belief.pose, "turn"
+        step = self._next
+        if step is None or (step == "turn" and self._turns >= self.cfg.times):
+            return None
+        without = belief.snapshot()
+        if not without.forget_doubt() or nothing_left(without):
+            return None
+        if step == "turn":
+            self._turns += 1
+            self._to_turn, self._heading, self._next = 2.0 * math.pi, belief.pose.theta, "forget"
+        else:
+            belief.forget_doubt()
+            self._next = None
+        return step
+
+    def command(self) -> tuple[float, float] | None:
+        """Return the command of a turn under way."""
+        heading = self.belief.pose.theta
+        self._to_turn -= abs(wrap(heading - self._heading))
+        self._heading = heading
+        return (0.0, self.cfg.yaw_rate_rad_s) if self._to_turn > 0.0 else None
