@@ -11,7 +11,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import get_args
 
 from coral import limits
@@ -62,11 +62,14 @@ def _commands() -> str:
 
 
 def _settings(of: str) -> str:
-    rows = ListConfig(of=of)()["keys"]
-    return _table(
-        "key | default | what",
-        ((f"`{row['key']}`", f"{row['default'] or '–'} {row['unit']}", row["text"]) for row in rows),
-    )
+    parts = []
+    for group, rows in groupby(ListConfig(of=of)()["keys"], lambda row: row["key"].rpartition(".")[0]):
+        cells = (
+            (f"`{row['key'].rpartition('.')[2]}`", f"{row['default'] or '–'} {row['unit']}", row["text"])
+            for row in rows
+        )
+        parts.append(f"**{group or of}**\n\n" + _table("key | default | what", cells))
+    return "\n\n".join(parts)
 
 
 def _named(head: str, rows: Mapping[str, str]) -> str:
