@@ -10,7 +10,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-dev setup-libero setup-blender demo kernels test test-ray test-slurm test-warp test-franka test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz clean help
+.PHONY: setup setup-dev setup-libero setup-blender demo kernels test wings test-ray test-slurm test-warp test-franka test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -53,6 +53,9 @@ else
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 endif
 
+wings: kernels  ## the spine's tests without each wing in turn (an hour)
+	$(BIN)/python tests/spine_tests.py
+
 test-ray: setup-dev  ## a two-node Ray cluster on this machine, one node killed midway
 	$(PIP) --no-build-isolation --editable '.[ray]'
 	$(BIN)/python -m pytest -m ray tests/campaign/test_cluster.py
@@ -67,7 +70,7 @@ test-warp: setup-dev  ## rehearsals by MuJoCo Warp against MuJoCo's (a download 
 
 test-franka: setup-dev  ## the driver against franky-sim's arm, in real time (460 MB installed)
 	$(PIP) --no-build-isolation --editable '.[franka,franka-sim]'
-	$(BIN)/python -m pytest -m franka tests/contact/worlds/franka/test_franky_sim.py
+	$(BIN)/python -m pytest -m franka tests/contact/franka/test_franky_sim.py
 
 
 # Without GGML_NATIVE=OFF the compiled server crashes on some virtual machines that advertise AMX.

@@ -23,12 +23,12 @@ from coral.reef.eyes.doubt import DoubtCfg
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
 from coral.reef.map.mapping import MapCfg, OccupancyMap, distance_to
 from coral.reef.paint.painter import Painter
-from coral.reef.paint.water_types import find_water
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.generated import find_world
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene
+from coral.reef.world.water_types import find_water
 
 LEGS_M, APART_M = 4.0, 0.2
 """Distance between legs, and between pictures."""

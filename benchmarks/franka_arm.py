@@ -29,18 +29,18 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.resolution import resolve_episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
-from coral.contact.perception.camera_process import CameraJob, CameraProcess
-from coral.contact.perception.camera_stream import CameraStream
+from coral.contact.franka.camera_process import CameraJob, CameraProcess
+from coral.contact.franka.camera_stream import CameraStream
+from coral.contact.franka.double import Double, DoubleCfg, cfg_for_double
+from coral.contact.franka.franky_arm import FrankyArm
+from coral.contact.franka.stream import Phase, StopCause
+from coral.contact.franka.stream_process import StreamProcess
+from coral.contact.franka.stream_record import StreamReport
+from coral.contact.franka.world import FrankaDoubleWorld, StreamHandle
 from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.franka.cfg import FrankaCfg
-from coral.contact.worlds.franka.double import Double, DoubleCfg, cfg_for_double
-from coral.contact.worlds.franka.franky_arm import FrankyArm
-from coral.contact.worlds.franka.stream import Phase, StopCause
-from coral.contact.worlds.franka.stream_process import StreamProcess
-from coral.contact.worlds.franka.stream_record import StreamReport
-from coral.contact.worlds.franka.world import FrankaDoubleWorld, StreamHandle
+from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.contact.worlds.robot_world import WorldError
 
 CAUSES = {

@@ -29,7 +29,7 @@ from hypothesis import strategies as st
 
 import coral
 from coral.errors import InputError
-from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.sea.recorded_camera import RecordedCamera
 
 HOME = Path(coral.__file__).parent
 LONGEST_S = 10
@@ -96,11 +96,11 @@ def parsers() -> dict[str, Parser]:
     from coral.contact.cost_program import CostError, LimitsCfg
     from coral.contact.cost_program.parse import parse as parse_cost
     from coral.contact.libero.problem import read_problem
-    from coral.contact.perception.bop_records import read_cameras, read_shared_camera, read_truth
     from coral.contact.perception.mesh_file import read_mesh
     from coral.contact.plan.cost_file import read_cost_file
     from coral.contact.plan.cost_plan import PlanAnswer
     from coral.contact.policy.wire import WireError, decode, encode
+    from coral.contact.real_scenes.bop_records import read_cameras, read_shared_camera, read_truth
     from coral.contact.scene.task_file import load_task_file
     from coral.desk.inbox import Inbox
     from coral.reef.decide.answers import CentroidChoice
@@ -108,7 +108,7 @@ def parsers() -> dict[str, Parser]:
     from coral.reef.pilot.checks import UnfitMeasurement
     from coral.reef.products.cover_calibration import read_calibration
     from coral.reef.recordings.picture_folder import read_folder
-    from coral.reef.recordings.recorded_camera import read_camera
+    from coral.reef.sea.recorded_camera import read_camera
     from coral.reef.sea.survey_file import read_survey
     from coral.reef.world.world import load_world
     from coral.view.run import RunFolder
@@ -199,7 +199,7 @@ def parsers() -> dict[str, Parser]:
 
 def example_camera() -> RecordedCamera:
     """Return a camera for the tables of poses."""
-    from coral.reef.recordings.recorded_camera import read_camera
+    from coral.reef.sea.recorded_camera import read_camera
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "camera.yaml"

@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from clairvoyant import clairvoyant
 
 from coral.advisor.question import Advisor
 from coral.advisor.registry import make_advisor
-from coral.exam.clairvoyant import clairvoyant
 from coral.exam.controls import control
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES

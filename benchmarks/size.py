@@ -13,14 +13,12 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
-WINGS = {
-    *("reef/sea", "reef/recordings", "reef/products", "reef/paint", "contact/worlds/franka", "contact/libero"),
-    *("contact/policy", "contact/perception", "campaign", "exam", "gym", "desk", "view", "commands"),
-}
-"""Folders that the papers do not describe; the rest is the spine."""
+PROJECT = Path(__file__).parents[1] / "pyproject.toml"
 _HELPS = """
 import contextlib, io, json
 from coral.cli import COMMANDS, main
@@ -52,7 +50,7 @@ def sizes(checkout: Path) -> dict[str, object]:
     texts = {path.relative_to(package): path.read_text(encoding="utf-8") for path in sorted(package.rglob("*.py"))}
     classes = [node for text in texts.values() for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef)]
     lines = {path: len(text.splitlines()) for path, text in texts.items()}
-    wings = sum(n for path, n in lines.items() if any(path.as_posix().startswith(f"{wing}/") for wing in WINGS))
+    wings = sum(n for path, n in lines.items() if _in_wing(path))
     tests = sum(len(path.read_text(encoding="utf-8").splitlines()) for path in (checkout / "tests").rglob("*.py"))
     helps = _ask(checkout, _HELPS)
     rooms = _rooms(texts)
@@ -73,6 +71,19 @@ def sizes(checkout: Path) -> dict[str, object]:
         "longest help": max(helps.values()),
         "helps": helps,
     }
+
+
+@cache
+def wing_modules() -> tuple[str, ...]:
+    """Return the modules of all wings, as the contracts of this checkout list them, without the package's name."""
+    contracts = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"]
+    listed = [module for one in contracts if one["type"] == "protected" for module in one["protected_modules"]]
+    return tuple(module.removeprefix("coral.") for module in listed)
+
+
+def _in_wing(path: Path) -> bool:
+    module = ".".join(path.with_suffix("").parts)
+    return any(f"{module}.".startswith(f"{wing}.") for wing in wing_modules())
 
 
 def _ask(checkout: Path, code: str) -> object:

@@ -84,12 +84,12 @@ def measure(edge_m: float, ticks: int, seed: int, perception: str) -> dict[str, 
     from coral.reef.mission.mission import Mission
     from coral.reef.mission.mission_cfg import MissionCfg
     from coral.reef.mission.record import FrameRecorder, RecordCfg
+    from coral.reef.pictures.questions import question_pictures
     from coral.reef.pilot.pilot import Pilot
     from coral.reef.vehicle.camera import Camera
     from coral.reef.world.generate import GeneratorCfg, generate
     from coral.reef.world.geometry import Pose
     from coral.reef.world.scene import Scene
-    from coral.view.questions import question_pictures
 
     watch = Stopwatch()
     for owner, name, part in (

@@ -2,7 +2,18 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from coral.config import Count, Fraction, Positive, Signed, checked, merge, read_config, to_mapping, whole_steps
+from coral.config import (
+    Count,
+    Fraction,
+    Positive,
+    Signed,
+    changes,
+    checked,
+    merge,
+    read_config,
+    to_mapping,
+    whole_steps,
+)
 from coral.errors import InputError
 
 
@@ -77,3 +88,10 @@ def test_whole_steps_in_spite_of_rounding(period_s, step_s, steps):
 def test_a_step_that_does_not_divide_its_period_is_refused(period_s, step_s):
     with pytest.raises(InputError, match=rf"world: dt_s: found {step_s} s, expected a whole number of them in 0\.1 s"):
         whole_steps(period_s, step_s, "world", "dt_s")
+
+
+def test_only_what_differs_from_the_default_is_named_by_its_dotted_key():
+    default = {"camera": {"range_m": 2.0, "noise": {"sigma": 0.1}}, "seed": 0, "size": [1, 2]}
+    now = {"camera": {"range_m": 2.0, "noise": {"sigma": 0.2}}, "seed": 0, "size": [1, 3], "new": None}
+    assert changes(now, default, "cfg") == [("cfg.camera.noise.sigma", 0.2), ("cfg.size", [1, 3])]
+    assert changes(default, default, "cfg") == []

@@ -22,11 +22,11 @@ from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import resolve_mission, with_sonar
+from coral.reef.pictures.cameraview import camera_picture
 from coral.reef.vehicle.camera import Camera
 from coral.reef.world.generated import find_world
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
-from coral.view.cameraview import camera_picture
 from coral.view.runmap import write_map
 
 IMAGES = Path(__file__).parent.parent / "images"

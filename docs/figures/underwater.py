@@ -15,10 +15,10 @@ import numpy as np
 
 from coral.reef.paint.painter import Painter
 from coral.reef.paint.picture_set import read_pictures
+from coral.reef.pictures.mapview import png
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.generated import find_world
 from coral.reef.world.scene import Scene
-from coral.view.mapview import png
 
 IMAGES = Path(__file__).parents[1] / "images"
 

@@ -18,7 +18,7 @@ from coral.errors import NO_ROOM, InputError, RunError, nearest
 from coral.flag_parser import build, scan
 from coral.help_page import flag_page, help_page
 from coral.odd_text import encodable, printable
-from coral.surface import described, load
+from coral.surface import described, foreign_commands, is_installed, load
 from coral.terminal import fitted
 from coral.termination import orderly_termination
 
@@ -63,6 +63,14 @@ COMMANDS = {
     "doctor": ("coral.commands.doctor:Doctor", "check this installation"),
     "version": ("coral.commands.version:Version", "print the version"),
 }
+
+
+def commands() -> dict[str, tuple[str, str]]:
+    """Return the commands that are installed, `module:class` and description by their words.
+
+    Those of a missing wing are left out; those of other packages are entry points of the group coral.commands.
+    """
+    return {name: entry for name, entry in COMMANDS.items() if is_installed(entry[0])} | foreign_commands(COMMANDS)
 
 
 FIRST = {
@@ -110,7 +118,7 @@ def _run(words: Sequence[str]) -> int:
             print(completion_script("".join(words[1:2])), end="")
             return 0
         if words[0] == "--complete":
-            for word in completions(words[1:], COMMANDS):
+            for word in completions(words[1:], commands()):
                 print(word)
             return 0
         name = _command(words)
@@ -156,18 +164,28 @@ def _command(words: Sequence[str]) -> str | None:
     for n in (2, 1):
         name = " ".join(words[:n])
         if name in COMMANDS:
+            if not is_installed(COMMANDS[name][0]):
+                raise InputError("coral", "", repr(name), "a command of an installed wing: its wing is missing")
             return name
-    group = [name for name in COMMANDS if name.split()[0] == words[0] and " " in name]
+    known = commands()
+    found = next((name for n in (2, 1) if (name := " ".join(words[:n])) in known), None)
+    if found is not None:
+        return found
+    group = [name for name in known if name.split()[0] == words[0] and " " in name]
     if group and (len(words) == 1 or words[1] in HELP):
         return None
     tried = " ".join(words[:2]) if group else words[0]
-    known = group or [*COMMANDS, *{name.split()[0] for name in COMMANDS}]
-    raise InputError("coral", "", repr(tried), f"one of: {', '.join(group or COMMANDS)}{nearest(tried, known)}")
+    near = group or [*known, *{name.split()[0] for name in known}]
+    raise InputError("coral", "", repr(tried), f"one of: {', '.join(group or known)}{nearest(tried, near)}")
+
+
+def _place(name: str) -> str:
+    return (COMMANDS.get(name) or commands()[name])[0]
 
 
 def _parse(name: str, words: Sequence[str]) -> Command:
     """Parse flags into the command's dataclass."""
-    place = COMMANDS[name][0]
+    place = _place(name)
     if name in FIRST and re.fullmatch("[^-:~][^:~]*", "".join(words[:1])):  # not gen:3, libero:object/0, pick-box~2
         load(FIRST[name])(words[0])
     about = described(place)
@@ -182,14 +200,15 @@ def _parse(name: str, words: Sequence[str]) -> Command:
 
 def _help(name: str, words: Sequence[str]) -> str:
     """Return the help of a command, or of the flags that follow `--help`."""
-    about = described(COMMANDS[name][0])
+    about = described(_place(name))
     asked = words[min(words.index(word) for word in HELP if word in words) + 1 :]
     return "\n\n".join(flag_page(name, about, word) for word in asked) or help_page(name, about)
 
 
 def _overview(group: str) -> str:
-    width = max(map(len, COMMANDS))
-    lines = [f"  coral {name:<{width}} {text}" for name, (_, text) in COMMANDS.items() if name.startswith(group)]
+    known = commands()
+    width = max(map(len, known))
+    lines = [f"  coral {name:<{width}} {text}" for name, (_, text) in known.items() if name.startswith(group)]
     usage = ["usage: coral COMMAND [flags]; every command has --help and --json"]
     usage += ["       coral --print-completion bash|zsh|fish"]
     return "\n".join([*usage, "", *lines])

@@ -141,3 +141,14 @@ def _replace(default: Any, changes: Mapping[str, Any], where: str, prefix: str) 
                 where, name, shown(value), error.errors()[0]["msg"].replace("Input should be ", "")
             ) from None
     return dataclasses.replace(default, **values)
+
+
+def changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
+    """Return dotted keys, after a prefix, and values in which a configuration differs from the default."""
+    found: list[tuple[str, Any]] = []
+    for key, value in now.items():
+        if isinstance(value, Mapping) and isinstance(default.get(key), Mapping):
+            found += changes(value, default[key], f"{prefix}.{key}")
+        elif value != default.get(key):
+            found.append((f"{prefix}.{key}", value))
+    return found

@@ -1,4 +1,8 @@
-"""Parts that other installed packages offer by entry points: advisors, controllers, triggers, verifiers and so on."""
+"""Parts by name: those of the wings of this package, and those that other installed packages offer by entry points.
+
+The spine imports no wing. Where it has a place for one, the wing's part is named in `OURS` and imported when it is
+asked for, as an entry point of another package is.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +22,58 @@ GROUPS = {
     "coral.embedders": "class, or function without arguments, that makes an embedder of instructions for the memory",
     "coral.cameras": "function (rest, T_world_camera or None) that makes an RgbdCamera; NAME[:REST] after --camera",
     "coral.conditions": "class of a condition of success, a subclass of BaseCondition",
+    "coral.commands": "dataclass of a command; a dot in the name separates its two words",
+    "coral.vehicles": "function of what follows NAME: after --vehicle that makes a VehicleLink",
+    "coral.eyes": "function without arguments that makes an RgbPerception; NAME after --perception",
+    "coral.exporters": "function (recording, path, only_colour) that writes it and returns counts; NAME after --to",
+    "coral.tasks": "function of NAME:REST that loads a contact task",
+    "coral.worlds": "function (trial, control period in s) that makes an EvaluationWorld; NAME after --world",
+    "coral.robots": "object with the functions of `RobotKind`; NAME after --world, its address after --robot",
 }
 """What the entry points of each group are."""
 
+OURS: dict[str, dict[str, str]] = {
+    "coral.exporters": {
+        "mcap": "coral.reef.recordings.bag_export:export_mcap",
+        "bag": "coral.reef.recordings.bag_export:export_bag",
+        "pictures": "coral.reef.recordings.picture_export:export_pictures",
+    },
+    "coral.tasks": {"libero": "coral.contact.libero.task:load_libero"},
+    "coral.worlds": {
+        "panda": "coral.contact.worlds.panda.world:make_panda_world",
+        "hand": "coral.contact.worlds.hand_world:make_hand_world",
+    },
+    "coral.robots": {"franka": "coral.commands.franka_robot"},
+    "coral.vehicles": {
+        "mavlink": "coral.reef.sea.mavlink_link:MavlinkLink",
+        "simulated": "coral.reef.rehearsal.simulated_link:SimulatedLink",
+    },
+    "rehearsal": {
+        "camera": "coral.reef.rehearsal.simulated_camera:SimulatedCamera",
+        "sonar": "coral.reef.rehearsal.simulated_sonar:SimulatedSonar",
+        "truth": "coral.reef.rehearsal.truth:TruthFeed",
+    },
+    "painter": {"reef": "coral.reef.paint.painter:Painter"},
+    "policy": {"served": "coral.contact.policy.policy_campaign_episode:run_served_policy"},
+    "notice": {"desk": "coral.desk.notice:mission_notice"},
+    "rendering": {"reef": "coral.view.rendering:render_survey", "contact": "coral.view.rendering:render_attempt"},
+    "preview": {"one": "coral.view.preview:preview", "sheet": "coral.view.preview:preview_sheet"},
+    "live": {"reef": "coral.view.live.live_run:watching_mission", "contact": "coral.view.live.live_run:watching_task"},
+    "lens": {"check": "coral.reef.recordings.lens_check:check_run_lens"},
+    "blender": {"python": "coral.reef.paint.blender:blender_python"},
+}
+"""Parts of this package by group and name; groups that are not in `GROUPS` take none of other packages."""
+
 
 def find_plugins(group: str) -> dict[str, EntryPoint]:
-    """Find the entry points of a group by name; nothing is imported."""
-    return {point.name: point for point in entry_points(group=group)}
+    """Find the parts of a group by name, ours first; nothing is imported."""
+    ours = {name: EntryPoint(name, place, group) for name, place in OURS.get(group, {}).items()}
+    return ours | {point.name: point for point in entry_points(group=group) if point.name not in ours}
+
+
+def has_plugin(group: str, name: str) -> bool:
+    """Return whether a group has a part of this name. Other packages are searched only if it is none of ours."""
+    return name in OURS.get(group, {}) or name in find_plugins(group)
 
 
 def load_plugin(point: EntryPoint, where: str) -> Any:
@@ -35,30 +84,46 @@ def load_plugin(point: EntryPoint, where: str) -> Any:
         where: Flag or argument that asked for it, for the error.
 
     Raises:
-        InputError: It cannot be imported.
+        InputError: It cannot be imported, or it belongs to a wing that is not installed.
     """
     try:
         return point.load()
     except (ImportError, AttributeError) as error:
+        if point.value == OURS.get(point.group, {}).get(point.name):
+            missing = str(getattr(error, "name", None))
+            if not missing.startswith("coral."):
+                raise
+            raise InputError(where, "", repr(point.name), f"the wing {missing}, which is not installed") from None
         package = point.dist.name if point.dist is not None else "a package"
         raise InputError(
             where, "", f"{point.name!r} of {package}, which does not load ({first_line(error)})", point.value
         ) from None
 
 
+def our_part(group: str, name: str, where: str) -> Any:
+    """Import a part of this package that may be in a wing.
+
+    Raises:
+        InputError: The wing is not installed; the error names the flag or argument `where`.
+    """
+    return load_plugin(EntryPoint(name, OURS[group][name], group), where)
+
+
 def named_plugin(group: str, name: str, where: str, field: str = "", ours: Sequence[str] = ()) -> Any:
-    """Import the entry point of this name.
+    """Import the part of this name.
 
     Args:
         group: The group.
         name: The name.
         where: Flag, file or argument that named it, for the error.
         field: Field in it.
-        ours: Names that come with the package, which the error lists too.
+        ours: Further names that come with the package, which the error lists too.
 
     Raises:
         InputError: There is none of this name, or it cannot be imported.
     """
+    if name in OURS.get(group, {}):
+        return our_part(group, name, where)
     known = find_plugins(group)
     if name not in known:
         names = [*ours, *known]

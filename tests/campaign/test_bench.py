@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from coral.campaign.bench import changes, digest, make_executor, table_json
+from coral.campaign.bench import digest, make_executor, table_json
 from coral.campaign.local import LocalExecutor
 from coral.campaign.slurm import SlurmCfg
 from coral.campaign.table import Table
@@ -12,13 +12,6 @@ def test_a_digest_depends_on_contents_and_not_on_their_order():
     assert digest({"a": 1, "b": [1, 2]}) == digest({"b": [1, 2], "a": 1})
     assert digest({"a": 1}) != digest({"a": 2})
     assert digest([1, 2]) != digest([2, 1])
-
-
-def test_only_what_differs_from_the_default_is_named_by_its_dotted_key():
-    default = {"camera": {"range_m": 2.0, "noise": {"sigma": 0.1}}, "seed": 0, "size": [1, 2]}
-    now = {"camera": {"range_m": 2.0, "noise": {"sigma": 0.2}}, "seed": 0, "size": [1, 3], "new": None}
-    assert changes(now, default, "cfg") == [("cfg.camera.noise.sigma", 0.2), ("cfg.size", [1, 3])]
-    assert changes(default, default, "cfg") == []
 
 
 def test_this_machine_runs_as_many_as_asked_for():

@@ -6,9 +6,9 @@ import pytest
 import yaml
 
 from coral.cli import main
-from coral.contact.perception.bop_writing import BopWriter
-from coral.contact.perception.calibration.camera_pose_file import read_camera_pose
 from coral.contact.perception.camera import RgbdFrame, look_at
+from coral.contact.real_scenes.bop_writing import BopWriter
+from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
 from coral.contact.scene.rigid_transform import inverse_transform
 
 LENS = np.array([300.0, 300.0, 159.5, 119.5])

@@ -3,7 +3,7 @@ import json
 import pytest
 
 from coral.cli import main
-from coral.contact.perception.masks.click_masks import read_clicks
+from coral.contact.real_scenes.masks.click_masks import read_clicks
 from coral.view.click_page import ClickPage
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from coral.cli import main
 from coral.commands.contact_poses import parse_receiver
-from coral.contact.worlds.franka.object_poses import ObjectPoses
+from coral.contact.franka.object_poses import ObjectPoses
 from coral.errors import InputError
 
 

@@ -9,18 +9,18 @@ from episodes import make_trial
 
 from coral.cli import main
 from coral.commands.franka_robot import (
-    RobotFlags,
     ask_for_word,
     go_through,
     robot_cfg,
     robot_trial,
 )
+from coral.commands.robot_flags import RobotFlags
 from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.franka.stream import Phase, StopCause
+from coral.contact.franka.stream_record import StreamReport
 from coral.contact.scene.observation import BodyState
-from coral.contact.worlds.franka.cfg import FrankaCfg
-from coral.contact.worlds.franka.stream import Phase, StopCause
-from coral.contact.worlds.franka.stream_record import StreamReport
-from coral.errors import InputError, RunError
+from coral.contact.worlds.franka_cfg import FrankaCfg
+from coral.errors import RunError
 
 ARM = RobotFlags(world="franka", robot="10.0.0.1", dry_run=False, yes=False, quiet=True)
 BOX = BodyState(np.array([0.1, 0.0, 0.03]), np.array([1.0, 0, 0, 0]))
@@ -28,32 +28,6 @@ REPORT = StreamReport(
     1, Phase.WATCHING, StopCause.NONE, 7.0, BodyState(TOOL, DOWN), 0.08, np.zeros(6), START, np.zeros(7),
     np.zeros(6), np.zeros(6), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, {"box": BOX}, {"box": 0.01},
 )  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"robot": None}, "--robot: found nothing, expected the arm's address"),
-        ({"yes": True}, "--yes: found --robot 10.0.0.1, expected --robot sim"),
-        ({"world": "hand"}, "--robot: found 10.0.0.1, expected it goes with --world franka only"),
-        ({"world": "hand", "robot": None, "dry_run": True}, "--dry-run"),
-        ({"world": "hand", "robot": None, "camera": "realsense"}, "--camera"),
-        ({"masks": "colour"}, "--masks: found colour, expected it goes with --camera only"),
-        ({"camera": "sim"}, "--camera: found sim with --robot 10.0.0.1"),
-        ({"camera": "realsense", "robot": "sim"}, "--camera: found realsense with --robot sim"),
-        ({"camera": "realsense"}, "--camera-pose: found nothing, expected a file of coral contact calibrate"),
-    ],
-)
-def test_flags_that_contradict_each_other_are_refused(changes, message):
-    with pytest.raises(InputError, match=message):
-        dataclasses.replace(ARM, **changes).check()
-
-
-def test_which_worlds_are_an_arm():
-    assert ARM.check()
-    assert dataclasses.replace(ARM, robot="sim", yes=True).check()
-    assert dataclasses.replace(ARM, robot="sim", camera="sim").check()
-    assert not dataclasses.replace(ARM, world="hand", robot=None).check()
 
 
 def test_a_missing_robot_is_one_line_and_exit_code_2(capsys):

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 
-from coral.contact.worlds.franka.arm import ArmError, ArmState
-from coral.contact.worlds.franka.cfg import FrankaCfg
+from coral.contact.franka.arm import ArmError, ArmState
+from coral.contact.worlds.franka_cfg import FrankaCfg
 
 START = np.array(FrankaCfg().start_rad)
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])

@@ -3,9 +3,9 @@
 import numpy as np
 
 from coral.contact.perception.camera import RgbdFrame, look_at
-from coral.contact.perception.object_drawing import draw_depth
 from coral.contact.perception.object_model import from_primitives
 from coral.contact.perception.ray_solids import SolidPart
+from coral.contact.real_scenes.object_drawing import draw_depth
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 
 LENS = np.array([120.0, 120.0, 47.5, 35.5])

@@ -2,10 +2,10 @@
 
 import dataclasses
 
-from coral.contact.perception.bop_writing import BopWriter
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.object_model import from_trial
-from coral.contact.perception.tracking_accuracy import AccuracyCfg, take_motion
+from coral.contact.real_scenes.bop_writing import BopWriter
+from coral.contact.real_scenes.tracking_accuracy import AccuracyCfg, take_motion
 
 CFG = AccuracyCfg(camera=RgbdCameraCfg(width=64, height=48), noise=None, period_s=0.1)
 

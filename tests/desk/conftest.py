@@ -17,8 +17,8 @@ from coral.advisor.question import Picture, Question, Rejection
 from coral.desk.inbox import Inbox
 from coral.desk.server import DeskServer
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice
+from coral.reef.pictures.mapview import MapScene, draw_map, png
 from coral.reef.world.geometry import Pose, to_robot
-from coral.view.mapview import MapScene, draw_map, png
 
 POSE = Pose(3.0, 5.0, math.pi / 2)
 ARRIVAL = Pose(3.5, 5.5, 0.3)

@@ -28,8 +28,8 @@ from coral.exam.item import ANSWERS
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
+from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.world import load_world
-from coral.view.questions import question_pictures
 
 ROOT = Path(__file__).parents[2]
 spec = importlib.util.spec_from_file_location("recorded_reader", ROOT / "benchmarks" / "recorded_reader.py")

@@ -17,10 +17,10 @@ from coral.reef.map.mapping import OccupancyMap
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.variants import VARIANTS, apply_variant
+from coral.reef.pictures.questions import map_scene, question_pictures
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.world.geometry import Pose
-from coral.view.questions import map_scene, question_pictures
 
 QUIET = MissionCfg(time_limit_s=20.0)
 

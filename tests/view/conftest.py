@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import yaml
 
+from coral.reef.pictures.mapview import MapScene, camera_picture, draw_map, png
 from coral.reef.world.geometry import Frame, Pose
-from coral.view.mapview import MapScene, camera_picture, draw_map, png
 
 SIZE = 12.0
 CELL = 0.05

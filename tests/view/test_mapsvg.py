@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import pytest
 
-from coral.view.companions import COLORS
+from coral.reef.pictures.companions import COLORS
+from coral.reef.pictures.mapframe import CELL_COLORS
 from coral.view.decisions import decisions
-from coral.view.mapframe import CELL_COLORS
 from coral.view.mapsvg import PAD, SIZE_PX, MapSvg, cluster_outline, color_of, footprint, map_uri, track
 from coral.view.run import RunFolder
 

@@ -12,10 +12,10 @@ from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
+from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start
 from coral.view import time_slider
 from coral.view.decisions import decisions
-from coral.view.questions import question_pictures
 from coral.view.run import RunFolder
 
 

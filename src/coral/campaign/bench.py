@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,17 +17,6 @@ from coral.campaign.table import Table
 def digest(content: Any) -> str:
     """Compute twelve hexadecimal digits that identify contents."""
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:12]
-
-
-def changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
-    """Return dotted keys, after a prefix, and values in which a configuration differs from the default."""
-    found: list[tuple[str, Any]] = []
-    for key, value in now.items():
-        if isinstance(value, Mapping) and isinstance(default.get(key), Mapping):
-            found += changes(value, default[key], f"{prefix}.{key}")
-        elif value != default.get(key):
-            found.append((f"{prefix}.{key}", value))
-    return found
 
 
 def make_executor(kind: str, jobs: int, address: str, slurm: SlurmCfg, folder: Path) -> Executor:

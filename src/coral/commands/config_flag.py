@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from coral.campaign.bench import changes
-from coral.config import read_config, read_yaml, to_mapping
+from coral.config import changes, read_config, read_yaml, to_mapping
 
 C = TypeVar("C")
 

@@ -39,7 +39,6 @@ from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.policy_campaign_episode import run_policy_episode
 from coral.contact.episode.resolution import DEFAULT_ADVISOR, with_fallback, with_poses, with_samples, with_tracker
 from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_strategist
 from coral.contact.memory.embedding import HashedWords
@@ -47,6 +46,7 @@ from coral.contact.memory.memory import FORMAT, Memory
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.perception.tracker_registry import drop_addresses
 from coral.contact.policy.address import Address, parse_address
+from coral.contact.policy.policy_campaign_episode import run_policy_episode
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
 from coral.contact.scene.trial import sample_trial

@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
+from coral.contact.real_scenes.cameras.camera_registry import camera_help, make_camera_by_name
 from coral.errors import InputError
 from coral.file_writer import write_whole
 from coral.flags import Option
@@ -48,7 +48,7 @@ class ContactCalibrate:
 
     def __call__(self) -> Mapping[str, Any]:
         """Calibrate."""
-        from coral.contact.perception.calibration.camera_pose_file import write_camera_pose
+        from coral.contact.real_scenes.calibration.camera_pose_file import write_camera_pose
 
         if self.draw is not None:
             return self._draw(self.draw)
@@ -86,7 +86,7 @@ class ContactCalibrate:
     def _draw(self, path: Path) -> dict[str, Any]:
         import cv2
 
-        from coral.contact.perception.calibration.charuco_board import FORM, CharucoBoard
+        from coral.contact.real_scenes.calibration.charuco_board import FORM, CharucoBoard
 
         if self.board is None:
             raise InputError("--board", "", "nothing", FORM)
@@ -98,7 +98,7 @@ class ContactCalibrate:
         return {"drawn": str(path), "width_m": columns * board.square_m, "height_m": rows * board.square_m}
 
     def _take(self, word: str) -> list[RgbdFrame]:
-        from coral.contact.perception.cameras.frame_stream import stream_frames
+        from coral.contact.real_scenes.cameras.frame_stream import stream_frames
 
         with closing(make_camera_by_name(word)) as camera:
             if camera.live and self.hand_poses is not None:
@@ -112,7 +112,7 @@ class ContactCalibrate:
     def _by_touch(self, frame: RgbdFrame) -> tuple[Any, str, dict[str, float]]:
         import numpy as np
 
-        from coral.contact.perception.calibration.touch_calibration import calibrate_by_touch, read_touches
+        from coral.contact.real_scenes.calibration.touch_calibration import calibrate_by_touch, read_touches
 
         assert self.touches is not None
         touches = read_touches(self.touches)
@@ -124,13 +124,13 @@ class ContactCalibrate:
     def _by_board(self, frames: list[RgbdFrame]) -> tuple[Any, str, dict[str, float]]:
         import numpy as np
 
-        from coral.contact.perception.calibration.board_calibration import (
+        from coral.contact.real_scenes.calibration.board_calibration import (
             calibrate_by_held_board,
             calibrate_by_placed_board,
             check_depth,
         )
-        from coral.contact.perception.calibration.charuco_board import LEAST_CORNERS, CharucoBoard
-        from coral.contact.perception.calibration.hand_poses import read_hand_poses
+        from coral.contact.real_scenes.calibration.charuco_board import LEAST_CORNERS, CharucoBoard
+        from coral.contact.real_scenes.calibration.hand_poses import read_hand_poses
         from coral.contact.scene.geometry import rotation_about
         from coral.contact.scene.rigid_transform import pose_matrix
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
+from coral.contact.real_scenes.cameras.camera_registry import camera_help, make_camera_by_name
 from coral.contact.scene.task_names import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
@@ -39,7 +39,7 @@ class ContactClick:
         import cv2
         import numpy as np
 
-        from coral.contact.perception.cameras.frame_stream import stream_frames
+        from coral.contact.real_scenes.cameras.frame_stream import stream_frames
         from coral.contact.tasks import load_task
         from coral.view.click_page import ClickPage
 

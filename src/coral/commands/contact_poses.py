@@ -14,9 +14,9 @@ from typing import Annotated, Any
 import cv2
 import numpy as np
 
-from coral.contact.perception.cameras.camera_registry import camera_help, make_camera_by_name
-from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
+from coral.contact.real_scenes.cameras.camera_registry import camera_help, make_camera_by_name
+from coral.contact.real_scenes.masks.mask_registry import mask_help
 from coral.contact.scene.task_names import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
@@ -53,13 +53,13 @@ class ContactPoses:
 
     def __call__(self) -> Mapping[str, Any]:
         """Track until the end."""
-        from coral.contact.perception.calibration.camera_pose_file import read_camera_pose
-        from coral.contact.perception.cameras.frame_stream import stream_frames
-        from coral.contact.perception.masks.colour_masks import paint_regions
-        from coral.contact.perception.masks.mask_registry import MaskSetting, make_masks
-        from coral.contact.perception.object_tracking import ObjectTracking, object_models
-        from coral.contact.perception.pose_picture import draw_poses
         from coral.contact.perception.tracked_world import nominal_pose
+        from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
+        from coral.contact.real_scenes.cameras.frame_stream import stream_frames
+        from coral.contact.real_scenes.masks.colour_masks import paint_regions
+        from coral.contact.real_scenes.masks.mask_registry import MaskSetting, make_masks
+        from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models
+        from coral.contact.real_scenes.pose_picture import draw_poses
         from coral.contact.scene.trial import sample_trial
         from coral.contact.tasks import load_task
 
@@ -158,8 +158,8 @@ class _Summary:
 
 def datagram(found: Mapping[str, Any]) -> bytes:
     """Return the datagram with the poses of the objects that are not lost."""
+    from coral.contact.franka.object_poses import poses_datagram
     from coral.contact.scene.rigid_transform import matrix_to_body
-    from coral.contact.worlds.franka.object_poses import poses_datagram
 
     return poses_datagram({name: matrix_to_body(one.T_world_object) for name, one in found.items() if not one.lost})
 

@@ -17,17 +17,16 @@ from coral.advisor.preflight import preflight
 from coral.advisor.recorded import is_recorded
 from coral.advisor.registry import advisor_help, innermost, make_advisor
 from coral.commands.config_flag import configured
-from coral.commands.franka_robot import WORLD, RobotFlags, make_robot_world, robot_cfg, robot_trial
-from coral.commands.live import LiveFlags, watching_task
+from coral.commands.live import LiveFlags, watching
 from coral.commands.operator_verdict import HINT, KeyboardVerdict
 from coral.commands.progress import EpisodeProgress
+from coral.commands.render import render
+from coral.commands.robot_flags import RobotFlags, robot_names
 from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.own_cost import own_cost
-from coral.contact.episode.policy_campaign_episode import serving
-from coral.contact.episode.policy_episode import PolicyEpisode
 from coral.contact.episode.resolution import (
     DEFAULT_ADVISOR,
     DEFAULT_VARIANT,
@@ -43,10 +42,7 @@ from coral.contact.episode.variants import (
     make_strategist,
 )
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
-from coral.contact.perception.cameras.camera_registry import camera_help
-from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import tracker_help
-from coral.contact.policy.address import parse_address
 from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
@@ -59,11 +55,10 @@ from coral.contact.worlds.registry import check_world
 from coral.contact.worlds.robot_world import RobotWorld
 from coral.errors import InputError, RunError
 from coral.flags import Argument, Option
+from coral.plugins import our_part
 from coral.runs import new_run_folder
 from coral.words import many
 
-CAMERA_HELP = f"Track the objects of --world franka by a camera: sim, for the simulated arm; {camera_help()}."
-MASKS_HELP = f"What segments its pictures, colour by default: {mask_help()}."
 TRACKER_HELP = f"Tracker of the objects in those pictures: {tracker_help()}."
 
 
@@ -81,10 +76,13 @@ class ContactRun:
     """Read the arm and show its commands without sending them."""
     yes: bool = False
     """Move the simulated arm without asking; at an arm a person says the word."""
-    camera: Annotated[str | None, Option(metavar="CAMERA", help=CAMERA_HELP)] = None
+    camera: str | None = None
+    """Track the objects of --world franka by a camera: sim, for the simulated arm, or one that `coral contact poses`
+    takes."""
     camera_pose: Path | None = None
     """Where that camera stands: a file of coral contact calibrate."""
-    masks: Annotated[str | None, Option(metavar="MASKS", help=MASKS_HELP)] = None
+    masks: str | None = None
+    """What segments its pictures, as `coral contact poses` takes it; colour by default."""
     advisor: Annotated[str, Option(help=advisor_help("The advisor, in variants with one"))] = DEFAULT_ADVISOR
     variant: Annotated[str, Option(names=VARIANTS)] = DEFAULT_VARIANT
     """Configuration of the pipeline: full asks the advisor; paper too, and plans with the paper's 200 samples;
@@ -161,7 +159,7 @@ class ContactRun:
         )
         flags = self._robot_flags
         if not flags.check():
-            check_world(self.world, also=(WORLD,))
+            check_world(self.world, also=robot_names())
         self._live_flags.check()
         task = load_task(self.task)
         trial = sample_trial(task, self.seed, self.task)
@@ -176,8 +174,9 @@ class ContactRun:
         thinking_latency(cfg.think.latency, advisor, self.advisor)
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
-        if self.world == WORLD:
-            trial, cfg = robot_trial(trial, flags), robot_cfg(cfg, flags)
+        if flags.given:
+            robot = flags.robot_of()
+            trial, cfg = robot.robot_trial(trial, flags), robot.robot_cfg(cfg, flags)
             if self.policy is not None:
                 raise InputError("--policy", "", self.policy, "another world: a policy is served in simulation only")
         if self.policy is not None:
@@ -265,13 +264,12 @@ class ContactRun:
 
     def _make_world(self, trial: Trial, cfg: EpisodeCfg) -> str | RobotWorld:
         """Return the name of a simulated world, or the arm, ready to move."""
-        if self.world != WORLD:
-            return self.world
-        return make_robot_world(trial, cfg, self._robot_flags)
+        flags = self._robot_flags
+        return flags.robot_of().make_robot_world(trial, cfg, flags) if flags.given else self.world
 
     def _attempt(self, episode: Episode, folder: Path, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode to its end, and make its pictures and report."""
-        with watching_task(self._live_flags, episode) as viewers:
+        with watching(self._live_flags, "contact", episode) as viewers:
             progress = EpisodeProgress(quiet=self.quiet)
             try:
                 result = episode.run([progress, *viewers])
@@ -279,20 +277,18 @@ class ContactRun:
                 progress.close()
             policy, recording = cfg.think.fallback, _recorder(episode.advisor)
             decided = who_decided(result, things="decisions", fallback=policy, recording=recording)
-            return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
+            return {**result, "decided": decided, "run": str(folder), **render("contact", folder, cfg.record)}
 
     def _run_policy(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode with a served policy."""
-        address = parse_address(policy, VARIANTS)
-        with serving(address, cfg.policy.client) as client:
-            folder = self.out or new_run_folder(Path("runs"), trial.task.name)
-            episode = PolicyEpisode(trial, self.world, client, cfg, folder, address)
-            progress = EpisodeProgress(quiet=self.quiet)
-            try:
-                result = episode.run([progress])
-            finally:
-                progress.close()
-        return {**result, "run": str(folder), **render(folder, cfg)}
+        progress = EpisodeProgress(quiet=self.quiet)
+        try:
+            result, folder = our_part("policy", "served", "--policy")(
+                policy, trial, self.world, cfg, self.out, [progress], taken=VARIANTS
+            )
+        finally:
+            progress.close()
+        return {**result, "run": str(folder), **render("contact", folder, cfg.record)}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the outcome in a few lines, and list the files."""
@@ -361,17 +357,3 @@ class StandInNotice:
                 file=sys.stderr,
                 flush=True,
             )
-
-
-def render(folder: Path, cfg: EpisodeCfg) -> dict[str, str]:
-    """Make pictures, report and video of a finished run, as configured."""
-    made: dict[str, str] = {}
-    if cfg.record.report:
-        from coral.view.contact.report import write_contact_report
-
-        made["report"] = str(write_contact_report(folder))
-    if cfg.record.video:
-        from coral.view.contact.video import write_contact_video
-
-        made["video"] = str(write_contact_video(folder))
-    return made

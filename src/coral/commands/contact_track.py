@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from coral.contact.perception.depth_noise import Sensor
-from coral.contact.perception.masks.mask_registry import mask_help
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
+from coral.contact.real_scenes.masks.mask_registry import mask_help
 from coral.errors import InputError
 from coral.flags import Argument, Option
 
@@ -64,8 +64,8 @@ class ContactTrack:
         from coral.commands.track_recording import export_motion, track_recording
         from coral.contact.perception.camera import RgbdCameraCfg
         from coral.contact.perception.depth_noise import SENSORS, DepthNoise
-        from coral.contact.perception.tracking_accuracy import AccuracyCfg, measure_accuracy
-        from coral.contact.perception.tracking_loss import measure_loss
+        from coral.contact.real_scenes.tracking_accuracy import AccuracyCfg, measure_accuracy
+        from coral.contact.real_scenes.tracking_loss import measure_loss
         from coral.contact.scene.task_file import shipped_tasks
         from coral.contact.scene.trial import sample_trial
         from coral.contact.tasks import load_task

@@ -13,6 +13,9 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+from coral.errors import InputError
+from coral.plugins import our_part
+
 CORE = (
     "numpy",
     "numba",
@@ -75,7 +78,6 @@ class Doctor:
             "temporary folder": os.access(tempfile.gettempdir(), os.W_OK),
         }
         from coral.contact.cost_program import CostWorker
-        from coral.reef.paint.blender import blender_python
 
         with CostWorker() as worker:
             filtered = worker.check()
@@ -88,8 +90,7 @@ class Doctor:
             "costs_filtered": filtered,
             "browser": shutil.which("chromium") or shutil.which("google-chrome"),
             "extras": {
-                name: _is_there(module) if module != "bpy" else blender_python() is not None
-                for name, (module, _) in EXTRAS.items()
+                name: _is_there(module) if module != "bpy" else _blender() for name, (module, _) in EXTRAS.items()
             },
             "keys": {key: key in os.environ for key in KEYS},
         }
@@ -127,4 +128,12 @@ def _encoder() -> bool:
 
         return bool(imageio_ffmpeg.get_ffmpeg_exe())
     except (ImportError, RuntimeError):
+        return False
+
+
+def _blender() -> bool:
+    """Return whether there is a Python with Blender, and the wing that uses it."""
+    try:
+        return our_part("blender", "python", "doctor")() is not None
+    except InputError:
         return False

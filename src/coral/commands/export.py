@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from coral.errors import InputError
-from coral.flags import Argument
-from coral.reef.recordings.bag_export import write_bag
-from coral.reef.recordings.picture_export import write_pictures
+from coral.flags import Argument, Option
+from coral.plugins import named_plugin
 from coral.reef.recordings.run_recording import read_run
 from coral.words import many
 
@@ -23,9 +22,9 @@ class Export:
 
     run: Annotated[Path, Argument(metavar="RUN")]
     """Run folder of a reef mission."""
-    to: Literal["mcap", "bag", "pictures"] = "mcap"
+    to: Annotated[str, Option(names=("mcap", "bag", "pictures"))] = "mcap"
     """mcap: one file, for Foxglove and others. bag: a ROS 2 bag, a folder. pictures: a
-    folder of colour pictures with their poses, and nothing else."""
+    folder of colour pictures with their poses, and nothing else. Or an entry point of the group coral.exporters."""
     only_colour: bool = False
     """Leave out of a bag or MCAP file all that was made of the colour pictures: classes, depth, points, maps."""
     out: Path | None = None
@@ -35,16 +34,12 @@ class Export:
 
     def __call__(self) -> Mapping[str, Any]:
         """Write it."""
+        write = named_plugin("coral.exporters", self.to, "--to")
         recording = read_run(self.run).located()
-        out = self.out or self.run / f"{self.run.resolve().name}{SUFFIX[self.to]}"
+        out = self.out or self.run / f"{self.run.resolve().name}{SUFFIX.get(self.to, f'_{self.to}')}"
         if out.exists():
             raise InputError(str(out), "--out", "something there already", "a new path")
-        if self.only_colour and self.to == "pictures":
-            raise InputError("--only-colour", "", f"--to {self.to}", "--to mcap or --to bag")
-        if self.to == "pictures":
-            counts = write_pictures(recording, out)
-        else:
-            counts = write_bag(recording, out, single_file=self.to == "mcap", only_colour=self.only_colour)
+        counts = write(recording, out, self.only_colour)
         size = out.stat().st_size if out.is_file() else sum(p.stat().st_size for p in out.rglob("*") if p.is_file())
         return {"export": str(out), "messages": counts, "bytes": size}
 

@@ -5,79 +5,26 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from coral.commands.robot_flags import SIMULATED, RobotFlags
 from coral.contact.episode.cfg import EpisodeCfg
+from coral.contact.franka.double import Double, cfg_for_double
+from coral.contact.franka.preflight import preflight_arm, preflight_text
+from coral.contact.franka.stream_record import StreamReport
+from coral.contact.franka.world import FrankaDoubleWorld, FrankaWorld, StreamHandle
 from coral.contact.scene.trial import Trial
-from coral.contact.worlds.franka.cfg import FrankaCfg
-from coral.contact.worlds.franka.double import Double, cfg_for_double
-from coral.contact.worlds.franka.preflight import preflight_arm, preflight_text
-from coral.contact.worlds.franka.stream_record import StreamReport
-from coral.contact.worlds.franka.world import FrankaDoubleWorld, FrankaWorld, StreamHandle
-from coral.errors import InputError, RunError
+from coral.contact.worlds.franka_cfg import FrankaCfg
+from coral.errors import RunError
 
 if TYPE_CHECKING:
-    from coral.contact.perception.camera_process import CameraProcess
+    from coral.contact.franka.camera_process import CameraProcess
 
-WORLD, SIMULATED, SIMULATED_CAMERA = "franka", "sim", "sim"
 WORD = "move"
 DRY_RUN_S = 3.0
 """Duration of a dry run: the arm does not move, and the plan's beginning repeats."""
 _SEEN_WITHIN_S = 10.0
-
-
-@dataclass(frozen=True)
-class RobotFlags:
-    """The flags of the command that concern an arm."""
-
-    world: str
-    robot: str | None
-    dry_run: bool
-    yes: bool
-    quiet: bool
-    camera: str | None = None
-    camera_pose: Path | None = None
-    masks: str | None = None
-
-    def check(self) -> bool:
-        """Return whether an arm is asked for.
-
-        Raises:
-            InputError: The flags contradict each other.
-        """
-        if self.world != WORLD:
-            for name, value in (
-                ("--robot", self.robot),
-                ("--dry-run", self.dry_run),
-                ("--yes", self.yes),
-                ("--camera", self.camera),
-                ("--camera-pose", self.camera_pose),
-                ("--masks", self.masks),
-            ):
-                if value:
-                    raise InputError(name, "", value, f"it goes with --world {WORLD} only")
-            return False
-        if not self.robot:
-            raise InputError("--robot", "", "nothing", f"the arm's address, or {SIMULATED!r} for the simulated arm")
-        if self.yes and self.robot != SIMULATED and not self.dry_run:
-            raise InputError(
-                "--yes", "", f"--robot {self.robot}", f"--robot {SIMULATED}: at an arm a person says the word"
-            )
-        self._check_camera()
-        return True
-
-    def _check_camera(self) -> None:
-        if self.camera is None:
-            for name, value in (("--camera-pose", self.camera_pose), ("--masks", self.masks)):
-                if value:
-                    raise InputError(name, "", value, "it goes with --camera only")
-        elif (self.camera == SIMULATED_CAMERA) != (self.robot == SIMULATED):
-            expected = f"--camera {SIMULATED_CAMERA} with --robot {SIMULATED}, a real camera with a real arm"
-            raise InputError("--camera", "", f"{self.camera} with --robot {self.robot}", expected)
-        elif self.camera != SIMULATED_CAMERA and self.camera_pose is None:
-            raise InputError("--camera-pose", "", "nothing", "a file of coral contact calibrate")
 
 
 def robot_trial(trial: Trial, flags: RobotFlags) -> Trial:
@@ -107,8 +54,8 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
         InputError: The extra is missing, or nothing answers at the address.
         RunError: A line of the list is not in order, or the operator did not say the word.
     """
-    from coral.contact.worlds.franka.franky_arm import FrankyArm, franky
-    from coral.contact.worlds.franka.stream_process import StreamProcess
+    from coral.contact.franka.franky_arm import FrankyArm, franky
+    from coral.contact.franka.stream_process import StreamProcess
 
     franky()  # a missing extra is said before anything is started
     assert flags.robot is not None
@@ -139,7 +86,7 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
     period_s = cfg.planning.step_s
     handle: StreamHandle = stream
     if camera is not None:
-        from coral.contact.perception.camera_stream import CameraStream
+        from coral.contact.franka.camera_stream import CameraStream
 
         handle = CameraStream(stream, camera, arm.base_m)
     if double is not None:
@@ -148,7 +95,7 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
 
 
 def _start_camera(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, poses_to: tuple[str, int]) -> CameraProcess:
-    from coral.contact.perception.camera_process import CameraJob, CameraProcess
+    from coral.contact.franka.camera_process import CameraJob, CameraProcess
 
     assert flags.camera is not None
     host = "127.0.0.1" if poses_to[0] in ("", "0.0.0.0") else poses_to[0]

@@ -48,10 +48,10 @@ from coral.reef.mission.presets import CLEAR, apply_preset, named, preset_help
 from coral.reef.mission.resolution import with_fallback
 from coral.reef.mission.sweep import apply_setting
 from coral.reef.mission.variants import apply_variant
+from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.generated import expand_names, find_world
 from coral.reef.world.world import ReefWorld
 from coral.runs import provenance
-from coral.view.questions import question_pictures
 
 
 @dataclass(frozen=True)

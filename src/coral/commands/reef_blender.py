@@ -42,13 +42,13 @@ class ReefBlender:
         """Describe the reef, run Blender, and write what it returns."""
         from coral.reef.paint.blender import find_python, render_views
         from coral.reef.paint.blender_scene import CyclesCfg, describe_scene, describe_view
-        from coral.reef.paint.daylight import PainterCfg
         from coral.reef.paint.picture_set import TakenPicture, write_picture
         from coral.reef.paint.viewpoints import choose_viewpoints
-        from coral.reef.paint.water_types import find_water
+        from coral.reef.simulation.daylight import PainterCfg
         from coral.reef.vehicle.camera import CameraCfg
         from coral.reef.world.generated import find_world
         from coral.reef.world.scene import Scene
+        from coral.reef.world.water_types import find_water
 
         world, water = find_world(self.world), find_water(self.water, "--water")
         if self.out.suffix != ".blend":

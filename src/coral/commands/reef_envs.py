@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from coral.disk_cache import code_stamp, recall
 from coral.errors import InputError
 from coral.flags import Argument
+from coral.plugins import our_part
 from coral.reef.world.world_names import shipped_worlds
 
 if TYPE_CHECKING:
@@ -37,7 +38,8 @@ class ReefEnvs:
         result: dict[str, Any] = {"worlds": [_row(world) for world in worlds]}
         if self.preview is not None:
             from coral.runs import file_stem
-            from coral.view.preview import preview, preview_sheet
+
+            preview, preview_sheet = (our_part("preview", part, "--preview") for part in ("one", "sheet"))
 
             try:
                 self.preview.mkdir(parents=True, exist_ok=True)

@@ -163,14 +163,14 @@ class ReefEyes:
 
     def _taken(self) -> Iterator[tuple[tuple[str, str], CameraCfg, Frame]]:
         """Yield the names of water and light, the camera, and the picture with its truth."""
-        from coral.reef.paint.daylight import find_light
         from coral.reef.paint.painter import Painter
         from coral.reef.paint.picture_set import read_pictures
         from coral.reef.paint.viewpoints import choose_viewpoints
-        from coral.reef.paint.water_types import find_water
+        from coral.reef.simulation.daylight import find_light
         from coral.reef.vehicle.camera import Camera, CameraCfg
         from coral.reef.world.generated import expand_names, find_world
         from coral.reef.world.scene import Scene
+        from coral.reef.world.water_types import find_water
 
         camera = CameraCfg()
         for folder in self.folder:

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 from coral.errors import InputError
 from coral.flags import Option
 from coral.foreign_file import parse_json
+from coral.plugins import our_part
 from coral.reef.world.generate import GeneratorCfg, command_line, generate
 from coral.reef.world.world import save_world
 from coral.words import many
@@ -40,8 +41,7 @@ class ReefGenerate:
         if self.out.exists():
             raise InputError("--out", str(self.out), "a file that exists", "a new file")
         if self.preview is not None:
-            from coral.view.preview import preview
-
+            preview = our_part("preview", "one", "--preview")
             with _name_write_errors("--preview", self.preview):
                 preview(world, self.preview)
         with _name_write_errors("--out", self.out):

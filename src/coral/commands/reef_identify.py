@@ -16,6 +16,7 @@ from coral.commands.sail_parts import proves_simulation
 from coral.config import Positive, checked, to_mapping
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
+from coral.plugins import our_part
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.response_trial import Leg, TrialLog, drive, identify, legs
@@ -54,7 +55,6 @@ class ReefIdentify:
 
     def __call__(self) -> Mapping[str, Any]:
         """Drive, fit, write."""
-        from coral.reef.rehearsal.truth import TruthFeed
         from coral.reef.sea.mavlink_link import MavlinkLink
 
         checked(self, "flags")
@@ -65,7 +65,7 @@ class ReefIdentify:
             opened.callback(link.close)
             proven = False
             if self.truth:
-                feed = TruthFeed(parse_address(self.truth)).run()
+                feed = our_part("rehearsal", "truth", "--truth")(parse_address(self.truth)).run()
                 opened.callback(feed.close)
                 proven = proves_simulation(feed)
             if self.yes and not proven:

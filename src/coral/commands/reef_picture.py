@@ -13,7 +13,7 @@ import numpy as np
 from coral.errors import InputError
 from coral.file_writer import write_whole, writing
 from coral.flags import Argument, Option
-from coral.reef.paint.daylight import PainterCfg
+from coral.reef.simulation.daylight import PainterCfg
 from coral.reef.world.world_names import shipped_worlds
 
 
@@ -45,14 +45,14 @@ class ReefPicture:
         from coral.config import checked
         from coral.reef.paint.painter import Painter
         from coral.reef.paint.viewpoints import choose_viewpoints
-        from coral.reef.paint.water_types import JERLOV, find_water
+        from coral.reef.pictures.mapview import png
         from coral.reef.recordings.picture_export import PictureFolder
         from coral.reef.vehicle.camera import Camera, CameraCfg
         from coral.reef.world.generated import find_world
         from coral.reef.world.geometry import Pose
         from coral.reef.world.scene import Scene
+        from coral.reef.world.water_types import JERLOV, find_water
         from coral.view.contact_sheet import contact_sheet
-        from coral.view.mapview import png
 
         world, cfg = find_world(self.world), checked(self.painter, "--painter")
         names = list(JERLOV) if self.water == ("all",) else list(self.water)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,10 +17,11 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured, given_keys, set_keys
-from coral.commands.live import LiveFlags, watching_mission
+from coral.commands.live import LiveFlags, watching
+from coral.commands.notice import mission_notice
 from coral.commands.progress import MissionProgress
+from coral.commands.render import render
 from coral.config import checked
-from coral.desk.notice import mission_notice
 from coral.errors import InputError
 from coral.flags import Argument, Option
 from coral.reef.decide.heuristic import REEF_RULES
@@ -32,10 +32,10 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, PRESETS, preset_help
 from coral.reef.mission.resolution import resolve_mission, with_sonar
 from coral.reef.mission.variants import VARIANTS
+from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.generated import find_world
 from coral.reef.world.world_names import shipped_worlds
 from coral.runs import new_run_folder
-from coral.view.questions import question_pictures
 from coral.words import many
 
 
@@ -168,9 +168,9 @@ class ReefRun:
         about = {"world": world.name, "variant": self.variant, "seed": self.seed, "run": str(folder)}
         if asks_people and not self.quiet:
             print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)
-        with watching_mission(live, mission) as viewers:
+        with watching(live, "reef", mission) as viewers:
             try:
-                with mission_notice(inbox, **about) if asks_people else nullcontext() as notice:
+                with mission_notice(asks_people, inbox, **about) as notice:
                     result = mission.run([progress, *viewers])
                     if notice is not None:
                         notice.finished(
@@ -181,7 +181,12 @@ class ReefRun:
             finally:
                 progress.close()
             decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
-            return {**result, "decided": decided, "run": str(folder), **render(folder, cfg)}
+            return {
+                **result,
+                "decided": decided,
+                "run": str(folder),
+                **render("reef", folder, cfg.record),
+            }
 
     def _with_sonar(self) -> MissionCfg:
         """Return the configuration, with the sonar if the flag or the configuration asks for it."""
@@ -244,19 +249,3 @@ class FallbackNotice:
 
     def _why(self, failure: str) -> str:
         return f"every answer was refused{self._refused}" if failure == "requeries-used-up" else failure
-
-
-def render(folder: Path, cfg: MissionCfg) -> dict[str, str]:
-    """Make map, report and video of a finished run, as configured."""
-    made: dict[str, str] = {}
-    if cfg.record.report:
-        from coral.view.report import write_report
-        from coral.view.runmap import write_map
-
-        write_map(folder)
-        made["report"] = str(write_report(folder))
-    if cfg.record.video:
-        from coral.view.video import write_video
-
-        made["video"] = str(write_video(folder))
-    return made

@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -23,22 +23,23 @@ from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.keyboard import HELP, HELP_ALIGN, Keyboard
-from coral.commands.reef_run import render
+from coral.commands.notice import mission_notice
+from coral.commands.render import render
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
 from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
-from coral.desk.notice import mission_notice
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option
+from coral.plugins import our_part
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_camera, with_sonar
-from coral.reef.recordings.lens_check import check_run_lens
-from coral.reef.recordings.live_view import LiveView, resized
+from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
+from coral.reef.sea.live_view import LiveView, resized
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.priority import describe_priority, prefer_process, prefer_thread
 from coral.reef.sea.safety import SafetyCfg
@@ -52,7 +53,6 @@ from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.world_names import shipped_worlds
 from coral.run_loop import Observer
 from coral.runs import new_run_folder
-from coral.view.questions import question_pictures
 from coral.words import many
 
 LOOK_S = 2.0
@@ -229,9 +229,10 @@ class ReefSail:
         mission = SeaMission(area, sail, crew, folder, belief=belief, saved=saved, seed=self.seed, about=about)
         write_whole(folder / "preflight.txt", "".join(f"{line}\n" for line in lines).encode())
         inbox = self.inbox or folder / "inbox"
-        noticed = mission_notice(inbox, world=area.name, advisor=advisor.name, seed=self.seed, run=str(folder))
+        asked = asks_person(self.advisor)
+        noticed = mission_notice(asked, inbox, world=area.name, advisor=advisor.name, seed=self.seed, run=str(folder))
         with (
-            noticed if asks_person(self.advisor) else nullcontext() as notice,
+            noticed as notice,
             self._page(mission) as observers,
             survey_told(mission, self._say, None if notice is None else notice.doing),
         ):
@@ -242,8 +243,8 @@ class ReefSail:
             if notice is not None:
                 notice.finished(f"{result['clusters_covered']} clusters covered; {result['end_reason']}")
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
-        lens = "" if self.camera == "simulated" else check_run_lens(folder)
-        return {**result, "decided": decided, "lens": lens, "run": str(folder), **render(folder, cfg)}
+        lens = "" if self.camera == "simulated" else our_part("lens", "check", "--camera")(folder)
+        return {**result, "decided": decided, "lens": lens, "run": str(folder), **render("reef", folder, cfg.record)}
 
     def _config(self) -> MissionCfg:
         if self.seed < 0:

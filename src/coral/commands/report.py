@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from coral.flags import Argument
+from coral.view.rendering import render_attempt, render_survey
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,25 +26,10 @@ class Report:
         """Write the files."""
         if (self.run / "task.yaml").is_file():
             return self._contact()
-        from coral.view.report import write_report
-        from coral.view.runmap import write_map
-
-        made = {"report": str(write_report(self.run)), "map": str(write_map(self.run))}
-        if self.video:
-            from coral.view.video import write_video
-
-            made["video"] = str(write_video(self.run))
-        return made
+        return {**render_survey(self.run, report=True, video=self.video), "map": str(self.run / "map.png")}
 
     def _contact(self) -> Mapping[str, Any]:
-        from coral.view.contact.report import write_contact_report
-
-        made = {}
-        if self.video:
-            from coral.view.contact.video import write_contact_video
-
-            made["video"] = str(write_contact_video(self.run))
-        made["report"] = str(write_contact_report(self.run))
+        made = render_attempt(self.run, report=True, video=self.video)
         if (self.run / "keyframes.png").is_file():
             made["keyframes"] = str(self.run / "keyframes.png")
         return made

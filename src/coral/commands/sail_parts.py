@@ -15,15 +15,14 @@ import numpy as np
 
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
+from coral.plugins import has_plugin, named_plugin, our_part
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.eyes.backends import open_eyes
 from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
-from coral.reef.rehearsal.simulated_camera import SimulatedCamera
-from coral.reef.rehearsal.simulated_link import SimulatedLink
-from coral.reef.rehearsal.simulated_sonar import SimulatedSonar
+from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWatchedByDvl, LinkWithDvl
 from coral.reef.sea.link import VehicleLink
@@ -36,15 +35,14 @@ from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
 from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.sea.video_camera import Fit, VideoCamera
+from coral.reef.simulation.frame_painter import make_painter
 from coral.reef.simulation.noise import SensorNoise
 from coral.reef.simulation.simulated_navigation import make_navigation
-from coral.reef.simulation.simulator import make_painter
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.generated import find_world
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld, load_world
-from coral.view.questions import question_pictures
 
 DEPTH_M = 1.0
 WARM_UP_S = 6.0
@@ -168,13 +166,15 @@ def open_parts(
             if world is None:
                 raise InputError("--camera", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
             scene, sim = Scene.from_world(world), cfg.simulator
-            coloured = sim.pictures or eyes is not None
-            source = SimulatedCamera(
+            painter = None
+            if sim.pictures or eyes is not None:
+                painter = make_painter(scene, sim.camera, sim.picture_water(), sim.painter, world.seed)
+            source = our_part("rehearsal", "camera", "--camera")(
                 scene,
                 sim.camera,
                 parts.where,
                 flags.camera_rate,
-                painter=make_painter(scene, sim, world.seed) if coloured else None,
+                painter=painter,
                 noise=SensorNoise(sim.noise, np.random.default_rng([flags.seed, 5]), sim.camera),
             )
         else:
@@ -198,7 +198,7 @@ def _simulated(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, cfg:
         raise InputError("--vehicle", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
     outlines = Scene.from_world(world).footprints()
     sim = cfg.simulator
-    link = SimulatedLink(
+    link = our_part("coral.vehicles", "simulated", "--vehicle")(
         sim.vehicle,
         area.start,
         depth_m=depth_m,
@@ -220,15 +220,16 @@ def _simulated(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, cfg:
 
 
 def _mavlink(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, opened: list[Any]) -> Parts:
-    address = parse_address(flags.vehicle)
-    from coral.reef.sea.mavlink_link import MavlinkLink
-
-    link = MavlinkLink(address)
+    kind, _, rest = flags.vehicle.partition(":")
+    link: VehicleLink
+    if kind != "mavlink" and has_plugin("coral.vehicles", kind):
+        link = named_plugin("coral.vehicles", kind, "--vehicle")(rest)
+    else:
+        address = parse_address(flags.vehicle)
+        link = our_part("coral.vehicles", "mavlink", "--vehicle")(address)
     truth, proven = _reported(link), False
     if flags.truth:
-        from coral.reef.rehearsal.truth import TruthFeed
-
-        feed = TruthFeed(parse_address(flags.truth)).run()
+        feed = our_part("rehearsal", "truth", "--truth")(parse_address(flags.truth)).run()
         opened.append(feed)
         proven = proves_simulation(feed)
 
@@ -276,7 +277,10 @@ def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Pa
         surface_z = None if world.water_depth_m is None else world.seabed.z_m + world.water_depth_m
         rng = np.random.default_rng([flags.seed, 3])
         sonar = Sonar3d15(Scene.from_world(world), cfg.simulator.sonar, rng, surface_z=surface_z)
-        return SimulatedSonar(sonar, parts.where, cfg.simulator.camera.altitude_m)
+        simulated: SonarSource = our_part("rehearsal", "sonar", "--sonar")(
+            sonar, parts.where, cfg.simulator.camera.altitude_m
+        )
+        return simulated
     if kind != "udp":
         return RecordedSonar(Path(flags.sonar))
     interface, _, port = place.rpartition(":")

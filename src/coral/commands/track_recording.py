@@ -12,7 +12,7 @@ from coral.errors import InputError
 
 if TYPE_CHECKING:
     from coral.contact.perception.depth_noise import DepthNoise
-    from coral.contact.perception.tracking_accuracy import AccuracyCfg, MakeTracker
+    from coral.contact.real_scenes.tracking_accuracy import AccuracyCfg, MakeTracker
     from coral.contact.scene.trial import Trial
 
 
@@ -39,12 +39,12 @@ def track_recording(
         results: File for the estimated poses.
         masks: What segments the pictures, as `--masks` takes it; None for the recorded true masks.
     """
-    from coral.contact.perception.bop_drawing import DrawnDepth
-    from coral.contact.perception.bop_scene import BopScene
-    from coral.contact.perception.bop_writing import write_bop_results
-    from coral.contact.perception.masks.colour_masks import FILE, read_colours
-    from coral.contact.perception.masks.mask_registry import MaskSetting, make_masks
-    from coral.contact.perception.recorded_accuracy import SceneTracking, summarize_poses
+    from coral.contact.real_scenes.bop_drawing import DrawnDepth
+    from coral.contact.real_scenes.bop_scene import BopScene
+    from coral.contact.real_scenes.bop_writing import write_bop_results
+    from coral.contact.real_scenes.masks.colour_masks import FILE, read_colours
+    from coral.contact.real_scenes.masks.mask_registry import MaskSetting, make_masks
+    from coral.contact.real_scenes.recorded_accuracy import SceneTracking, summarize_poses
 
     if results is not None and results.exists():
         raise InputError("--results", "", str(results), "a new file")
@@ -100,10 +100,10 @@ def export_motion(trial: Trial, cfg: AccuracyCfg, folder: Path) -> int:
     Raises:
         InputError: The folder is not empty.
     """
-    from coral.contact.perception.bop_writing import BopWriter
-    from coral.contact.perception.masks.colour_masks import FILE, paint_regions, write_colours
     from coral.contact.perception.object_model import from_trial
-    from coral.contact.perception.tracking_accuracy import take_motion
+    from coral.contact.real_scenes.bop_writing import BopWriter
+    from coral.contact.real_scenes.masks.colour_masks import FILE, paint_regions, write_colours
+    from coral.contact.real_scenes.tracking_accuracy import take_motion
 
     model, frames, truths = take_motion(trial, dataclasses.replace(cfg, colours="shaded"))
     writer = BopWriter(folder, {name: from_trial(model, trial, name) for name in trial.objects})

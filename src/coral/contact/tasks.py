@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from coral.contact.libero.task import PREFIX, load_libero
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import load_task_file
 from coral.contact.scene.variation import split_variation, vary_task
+from coral.plugins import has_plugin, named_plugin
 
 
 def load_task(name_or_path: str | Path) -> Task:
@@ -17,5 +17,7 @@ def load_task(name_or_path: str | Path) -> Task:
         InputError: There is no such task, or the file is invalid; the error names the field.
     """
     name, number = split_variation(str(name_or_path))
-    task = load_libero(name) if name.startswith(PREFIX) else load_task_file(name)
+    kind, colon, _ = name.partition(":")
+    loaded = bool(colon) and has_plugin("coral.tasks", kind)
+    task = named_plugin("coral.tasks", kind, "task")(name) if loaded else load_task_file(name)
     return vary_task(task, number) if number else task

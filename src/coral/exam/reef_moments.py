@@ -23,12 +23,12 @@ from coral.reef.decide.tour_planner import TourPlanner
 from coral.reef.map.belief import Belief, BeliefCfg
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.map.mapping import MapCfg, OccupancyMap
+from coral.reef.pictures.questions import question_pictures
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.vehicle import VehicleCfg
 from coral.reef.world.geometry import Pose, to_world, wrap
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld
-from coral.view.questions import question_pictures
 
 STEP_M, TURN_RAD = 0.3, 0.35
 """Distance driven and angle turned between two pictures."""

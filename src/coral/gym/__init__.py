@@ -1,4 +1,7 @@
-"""Gymnasium environments: `import coral.gym` registers `coral/reef-s1-v0`, `coral/pick-box-v0` and the others."""
+"""Gymnasium environments: `import coral.gym` registers `coral/reef-s1-v0`, `coral/pick-box-v0` and the others.
+
+A wing. It needs no other.
+"""
 
 from coral.gym.registration import register_environments
 

@@ -17,6 +17,7 @@ from coral.advisor.registry import asks_person, check_advisor, make_advisor, rul
 from coral.config import checked
 from coral.interface.result import ResultFolder, RunResult, demand_inbox
 from coral.interface.settings import resolve_settings
+from coral.plugins import our_part
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.decide.own_trigger import MakeTrigger, Wanted
@@ -25,10 +26,10 @@ from coral.reef.drive.controllers import MakeController
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import resolve_mission
+from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.generated import find_world
 from coral.reef.world.world import ReefWorld
 from coral.run_loop import Observer
-from coral.view.questions import question_pictures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -156,14 +157,6 @@ def run_mission(
         verifier=verifier,
     )
     result = mission.run(observers)
-    if record.report:
-        from coral.view.report import write_report
-        from coral.view.runmap import write_map
-
-        write_map(folder.path)
-        write_report(folder.path)
-    if record.video:
-        from coral.view.video import write_video
-
-        write_video(folder.path)
+    if record.report or record.video:
+        our_part("rendering", "reef", "report")(folder.path, report=record.report, video=record.video)
     return MissionResult(folder, result)

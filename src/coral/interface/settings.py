@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from coral.campaign.bench import changes
-from coral.config import merge, read_yaml, to_mapping
+from coral.config import changes, merge, read_yaml, to_mapping
 from coral.errors import InputError
 
 C = TypeVar("C")

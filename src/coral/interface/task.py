@@ -43,6 +43,7 @@ from coral.contact.worlds.registry import check_world
 from coral.errors import InputError
 from coral.interface.result import ResultFolder, RunResult, demand_inbox
 from coral.interface.settings import resolve_settings
+from coral.plugins import our_part
 from coral.run_loop import Observer
 
 __all__ = ["Context", "TaskResult", "run_task"]
@@ -202,14 +203,8 @@ def run_task(
     if own is not None:
         episode.writer.text(own.file, own.text)
     result = episode.run(observers)
-    if record.report:
-        from coral.view.contact.report import write_contact_report
-
-        write_contact_report(folder.path)
-    if record.video:
-        from coral.view.contact.video import write_contact_video
-
-        write_contact_video(folder.path)
+    if record.report or record.video:
+        our_part("rendering", "contact", "report")(folder.path, report=record.report, video=record.video)
     return TaskResult(folder, result)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from coral.view.pictures import Image, draw_text
+from coral.drawing import Image, draw_text
 
 _TITLE_PX, _GAP_PX = 26, 6
 _INK, _PAPER = (30, 34, 42), 250

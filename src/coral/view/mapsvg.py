@@ -12,11 +12,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.drawing import palette_png
+from coral.reef.pictures.companions import COLORS
+from coral.reef.pictures.mapframe import CELL_COLORS, nice_step
 from coral.reef.world.structures import solid_records
-from coral.view.companions import COLORS
 from coral.view.decisions import Decision
-from coral.view.mapframe import CELL_COLORS, nice_step
-from coral.view.pictures import palette_png
 from coral.view.run import Record, RunFolder
 from coral.view.svg import clock, line, text
 

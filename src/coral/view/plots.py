@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from coral.view.decisions import decisions
-from coral.view.mapview import draw_map
+from coral.reef.pictures.mapview import draw_map
 from coral.view.run import RunFolder, read_table
 from coral.view.runmap import scene_at
 

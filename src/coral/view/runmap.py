@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.drawing import Image, png
 from coral.file_writer import write_whole, writing
+from coral.reef.pictures.companions import COLORS, Companion
+from coral.reef.pictures.mapview import MapScene, draw_map
 from coral.reef.world.geometry import Pose
-from coral.view.companions import COLORS, Companion
 from coral.view.decisions import Decision, decisions
-from coral.view.mapview import MapScene, draw_map
-from coral.view.pictures import Image, png
 from coral.view.run import RunFolder
 
 

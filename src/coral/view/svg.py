@@ -10,7 +10,7 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.view.mapframe import nice_step
+from coral.reef.pictures.mapframe import nice_step
 
 LEFT, RIGHT = 122.0, 18.0
 WIDTH = 1100.0

@@ -12,11 +12,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.drawing import palette_png
 from coral.foreign_file import read_picture_file
-from coral.view.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
+from coral.reef.pictures.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
 from coral.view.decisions import Decision
 from coral.view.mapsvg import map_uri
-from coral.view.pictures import palette_png
 from coral.view.run import RunFolder
 from coral.view.svg import LEFT, RIGHT, WIDTH
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from coral.drawing import Image, draw_text
 from coral.errors import InputError
 from coral.file_writer import scratch_for, writing
-from coral.view.cameraview import Kind, camera_picture
+from coral.reef.pictures.cameraview import Kind, camera_picture
+from coral.reef.pictures.mapview import MapViewCfg, draw_map
 from coral.view.decisions import Decision, decisions
-from coral.view.mapview import MapViewCfg, draw_map
-from coral.view.pictures import Image, draw_text
 from coral.view.run import RunFolder
 from coral.view.runmap import scene_at, snapshot, step_at
 from coral.view.svg import clock

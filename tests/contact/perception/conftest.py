@@ -49,36 +49,3 @@ def mug_obj(tmp_path_factory):
         lines.append(f"f {3 * k + 1} {3 * k + 2} {3 * k + 3}")
     path.write_text("\n".join(lines))
     return path
-
-
-@pytest.fixture(scope="session")
-def trial():
-    """A box in front of a wall, and a can."""
-    from coral.contact.scene.task import Task
-    from coral.contact.scene.trial import sample_trial
-
-    def thing(name, part, **more):
-        return {"name": name, "parts": [part], "mass_kg": 0.2, "friction": 0.5, **more}
-
-    return sample_trial(
-        Task.model_validate(
-            {
-                "format": "coral-contact/1",
-                "name": "test",
-                "title": "Test",
-                "instruction": "Test.",
-                "time_limit_s": 10,
-                "fixtures": [{"name": "wall", "size": [0.04, 0.6, 0.3], "position": [0.32, 0, 0.15]}],
-                "objects": [
-                    thing(
-                        "box", {"shape": "box", "size": [0.12, 0.08, 0.06]}, x=0.0, y=0.05, yaw_deg=20, symmetry="box"
-                    ),
-                    thing(
-                        "can", {"shape": "cylinder", "size": [0.07, 0.07, 0.11]}, x=-0.15, y=-0.1, symmetry="cylinder"
-                    ),
-                ],
-                "success": {"conditions": [{"kind": "lifted", "object": "box", "height_m": 0.1}]},
-            }
-        ),
-        seed=0,
-    )

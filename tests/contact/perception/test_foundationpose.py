@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from stub_foundationpose import Oracle, serving
 
-from coral.contact.perception.benchmark_motions import motion_of
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker
 from coral.contact.perception.foundationpose_server import Sessions, encode
 from coral.contact.perception.object_model import from_trial
-from coral.contact.perception.posed_scene import PosedScene
 from coral.contact.perception.tracker import TrackerFailed
+from coral.contact.real_scenes.benchmark_motions import motion_of
+from coral.contact.real_scenes.posed_scene import PosedScene
 from coral.contact.scene.geometry import from_rotvec, rotation_of
 from coral.contact.scene.rigid_transform import inverse_transform
 from coral.contact.scene.trial import sample_trial

@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from coral.contact.perception.benchmark_motions import MotionSample, motion_of
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.model_tracker import ModelTracker
 from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
 from coral.contact.perception.object_model import from_trial
-from coral.contact.perception.posed_scene import PosedScene
-from coral.contact.perception.tracking_accuracy import AccuracyCfg
+from coral.contact.real_scenes.benchmark_motions import MotionSample, motion_of
+from coral.contact.real_scenes.posed_scene import PosedScene
+from coral.contact.real_scenes.tracking_accuracy import AccuracyCfg
 from coral.contact.scene.geometry import rotation_about
 from coral.contact.scene.rigid_transform import pose_matrix
 

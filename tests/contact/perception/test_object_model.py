@@ -4,9 +4,9 @@ import pytest
 
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.object_model import from_body, from_mesh, from_primitives, from_trial
-from coral.contact.perception.posed_scene import PosedScene
 from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.perception.surface_kernels import distance
+from coral.contact.real_scenes.posed_scene import PosedScene
 from coral.errors import InputError
 
 

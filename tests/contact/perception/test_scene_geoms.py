@@ -2,8 +2,8 @@ import mujoco
 import pytest
 
 from coral.contact.perception.camera import RgbdCameraCfg
-from coral.contact.perception.posed_scene import PosedScene
 from coral.contact.perception.scene_geoms import hidden_geoms, instance_names
+from coral.contact.real_scenes.posed_scene import PosedScene
 
 SCENE = """<mujoco><worldbody>
   <geom name="floor" type="plane" size="1 1 1"/>

@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from coral.contact.policy.cameras import PolicyCameras, PolicyCamerasCfg, wrist_pose
+from coral.contact.episode.policy_cfg import PolicyCamerasCfg
+from coral.contact.policy.cameras import PolicyCameras, wrist_pose
 from coral.contact.scene.observation import BodyState
 from coral.errors import InputError
 

@@ -3,7 +3,8 @@ import socket
 import numpy as np
 import pytest
 
-from coral.contact.policy.client import KEY_VARIABLE, ClientCfg, PolicyClient, PolicyError
+from coral.contact.episode.policy_cfg import ClientCfg
+from coral.contact.policy.client import KEY_VARIABLE, PolicyClient, PolicyError
 
 
 @pytest.fixture

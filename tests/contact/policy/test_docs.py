@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import websockets.sync.server
 
+from coral.contact.episode.policy_cfg import LiberoCfg
 from coral.contact.policy.client import PolicyClient
-from coral.contact.policy.libero_convention import LiberoCfg, actions_of
+from coral.contact.policy.libero_convention import actions_of
 
 PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "policy-server.md").read_text(encoding="utf-8")
 

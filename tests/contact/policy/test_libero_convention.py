@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from coral.contact.episode.policy_cfg import LiberoCfg
 from coral.contact.policy.client import PolicyError
-from coral.contact.policy.libero_convention import LiberoCfg, actions_of, axis_angle, opened, state, target
+from coral.contact.policy.libero_convention import actions_of, axis_angle, opened, state, target
 from coral.contact.scene.geometry import angle_between, from_rotvec, multiply
 from coral.contact.scene.observation import BodyState, Observation
 

@@ -1,7 +1,7 @@
 import pytest
 from episodes import make_trial
 
-from coral.contact.worlds.registry import WORLDS, check_world, make_world
+from coral.contact.worlds.registry import check_world, make_world
 from coral.errors import InputError
 
 
@@ -12,7 +12,7 @@ def test_a_world_has_the_name_and_the_control_period_it_was_made_with():
 
 
 def test_every_name_passes_the_check():
-    for name in WORLDS:
+    for name in ("panda", "hand"):
         check_world(name)
 
 

@@ -9,11 +9,11 @@ import pytest
 from coral.errors import InputError, RunError
 from coral.reef.paint import blender
 from coral.reef.paint.blender_scene import CyclesCfg, describe_scene, describe_view
-from coral.reef.paint.daylight import PainterCfg
-from coral.reef.paint.water_types import find_water
+from coral.reef.simulation.daylight import PainterCfg
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Label, Pose
 from coral.reef.world.scene import Scene
+from coral.reef.world.water_types import find_water
 from coral.reef.world.world import load_world
 
 CAMERA, HERE = CameraCfg(width=80, height=60), Pose(6.0, 5.3, 0.0)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from coral.reef.paint.blender_scene import CyclesCfg, describe_scene, describe_view, solid_of_index
-from coral.reef.paint.daylight import PainterCfg, sun_direction
-from coral.reef.paint.water_types import find_water
+from coral.reef.simulation.daylight import PainterCfg, sun_direction
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
+from coral.reef.world.water_types import find_water
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 OYSTER = Oyster(x=4.0, y=5.0, z=0.03, radii=(0.1, 0.07, 0.05), rpy=(0.1, 0.2, 0.3))

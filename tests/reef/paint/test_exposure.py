@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from coral.reef.paint.daylight import PainterCfg
 from coral.reef.paint.exposure import expose, noise_seed, srgb_table
+from coral.reef.simulation.daylight import PainterCfg
 from coral.reef.world.geometry import Pose
 
 QUIET = PainterCfg(photons=1e12, read_noise=0.0, vignette=0.0)

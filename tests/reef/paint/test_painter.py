@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from coral.reef.paint import painter as painter_module
-from coral.reef.paint.daylight import PainterCfg
 from coral.reef.paint.painter import Painter
 from coral.reef.paint.water_kernels import attenuate, transmission_table
-from coral.reef.paint.water_types import find_water
+from coral.reef.simulation.daylight import PainterCfg
 from coral.reef.vehicle.camera import Camera, CameraCfg, T_world_camera
 from coral.reef.world.geometry import Label, Pose
 from coral.reef.world.scene import Scene
+from coral.reef.world.water_types import find_water
 from coral.reef.world.world import load_world
 
 CLEAR = find_water("clear")

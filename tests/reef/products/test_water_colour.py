@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from coral.reef.paint.water_types import find_water
 from coral.reef.products.water_colour import MOST_GAIN, undo_attenuation
+from coral.reef.world.water_types import find_water
 
 WATER = find_water("jerlov-1C")
 

@@ -13,9 +13,9 @@ from coral.bag_reader import is_bag
 from coral.errors import InputError
 from coral.reef.recordings.bag_export import write_bag
 from coral.reef.recordings.bag_recording import BagTopics, read_bag
-from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import map_of
 from coral.reef.recordings.run_recording import read_run
+from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 
 pytest.importorskip("rosbags")

@@ -5,9 +5,9 @@ from given_eyes import FlatEyes
 
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.recordings.lens import Lens
 from coral.reef.recordings.perception import PicturePerception
-from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.sea.lens import Lens
+from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 
 CAMERA = RecordedCamera.plain(CameraCfg(width=8, height=6))

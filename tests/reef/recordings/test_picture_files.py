@@ -16,7 +16,7 @@ from coral.reef.recordings.picture_files import (
     encode_png,
     read_picture,
 )
-from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 
 CAMERA = RecordedCamera.plain(CameraCfg(width=4, height=3))

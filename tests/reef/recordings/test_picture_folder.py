@@ -10,7 +10,7 @@ from coral.errors import InputError
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_files import encode_jpeg
 from coral.reef.recordings.picture_folder import datum_of_folder, read_folder
-from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 
 CAMERA = RecordedCamera.plain(CameraCfg(width=4, height=3))

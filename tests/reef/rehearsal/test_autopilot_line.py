@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from autopilot_line import AutopilotLine
 from coral.reef.rehearsal.autopilot import SimulatedAutopilot
-from coral.reef.rehearsal.autopilot_line import AutopilotLine
 from coral.reef.rehearsal.body import Body, OpenWater
 
 

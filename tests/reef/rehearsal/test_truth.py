@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from autopilot_line import AutopilotLine
 from coral.reef.rehearsal.autopilot import SimulatedAutopilot
-from coral.reef.rehearsal.autopilot_line import AutopilotLine
 from coral.reef.rehearsal.body import Body, OpenWater
 from coral.reef.rehearsal.truth import TruthFeed
 from coral.reef.world.geometry import Pose

@@ -2,8 +2,8 @@
 
 import time
 
+from autopilot_line import AutopilotLine
 from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
-from coral.reef.rehearsal.autopilot_line import AutopilotLine
 from coral.reef.rehearsal.body import Body, OpenWater
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.mavlink_link import MavlinkLink

@@ -7,8 +7,8 @@ import pytest
 from messages import mavlink
 from sea_vehicles import START, SimulatedVehicle, set_parameter
 
+from autopilot_line import AutopilotLine
 from coral.reef.rehearsal.autopilot import SimulatedAutopilot
-from coral.reef.rehearsal.autopilot_line import AutopilotLine
 from coral.reef.rehearsal.body import Body, OpenWater
 from coral.reef.sea.link import LinkRefused
 from coral.reef.sea.mavlink_link import MavlinkLink

@@ -9,13 +9,13 @@ from coral.config import Count
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.control.reactive import ReactiveCfg
+from coral.contact.episode.policy_cfg import PolicyCfg
 from coral.contact.episode.recorder import EpisodeRecordCfg
 from coral.contact.episode.referee import JudgedBy
 from coral.contact.perception.advisor_camera import AdvisorCameraCfg
 from coral.contact.perception.tracked_cfg import TrackedCfg
-from coral.contact.policy.cfg import PolicyCfg
 from coral.contact.thinker.think_cfg import ThinkCfg
-from coral.contact.worlds.franka.cfg import FrankaCfg
+from coral.contact.worlds.franka_cfg import FrankaCfg
 
 
 @dataclass(frozen=True, kw_only=True)

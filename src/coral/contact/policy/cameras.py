@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
-from typing import Annotated, Literal
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
-from coral.config import Signed
+from coral.contact.episode.policy_cfg import PolicyCamerasCfg
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.observation import Array, BodyState
@@ -19,27 +16,6 @@ from coral.errors import InputError
 
 Image = NDArray[np.uint8]
 _HIDDEN = 5
-
-
-@dataclass(frozen=True, kw_only=True)
-class PolicyCamerasCfg:
-    """Configuration of both cameras."""
-
-    pixels: Annotated[int, Field(ge=16, le=1024)] = 224
-    """Width and height (openpi's LIBERO example sends 224)."""
-    eye_m: tuple[Signed, Signed, Signed] = (0.8186, 0.0, 0.7104)
-    target_m: tuple[Signed, Signed, Signed] = (-0.0615, 0.0, 0.0)
-    """Position and target of the camera across the table: LIBERO's "agentview" in our frame."""
-    vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 45.0
-    """Its field of view (MuJoCo's default, which LIBERO keeps)."""
-    wrist_m: tuple[Signed, Signed, Signed] = (0.05, 0.0, -0.097)
-    """Position of the wrist camera in the tool frame; it looks out of the palm, its top towards the hand's x."""
-    wrist_vfov_deg: Annotated[float, Field(gt=1, lt=179)] = 75.0
-    """Its field of view (robosuite's "eye_in_hand")."""
-    mirrored: bool = True
-    """Whether left and right are exchanged, as in LIBERO: it turns OpenGL's bottom-up rows by half a turn."""
-    colours: Literal["shaded", "best"] = "shaded"
-    """"shaded" by rays, the same on all machines; "best": OpenGL if it works, closer to training pictures."""
 
 
 class PolicyCameras:

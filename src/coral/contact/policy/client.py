@@ -11,13 +11,12 @@ import asyncio
 import logging
 import os
 from collections.abc import Coroutine, Mapping
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
-from coral.config import Count, NonNegative, Positive
+from coral.contact.episode.policy_cfg import ClientCfg
 from coral.contact.policy.wire import WireError, decode, encode
 
 T = TypeVar("T")
@@ -25,22 +24,6 @@ KEY_VARIABLE = "CORAL_POLICY_KEY"
 """Environment variable with the key, for servers that require one (sent as by openpi's client)."""
 OUTAGES = ("unreachable", "silence", "closed")
 """Failures of the connection, not of the policy: worth another attempt."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClientCfg:
-    """Deadlines and limits."""
-
-    connect_s: Positive = 10.0
-    """Time to connect and receive the server's metadata."""
-    answer_s: Positive = 90.0
-    """Time for one chunk of actions. A server that compiles at its first request may need a minute."""
-    attempts: Count = 3
-    """Maximum number of times that a request is sent if the connection fails, each time on a new one."""
-    wait_s: NonNegative = 2.0
-    """Wait between attempts."""
-    most_bytes: Count = 4 * 2**20
-    """Longest message; a chunk of fifty actions has 3 kB."""
 
 
 class PolicyError(RuntimeError):

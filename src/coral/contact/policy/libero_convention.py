@@ -9,47 +9,17 @@ arena, robosuite's OSC_POSE defaults.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
-from coral.config import Count, Positive, Signed
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
+from coral.contact.episode.policy_cfg import LiberoCfg
 from coral.contact.policy.client import PolicyError
 from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.observation import Array, HandTarget, Observation
 
 MOST_ACTIONS = 1000
-
-
-@dataclass(frozen=True, kw_only=True)
-class LiberoCfg:
-    """Scales and rates of the convention."""
-
-    rate_hz: Positive = 20.0
-    """Actions per second (LIBERO's control frequency)."""
-    ticks: Count = 5
-    """World steps during one action, each within the reactive layer's limits."""
-    execute: Count = 5
-    """Number of actions of a chunk to execute before the next request (openpi's LIBERO example: 5)."""
-    step_m: Positive = 0.05
-    """Position step for an action of 1 (robosuite: 0.05)."""
-    step_rad: Positive = 0.5
-    """Rotation about each axis for an action of 1 (robosuite: 0.5)."""
-    opening_m_s: Positive = 0.2
-    """Speed of the finger opening; robosuite's gripper closes fully in eight actions."""
-    gripper: Literal["positive", "negative"] = "positive"
-    """Sign that closes the fingers: "positive" (LIBERO, robosuite) or "negative"."""
-    stiffness_n_m: Positive = 675.0
-    """Stiffness of the hand; robosuite's gain of 150 for its apparent mass of 4.5 kg."""
-    origin_m: tuple[Signed, Signed, Signed] = (-0.16, 0.0, 0.9)
-    """Our origin in LIBERO's world, whose table top is 0.9 m high and whose robot stands at x = -0.66."""
-
-    @property
-    def tick_s(self) -> float:
-        """Return the control period of the world."""
-        return 1.0 / (self.rate_hz * self.ticks)
 
 
 def state(now: Observation, cfg: LiberoCfg) -> Array:

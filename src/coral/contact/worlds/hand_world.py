@@ -148,3 +148,8 @@ def _body(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> BodyState:
     mujoco.mj_objectVelocity(model, data, int(mujoco.mjtObj.mjOBJ_XBODY), body, velocity, 0)
     quaternion: Array = data.xquat[body].copy()
     return BodyState(data.xpos[body].copy(), quaternion, velocity[3:].copy(), velocity[:3].copy())
+
+
+def make_hand_world(trial: Trial, period_s: float) -> HandWorld:
+    """Make the world with a control period (s)."""
+    return HandWorld(trial, HandWorldCfg(control_period_s=period_s))

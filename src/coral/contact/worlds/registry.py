@@ -2,32 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.errors import InputError, nearest
+from coral.plugins import find_plugins, has_plugin, named_plugin
 
-
-def _hand(trial: Trial, period_s: float) -> EvaluationWorld:
-    return HandWorld(trial, HandWorldCfg(control_period_s=period_s))
-
-
-def _panda(trial: Trial, period_s: float) -> EvaluationWorld:
-    from coral.contact.worlds.panda.world import PandaWorld, PandaWorldCfg
-
-    return PandaWorld(trial, PandaWorldCfg(control_period_s=period_s))
-
-
-WORLDS: dict[str, Callable[[Trial, float], EvaluationWorld]] = {"panda": _panda, "hand": _hand}
+GROUP = "coral.worlds"
 
 
 def make_world(name: str, trial: Trial, period_s: float) -> EvaluationWorld:
     """Make an evaluation world.
 
     Args:
-        name: "panda": the robot in robosuite; "hand": the free-flying hand.
+        name: "panda": the robot in robosuite; "hand": the free-flying hand; or an entry point of the group.
         trial: The trial.
         period_s: Control period.
 
@@ -36,7 +23,8 @@ def make_world(name: str, trial: Trial, period_s: float) -> EvaluationWorld:
         RunError: A package that it needs is not installed.
     """
     check_world(name)
-    return WORLDS[name](trial, period_s)
+    made: EvaluationWorld = named_plugin(GROUP, name, "--world")(trial, period_s)
+    return made
 
 
 def check_world(name: str, where: str = "--world", also: tuple[str, ...] = ()) -> None:
@@ -50,6 +38,6 @@ def check_world(name: str, where: str = "--world", also: tuple[str, ...] = ()) -
     Raises:
         InputError: There is none.
     """
-    if name not in WORLDS:
-        known = (*WORLDS, *also)
+    if not has_plugin(GROUP, name):
+        known = (*find_plugins(GROUP), *also)
         raise InputError(where, "", repr(name), f"one of {', '.join(known)}{nearest(name, known)}")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError, nearest
 from coral.onnx_file import open_picture_network
+from coral.plugins import has_plugin, named_plugin
 from coral.reef.eyes.network_notes import SUFFIX, read_notes
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception
 from coral.reef.eyes.picture_input import PictureInput
@@ -28,7 +29,8 @@ def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> Rgb
     """Return eyes by name.
 
     Args:
-        name: exact, rgb, or the path of an ONNX file, whose layout says what it is.
+        name: exact, rgb, an entry point of the group `coral.eyes`, or the path of an ONNX file, whose layout says what
+            it is.
         where: Flag or key that it comes from, for errors.
         depth: ONNX file of a relative depth network, which replaces the depth of the eyes; "" for none.
 
@@ -47,6 +49,9 @@ def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> Rgb
         return RelativeDepthEyes(eyes, DepthAnything(open_picture_network(Path(depth), "--depth")))
     if name == EXACT:
         return None
+    if name != RGB and has_plugin("coral.eyes", name):
+        made: RgbPerception = named_plugin("coral.eyes", name, where)()
+        return made
     if name != RGB and not name.endswith(".onnx"):
         raise InputError(where, "", repr(name), f"exact, rgb or FILE.onnx{nearest(name, (EXACT, RGB))}")
     file = open_picture_network(SHIPPED if name == RGB else Path(name), where)

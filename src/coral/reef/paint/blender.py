@@ -19,8 +19,8 @@ from coral.file_writer import write_whole
 from coral.foreign_file import parse_json, read_arrays
 from coral.reef.paint import caustics
 from coral.reef.paint.blender_scene import solid_of_index
-from coral.reef.paint.daylight import PainterCfg
 from coral.reef.paint.exposure import expose
+from coral.reef.simulation.daylight import PainterCfg
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Frame, Label
 from coral.reef.world.scene import Scene

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.paint.daylight import PainterCfg, sun_direction
 from coral.reef.paint.floor_kernels import SAND
 from coral.reef.paint.materials import Materials
 from coral.reef.paint.solid_kernels import BLOCK, BUOY, PILE, ROCK, SHELL
 from coral.reef.paint.water_kernels import ANISOTROPY
-from coral.reef.paint.water_types import FORWARD_SHARE, WaterType
+from coral.reef.simulation.daylight import PainterCfg, sun_direction
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import BOX, CYLINDER, ELLIPSOID, Scene
+from coral.reef.world.water_types import FORWARD_SHARE, WaterType
 
 _SHAPES = {ELLIPSOID: "ellipsoid", BOX: "box", CYLINDER: "cylinder"}
 _MATERIALS = {SHELL: "shell", ROCK: "rock", PILE: "pile", BLOCK: "block", BUOY: "buoy"}

@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.paint.daylight import PainterCfg
 from coral.reef.paint.water_kernels import develop
+from coral.reef.simulation.daylight import PainterCfg
 from coral.reef.world.geometry import Pose
 
 _LUMA = (0.2126, 0.7152, 0.0722)

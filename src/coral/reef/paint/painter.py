@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.paint import caustics
-from coral.reef.paint.daylight import PainterCfg, sun_direction
 from coral.reef.paint.exposure import expose, noise_seed
 from coral.reef.paint.floor_kernels import SAND
 from coral.reef.paint.ground import SeaFloor
@@ -19,10 +18,11 @@ from coral.reef.paint.noise_tiles import noise_tile
 from coral.reef.paint.shading_kernels import shade
 from coral.reef.paint.snow_kernels import CELL_M, draw_snow
 from coral.reef.paint.water_kernels import attenuate, transmission_table
-from coral.reef.paint.water_types import Rgb, WaterType, find_water
+from coral.reef.simulation.daylight import PainterCfg, sun_direction
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera
 from coral.reef.world.geometry import Frame, Label, Pose
 from coral.reef.world.scene import Scene
+from coral.reef.world.water_types import Rgb, WaterType, find_water
 
 __all__ = ["Painter", "PainterCfg"]
 

@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.eyes.ground_plane import ground_depth, network_input, ray_lengths
-from coral.reef.paint.daylight import PainterCfg
 from coral.reef.paint.painter import Painter
-from coral.reef.paint.water_types import JERLOV, Rgb, WaterType
+from coral.reef.simulation.daylight import PainterCfg
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.generate import GeneratorCfg, generate
 from coral.reef.world.geometry import Frame, Label, Pose, wrap
 from coral.reef.world.scene import Scene
 from coral.reef.world.spines import EVERY_TOPOLOGY
+from coral.reef.world.water_types import JERLOV, Rgb, WaterType
 
 FIRST_SEED = 500_000
 """Reefs to train on have seeds from here on; the shipped reefs and `gen:0` to `gen:39` have others."""

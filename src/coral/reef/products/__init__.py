@@ -1,1 +1,4 @@
-"""What a person takes home from a survey: maps with coordinates, areas with intervals, tables and pictures."""
+"""What a person takes home from a survey: maps with coordinates, areas with intervals, tables and pictures.
+
+A wing. It needs `coral.reef.recordings`, and its commands `coral.view` for their page.
+"""

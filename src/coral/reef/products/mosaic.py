@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from coral.config import Fraction, Positive
 from coral.reef.eyes.ground_plane import ray_lengths
-from coral.reef.paint.water_types import find_water
 from coral.reef.products.mosaic_kernels import paint
 from coral.reef.products.seen_points import grid_shape, lens_of, transform_of
 from coral.reef.products.water_colour import undo_attenuation
 from coral.reef.recordings.class_colours import CLASS_COLOURS
 from coral.reef.recordings.recording import Recording
 from coral.reef.world.geometry import Frame, Label
+from coral.reef.world.water_types import find_water
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.paint.water_types import WaterType
+from coral.reef.world.water_types import WaterType
 
 MOST_GAIN = 4.0
 """Largest gain of a channel: beyond it, noise and scattered light are all that is left to be amplified."""

@@ -74,6 +74,16 @@ def write_bag(recording: Recording, path: Path, *, single_file: bool, only_colou
     return counts
 
 
+def export_mcap(recording: Recording, path: Path, only_colour: bool) -> dict[str, int]:
+    """Write one MCAP file; see `write_bag`."""
+    return write_bag(recording, path, single_file=True, only_colour=only_colour)
+
+
+def export_bag(recording: Recording, path: Path, only_colour: bool) -> dict[str, int]:
+    """Write a ROS 2 bag, a folder; see `write_bag`."""
+    return write_bag(recording, path, single_file=False, only_colour=only_colour)
+
+
 class _BagWriter:
     """Turns keyframes into messages."""
 

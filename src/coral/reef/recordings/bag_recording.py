@@ -21,14 +21,14 @@ from coral.reef.map.mapping import MapCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_sonar import open_sonar
 from coral.reef.recordings.frame_tree import BodyTrack, frame_name, points_down
-from coral.reef.recordings.lens import Lens
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
 from coral.reef.recordings.picture_files import colours_of, depth_of, doubt_of, frame_of, labels_of
 from coral.reef.recordings.pose_track import NEAR_S
-from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
 from coral.reef.recordings.ros_images import colours_in, values_in
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
+from coral.reef.sea.lens import Lens
+from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Frame, Pose
 

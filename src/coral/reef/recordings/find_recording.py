@@ -12,9 +12,9 @@ from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_recording import BagTopics, read_bag
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE, read_folder
-from coral.reef.recordings.recorded_camera import read_camera
 from coral.reef.recordings.recording import Recording
 from coral.reef.recordings.run_recording import is_run, read_run
+from coral.reef.sea.recorded_camera import read_camera
 
 KINDS = "a run folder, a ROS bag, an MCAP file, or a folder of pictures with poses.csv"
 

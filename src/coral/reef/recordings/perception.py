@@ -15,7 +15,7 @@ from coral.foreign_file import read_picture_file
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt, unpack_doubt
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
 from coral.reef.recordings.picture_files import encode_depth, encode_png, frame_of
-from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Frame, Label
 

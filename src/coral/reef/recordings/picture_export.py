@@ -83,6 +83,17 @@ def _row(cells: Sequence[str]) -> str:
     return line.getvalue()
 
 
+def export_pictures(recording: Recording, path: Path, only_colour: bool) -> dict[str, int]:
+    """Write a folder of colour pictures with their poses; see `write_pictures`.
+
+    Raises:
+        InputError: The path exists, there are no colour pictures, or `only_colour` is asked of what has nothing else.
+    """
+    if only_colour:
+        raise InputError("--only-colour", "", "--to pictures", "--to mcap or --to bag")
+    return write_pictures(recording, path)
+
+
 def colour_of(keyframe: PosedFrame, recording: Recording) -> bytes:
     """Return the colour picture of a keyframe as a JPEG file.
 

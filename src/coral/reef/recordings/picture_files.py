@@ -13,7 +13,7 @@ from coral.errors import InputError
 from coral.foreign_file import decode_picture, read_bytes
 from coral.limits import PICTURE_BYTES
 from coral.reef.eyes.doubt import unpack_doubt
-from coral.reef.recordings.recorded_camera import RecordedCamera
+from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.world.geometry import Frame, Label
 
 Image = NDArray[Any]

@@ -22,8 +22,8 @@ from coral.reef.recordings.picture_files import (
     frame_of,
     read_picture,
 )
-from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
+from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.world.geometry import Frame, Pose, wrap
 from coral.reef.world.local_plane import MOST_DEGREES, LocalPlane
 

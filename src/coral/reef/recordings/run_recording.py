@@ -17,9 +17,9 @@ from coral.reef.map.mapping import MapCfg
 from coral.reef.mission.record import POSES
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import read_folder
-from coral.reef.recordings.recorded_camera import RecordedCamera
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.sea.local_frame import LocalFrame
+from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
 from coral.runs import read_events

@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from coral.reef.paint.painter import Painter
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.real_time import FixedRate
+from coral.reef.simulation.frame_painter import FramePainter
 from coral.reef.simulation.noise import SensorNoise
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Frame, Pose
@@ -31,7 +31,7 @@ class SimulatedCamera:
         rate_hz: float = 10.0,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
-        painter: Painter | None = None,
+        painter: FramePainter | None = None,
         noise: SensorNoise | None = None,
     ) -> None:
         """Set up.

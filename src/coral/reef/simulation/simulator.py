@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from coral.config import Positive
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
-from coral.reef.paint.daylight import PainterCfg
-from coral.reef.paint.painter import Painter
-from coral.reef.paint.water_types import WaterType, find_water, water_of_visibility
 from coral.reef.simulation.coverage import CoverageCfg, CoverageMeter
+from coral.reef.simulation.daylight import PainterCfg
+from coral.reef.simulation.frame_painter import FramePainter, make_painter
 from coral.reef.simulation.imaging import ImagingCfg, ImagingMeter
 from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
 from coral.reef.simulation.simulated_navigation import NavigationCfg, make_navigation
@@ -27,6 +26,7 @@ from coral.reef.vehicle.sensing import Attitude
 from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene
+from coral.reef.world.water_types import WaterType, find_water, water_of_visibility
 from coral.reef.world.world import ReefWorld
 
 
@@ -52,6 +52,15 @@ class SimulatorCfg:
     """Water of the colour pictures: a Jerlov type (jerlov-3C) or a preset's name. auto: the type whose visibility is
     nearest to `noise.visibility_m`."""
     painter: PainterCfg = field(default_factory=PainterCfg)
+
+    def picture_water(self) -> WaterType:
+        """Return the water of the colour pictures.
+
+        Raises:
+            InputError: There is no such water.
+        """
+        auto = self.water == "auto"
+        return water_of_visibility(self.noise.visibility_m) if auto else find_water(self.water, "simulator.water")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,9 +106,9 @@ class ReefSimulator:
         self.world, self.cfg = world, cfg
         self.scene: Scene = Scene.from_world(world) if first is None else first.scene
         self._camera = Camera(self.scene, cfg.camera)
-        self._painter: Painter | None = None if first is None else first._painter
+        self._painter: FramePainter | None = None if first is None else first._painter
         if cfg.pictures and self._painter is None:
-            self._painter = make_painter(self.scene, cfg, world.seed)
+            self._painter = make_painter(self.scene, cfg.camera, cfg.picture_water(), cfg.painter, world.seed)
         self._time_s = 0.0
         self._noise = SensorNoise(cfg.noise, rng, cfg.camera)
         self._sonar: Sonar3d15 | None = None
@@ -228,14 +237,3 @@ def seen_through_water(cfg: SimulatorCfg) -> CoverageCfg:
     """Limit the range of coverage to the visibility."""
     limit = cfg.noise.visibility_m
     return cfg.coverage if limit is None else replace(cfg.coverage, range_m=min(cfg.coverage.range_m, limit))
-
-
-def make_painter(scene: Scene, cfg: SimulatorCfg, seed: int) -> Painter:
-    """Make the painter of a simulated camera, in the water that its configuration names.
-
-    Raises:
-        InputError: There is no such water.
-    """
-    auto = cfg.water == "auto"
-    water = water_of_visibility(cfg.noise.visibility_m) if auto else find_water(cfg.water, "simulator.water")
-    return Painter(scene, cfg.camera, water, cfg.painter, seed)

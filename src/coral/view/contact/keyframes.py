@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from coral.drawing import Image, draw_text
 from coral.view.contact.figures import stage_spans
 from coral.view.contact.replay import ReplayedScene
-from coral.view.pictures import Image, draw_text
 from coral.view.run import RunFolder
 
 SIZE = (400, 300)

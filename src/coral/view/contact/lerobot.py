@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from coral.config import Count
+from coral.drawing import Image
 from coral.errors import InputError
 from coral.file_writer import scratch_for, write_whole
 from coral.view.contact.lerobot_stats import PictureStats, column_stats
 from coral.view.contact.replay import ReplayedScene
-from coral.view.pictures import Image
 from coral.view.run import RunFolder
 
 Array = NDArray[np.float32]

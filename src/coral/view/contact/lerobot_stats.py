@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from coral.view.pictures import Image
+from coral.drawing import Image
 
 QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 

@@ -13,8 +13,8 @@ from coral.contact.perception.scene_geoms import hidden_geoms, instance_names
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.registry import make_world
+from coral.drawing import Image
 from coral.errors import InputError
-from coral.view.pictures import Image
 from coral.view.run import RunFolder, read_table
 
 Array = NDArray[np.float64]

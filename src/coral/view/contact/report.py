@@ -13,6 +13,7 @@ from markupsafe import Markup
 from coral.advisor.attribution import who_decided
 from coral.contact.episode.metrics import DEFINITIONS, metrics_of
 from coral.contact.scene.trial import Trial
+from coral.drawing import png
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole, writing
 from coral.view.contact.figures import (
@@ -32,7 +33,6 @@ from coral.view.contact.replay import trial_of_run
 from coral.view.contact.thought import answers, counted, seen, thoughts
 from coral.view.contact.views import three_views, touch_views
 from coral.view.page import metric_rows, origin, render_page, write_page
-from coral.view.pictures import png
 from coral.view.run import Record, RunFolder
 
 ENDED = {

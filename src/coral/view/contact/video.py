@@ -8,10 +8,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from coral.drawing import Image, draw_text
 from coral.file_writer import scratch_for, writing
 from coral.view.contact.figures import stage_spans
 from coral.view.contact.replay import ReplayedScene
-from coral.view.pictures import Image, draw_text
 from coral.view.run import RunFolder
 
 WIDTH, HEIGHT = 640, 480

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.reef.pictures.companions import COLORS
 from coral.reef.world.scene import RECTANGLE, Scene
 from coral.reef.world.world import ReefWorld
-from coral.view.companions import COLORS
 from coral.view.decisions import Try
 from coral.view.live.stream import Moment
 from coral.view.run import Record, RunFolder

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from coral.drawing import Image, png
 from coral.foreign_file import read_picture_file, read_text
 from coral.interrupts import wait_for_interrupt
+from coral.reef.pictures.cameraview import camera_picture
+from coral.reef.pictures.mapframe import CELL_COLORS
 from coral.reef.world.geometry import Frame
-from coral.view.cameraview import camera_picture
 from coral.view.live.controls import Controls
 from coral.view.live.stream import RunStream, Subject
-from coral.view.mapframe import CELL_COLORS
-from coral.view.pictures import Image, png
 from coral.view.run import RunFolder
 from coral.web import WebServer, read_json, refusal
 

@@ -205,3 +205,8 @@ class PandaWorld:
 def _add_trial(spec: mujoco.MjSpec, trial: Trial) -> None:
     add_scene(spec, trial)
     add_hand_force_sensors(spec, HAND_BODY, trial)
+
+
+def make_panda_world(trial: Trial, period_s: float) -> PandaWorld:
+    """Make the world with a control period (s)."""
+    return PandaWorld(trial, PandaWorldCfg(control_period_s=period_s))

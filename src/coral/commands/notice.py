@@ -1,0 +1,28 @@
+"""The notice of a mission for the people who answer its questions."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import Any
+
+from coral.errors import InputError
+from coral.plugins import our_part
+
+
+def mission_notice(asks_people: bool, inbox: Path, **about: Any) -> AbstractContextManager[Any]:
+    """Keep a notice in the inbox while a mission runs; None where no people are asked, or the desk is not installed.
+
+    Args:
+        asks_people: Whether the advisor asks people.
+        inbox: Folder of the questions.
+        about: Description of the mission; JSON values.
+    """
+    if not asks_people:
+        return nullcontext()
+    try:
+        keep = our_part("notice", "desk", "--advisor")
+    except InputError:
+        return nullcontext()
+    notice: AbstractContextManager[Any] = keep(inbox, **about)
+    return notice

@@ -1,0 +1,32 @@
+"""What a run writes for people after its end, where the wing that makes it is installed."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Literal, Protocol
+
+from coral.errors import InputError
+from coral.plugins import our_part
+
+
+class Rendered(Protocol):
+    """What the configuration of a record says of it."""
+
+    @property
+    def report(self) -> bool: ...  # noqa: D102
+    @property
+    def video(self) -> bool: ...  # noqa: D102
+
+
+def render(system: Literal["reef", "contact"], folder: Path, record: Rendered) -> dict[str, str]:
+    """Make pictures, report and video of a finished run, as configured; a missing wing is told in a line."""
+    if not record.report and not record.video:
+        return {}
+    try:
+        write = our_part("rendering", system, "report")
+    except InputError as error:
+        print(error, file=sys.stderr, flush=True)
+        return {}
+    made: dict[str, str] = write(folder, report=record.report, video=record.video)
+    return made

@@ -1,0 +1,196 @@
+"""Camera and trackers in a process of their own, whose datagrams give a Franka world the objects' poses.
+
+An object that is lost is not in a datagram, so that its pose ages and the arm stops: nothing is guessed. The arm tells
+its hand's pose and opening, as it measures them; what the fingers hold moves with the hand, seen or not.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import threading
+import time
+from collections.abc import Callable
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from multiprocessing import Pipe, get_context
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from coral.contact.franka.object_poses import poses_datagram
+from coral.contact.franka.shared_block import SharedBlock
+from coral.contact.franka.simulated_camera import SimulatedRgbdCamera
+from coral.contact.perception.camera import look_at
+from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
+from coral.contact.perception.tracked_world import nominal_pose
+from coral.contact.real_scenes.benchmark_motions import MotionSample
+from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
+from coral.contact.real_scenes.cameras.camera_registry import make_camera_by_name
+from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
+from coral.contact.real_scenes.hand_mask import HandReading
+from coral.contact.real_scenes.masks.colour_masks import paint_regions
+from coral.contact.real_scenes.masks.mask_registry import MaskSetting, make_masks
+from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models
+from coral.contact.real_scenes.posed_scene import PosedScene
+from coral.contact.scene.rigid_transform import matrix_to_body
+from coral.contact.scene.trial import Trial
+from coral.errors import InputError, RunError
+
+SIMULATED = "sim"
+HAND_SIZE = 19
+_POLL_S = 0.002
+_START_TIMEOUT_S = 120.0
+
+
+@dataclass(frozen=True)
+class CameraJob:
+    """What the process does."""
+
+    trial: Trial
+    camera: str
+    """The camera, as `--camera` takes it; `SIMULATED` for the simulated arm's."""
+    masks: str
+    """What segments its pictures, as `--masks` takes it."""
+    camera_pose: Path | None
+    """Where the camera stands, a file of `coral contact calibrate`."""
+    tracked: TrackedCfg
+    """The tracker; of a simulated camera, its size, place and noise too."""
+    poses_to: tuple[str, int]
+    """Receiver of the poses."""
+
+
+class CameraProcess:
+    """Starts the camera, and tracks until it is closed.
+
+    Args:
+        job: What to do.
+        make_process: Makes the process; a thread in tests.
+
+    Raises:
+        InputError, RunError: The camera or the masks cannot be used.
+    """
+
+    def __init__(self, job: CameraJob, make_process: Callable[..., Any] | None = None) -> None:
+        self._connection, self._theirs = Pipe()
+        self._hand = SharedBlock(HAND_SIZE)  # no pipe: it would fill up, and the arm wait, while a tracker is slow
+        self._process: Any = (make_process or get_context("spawn").Process)(
+            target=_run, args=(job, self._theirs, self._hand), name="contact-camera", daemon=True
+        )
+        self._process.start()
+        self.state_address: tuple[str, int] | None = self._await_start()
+        """Where a simulated camera expects the simulation's state."""
+
+    def failure(self) -> str:
+        """Return why tracking has ended; "" while it goes on."""
+        try:
+            return str(self._connection.recv()) if self._connection.poll(0.0) else ""
+        except (EOFError, OSError):
+            return "the camera's process has ended"
+
+    def tell_hand(self, hand: HandReading) -> None:
+        """Tell what the arm measures of its hand now; newer readings replace older ones. It never waits."""
+        self._hand.write(np.array([1.0, hand.opening_m, hand.wanted_m, *hand.T_world_tool.ravel()]))
+
+    def close(self) -> None:
+        """Stop the camera and end the process."""
+        with suppress(OSError):
+            self._connection.send("stop")
+        self._process.join(3.0)
+        if self._process.is_alive() and hasattr(self._process, "kill"):
+            self._process.kill()
+            self._process.join(3.0)
+
+    def _await_start(self) -> tuple[str, int] | None:
+        try:
+            if self._connection.poll(_START_TIMEOUT_S):
+                kind, answer = self._connection.recv()
+                if kind == "ok":
+                    address: tuple[str, int] | None = answer
+                    return address
+                self._process.join(3.0)
+                raise InputError(*answer) if kind == "input" else RunError(str(answer))
+        except (EOFError, OSError):
+            raise RunError("the camera's process could not be started") from None
+        self._process.kill()
+        raise RunError(f"the camera did not start within {_START_TIMEOUT_S:.0f} s")
+
+
+def _run(job: CameraJob, connection: Connection, told: SharedBlock) -> None:
+    """Body of the process."""
+    if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the program says when it ends
+    try:
+        warm_up(job)
+        camera, tracking = _prepare(job)
+        camera.start()
+    except InputError as error:
+        connection.send(("input", (error.where, error.field, str(error.found), error.expected)))
+        return
+    except Exception as error:
+        connection.send(("error", str(error) or type(error).__name__))
+        return
+    connection.send(("ok", camera.address if isinstance(camera, SimulatedRgbdCamera) else None))
+    parent = os.getppid()
+    with closing(camera), closing(tracking), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        try:
+            while not connection.poll() and os.getppid() == parent:
+                hand = _hand_told(told)
+                frame = camera.newest()
+                if frame is None:
+                    time.sleep(_POLL_S)
+                    continue
+                found = tracking.update(frame, hand)
+                held = {name: matrix_to_body(T) for name, T in tracking.in_hand.items()}
+                seen = {name: matrix_to_body(one.T_world_object) for name, one in found.items() if not one.lost}
+                sender.sendto(poses_datagram(seen | held, held), job.poses_to)
+        except (InputError, RunError) as error:
+            connection.send(str(error))
+
+
+def _hand_told(told: SharedBlock) -> HandReading | None:
+    """Return the newest reading; None before the first one."""
+    values = told.read()
+    return HandReading(values[3:].reshape(4, 4), float(values[1]), float(values[2])) if values[0] else None
+
+
+def warm_up(job: CameraJob) -> None:
+    """Track a drawn picture, so that what is compiled at its first use is compiled before an arm waits for poses."""
+    if job.tracked.by != TrackedCfg().by:  # another tracker's server is not bothered
+        return
+    trial, models = job.trial, object_models(job.trial)
+    eye = look_at(*viewpoint(trial, job.tracked))
+    scene = PosedScene(trial, job.tracked.camera, job.tracked.make_noise(), eye, colours="shaded")
+    above = np.diag([1.0, -1.0, -1.0, 1.0])
+    above[2, 3] = 0.4
+    moment = MotionSample({name: nominal_pose(trial, name) for name in models}, above, 0.08)
+    rng = np.random.default_rng(0)
+    for name, model in models.items():
+        with closing(job.tracked.choice().make(model, nominal_pose(trial, name))) as tracker:
+            for _ in range(2):
+                frame = scene.take(moment, rng)
+                tracker.track(frame, frame.mask(name))
+
+
+def _prepare(job: CameraJob) -> tuple[RgbdCamera, ObjectTracking]:
+    trial, models = job.trial, object_models(job.trial)
+    paint = {name: trial.task.object(name).color for name in models}
+    masks = make_masks(job.masks, MaskSetting(models, lambda: paint_regions(paint)))
+    choice = job.tracked.choice()
+    choice.check()
+    placed = None if job.camera_pose is None else read_camera_pose(job.camera_pose)
+    if job.camera == SIMULATED:
+        camera: RgbdCamera = SimulatedRgbdCamera(trial, job.tracked, placed)
+    else:
+        camera = make_camera_by_name(job.camera, placed)
+    tracking = ObjectTracking(
+        models,
+        lambda name: choice.make(models[name], nominal_pose(trial, name)),
+        masks,
+        job.tracked.motion,
+        job.tracked.grip,
+    )
+    return camera, tracking

@@ -1,0 +1,310 @@
+"""A simulated arm at a table: franky-sim's robot, which speaks the arm's own protocol, with contacts and poses added.
+
+It runs in a process of its own. What the driver sees of it is what it would see of an arm: the protocol on a loopback
+address, and the objects' poses as datagrams. The truth goes by another way, to the judge only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from multiprocessing import Pipe, get_context
+from multiprocessing.connection import Connection
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from coral.config import NonNegative, Positive
+from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
+from coral.contact.franka.double_scene import (
+    HAND,
+    DoubleScene,
+    body_state,
+    make_rubber,
+    scene_elements,
+)
+from coral.contact.franka.object_poses import poses_datagram, state_datagram
+from coral.contact.scene.geometry import from_rotvec, multiply, rotate
+from coral.contact.scene.observation import Array, BodyState, Truth
+from coral.contact.scene.trial import Trial
+from coral.contact.worlds.franka_cfg import FrankaCfg
+from coral.errors import InputError, RunError
+
+MISSING = "pip install franky-sim (with the extra franka)"
+NICENESS = -10
+"""Priority of the simulated arm, where it is allowed."""
+JOINT_FRICTION_N_M = (1.137, 1.137, 1.137, 1.137, 0.763, 0.44, 0.248)
+"""Dry friction of the joints in franky-sim's model of the arm."""
+COMPENSATED = 0.8
+"""Share of it that the driver makes up for: who identifies an arm's friction errs by some of it."""
+_GROUND_M = -0.912
+_START_TIMEOUT_S = 90.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class DoubleCfg:
+    """The sensors of the simulated arm."""
+
+    wrench_bias: tuple[float, float, float, float, float, float] = (1.5, -1.0, 2.0, 0.1, -0.1, 0.05)
+    """Bias of the measured wrench, N and N m, base axes; assumed, not measured on an arm."""
+    wrench_noise_n: NonNegative = 0.3
+    """Standard deviation of each force; assumed."""
+    wrench_lag_s: NonNegative = 0.005
+    """Time constant of the arm's own estimate; assumed."""
+    poses_hz: Positive = 30.0
+    """Rate of the poses."""
+    poses_noise_m: NonNegative = 0.001
+    poses_noise_rad: NonNegative = 0.01
+    """Standard deviations of the poses."""
+    speed: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] = 1.0
+    """Seconds of the arm's clock in a second of the machine's: below 1, plans of a busy machine are not later by the
+    arm's clock than those of a quiet one."""
+
+
+def cfg_for_double(cfg: FrankaCfg, silence_s: float = 2.0) -> FrankaCfg:
+    """Return the configuration for the simulated arm: its friction, and patience.
+
+    A simulated arm and the program slow down on a busy machine, so their silence is awaited for longer.
+
+    Args:
+        cfg: The configuration, as for an arm.
+        silence_s: Least time-out of link and watchdog.
+    """
+    friction = cfg.joint_friction_n_m
+    if not any(friction):
+        friction = tuple(COMPENSATED * each for each in JOINT_FRICTION_N_M)  # type: ignore[assignment]
+    return replace(
+        cfg,
+        joint_friction_n_m=friction,
+        link_timeout_s=max(cfg.link_timeout_s, silence_s),
+        watchdog_s=max(cfg.watchdog_s, silence_s),
+    )
+
+
+class Double:
+    """Starts the simulated arm and stops it.
+
+    Args:
+        trial: The trial.
+        arm: Configuration of the arm.
+        cfg: Its sensors.
+        make_process: Makes the process; a thread in tests.
+
+    Raises:
+        InputError: franky-sim is not installed.
+        RunError: It did not start.
+    """
+
+    def __init__(
+        self,
+        trial: Trial,
+        arm: FrankaCfg,
+        cfg: DoubleCfg | None = None,
+        make_process: Callable[..., Any] | None = None,
+    ) -> None:
+        try:
+            import franky_sim  # noqa: F401
+        except ImportError as error:
+            raise InputError("--robot", "", f"sim ({error})", f"the package franky-sim: {MISSING}") from None
+        self._connection, self._theirs = Pipe()
+        self._process = (make_process or get_context("spawn").Process)(
+            target=_serve, args=(trial, arm, cfg or DoubleCfg(), self._theirs), name="franka-double", daemon=True
+        )
+        self._process.start()
+        answer = self._receive("start", _START_TIMEOUT_S)
+        self.address: str = answer
+
+    def send_poses_to(self, host: str, port: int) -> None:
+        """Begin to send the objects' poses."""
+        self._ask(("poses", (host, port)))
+
+    def send_state_to(self, address: tuple[str, int] | None) -> None:
+        """Begin to send the true state to a simulated camera; None to cover it."""
+        self._ask(("state", address))
+
+    def hide_objects(self) -> None:
+        """Send no more poses, as if the camera were covered."""
+        self._ask(("poses", None))
+
+    def drop_link(self) -> None:
+        """Send no more states, as if the cable were pulled."""
+        self._ask(("link", False))
+
+    def truth(self) -> Truth:
+        """Return the true state, for the judge only."""
+        found: Truth = self._ask(("truth", None))
+        return found
+
+    def peak_force_n(self) -> float:
+        """Return the largest true contact force on the hand since the last call, as one force."""
+        found: float = self._ask(("peak", None))
+        return found
+
+    def close(self) -> None:
+        """Stop the process."""
+        with contextlib.suppress(OSError):
+            self._connection.send(("stop", None))
+        self._process.join(2.0)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join(2.0)
+
+    def _ask(self, question: tuple[str, Any]) -> Any:
+        try:
+            self._connection.send(question)
+        except OSError as error:
+            raise RunError(f"the simulated arm has ended ({error})") from None
+        return self._receive(question[0], 5.0)
+
+    def _receive(self, what: str, timeout_s: float) -> Any:
+        try:
+            if self._connection.poll(timeout_s):
+                kind, answer = self._connection.recv()
+                if kind == "ok":
+                    return answer
+                raise RunError(f"the simulated arm failed: {answer}")
+        except (EOFError, OSError):
+            raise RunError("the simulated arm has ended") from None
+        raise RunError(f"the simulated arm did not answer within {timeout_s:.0f} s ({what})")
+
+
+def _serve(trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, connection: Connection) -> None:
+    """Body of the process."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the program says when it ends
+    with contextlib.suppress(OSError, AttributeError):  # an arm does not slow down because the machine is busy
+        os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
+    try:
+        _Server(trial, arm, cfg, connection).run()
+    except Exception as error:
+        connection.send(("error", f"{type(error).__name__}: {error}"))
+
+
+class _Server:
+    """Steps the simulation in real time or slower, as far as the machine allows."""
+
+    def __init__(self, trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, connection: Connection) -> None:
+        import franky_sim
+        from franky_sim.franka_robot_server import FrankaRobotServer
+        from franky_sim.mujoco_simulator import MujocoSimulator
+
+        self._trial, self._cfg, self._connection = trial, cfg, connection
+        self._rng = np.random.default_rng([trial.seed, 7])
+        self._wrench, self._base, self._peak_n = np.zeros(6), np.asarray(arm.base_m), 0.0
+        self._sending: tuple[str, int] | None = None
+        self._state_to: tuple[str, int] | None = None
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._linked = True
+        simulator = MujocoSimulator()
+        measured = self
+
+        class RobotServer(FrankaRobotServer):  # type: ignore[misc]
+            def _get_state_bytes(self) -> bytes:
+                wrench = tuple(measured.reported_wrench())
+                return bytes(self.robot_state.replace(O_F_ext_hat_K=wrench, K_F_ext_hat_K=wrench).pack_state())
+
+            def send_state(self) -> None:
+                if measured._linked:
+                    super().send_state()
+
+        class Server(franky_sim.SimulationServer):  # type: ignore[misc]
+            def init(self) -> None:
+                for robot in self.sim.robots:
+                    server = RobotServer(robot, self._remaining_hostname_candidates)
+                    server.init()
+                    self.robot_servers.append(server)
+                self.sim.start()
+
+        self._simulator, self._server = simulator, Server(simulator)
+        simulator.init()
+        self._robot = simulator.add_robot(initial_q=arm.start_rad, initial_hand_width=0.08, position=arm.base_m)
+        simulator.worldbody.find("geom[@name='ground']").set("pos", f"0 0 {_GROUND_M}")
+        for section, elements in scene_elements(trial).items():
+            into = simulator.worldbody if section == "worldbody" else simulator.scene.find(section)
+            into.extend(elements)
+        self._server.init()
+        make_rubber(simulator.model)
+        self._scene = DoubleScene(simulator.model, simulator.data, trial)
+
+    def run(self) -> None:
+        """Run until the program says stop or is gone."""
+        self._connection.send(("ok", self._robot.hostname))
+        step, due, period_s = 0, time.perf_counter(), 0.001 / self._cfg.speed
+        every = max(1, round(1000.0 / self._cfg.poses_hz))
+        while not (self._connection.poll() and not self._answer()):
+            for server in self._server.robot_servers:
+                server.process_commands()
+            self._simulator.step()
+            self._measure()
+            for server in self._server.robot_servers:
+                server.send_state()
+            step += 1
+            if step % every == 0:
+                self._send_poses()
+            due = max(due + period_s, time.perf_counter() - 0.02)  # a late simulation catches up with 20 ms at most
+            if (early_s := due - time.perf_counter()) > 0.0:
+                time.sleep(early_s)
+
+    def reported_wrench(self) -> Array:
+        """Return the wrench as the arm would report it: filtered, biased and noisy."""
+        noise = self._cfg.wrench_noise_n * self._rng.standard_normal(6) * np.array([1, 1, 1, 0.1, 0.1, 0.1])
+        return np.asarray(self._wrench + self._cfg.wrench_bias + noise)
+
+    def _measure(self) -> None:
+        exact = self._scene.measure()
+        self._peak_n = max(self._peak_n, float(np.linalg.norm(exact[:3])))
+        share = 1.0 - np.exp(-0.001 / self._cfg.wrench_lag_s) if self._cfg.wrench_lag_s else 1.0
+        self._wrench += share * (exact - self._wrench)
+
+    def _answer(self) -> bool:
+        """Answer the program; return False if it wants the end."""
+        try:
+            question, value = self._connection.recv()
+        except (EOFError, OSError):
+            return False
+        if question == "stop":
+            return False
+        answer: Any = None
+        if question == "poses":
+            self._sending = value
+        elif question == "state":
+            self._state_to = value
+        elif question == "link":
+            self._linked = value
+        elif question == "peak":
+            answer, self._peak_n = self._peak_n, 0.0
+        elif question == "truth":
+            answer = self._scene.truth(float(self._simulator.data.time), self._tool(), self._opening())
+        self._connection.send(("ok", answer))
+        return True
+
+    def _send_poses(self) -> None:
+        if self._state_to is not None:
+            state = self._scene.truth(float(self._simulator.data.time), self._tool(), self._opening())
+            self._socket.sendto(state_datagram(state), self._state_to)
+        if self._sending is None:
+            return
+        cfg, noisy = self._cfg, {}
+        for name, pose in self._scene.poses().items():
+            turn = from_rotvec(cfg.poses_noise_rad * self._rng.standard_normal(3))
+            position = pose.position + cfg.poses_noise_m * self._rng.standard_normal(3)
+            noisy[name] = BodyState(position, multiply(turn, pose.quaternion))
+        self._socket.sendto(poses_datagram(noisy), self._sending)
+
+    def _tool(self) -> BodyState:
+        model, data = self._simulator.model, self._simulator.data
+        hand = body_state(model, data, HAND)
+        offset = rotate(hand.quaternion, np.array([0.0, 0.0, FLANGE_TO_TOOL_M]))
+        velocity = hand.velocity + np.cross(hand.angular_velocity, offset)
+        return BodyState(hand.position + offset, hand.quaternion, velocity, hand.angular_velocity)
+
+    def _opening(self) -> float:
+        data = self._simulator.data
+        joints = ("robot0_finger_joint1", "robot0_finger_joint2")
+        return float(sum(data.joint(name).qpos[0] for name in joints))

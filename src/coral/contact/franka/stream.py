@@ -1,0 +1,235 @@
+"""The stream to an arm: at every tick it reads the state, checks every reason to stop, and sends the target."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from coral.contact.franka.arm import Arm, ArmError, ArmState
+from coral.contact.franka.hand_gaps import Gap, HandGaps
+from coral.contact.franka.limits import Limits
+from coral.contact.franka.object_poses import ObjectPoses
+from coral.contact.franka.wrench_bias import WrenchBias
+from coral.contact.scene.observation import Array, BodyState, HandTarget
+from coral.contact.worlds.franka_cfg import FrankaCfg
+
+HOLDING_N_M = 600.0
+"""Stiffness with which the arm holds until the first target."""
+PRESSING_S = 0.15
+"""Time constant with which a contact is told from a blow: a pull that followed the force at once would add to it."""
+
+
+class Phase(IntEnum):
+    """What the stream does."""
+
+    WATCHING = 0
+    """It reads; the arm gets no command."""
+    GOING = 1
+    """The arm goes to its start posture."""
+    TARING = 2
+    """The arm rests there, and the wrench's bias is measured."""
+    FOLLOWING = 3
+    """The arm follows targets; without a new one it holds the last."""
+    STOPPED = 4
+    """The arm was stopped. Nothing but a new stream moves it again."""
+
+
+class StopCause(IntEnum):
+    """Why the arm was stopped."""
+
+    NONE = 0
+    END = 1
+    KEYBOARD = 2
+    PAGE = 3
+    LIMIT = 4
+    POSES = 5
+    LINK = 6
+    WATCHDOG = 7
+    FAULT = 8
+
+
+@dataclass(frozen=True)
+class Orders:
+    """What the program wants of the stream."""
+
+    beat: int = 0
+    """Counts up as a sign of life."""
+    start: bool = False
+    """Whether the arm may move: set once, after the operator's word."""
+    stop: StopCause = StopCause.NONE
+    quit: bool = False
+    """Whether the stream ends, once the arm is stopped."""
+    target: HandTarget | None = None
+    """Newest target in the arm's base frame."""
+
+
+class Stream:
+    """Runs one arm, one `tick` at a time; it never waits.
+
+    Args:
+        arm: The arm.
+        poses: The objects' poses.
+        cfg: Configuration.
+        clock: Returns the machine's time (s).
+        hand_gaps: What the hand may run into; None if that is not known.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        poses: ObjectPoses,
+        cfg: FrankaCfg,
+        clock: Callable[[], float],
+        hand_gaps: HandGaps | None = None,
+    ) -> None:
+        self._arm, self._poses, self._cfg, self._clock = arm, poses, cfg, clock
+        self._hand_gaps = hand_gaps
+        self._limits = Limits(cfg)
+        self._bias = WrenchBias(cfg.bias_readings)
+        self.phase, self.cause, self.reason = Phase.WATCHING, StopCause.NONE, ""
+        self.state: ArmState | None = None
+        self.wrench = np.zeros(6)
+        self.stop_latency_s = 0.0
+        """Time from the moment at which the cause could be known to the stop command."""
+        self.peak_force_n = 0.0
+        """Largest contact force while following targets."""
+        self.target: HandTarget | None = None
+        self._beat, self._beat_at = -1, clock()
+        self._fresh_at = clock()
+        self._filtered: Array | None = None
+        self._pressing = np.zeros(3)
+
+    @property
+    def arm_time_s(self) -> float:
+        """Return the arm's clock, by which poses age: a simulated arm may be slower than the machine's."""
+        return 0.0 if self.state is None else self.state.time_s
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the arm was stopped."""
+        return self.phase is Phase.STOPPED
+
+    @property
+    def bias(self) -> WrenchBias:
+        """Return the bias of the wrench."""
+        return self._bias
+
+    def tick(self, orders: Orders) -> None:
+        """Read, check and command once."""
+        now = self._clock()
+        if orders.beat != self._beat:
+            self._beat, self._beat_at = orders.beat, now
+        self._read(now)
+        self._poses.update(self.arm_time_s, self._tool())
+        if self.stopped:
+            return
+        if orders.stop is not StopCause.NONE:
+            self.stop(orders.stop, "")
+        elif self.phase is not Phase.WATCHING:
+            self._check(now)
+        if self.stopped:
+            return
+        try:
+            self._command(orders)
+        except ArmError as error:
+            self.stop(StopCause.FAULT, str(error))
+
+    def stop(self, cause: StopCause, reason: str, since_s: float | None = None) -> None:
+        """Stop the arm; only the first cause counts.
+
+        Args:
+            cause: The cause.
+            reason: What was found, in words.
+            since_s: Time at which the cause arose, if it is known.
+        """
+        if self.phase is Phase.STOPPED:
+            return
+        moved = self.phase is not Phase.WATCHING
+        self.phase, self.cause, self.reason = Phase.STOPPED, cause, reason
+        if moved:  # an arm that was only watched obeys somebody else
+            self._arm.stop()
+        self.stop_latency_s = 0.0 if since_s is None else max(0.0, self._clock() - since_s)
+
+    def _tool(self) -> BodyState | None:
+        """Return the tool in the world."""
+        if (state := self.state) is None:
+            return None
+        position = state.position + np.asarray(self._cfg.base_m)
+        return BodyState(position, state.quaternion, state.twist[:3], state.twist[3:])
+
+    def _read(self, now: float) -> None:
+        try:
+            state = self._arm.read()
+        except ArmError as error:
+            if self.phase not in (Phase.STOPPED, Phase.WATCHING):
+                self.stop(StopCause.LINK, str(error), now)
+            return
+        before = self.state
+        if before is None or state.time_s != before.time_s:
+            self._fresh_at = now
+            passed = 0.0 if before is None else max(0.0, state.time_s - before.time_s)
+            self._filter(state.wrench, passed)
+        self.state = state
+
+    def _filter(self, wrench: Array, passed_s: float) -> None:
+        if self._filtered is None or self._cfg.wrench_filter_s <= 0.0:
+            self._filtered = np.array(wrench)
+        else:
+            self._filtered += (1.0 - np.exp(-passed_s / self._cfg.wrench_filter_s)) * (wrench - self._filtered)
+        self.wrench = self._bias.corrected(self._filtered)
+        self._pressing += (1.0 - np.exp(-passed_s / PRESSING_S)) * (self.wrench[:3] - self._pressing)
+        if self.phase is Phase.FOLLOWING:
+            self.peak_force_n = max(self.peak_force_n, float(np.linalg.norm(self.wrench[:3])))
+
+    def _check(self, now: float) -> None:
+        """Stop for the first reason that holds."""
+        cfg, state = self._cfg, self.state
+        if state is None or now - self._fresh_at > cfg.link_timeout_s:
+            self.stop(StopCause.LINK, f"no new state for {1e3 * (now - self._fresh_at):.0f} ms", self._fresh_at)
+        elif state.fault:
+            self.stop(StopCause.FAULT, state.fault, now)
+        elif now - self._beat_at > cfg.watchdog_s:
+            silent_s = now - self._beat_at
+            self.stop(StopCause.WATCHDOG, f"no sign of life for {silent_s:.2f} s", self._beat_at + cfg.watchdog_s)
+        elif found := self._limits.violation(state, self.wrench if self._bias.known else np.zeros(6)):
+            self.stop(StopCause.LIMIT, found, now)
+        elif self.phase is Phase.FOLLOWING:
+            name, age = self._poses.oldest(self.arm_time_s)
+            if age > cfg.poses_timeout_s:
+                text = f"{name} was not seen for {age:.2f} s"
+                self.stop(StopCause.POSES, text, now - age + cfg.poses_timeout_s)
+
+    def _command(self, orders: Orders) -> None:
+        cfg, state = self._cfg, self.state
+        if self.phase is Phase.WATCHING:
+            if orders.start and state is not None:
+                self.phase = Phase.GOING
+                self._arm.open_to(0.08)
+                self._arm.go_to(np.asarray(cfg.start_rad))
+        elif self.phase is Phase.GOING:
+            if self._arm.arrived():
+                self._bias.restart()
+                self.phase = Phase.TARING
+        elif self.phase is Phase.TARING:
+            if self._filtered is not None:
+                self._bias.add(self._filtered)
+            if self._bias.known and state is not None:
+                self.phase = Phase.FOLLOWING
+                self.target = HandTarget(state.position, state.quaternion, state.opening_m, HOLDING_N_M)
+                self._arm.follow(self.target)
+        elif state is not None:
+            if orders.target is not None:
+                self.target = orders.target
+            if self.target is not None:
+                self._arm.open_to(self.target.opening_m)
+                gaps = self._gaps(state)
+                self._arm.follow(self._limits.bounded(self.target, state, self.wrench, gaps, self._pressing))
+
+    def _gaps(self, state: ArmState) -> Sequence[Gap]:
+        tool = self._tool()
+        if self._hand_gaps is None or tool is None:
+            return ()
+        return self._hand_gaps.gaps(tool, state.opening_m, self._poses.poses, self._limits.gap_m)

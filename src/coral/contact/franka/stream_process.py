@@ -1,0 +1,278 @@
+"""The stream in a process of its own, so that neither planning nor writing files holds it up."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from multiprocessing import Pipe, get_context
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+
+from coral.contact.franka.arm import Arm
+from coral.contact.franka.hand_gaps import HandGaps
+from coral.contact.franka.lateness import Lateness
+from coral.contact.franka.object_poses import ObjectPoses
+from coral.contact.franka.shared_block import SharedBlock
+from coral.contact.franka.stream import Orders, Phase, StopCause, Stream
+from coral.contact.franka.stream_record import (
+    ORDERS_SIZE,
+    StreamReport,
+    decode_orders,
+    decode_report,
+    encode_orders,
+    encode_report,
+    report_size,
+)
+from coral.contact.scene.observation import BodyState, HandTarget
+from coral.contact.scene.trial import Trial
+from coral.contact.worlds.franka_cfg import FrankaCfg
+from coral.errors import InputError, RunError
+
+MakeArm = Callable[[str, FrankaCfg], Arm]
+"""Makes an arm from address and configuration; a function of a module, because a process is spawned."""
+BEAT_S = 0.05
+"""Time between the program's signs of life."""
+STILL_M_S = 0.005
+"""A tool slower than this is at rest."""
+PRIORITY = 10
+"""Real-time priority of the stream, 1 to 99; most kernel threads have more."""
+_START_TIMEOUT_S = 120.0
+
+
+class StreamProcess:
+    """Starts the stream and speaks with it.
+
+    Args:
+        make_arm: Makes the arm in the new process.
+        address: The arm's address.
+        cfg: Configuration.
+        trial: The trial: its objects, and the shapes that the hand may run into.
+        make_process: Makes the process; a thread in tests.
+
+    Raises:
+        InputError, RunError: The arm cannot be used.
+    """
+
+    def __init__(
+        self,
+        make_arm: MakeArm,
+        address: str,
+        cfg: FrankaCfg,
+        trial: Trial,
+        make_process: Callable[..., Any] | None = None,
+    ) -> None:
+        self._names = tuple(trial.objects)
+        self._orders_block, self._report_block = SharedBlock(ORDERS_SIZE), SharedBlock(report_size(len(self._names)))
+        self._connection, theirs = Pipe()
+        self._process: Any = (make_process or get_context("spawn").Process)(
+            target=_run,
+            args=(make_arm, address, cfg, trial, self._orders_block, self._report_block, theirs),
+            name="franka-stream",
+            daemon=True,
+        )
+        self._lock = threading.Lock()
+        self._orders = Orders()
+        self._reason = ""
+        self._ended = threading.Event()
+        self._process.start()
+        self._theirs = theirs  # kept: a process that dies is noticed by `is_alive`
+        self.poses_port: int = self._await_start()
+        threading.Thread(target=self._beat, name="franka-beat", daemon=True).start()
+
+    def start(self) -> None:
+        """Let the arm move: to its start posture first."""
+        self._order(start=True)
+
+    def follow(self, target: HandTarget) -> None:
+        """Set the target, in the arm's base frame."""
+        self._order(target=target)
+
+    def stop(self, cause: StopCause) -> None:
+        """Ask for a stop; the first cause counts."""
+        self._order(stop=cause)
+
+    def report(self) -> StreamReport:
+        """Return the newest report.
+
+        Raises:
+            RunError: The process has died.
+        """
+        if not self._process.is_alive():
+            raise RunError("the stream to the arm has ended")
+        return decode_report(self._report_block.read(), self._names)
+
+    def reason(self) -> str:
+        """Return why the arm was stopped, in words; "" while it was not."""
+        if not self._reason:
+            try:
+                if self._connection.poll(0.0):
+                    self._reason = str(self._connection.recv())
+            except (EOFError, OSError):
+                self._reason = "the stream to the arm has ended"
+        return self._reason
+
+    def close(self) -> None:
+        """Stop the arm and end the process."""
+        self._order(stop=StopCause.END, quit=True)
+        self._ended.set()  # without signs of life the process ends by itself
+        self._process.join(3.0)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join(3.0)
+
+    @property
+    def pid(self) -> int:
+        """Return the id of the process, for a signal."""
+        return int(self._process.pid or 0)
+
+    def pause_beat(self) -> None:
+        """Give no more signs of life, as if the program hung: to measure the watchdog."""
+        self._ended.set()
+
+    def _order(
+        self,
+        start: bool = False,
+        stop: StopCause | None = None,
+        quit: bool = False,
+        target: HandTarget | None = None,
+    ) -> None:
+        with self._lock:
+            before = self._orders
+            self._orders = replace(
+                before,
+                start=before.start or start,
+                stop=before.stop or stop or StopCause.NONE,
+                quit=before.quit or quit,
+                target=target or before.target,
+            )
+            self._orders_block.write(encode_orders(self._orders))
+
+    def _beat(self) -> None:
+        while not self._ended.wait(BEAT_S):
+            with self._lock:
+                self._orders = replace(self._orders, beat=self._orders.beat + 1)
+                self._orders_block.write(encode_orders(self._orders))
+
+    def _await_start(self) -> int:
+        try:
+            if self._connection.poll(_START_TIMEOUT_S):
+                answer = self._connection.recv()
+                if isinstance(answer, int):
+                    return answer
+                self._process.join(3.0)
+                raise InputError(*answer) if isinstance(answer, tuple) else RunError(str(answer))
+        except (EOFError, OSError):
+            raise RunError("the stream to the arm could not be started") from None
+        self._process.kill()
+        raise RunError(f"the arm did not answer within {_START_TIMEOUT_S:.0f} s")
+
+
+def _run(
+    make_arm: MakeArm,
+    address: str,
+    cfg: FrankaCfg,
+    trial: Trial,
+    orders_block: SharedBlock,
+    report_block: SharedBlock,
+    connection: Connection,
+) -> None:
+    """Body of the process."""
+    pressed: list[int] = []
+    names = tuple(trial.objects)
+    if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
+        for number in (signal.SIGINT, signal.SIGTERM):  # Ctrl-C reaches this process, whatever the program does
+            signal.signal(number, lambda *_: pressed.append(1))
+        _take_priority()
+    try:
+        poses = ObjectPoses(names, cfg.poses_host, cfg.poses_port)
+        arm = make_arm(address, cfg)
+    except InputError as error:
+        connection.send((error.where, error.field, str(error.found), error.expected))
+        return
+    except Exception as error:
+        connection.send(str(error) or type(error).__name__)
+        return
+    connection.send(poses.port)
+    stream = Stream(arm, poses, cfg, time.monotonic, HandGaps(trial))
+    lateness, told = Lateness(), False
+    period_s, tick, parent = 1.0 / cfg.rate_hz, 0, os.getppid()
+    due, stopped_at, stopped_arm_s, still_after = time.monotonic(), 0.0, 0.0, 0.0
+    try:
+        while True:
+            orders = decode_orders(orders_block.read())
+            stream.tick(replace(orders, stop=StopCause.KEYBOARD) if pressed else orders)
+            tick += 1
+            if stream.phase is Phase.STOPPED:
+                if not stopped_at:
+                    stopped_at, stopped_arm_s = time.monotonic(), stream.arm_time_s
+                passed_s = stream.arm_time_s - stopped_arm_s
+                if not still_after and passed_s > 0.0 and _speed(stream) < STILL_M_S:
+                    still_after = passed_s
+                if not told:
+                    connection.send(stream.reason or stream.cause.name.lower())
+                    told = True
+                if orders.quit or os.getppid() != parent:
+                    break
+            report_block.write(encode_report(_report(stream, poses, lateness, tick, stopped_at, still_after), names))
+            due += period_s
+            time.sleep(max(0.0, due - time.monotonic()))
+            late_s = time.monotonic() - due
+            if stream.phase is Phase.FOLLOWING:
+                lateness.add(late_s)
+            if late_s > period_s:  # missed ticks are not made up for
+                due = time.monotonic()
+    finally:
+        stream.stop(StopCause.FAULT, "the stream failed")
+        arm.close()
+        poses.close()
+
+
+def _take_priority() -> None:
+    """Ask for real-time scheduling; where it is not allowed, the stream is as punctual as the machine is idle."""
+    with contextlib.suppress(OSError, AttributeError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+
+
+def _speed(stream: Stream) -> float:
+    return float(np.linalg.norm(stream.state.twist[:3])) if stream.state is not None else 0.0
+
+
+def _report(
+    stream: Stream, poses: ObjectPoses, lateness: Lateness, tick: int, stopped_at: float, still_after: float
+) -> StreamReport:
+    state = stream.state
+    zero = np.zeros(7)
+    tool = (
+        BodyState(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+        if state is None
+        else BodyState(state.position, state.quaternion, state.twist[:3], state.twist[3:])
+    )
+    return StreamReport(
+        tick,
+        stream.phase,
+        stream.cause,
+        -1.0 if state is None else state.time_s,
+        tool,
+        0.0 if state is None else state.opening_m,
+        stream.wrench,
+        zero if state is None else state.joints,
+        zero if state is None else state.joint_speeds,
+        stream.bias.bias,
+        stream.bias.noise,
+        lateness.percentile_ms(0.99),
+        lateness.max_ms,
+        stream.stop_latency_s,
+        stopped_at,
+        still_after,
+        stream.peak_force_n,
+        poses.malformed,
+        dict(poses.poses),
+        {name: poses.age_s(name, stream.arm_time_s) for name in poses.names},
+    )

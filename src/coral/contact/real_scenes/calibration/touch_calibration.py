@@ -1,0 +1,138 @@
+"""Calibration by touch: the hand touches points whose pixels are clicked, and two sets of points are aligned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.config import read_yaml
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.real_scenes.calibration.wrong_entry import find_wrong_entry
+from coral.contact.scene.rigid_transform import pose_matrix
+from coral.errors import MALFORMED, InputError
+
+Array = NDArray[np.float64]
+LEAST, MOST = 4, 100
+"""Number of points; three would leave nothing to check."""
+LIMIT_M = 0.01
+"""Largest root mean square of the residuals: the grip is 8 cm wide and objects are 5 cm, so more would miss."""
+LEAST_SPREAD_M = 0.05
+"""Least second axis of the points' spread: points on a line leave the rotation about it open."""
+PATCH = 2
+"""Depth is the median over this many pixels to each side."""
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A point that was clicked and touched."""
+
+    pixel: tuple[float, float]
+    """Column and row."""
+    touched_m: tuple[float, float, float]
+    """In the world."""
+
+
+@dataclass(frozen=True)
+class TouchCalibration:
+    """A fit."""
+
+    T_world_camera: Array
+    """Shape=(4, 4)."""
+    residuals_m: Array
+    """Distance that is left at each point, Shape=(N,)."""
+
+
+def align_points(source: Array, target: Array) -> Array:
+    """Compute the rigid transform, Shape=(4, 4), that moves points onto others with least squares (Kabsch, 1976).
+
+    Args:
+        source: Shape=(N, 3) m.
+        target: Shape=(N, 3) m.
+    """
+    a, b = source.mean(axis=0), target.mean(axis=0)
+    u, _, vt = np.linalg.svd((source - a).T @ (target - b))
+    turn = vt.T @ np.diag([1.0, 1.0, np.sign(np.linalg.det(vt.T @ u.T))]) @ u.T
+    return pose_matrix(turn, b - turn @ a)
+
+
+def calibrate_by_touch(frame: RgbdFrame, touches: Sequence[Touch], where: str) -> TouchCalibration:
+    """Compute where the camera stands.
+
+    Args:
+        frame: The picture that was clicked; its pose is not read.
+        touches: The points.
+        where: Their file, for errors.
+
+    Raises:
+        InputError: A pixel has no depth, the points lie on a line, or they do not agree within `LIMIT_M`.
+    """
+    seen = np.array([_seen_point(frame, touch.pixel, f"touches[{k}].pixel", where) for k, touch in enumerate(touches)])
+    touched = np.array([touch.touched_m for touch in touches])
+    spread = np.linalg.svd(touched - touched.mean(axis=0), compute_uv=False) / np.sqrt(len(touched))
+    if spread[1] < LEAST_SPREAD_M:
+        found = f"points within {1e3 * spread[1]:.0f} mm of a line"
+        raise InputError(where, "touches", found, f"points spread by {1e3 * LEAST_SPREAD_M:.0f} mm beside it")
+
+    def residual(chosen: Sequence[int]) -> float:
+        return _root_mean_square(_distances(align_points(seen[chosen], touched[chosen]), seen[chosen], touched[chosen]))
+
+    left = residual(range(len(touches)))
+    if left > LIMIT_M:
+        wrong = find_wrong_entry(residual, len(touches), LIMIT_M) if len(touches) > LEAST else None
+        field = "touches" if wrong is None else f"touches[{wrong}]"
+        why = "" if wrong is None else "; without it the others agree: another point was clicked or touched"
+        raise InputError(where, field, f"{1e3 * left:.1f} mm left over by the fit{why}", f"{1e3 * LIMIT_M:.0f} mm")
+    placed = align_points(seen, touched)
+    return TouchCalibration(placed, _distances(placed, seen, touched))
+
+
+def read_touches(path: Path) -> list[Touch]:
+    """Read a file of touches: a list `touches` of `pixel: [column, row]` and `touched_m: [x, y, z]`.
+
+    Raises:
+        InputError: The file is missing or broken.
+    """
+    content = read_yaml(path)
+    entries = content.get("touches")
+    if not isinstance(entries, list) or not LEAST <= len(entries) <= MOST:
+        found = f"{len(entries)} points" if isinstance(entries, list) else "no list"
+        raise InputError(str(path), "touches", found, f"a list of {LEAST} to {MOST} points")
+    touches = []
+    for k, entry in enumerate(entries):
+        numbers = []
+        for key, count in (("pixel", 2), ("touched_m", 3)):
+            try:
+                found_numbers = np.asarray(entry[key], float)
+            except MALFORMED:
+                found_numbers = np.empty(0)
+            if found_numbers.shape != (count,) or not np.isfinite(found_numbers).all():
+                raise InputError(str(path), f"touches[{k}].{key}", "missing or broken", f"{count} finite numbers")
+            numbers.append(tuple(found_numbers.tolist()))
+        touches.append(Touch(*numbers))
+    return touches
+
+
+def _seen_point(frame: RgbdFrame, pixel: tuple[float, float], field: str, where: str) -> Array:
+    """Return the point at a pixel in the camera frame, Shape=(3,) m."""
+    height, width = frame.depth.shape
+    column, row = round(pixel[0]), round(pixel[1])
+    if not (0 <= column < width and 0 <= row < height):
+        raise InputError(where, field, f"{column}, {row}", f"a pixel of {width} x {height}")
+    patch = frame.depth[max(0, row - PATCH) : row + PATCH + 1, max(0, column - PATCH) : column + PATCH + 1]
+    if not (patch > 0).any():
+        raise InputError(where, field, f"no depth around {column}, {row}", "a pixel with depth")
+    depth = float(np.median(patch[patch > 0]))
+    fx, fy, cx, cy = frame.lens
+    return np.array([(pixel[0] - cx) / fx * depth, (pixel[1] - cy) / fy * depth, depth])
+
+
+def _distances(placed: Array, seen: Array, touched: Array) -> Array:
+    return np.asarray(np.linalg.norm(seen @ placed[:3, :3].T + placed[:3, 3] - touched, axis=1))
+
+
+def _root_mean_square(values: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))

@@ -1,0 +1,204 @@
+"""A ROS 2 bag or MCAP file as a camera: colour, aligned depth and camera_info."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.bag_reader import message_types, read_messages, stamp_of
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.real_scenes.cameras.bare_frame import Undistortion, bare_frame
+from coral.errors import InputError, nearest
+from coral.foreign_file import decode_picture
+
+Array = NDArray[np.float64]
+IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
+INFO = "sensor_msgs/msg/CameraInfo"
+ROLES = ("depth", "color", "info")
+TOGETHER_S = 0.05
+"""Colours that are older than this when depth arrives belong to another picture."""
+_COMPRESSED_DEPTH_HEADER = 12
+
+
+class BagRgbdCamera:
+    """Plays the pictures of a bag, one for each picture of depth.
+
+    Topics are found by type and name: images with "depth" in their name, aligned ones first; other images with "color"
+    or "rgb"; the CameraInfo beside the depth. `#depth=/TOPIC,color=/TOPIC,info=/TOPIC` names them instead.
+
+    Args:
+        rest: FILE, or FILE#ROLE=TOPIC,...
+        T_world_camera: Shape=(4, 4); by default the camera's frame is the world's.
+
+    Raises:
+        InputError: It is no bag, or a topic is missing.
+    """
+
+    live = False
+
+    def __init__(self, rest: str, T_world_camera: Array | None = None) -> None:
+        file, _, asked = rest.partition("#")
+        self.path, self.name = Path(file), f"bag:{rest}"
+        self._placed = np.eye(4) if T_world_camera is None else T_world_camera
+        if not self.path.exists():
+            raise InputError("--camera", "", self.name, "a ROS 2 bag or an MCAP file")
+        self.topics = _choose_topics(self.path, message_types(self.path), asked)
+        self._lens: Array | None = None
+        self._frames: Iterator[RgbdFrame] = iter(())
+        self._next: RgbdFrame | None = None
+
+    def start(self) -> None:
+        """See `RgbdCamera.start`."""
+        self._frames = self._read()
+        self._next = next(self._frames, None)
+        if self._next is None:
+            raise InputError(str(self.path), self.topics["depth"], "no picture", "depth after a message of camera_info")
+
+    def newest(self) -> RgbdFrame | None:
+        """Return the next picture; None after the last one.
+
+        Raises:
+            InputError: A message is damaged.
+        """
+        found = self._next
+        if found is not None:
+            self._next = next(self._frames, None)
+        return found
+
+    @property
+    def intrinsics(self) -> Array:
+        """See `RgbdCamera.intrinsics`."""
+        if self._lens is None:
+            raise RuntimeError("the camera has not started")
+        return self._lens
+
+    def close(self) -> None:
+        """See `RgbdCamera.close`."""
+        self._frames, self._next = iter(()), None
+
+    def _read(self) -> Iterator[RgbdFrame]:
+        removal: Undistortion | None = None
+        colours: deque[tuple[float, NDArray[np.uint8]]] = deque(maxlen=3)
+        waiting: tuple[float, NDArray[np.float32]] | None = None
+        for topic, message in read_messages(self.path, set(self.topics.values())):
+            if topic == self.topics["info"]:
+                if removal is None:
+                    removal = self._read_lens(message)
+            elif topic == self.topics.get("color"):
+                colours.append((stamp_of(message), _colours(message, self.path, topic)))
+            elif removal is not None:
+                if waiting is not None:
+                    yield self._pair(*waiting, colours, removal)
+                # Its colours may be the next message.
+                waiting = stamp_of(message), _depth(message, self.path, topic)
+        if waiting is not None and removal is not None:
+            yield self._pair(*waiting, colours, removal)
+
+    def _read_lens(self, message: Any) -> Undistortion:
+        k, d = np.asarray(message.k, float), np.asarray(message.d, float)
+        if not (np.isfinite(k).all() and k[0] > 0 and k[4] > 0):
+            raise InputError(str(self.path), f"{self.topics['info']}: k", k.tolist(), "a camera matrix")
+        self._lens = k[[0, 4, 2, 5]]
+        return Undistortion(self._lens, d, (int(message.height), int(message.width)))
+
+    def _pair(
+        self,
+        time_s: float,
+        depth: NDArray[np.float32],
+        colours: Iterable[tuple[float, NDArray[np.uint8]]],
+        removal: Undistortion,
+    ) -> RgbdFrame:
+        near = min(colours, key=lambda one: abs(one[0] - time_s), default=None)
+        rgb = near[1] if near is not None and abs(near[0] - time_s) <= TOGETHER_S else None
+        if rgb is not None and rgb.shape[:2] != depth.shape:
+            (height, width), (rows, columns) = depth.shape, rgb.shape[:2]
+            found = f"{width} x {height} pixels beside colours of {columns} x {rows}"
+            raise InputError(str(self.path), self.topics["depth"], found, "depth aligned to the colours")
+        rgb = None if rgb is None else removal.apply(rgb)
+        return bare_frame(removal.apply(depth), rgb, self.intrinsics, self._placed, time_s)
+
+
+def _choose_topics(path: Path, types: dict[str, str], asked: str) -> dict[str, str]:
+    """Choose the topics of depth, color and info; color may be missing."""
+    chosen: dict[str, str] = {}
+    for part in filter(None, asked.split(",")):
+        role, _, topic = part.partition("=")
+        if role not in ROLES:
+            raise InputError("--camera", part, repr(role), f"{' or '.join(ROLES)}{nearest(role, ROLES)}")
+        if topic not in types:
+            raise InputError("--camera", part, "no such topic", f"one of {', '.join(sorted(types))}")
+        chosen[role] = topic
+    images = sorted(topic for topic, kind in types.items() if kind in IMAGES)
+    depths = [topic for topic in images if "depth" in topic]
+    colours = [topic for topic in images if "depth" not in topic and ("color" in topic or "rgb" in topic)]
+    infos = sorted(topic for topic, kind in types.items() if kind == INFO)
+    if "depth" not in chosen:
+        chosen["depth"] = _only(path, "depth", [t for t in depths if "aligned" in t] or depths, types)
+    if "color" not in chosen and colours:
+        chosen["color"] = _only(path, "color", colours, types)
+    if "info" not in chosen:
+        folder = chosen["depth"].rpartition("/image")[0] or chosen["depth"].rpartition("/")[0]
+        beside = [topic for topic in infos if topic.rpartition("/")[0] == folder]
+        chosen["info"] = _only(path, "info", beside or infos, types)
+    return chosen
+
+
+def _only(path: Path, role: str, found: list[str], types: dict[str, str]) -> str:
+    if len(found) == 1:
+        return found[0]
+    what = ", ".join(found) if found else f"no topic of {role} among {', '.join(sorted(types)) or 'no topics'}"
+    raise InputError(str(path), role, what, f"one topic, or --camera bag:{path}#{role}=/TOPIC")
+
+
+def _depth(message: Any, path: Path, topic: str) -> NDArray[np.float32]:
+    """Return the depth of a message, Shape=(H, W) m (REP 118: millimetres in 16 bits, metres in 32)."""
+    if hasattr(message, "format"):
+        raw = bytes(message.data)
+        start = _COMPRESSED_DEPTH_HEADER if "compressedDepth" in message.format else 0
+        found = _decoded(raw[start:], cv2.IMREAD_UNCHANGED, path, topic)
+        if found is None or found.dtype != np.uint16 or found.ndim != 2:
+            raise InputError(str(path), topic, f"the format {message.format!r}", "PNG with 16 bits, in millimetres")
+        return np.asarray(found * np.float32(0.001), np.float32)
+    kinds = {"16UC1": (np.uint16, 0.001), "mono16": (np.uint16, 0.001), "32FC1": (np.float32, 1.0)}
+    if message.encoding not in kinds:
+        raise InputError(str(path), topic, f"the encoding {message.encoding!r}", "16UC1 or 32FC1")
+    kind, metres = kinds[message.encoding]
+    return np.asarray(_pixels(message, np.dtype(kind), 1, path, topic)[..., 0] * np.float32(metres), np.float32)
+
+
+def _colours(message: Any, path: Path, topic: str) -> NDArray[np.uint8]:
+    """Return the colours of a message, Shape=(H, W, 3)."""
+    if hasattr(message, "format"):
+        found = _decoded(bytes(message.data), cv2.IMREAD_COLOR, path, topic)
+        if found is None:
+            raise InputError(str(path), topic, f"the format {message.format!r}", "JPEG or PNG")
+        return np.asarray(found[..., ::-1], np.uint8)
+    order = {"rgb8": [0, 1, 2], "bgr8": [2, 1, 0], "rgba8": [0, 1, 2], "bgra8": [2, 1, 0]}.get(message.encoding)
+    if order is None:
+        raise InputError(str(path), topic, f"the encoding {message.encoding!r}", "rgb8, bgr8, rgba8 or bgra8")
+    channels = 4 if "a" in message.encoding else 3
+    return np.asarray(_pixels(message, np.dtype(np.uint8), channels, path, topic)[..., order], np.uint8)
+
+
+def _decoded(content: bytes, mode: int, path: Path, topic: str) -> NDArray[Any] | None:
+    try:
+        return decode_picture(content, mode)
+    except ValueError as error:
+        raise InputError(str(path), topic, error, "a camera's picture") from None
+
+
+def _pixels(message: Any, kind: np.dtype[Any], channels: int, path: Path, topic: str) -> NDArray[Any]:
+    """Return the values of a message, Shape=(H, W, channels)."""
+    height, width, step = int(message.height), int(message.width), int(message.step)
+    data = np.asarray(message.data, np.uint8)
+    wide = width * channels * kind.itemsize
+    if step < wide or data.size < height * step or height < 1 or width < 1:
+        raise InputError(str(path), topic, f"{data.size} bytes", f"{width} x {height} pixels of {message.encoding}")
+    rows = np.ascontiguousarray(data[: height * step].reshape(height, step)[:, :wide])
+    return rows.view(kind.newbyteorder(">" if message.is_bigendian else "<")).reshape(height, width, channels)

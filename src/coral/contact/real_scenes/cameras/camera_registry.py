@@ -1,0 +1,79 @@
+"""The cameras by name: `--camera`, its help and its errors follow from this registry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.real_scenes.cameras.bag_camera import BagRgbdCamera
+from coral.contact.real_scenes.cameras.realsense_camera import RealSenseCamera
+from coral.contact.real_scenes.cameras.recorded_camera import RecordedRgbdCamera
+from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
+from coral.errors import InputError
+from coral.plugins import find_plugins, named_plugin
+
+Array = NDArray[np.float64]
+GROUP = "coral.cameras"
+
+
+@dataclass(frozen=True)
+class CameraKind:
+    """A camera on the command line."""
+
+    form: str
+    """Form of the value after `--camera`."""
+    help: str
+    """Description, as half a sentence."""
+    make: Callable[[str, Array | None], RgbdCamera] | None
+    """Makes it from what follows the first colon ("" without one) and T_world_camera; None if that is not enough."""
+    needs_rest: bool = True
+    """Whether something must follow the colon."""
+
+
+CAMERAS: dict[str, CameraKind] = {
+    "recording": CameraKind(
+        "recording:FOLDER",
+        "recorded pictures in the format of BOP",
+        lambda rest, placed: RecordedRgbdCamera(Path(rest), placed),
+    ),
+    "bag": CameraKind("bag:FILE", "a ROS 2 bag or MCAP file", BagRgbdCamera),
+    "realsense": CameraKind(
+        "realsense[:SERIAL]",
+        "a RealSense camera (extra realsense)",
+        lambda rest, placed: RealSenseCamera(rest or None, placed),
+        needs_rest=False,
+    ),
+}
+
+
+def camera_help() -> str:
+    """List the cameras with their descriptions, for the command line's help."""
+    return "; or ".join(f"{kind.form}, {kind.help}" for kind in CAMERAS.values())
+
+
+def make_camera_by_name(word: str, T_world_camera: Array | None = None, where: str = "--camera") -> RgbdCamera:
+    """Make the camera that a word names; it is not started yet.
+
+    Args:
+        word: NAME or NAME:REST.
+        T_world_camera: Shape=(4, 4), where the camera stands; None if it is not known.
+        where: Source of the word, for errors.
+
+    Raises:
+        InputError: There is no such camera.
+    """
+    name, _, rest = word.partition(":")
+    kind = CAMERAS.get(name)
+    if kind is None:
+        if name in find_plugins(GROUP):
+            made: RgbdCamera = named_plugin(GROUP, name, where)(rest, T_world_camera)
+            return made
+        named_plugin(GROUP, name, where, ours=[kind.form for kind in CAMERAS.values()])
+    assert kind is not None
+    if kind.make is None or (kind.needs_rest and not rest):
+        raise InputError(where, "", repr(word), kind.form)
+    return kind.make(rest, T_world_camera)

@@ -1,0 +1,124 @@
+"""Masks by colour: each object has a region of hue, saturation and value."""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from coral.config import Fraction, merge, read_yaml
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.real_scenes.masks.mask_shape import clean_mask, hue_saturation_value
+from coral.errors import InputError
+from coral.file_writer import write_whole
+from coral.yaml_file import to_yaml
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Degrees = Annotated[float, Field(ge=-360, le=360, allow_inf_nan=False)]
+FILE = "colours.yaml"
+HUE_DEG, SATURATION = 12.0, 0.07
+"""How far the colours of a picture are from the paint: light changes value, and hardly hue and saturation."""
+GREY = 0.08
+"""Paint with less saturation has no hue."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColourRegion:
+    """A region of colours."""
+
+    hue_deg: tuple[Degrees, Degrees] = (0.0, 360.0)
+    """First and last hue, upwards: red is (350, 10)."""
+    saturation: tuple[Fraction, Fraction] = (0.0, 1.0)
+    """Least and largest; 0 is grey."""
+    value: tuple[Fraction, Fraction] = (0.1, 1.0)
+    """Least and largest; 0 is black."""
+
+    def contains(self, hsv: Array) -> Mask:
+        """Return which colours lie in it. Shape=(...) for Shape=(..., 3)."""
+        low, high = self.hue_deg
+        wide = high - low if abs(high - low) >= 360.0 else (high - low) % 360.0
+        inside = (hsv[..., 0] - low) % 360.0 <= wide
+        for k, (least, largest) in enumerate((self.saturation, self.value), 1):
+            inside &= (hsv[..., k] >= least) & (hsv[..., k] <= largest)
+        return np.asarray(inside)
+
+
+class ColourMasks:
+    """Takes the pixels of an object's colour; of several patches the largest.
+
+    For simple objects and for tests: two objects of one colour, or a hand of an object's colour, are not told apart.
+
+    Args:
+        regions: The region of each object.
+    """
+
+    name = "colour"
+    wants_colours = True
+
+    def __init__(self, regions: Mapping[str, ColourRegion]) -> None:
+        self.regions = dict(regions)
+
+    def segment(self, frame: RgbdFrame, poses: Mapping[str, Array]) -> Mapping[str, Mask]:
+        """See `MaskSource.segment`."""
+        hsv = hue_saturation_value(frame)
+        return {name: clean_mask(region.contains(hsv)) for name, region in self.regions.items()}
+
+
+def paint_regions(paint: Mapping[str, tuple[float, float, float]], where: str = "--masks") -> dict[str, ColourRegion]:
+    """Return the regions of objects whose paint is known.
+
+    Args:
+        paint: Red, green and blue, 0 to 1, of each object.
+        where: Source of the paint, for errors.
+
+    Raises:
+        InputError: Two objects have the same colour.
+    """
+    regions: dict[str, ColourRegion] = {}
+    for name, colour in paint.items():
+        hue, saturation, _ = colorsys.rgb_to_hsv(*colour)
+        hue *= 360.0
+        same = [other for other, region in regions.items() if region.contains(np.array([hue, saturation, 0.5]))]
+        if same:
+            expected = f"another colour than that of {same[0]}, or --masks click:FILE"
+            raise InputError(where, name, "the same colour", expected)
+        regions[name] = ColourRegion(
+            hue_deg=(0.0, 360.0) if saturation < GREY else (round(hue - HUE_DEG, 1), round(hue + HUE_DEG, 1)),
+            saturation=(round(max(0.0, saturation - SATURATION), 3), round(min(1.0, saturation + SATURATION), 3)),
+        )
+    return regions
+
+
+def read_colours(path: Path) -> dict[str, ColourRegion]:
+    """Read a file of colours: `objects`, a mapping of names to regions.
+
+    Raises:
+        InputError: The file is missing or broken.
+    """
+    content = read_yaml(path)
+    objects = content.get("objects")
+    if not isinstance(objects, dict) or not objects or set(content) != {"objects"}:
+        expected = "one mapping of objects to hue_deg, saturation, value"
+        raise InputError(str(path), "objects", "missing or more", expected)
+    regions = {}
+    for name, region in objects.items():
+        if not isinstance(region, dict):
+            raise InputError(str(path), f"objects.{name}", type(region).__name__, "hue_deg, saturation, value")
+        regions[str(name)] = merge(ColourRegion(), region, f"{path}: objects.{name}")
+    return regions
+
+
+def write_colours(path: Path, regions: Mapping[str, ColourRegion]) -> None:
+    """Write a file of colours."""
+    objects = {
+        name: {"hue_deg": [*one.hue_deg], "saturation": [*one.saturation], "value": [*one.value]}
+        for name, one in regions.items()
+    }
+    write_whole(path, to_yaml({"objects": objects}))

@@ -1,0 +1,112 @@
+"""Tracks all objects of a task in a camera's pictures: masks first, then a tracker for each object, then the hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.grasp_detection import GraspDetectionCfg, is_grasped
+from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
+from coral.contact.perception.object_model import ObjectModel, from_trial
+from coral.contact.perception.tracked_object import TrackedObject
+from coral.contact.perception.tracker import PoseEstimate, PoseTracker
+from coral.contact.real_scenes.hand_mask import HandMask, HandReading
+from coral.contact.real_scenes.masks.mask_source import MaskSource
+from coral.contact.scene.mujoco_scene import add_scene
+from coral.contact.scene.rigid_transform import inverse_transform
+from coral.contact.scene.trial import Trial
+
+Array = NDArray[np.float64]
+
+
+class ObjectTracking:
+    """Estimates the poses of several objects, picture by picture. Nothing in it knows where they truly are.
+
+    Args:
+        models: The objects.
+        make: Makes the tracker of an object, by its name.
+        masks: Segments the pictures.
+        motion: Filter of a held object's pose in the hand.
+        grip: Thresholds for detecting that the fingers hold an object.
+    """
+
+    def __init__(
+        self,
+        models: Mapping[str, ObjectModel],
+        make: Callable[[str], PoseTracker],
+        masks: MaskSource,
+        motion: MotionFilterCfg | None = None,
+        grip: GraspDetectionCfg | None = None,
+    ) -> None:
+        self.models, self._masks = models, masks
+        self._motion, self._grip = motion or MotionFilterCfg(), grip or GraspDetectionCfg()
+        self._hand = HandMask()
+        self._objects = {name: TrackedObject(make(name), self._motion) for name in models}
+        self._poses: dict[str, Array] = {}
+        self._in_hand: dict[str, Array] = {}
+
+    @property
+    def in_hand(self) -> Mapping[str, Array]:
+        """Return T_tool_object, Shape=(4, 4), of each object that the fingers hold; it is known unseen, too."""
+        return self._in_hand
+
+    def update(self, frame: RgbdFrame, hand: HandReading | None = None) -> dict[str, PoseEstimate]:
+        """Estimate the pose of every object in the next picture.
+
+        Args:
+            frame: The picture.
+            hand: The hand at that time, if an arm tells; it covers objects, and carries what its fingers hold.
+
+        Raises:
+            InputError: The picture cannot be segmented.
+            TrackerFailed: A tracker failed.
+        """
+        if hand is not None:
+            frame = self._hand.label(frame, hand)
+        masks = self._masks.segment(frame, self._poses)
+        nothing = np.zeros(frame.depth.shape, bool)
+        found = {}
+        for name, one in self._objects.items():
+            carried = one.at(hand.T_world_tool, frame.time_s) if hand is not None and one.held else None
+            found[name] = one.tracker.track(frame, masks.get(name, nothing), carried)
+            if hand is not None:
+                self._follow_hand(name, found[name], hand, frame.time_s)
+        self._poses = {name: one.T_world_object for name, one in found.items() if not one.lost}
+        return found
+
+    def _follow_hand(self, name: str, estimate: PoseEstimate, hand: HandReading, time_s: float) -> None:
+        """Decide whether the hand holds the object, and update where in the hand it is."""
+        one, tool = self._objects[name], hand.T_world_tool
+        if estimate.lost:
+            if one.motion is None:
+                return
+        else:
+            T = inverse_transform(tool) @ estimate.T_world_object if one.held else estimate.T_world_object
+            if one.motion is None or estimate.registered:
+                one.motion = MotionFilter(one.in_hand if one.held else self._motion, T, time_s)
+            else:
+                one.motion.update(T, time_s)
+        inside = inverse_transform(tool) @ one.at(tool, time_s)
+        shape = self.models[name]
+        one.hold(is_grasped(shape, inside, hand.opening_m, hand.wanted_m, one.held, self._grip), tool, time_s)
+        if one.held:
+            self._in_hand[name] = one.known.predict(time_s)
+        else:
+            self._in_hand.pop(name, None)
+
+    def close(self) -> None:
+        """Release the trackers."""
+        for one in self._objects.values():
+            one.tracker.close()
+
+
+def object_models(trial: Trial) -> dict[str, ObjectModel]:
+    """Return the models of a trial's objects."""
+    spec = mujoco.MjSpec()
+    add_scene(spec, trial)
+    scene = spec.compile()
+    return {name: from_trial(scene, trial, name) for name in trial.objects}

@@ -1,0 +1,328 @@
+"""The picture of a survey map, in the paper's colour code, for advisors and for people (CORAL III-A, appendix)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.drawing import Image, draw_arrow, draw_dot, draw_line, draw_text, png, text_size
+from coral.reef.pictures.cameraview import camera_picture
+from coral.reef.pictures.companions import Companion, draw_companions, draw_key, draw_tracks
+from coral.reef.pictures.mapframe import (
+    BLUE,
+    CELL_COLORS,
+    FAR,
+    LEGEND_PX,
+    MAGENTA,
+    OBSTACLE,
+    ORANGE,
+    OYSTER,
+    RED,
+    YELLOW,
+    YELLOW_EDGE,
+    MapPicture,
+    draw_axes,
+    draw_border,
+    draw_legend,
+    draw_scale_bar,
+)
+from coral.reef.world.geometry import Pose
+
+__all__ = ["CELL_COLORS", "MapPicture", "MapScene", "MapViewCfg", "camera_picture", "cell_classes", "draw_map", "png"]
+
+Box = tuple[float, float, float, float]
+ARROWS_M = 1.5
+"""Length of the arrows +X and +Y with their names, on a map of 15 m; on larger ones they hide more of it."""
+_CELL_WORDS = np.ascontiguousarray(np.pad(CELL_COLORS, ((0, 0), (0, 1)))).view(np.uint32)[:, 0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapScene:
+    """The content of a map picture; world frame ENU, metres.
+
+    Everything here is the robot's own estimate: pictures of it may go to an advisor.
+    """
+
+    cells: NDArray[np.uint8]
+    """Shape=(H, W): 0 unexplored, 1 explored free, 2 obstacle, 3 oyster; row 0 is the smallest y."""
+    cell_m: float
+    origin: tuple[float, float] = (0.0, 0.0)
+    """World position of the corner of cell [0, 0]."""
+    pose: Pose | None = None
+    trajectory: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    """Shape=(N, 2), oldest first."""
+    centroids: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    """Shape=(K, 2)."""
+    indices: Sequence[int] | None = None
+    """Label of each centroid; None labels them 0, 1, 2, ..."""
+    visited: Sequence[bool] | None = None
+    """Whether the robot has been at each centroid; None means none has been visited."""
+    chain: Sequence[int] | None = None
+    """Rows of `centroids` in chain order, joined by blue lines; None joins them as they stand, () draws no line."""
+    clusters: bool = True
+    """Whether the robot extracts clusters at all; without them the legend does not name them."""
+    links: Sequence[tuple[int, int]] | None = None
+    """Pairs of rows of `centroids` that blue lines join, in place of `chain`: a chain that forks."""
+    seen: Sequence[float | None] | None = None
+    """Share of each cluster that has been seen from near, written beside it; None for one that is known from afar."""
+    arrival: Pose | None = None
+    """Where the robot will be when the answer is needed; None: where it is."""
+    border: tuple[float, float, float, float] | None = None
+    """(x0, y0, x1, y1) of the survey area (m)."""
+    goal: tuple[float, float] | None = None
+    others: tuple[Companion, ...] = ()
+    """The other robots of the mission."""
+    named: bool = False
+    """Whether a key shows the colours of several robots."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapViewCfg:
+    """Layout of a map picture."""
+
+    size_px: int = 768
+    """Longer side; providers scale larger pictures down to about this."""
+    crop: bool = True
+    """Whether to show only the explored area with a margin, else the whole grid."""
+    margin_m: float = 1.5
+    min_side_m: float = 10.0
+    """Minimum side of a crop, so that the first pictures of a mission keep a sense of scale."""
+    window: tuple[float, float, float, float] | None = None
+    """Explicit (x0, y0, x1, y1) in metres; overrides `crop`."""
+    axes: bool = True
+    legend: bool = True
+    labels: bool = True
+
+
+def cell_classes(explored: NDArray[np.bool_], obstacle: NDArray[np.bool_], target: NDArray[np.bool_]) -> Image:
+    """Classify the map cells, Shape=(H, W) each; oysters take precedence over obstacles, both over free space."""
+    cells = explored.astype(np.uint8)
+    cells[obstacle] = OBSTACLE
+    cells[target] = OYSTER
+    return cells
+
+
+def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
+    """Draw the map as the paper shows it (CORAL III-A and prompts A and B).
+
+    White is unexplored, gray explored free space, black obstacles, green oysters; orange dots are cluster
+    centroids with their labels, hollow when nothing is left to see of them, joined by blue lines along the chain; the
+    yellow line is where the robot has been; the red dot and arrow are the robot and its +X (forward), the blue arrow
+    its +Y (left); hollow, with the arrows, where it will be when it needs the answer; the
+    magenta cross-hair is the present goal. Other robots are dots with an arrow and a ring for their goal.
+    """
+    cfg = cfg or MapViewCfg()
+    window = _window(scene, cfg)
+    x0, y0, x1, y1 = window
+    left, right, top, bottom = (40, 12, 22, 30) if cfg.axes else (0, 0, 0, 0)
+    legend_px = 54 if cfg.legend else 0
+    scale = min((cfg.size_px - left - right) / (x1 - x0), (cfg.size_px - top - bottom - legend_px) / (y1 - y0))
+    inner_w, inner_h = round(scale * (x1 - x0)), round(scale * (y1 - y0))
+    # The legend needs its width even if the map is a narrow upright strip.
+    width = max(inner_w + left + right, LEGEND_PX if cfg.legend and cfg.size_px >= LEGEND_PX else 0)
+    rgb = np.full((inner_h + bottom + top + legend_px, width, 3), 255, np.uint8)
+    view = MapPicture(rgb, scale, left - scale * x0, top + inner_h + scale * y0, window)
+    inner = rgb[top : top + inner_h, left : left + inner_w]
+    inner[:] = _ground(scene, window, inner_w, inner_h)
+    # Overlays are clipped to the map by drawing into its slice.
+    inside = MapPicture(inner, scale, -scale * x0, inner_h + scale * y0, window)
+    draw_scale_bar(inside)
+    _draw_overlays(inside, scene, cfg)
+    if cfg.axes:
+        draw_axes(view, left, top, inner_w, inner_h)
+    if cfg.legend:
+        marks = {"goal": scene.goal is not None, "arrival": scene.arrival is not None, "clusters": scene.clusters}
+        draw_legend(rgb, left, top + inner_h + bottom, **marks)
+    return view
+
+
+def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, float]:
+    height, width = scene.cells.shape
+    ox, oy = scene.origin
+    whole = (ox, oy, ox + width * scene.cell_m, oy + height * scene.cell_m)
+    if cfg.window is not None:
+        return cfg.window
+    if not cfg.crop:
+        return whole
+    rows, columns = np.nonzero(scene.cells.any(axis=1))[0], np.nonzero(scene.cells.any(axis=0))[0]
+    xs = [ox + scene.cell_m * c for c in (columns[:1].tolist() + [i + 1 for i in columns[-1:].tolist()])]
+    ys = [oy + scene.cell_m * r for r in (rows[:1].tolist() + [i + 1 for i in rows[-1:].tolist()])]
+    extra = [scene.trajectory, scene.centroids]
+    extra += [_with_arrows(pose) for pose in (scene.pose, scene.arrival) if pose is not None]
+    extra += [np.array([scene.goal])] if scene.goal is not None else []
+    extra += [np.array([one.pose[:2]]) for one in scene.others if one.pose is not None]
+    points = np.concatenate([np.asarray(part, np.float64).reshape(-1, 2) for part in extra])
+    if len(points):
+        xs += [points[:, 0].min(), points[:, 0].max()]
+        ys += [points[:, 1].min(), points[:, 1].max()]
+    if not xs:
+        return whole
+    # Where the border is drawn, the picture goes on beyond it: arrows fit in, and the end of the area is seen as such.
+    beyond = cfg.margin_m + ARROWS_M if scene.border is not None else 0.0
+    low, high = (whole[0] - beyond, whole[1] - beyond), (whole[2] + beyond, whole[3] + beyond)
+    x0, x1 = _span(min(xs) - cfg.margin_m, max(xs) + cfg.margin_m, cfg.min_side_m, low[0], high[0])
+    y0, y1 = _span(min(ys) - cfg.margin_m, max(ys) + cfg.margin_m, cfg.min_side_m, low[1], high[1])
+    # A picture longer than 3:2 wastes the pixels of an advisor's picture.
+    side = max(x1 - x0, y1 - y0) / 1.5
+    x0, x1 = _span(x0, x1, side, low[0], high[0])
+    y0, y1 = _span(y0, y1, side, low[1], high[1])
+    snap = scene.cell_m
+    return (
+        ox + snap * math.floor((x0 - ox) / snap + 1e-6),
+        oy + snap * math.floor((y0 - oy) / snap + 1e-6),
+        ox + snap * math.ceil((x1 - ox) / snap - 1e-6),
+        oy + snap * math.ceil((y1 - oy) / snap - 1e-6),
+    )
+
+
+def _with_arrows(pose: Pose) -> NDArray[np.float64]:
+    """Return a pose and about where its arrows end, with their names. Shape=(3, 2), metres."""
+    c, s = ARROWS_M * math.cos(pose.theta), ARROWS_M * math.sin(pose.theta)
+    return np.array([(pose.x, pose.y), (pose.x + c, pose.y + s), (pose.x - s, pose.y + c)])
+
+
+def _span(low: float, high: float, least: float, floor: float, ceiling: float) -> tuple[float, float]:
+    """Widen an interval to `least` and shift it inside [floor, ceiling]."""
+    grow = max(0.0, least - (high - low)) / 2
+    low, high = low - grow, high + grow
+    low, high = (low - max(0.0, high - ceiling), min(high, ceiling))
+    return max(low, floor), min(high + max(0.0, floor - low), ceiling)
+
+
+def _ground(scene: MapScene, window: tuple[float, float, float, float], width: int, height: int) -> Image:
+    """Colour the cells of the window, north up, Shape=(height, width, 3)."""
+    ox, oy = scene.origin
+    c0, r0 = round((window[0] - ox) / scene.cell_m), round((window[1] - oy) / scene.cell_m)
+    c1, r1 = round((window[2] - ox) / scene.cell_m), round((window[3] - oy) / scene.cell_m)
+    cells = np.zeros((max(1, r1 - r0), max(1, c1 - c0)), np.uint8)
+    rows, columns = scene.cells.shape
+    have = scene.cells[max(r0, 0) : min(r1, rows), max(c0, 0) : min(c1, columns)]
+    cells[max(-r0, 0) : max(-r0, 0) + have.shape[0], max(-c0, 0) : max(-c0, 0) + have.shape[1]] = have
+    zoom = min(width / cells.shape[1], height / cells.shape[0])
+    if zoom >= 2:  # integer enlargement first keeps the edges of cells sharp; interpolation smooths the rest
+        cells = np.repeat(np.repeat(cells, int(zoom), axis=0), int(zoom), axis=1)
+    filter_ = cv2.INTER_LINEAR if zoom >= 1 else cv2.INTER_AREA
+    # One four-byte look-up per cell is several times faster than one per channel.
+    colored = _CELL_WORDS[cells[::-1]].view(np.uint8).reshape(*cells.shape, 4)
+    return np.asarray(cv2.resize(colored, (width, height), interpolation=filter_)[..., :3], np.uint8)
+
+
+def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
+    rgb = view.rgb
+    if scene.border is not None:
+        draw_border(view, scene.border)
+    draw_tracks(view, scene.others)
+    draw_line(rgb, view.to_pixels(_thin(scene.trajectory, 1.5 / view.scale)), YELLOW, 3, edge=YELLOW_EDGE)
+    dots = view.to_pixels(np.asarray(scene.centroids, np.float64).reshape(-1, 2))
+    if scene.links is not None:
+        for a, b in scene.links:
+            draw_line(rgb, dots[[a, b]], BLUE, 2, edge=(255, 255, 255))
+    else:
+        order = range(len(dots)) if scene.chain is None else scene.chain
+        draw_line(rgb, dots[list(order)], BLUE, 2, edge=(255, 255, 255))
+    if scene.goal is not None:
+        _crosshair(rgb, view.to_pixels(np.array(scene.goal)))
+    visited = scene.visited if scene.visited is not None else [False] * len(dots)
+    shares = scene.seen if scene.seen is not None else [0.0] * len(dots)
+    draw_companions(view, scene.others)
+    robot: NDArray[np.float64] | None = None
+    if scene.pose is not None:
+        robot = view.to_pixels(np.array(scene.pose[:2]))
+        if scene.arrival is None:
+            robot = _robot(rgb, robot, scene.pose.theta, cfg.labels)
+        else:
+            forward = np.array([math.cos(scene.pose.theta), -math.sin(scene.pose.theta)])
+            draw_arrow(rgb, robot, robot + 30 * forward, RED)
+            draw_dot(rgb, robot, 8.0, RED)
+            there = view.to_pixels(np.array(scene.arrival[:2]))
+            robot = np.concatenate([robot[None], _robot(rgb, there, scene.arrival.theta, cfg.labels)])
+            draw_dot(rgb, there, 8.0, RED)
+            draw_dot(rgb, there, 5.0, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
+    for dot, done, share in zip(dots, visited, shares, strict=True):
+        draw_dot(rgb, dot, 6.5, FAR if share is None else ORANGE)
+        if done:
+            draw_dot(rgb, dot, 4.5, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
+    if cfg.labels and len(dots):
+        names = [
+            _name(index, share, shown=scene.seen is not None and not done)
+            for index, share, done in zip(scene.indices or range(len(dots)), shares, visited, strict=True)
+        ]
+        _draw_labels(rgb, dots, names, robot)
+    if scene.named:
+        draw_key(view, scene.others)
+
+
+def _name(index: int, share: float | None, shown: bool) -> str:
+    """Return the label of a dot: with ? if known from afar only, and how much of it has been seen if that is shown."""
+    if share is None:
+        return f"{index}?"
+    return f"{index} {round(100 * share)}%" if shown and 0.005 <= share < 0.995 else str(index)
+
+
+def _thin(path: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Drop the points of a path that lie within about `step` of the previous one, ends kept. Shape=(N, 2)."""
+    path = np.asarray(path, np.float64).reshape(-1, 2)
+    if len(path) < 3:
+        return path
+    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+    keep = np.concatenate([[True], np.diff(np.floor(travelled / step)) > 0])
+    keep[-1] = True
+    thinned: NDArray[np.float64] = path[keep]
+    return thinned
+
+
+def _crosshair(rgb: Image, at: NDArray[np.float64]) -> None:
+    for color, extra in (((255, 255, 255), 2), (MAGENTA, 0)):
+        cv2.circle(rgb, (round(at[0]), round(at[1])), 13, color, 2 + extra, cv2.LINE_AA)
+        for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+            arm = np.array([at + 9 * np.array(step), at + 18 * np.array(step)], np.float64)
+            draw_line(rgb, arm, color, 2 + extra)
+
+
+def _robot(rgb: Image, at: NDArray[np.float64], theta: float, labels: bool) -> NDArray[np.float64]:
+    forward = np.array([math.cos(theta), -math.sin(theta)])
+    leftward = np.array([-math.sin(theta), -math.cos(theta)])
+    draw_arrow(rgb, at, at + 46 * leftward, BLUE)
+    draw_arrow(rgb, at, at + 56 * forward, RED)
+    draw_dot(rgb, at, 8.0, RED)
+    if labels:
+        draw_text(rgb, "+Y", *(at + 62 * leftward), size=15, color=BLUE, weight=700, halo=2, anchor="mm")
+        draw_text(rgb, "+X", *(at + 72 * forward), size=15, color=RED, weight=700, halo=2, anchor="mm")
+    return np.array([at, at + 30 * forward, at + 72 * forward, at + 30 * leftward, at + 62 * leftward])
+
+
+def _draw_labels(
+    rgb: Image, dots: NDArray[np.float64], names: Sequence[str], robot: NDArray[np.float64] | None
+) -> None:
+    """Write each label beside its dot where it hides the fewest dots, labels and robot marks."""
+    height, width = rgb.shape[:2]
+    taken: list[Box] = [(x - 8, y - 8, x + 8, y + 8) for x, y in dots]
+    if robot is not None:
+        taken += [(x - 13, y - 11, x + 13, y + 11) for x, y in robot]
+    for (x, y), name in zip(dots, names, strict=True):
+        w, h = text_size(name, 17, 700, 3)
+        if not (-10 <= x <= width + 10 and -10 <= y <= height + 10):
+            continue
+        reach_x, reach_y = 9 + w / 2, 6 + h / 2
+        best, cost = (x, y), math.inf
+        for rank, (dx, dy) in enumerate(
+            ((0.9, -0.7), (-0.9, -0.7), (0.9, 0.7), (-0.9, 0.7), (0, -1), (1, 0), (-1, 0), (0, 1))
+        ):
+            cx = min(max(x + dx * reach_x, w / 2), width - w / 2)
+            cy = min(max(y + dy * reach_y, h / 2), height - h / 2)
+            box = (cx - w / 2, cy - h / 2 + 2, cx + w / 2, cy + h / 2 - 2)
+            hidden = sum(_overlap(box, other) for other in taken)
+            if hidden + rank < cost:
+                best, cost = (cx, cy), hidden + rank
+        draw_text(rgb, name, *best, size=17, color=(150, 62, 0), weight=700, halo=3, anchor="mm")
+        taken.append((best[0] - w / 2, best[1] - h / 2, best[0] + w / 2, best[1] + h / 2))
+
+
+def _overlap(a: Box, b: Box) -> float:
+    """Compute the area shared by two boxes (x0, y0, x1, y1)."""
+    return max(0.0, min(a[2], b[2]) - max(a[0], b[0])) * max(0.0, min(a[3], b[3]) - max(a[1], b[1]))

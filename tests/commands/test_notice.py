@@ -1,0 +1,19 @@
+"""The notice for the people at the desk."""
+
+from coral import plugins
+from coral.commands.notice import mission_notice
+
+
+def test_people_are_told_of_a_mission_that_asks_them(tmp_path):
+    with mission_notice(True, tmp_path, world="s1") as notice:
+        assert notice.running
+        assert len(list(tmp_path.glob("mission-*.json"))) == 1
+
+
+def test_nobody_is_told_without_people_or_without_a_desk(tmp_path, monkeypatch):
+    with mission_notice(False, tmp_path, world="s1") as notice:
+        assert notice is None
+    monkeypatch.setitem(plugins.OURS, "notice", {"desk": "coral.no_such_wing:notice"})
+    with mission_notice(True, tmp_path, world="s1") as notice:
+        assert notice is None
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,116 @@
+"""Poses come as datagrams; bad ones are counted and change nothing."""
+
+import json
+import socket
+
+import numpy as np
+import pytest
+
+from coral.contact.franka.object_poses import (
+    ObjectPoses,
+    parse_poses,
+    parse_state,
+    poses_datagram,
+    state_datagram,
+)
+from coral.contact.scene.observation import BodyState, Truth
+from coral.errors import InputError
+
+UPRIGHT = np.array([1.0, 0, 0, 0])
+
+
+@pytest.fixture
+def poses():
+    receiver = ObjectPoses(("box", "lid"), "127.0.0.1", 0)
+    yield receiver
+    receiver.close()
+
+
+def send(poses, data):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.sendto(data, ("127.0.0.1", poses.port))
+
+
+def box_at(x):
+    return poses_datagram({"box": BodyState(np.array([x, 0.0, 0.03]), UPRIGHT)})
+
+
+def test_a_pose_is_kept_with_its_age(poses):
+    send(poses, box_at(0.1))
+    poses.update(2.0)
+    assert poses.poses["box"].position == pytest.approx([0.1, 0.0, 0.03])
+    assert poses.age_s("box", 2.5) == pytest.approx(0.5)
+
+
+def test_what_is_held_moves_with_the_tool_between_datagrams(poses):
+    inside = BodyState(np.array([0.0, 0.0, 0.02]), UPRIGHT)
+    send(poses, poses_datagram({"box": inside, "lid": inside}, ["box"]))
+    overhead = np.array([0.0, 1.0, 0.0, 0.0])  # the palm looks down
+    poses.update(2.0, BodyState(np.array([0.1, 0.0, 0.3]), overhead))
+    assert poses.poses["box"].position == pytest.approx([0.1, 0.0, 0.28])
+    assert poses.poses["lid"].position == pytest.approx([0.0, 0.0, 0.02])
+    poses.update(2.1, BodyState(np.array([0.1, 0.0, 0.4]), overhead, np.array([0.0, 0.0, 1.0]), np.array([0, 5.0, 0])))
+    assert poses.poses["box"].position == pytest.approx([0.1, 0.0, 0.38])
+    assert poses.poses["box"].velocity == pytest.approx([-0.1, 0.0, 1.0])  # turning about y, 2 cm below the tool
+    assert poses.age_s("box", 2.1) == pytest.approx(0.1)
+
+
+def test_what_was_let_go_of_stays_where_it_is_seen(poses):
+    send(poses, poses_datagram({"box": BodyState(np.array([0.0, 0.0, 0.02]), UPRIGHT)}, ["box"]))
+    poses.update(2.0, BodyState(np.array([0.1, 0.0, 0.3]), UPRIGHT))
+    send(poses, box_at(0.1))
+    poses.update(2.1, BodyState(np.array([0.5, 0.0, 0.3]), UPRIGHT))
+    assert poses.poses["box"].position == pytest.approx([0.1, 0.0, 0.03])
+
+
+def test_an_object_that_was_never_seen_is_the_oldest(poses):
+    send(poses, box_at(0.1))
+    poses.update(2.0)
+    assert poses.oldest(2.1) == ("lid", np.inf)
+
+
+def test_the_velocity_is_a_smoothed_difference(poses):
+    for time_s, x in ((0.0, 0.0), (0.1, 0.01)):
+        send(poses, box_at(x))
+        poses.update(time_s)
+    assert poses.poses["box"].velocity == pytest.approx([0.1 * (1 - np.exp(-1.0)), 0, 0])
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"\xff",
+        b"[]",
+        b'{"objects": 3}',
+        b'{"objects": {"box": {"position": [0, 0], "quaternion": [1, 0, 0, 0]}}}',
+        b'{"objects": {"box": {"position": [0, 0, NaN], "quaternion": [1, 0, 0, 0]}}}',
+        b'{"objects": {"box": {"position": [0, 0, 0], "quaternion": [0, 0, 0, 0]}}}',
+        json.dumps({"objects": {"box": None}}).encode(),
+        b'{"objects": {"box": {"position": [0, 0, 0], "quaternion": [1, 0, 0, 0], "in": "camera"}}}',
+        b'{"objects": {"box": {"position": [0, 0, 1%s], "quaternion": [1, 0, 0, 0]}}}' % (b"0" * 400),
+    ],
+)
+def test_a_malformed_datagram_is_counted_and_ignored(poses, data):
+    assert parse_poses(data) is None
+    send(poses, data)
+    poses.update(1.0)
+    assert poses.malformed == 1
+    assert poses.poses == {}
+
+
+def test_a_port_in_use_is_refused_by_its_name(poses):
+    with pytest.raises(InputError, match=r"franka.poses_port.*expected a free port"):
+        ObjectPoses(("box",), "127.0.0.1", poses.port)
+
+
+def test_a_state_for_a_simulated_camera_is_read_as_it_was_sent():
+    state = Truth(1.5, BodyState(np.array([0, 0, 0.3]), UPRIGHT), 0.04, {"box": BodyState(np.ones(3), UPRIGHT)}, ())
+    found = parse_state(state_datagram(state))
+    assert (found.time_s, found.opening_m) == (1.5, 0.04)
+    assert found.tool.position == pytest.approx([0, 0, 0.3])
+    assert found.objects["box"].position == pytest.approx([1, 1, 1])
+
+
+@pytest.mark.parametrize("data", [b"", b"{}", b"\xff", poses_datagram({"box": BodyState(np.zeros(3), UPRIGHT)})])
+def test_what_is_no_state_is_none(data):
+    assert parse_state(data) is None

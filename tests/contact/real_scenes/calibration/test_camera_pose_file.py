@@ -1,0 +1,37 @@
+import pytest
+
+from coral.contact.perception.camera import look_at
+from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose, write_camera_pose
+from coral.errors import InputError
+
+PLACED = look_at((-0.3, -0.5, 0.5), (0.1, 0.0, 0.0))
+
+
+def test_a_pose_is_read_as_it_was_written(tmp_path):
+    write_camera_pose(tmp_path / "camera.yaml", PLACED, "board", {"rms_px": 0.2})
+    assert read_camera_pose(tmp_path / "camera.yaml") == pytest.approx(PLACED, abs=1e-5)
+
+
+def test_nothing_is_overwritten(tmp_path):
+    (tmp_path / "camera.yaml").write_text("mine")
+    with pytest.raises(InputError, match="a new file"):
+        write_camera_pose(tmp_path / "camera.yaml", PLACED, "board", {})
+    assert (tmp_path / "camera.yaml").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("coral-camera-pose/1", "coral-camera-pose/2", "format"),
+        ("position_m", "position", "position"),
+        ("quaternion:", "quaternion: [1, 1, 0, 0]\nmethod: x\n#", "length 1.4"),
+        ("quaternion:", "quaternion: [1, 0]\nmethod: x\n#", "4 finite numbers"),
+        ("[0, 0, 1]", f"[0, 0, {10**400}]", "3 finite numbers"),
+    ],
+)
+def test_a_broken_file_names_the_field(tmp_path, old, new, told):
+    path = tmp_path / "camera.yaml"
+    text = "format: coral-camera-pose/1\nposition_m: [0, 0, 1]\nquaternion: [1, 0, 0, 0]\n"
+    path.write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=told):
+        read_camera_pose(path)

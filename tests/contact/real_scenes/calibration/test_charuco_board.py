@@ -1,0 +1,38 @@
+import dataclasses
+
+import numpy as np
+import pytest
+
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.real_scenes.calibration.charuco_board import CharucoBoard
+from coral.errors import InputError
+
+
+def frame_of(grey):
+    rgb = np.repeat(grey[..., None], 3, axis=2)
+    nothing = np.zeros(grey.shape, np.uint8)
+    return RgbdFrame(np.zeros(grey.shape, np.float32), nothing, (), np.ones(4), np.eye(4), 0.0, rgb)
+
+
+def test_the_corners_of_its_own_picture_are_found():
+    board = CharucoBoard("5x4:0.03:0.02")
+    seen = board.find(frame_of(np.pad(board.draw(40), 40, constant_values=255)))
+    assert len(seen.points) == 4 * 3
+    # 40 pixels for 0.03 m, and a margin of 40 pixels; a pixel's centre is half a pixel inside.
+    assert seen.pixels == pytest.approx(39.5 + seen.points[:, :2] / 0.03 * 40, abs=0.2)
+
+
+def test_no_board_is_none_and_no_colour_is_an_error():
+    board = CharucoBoard("5x4:0.03:0.02:apriltag_36h11")
+    frame = frame_of(np.full((80, 80), 128, np.uint8))
+    assert board.find(frame) is None
+    with pytest.raises(InputError, match="without colours"):
+        board.find(dataclasses.replace(frame, rgb=None))
+
+
+@pytest.mark.parametrize(
+    "word", ["", "7x5", "7x5:0.02:0.03", "2x5:0.03:0.02", "7x5:0.03:0.02:nine", "7x5:...:1", "40x40:0.03:0.02"]
+)
+def test_a_word_that_describes_no_board_is_one_line(word):
+    with pytest.raises(InputError, match="--board"):
+        CharucoBoard(word)

@@ -1,0 +1,111 @@
+import numpy as np
+import pytest
+
+from coral.contact.real_scenes.cameras.bag_camera import BagRgbdCamera
+from coral.errors import InputError
+
+pytest.importorskip("rosbags")
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+
+STORE = get_typestore(Stores.ROS2_HUMBLE)
+TYPES = STORE.types
+DEPTH, COLOUR = "/camera/aligned_depth_to_color/image_raw", "/camera/color/image_raw"
+INFO = "/camera/aligned_depth_to_color/camera_info"
+
+
+def header(time_s):
+    stamp = TYPES["builtin_interfaces/msg/Time"](sec=int(time_s), nanosec=round(1e9 * (time_s % 1)))
+    return TYPES["std_msgs/msg/Header"](stamp=stamp, frame_id="camera")
+
+
+def image(time_s, pixels, encoding):
+    raw = np.frombuffer(np.ascontiguousarray(pixels).tobytes(), np.uint8)
+    height, width = pixels.shape[:2]
+    kind = TYPES["sensor_msgs/msg/Image"]
+    return kind(header(time_s), height, width, encoding, 0, raw.size // height, raw)
+
+
+def camera_info(time_s, fx=60.0):
+    roi = TYPES["sensor_msgs/msg/RegionOfInterest"](0, 0, 0, 0, False)
+    k = np.array([fx, 0, 31.5, 0, 60.0, 23.5, 0, 0, 1.0])
+    kind = TYPES["sensor_msgs/msg/CameraInfo"]
+    return kind(header(time_s), 48, 64, "plumb_bob", np.zeros(5), k, np.eye(3).ravel(), np.zeros(12), 0, 0, roi)
+
+
+def write(path, messages):
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        known = {}
+        for topic, time_s, message in messages:
+            if topic not in known:
+                known[topic] = writer.add_connection(topic, message.__msgtype__, typestore=STORE)
+            writer.write(known[topic], round(1e9 * time_s), STORE.serialize_cdr(message, message.__msgtype__))
+    return path
+
+
+def two_pictures(colour_shape=(48, 64)):
+    near, far = np.full((48, 64), 800, np.uint16), np.full((48, 64), 900, np.uint16)
+    red = np.zeros((*colour_shape, 3), np.uint8)
+    red[..., 2] = 255
+    return [
+        (INFO, 1.0, camera_info(1.0)),
+        (DEPTH, 1.0, image(1.0, near, "16UC1")),
+        (COLOUR, 1.01, image(1.0, red, "bgr8")),  # the colours of a picture may come after its depth
+        (DEPTH, 1.1, image(1.1, far, "16UC1")),
+    ]
+
+
+def test_depth_is_paired_with_its_colours(tmp_path):
+    camera = BagRgbdCamera(str(write(tmp_path / "bag", two_pictures())))
+    camera.start()
+    first, second = camera.newest(), camera.newest()
+    assert camera.newest() is None
+    assert camera.intrinsics == pytest.approx([60, 60, 31.5, 23.5])
+    assert (first.time_s, second.time_s) == pytest.approx((1.0, 1.1))
+    assert (first.depth[0, 0], second.depth[0, 0]) == pytest.approx((0.8, 0.9))
+    assert first.rgb[0, 0].tolist() == [255, 0, 0]
+    assert second.rgb is None  # the only colours are 0.1 s old
+    assert first.names == ()
+
+
+def test_depth_in_metres_with_gaps(tmp_path):
+    depth = np.full((48, 64), 0.7, np.float32)
+    depth[0, 0] = np.nan
+    messages = [(INFO, 1.0, camera_info(1.0)), (DEPTH, 1.0, image(1.0, depth, "32FC1"))]
+    camera = BagRgbdCamera(str(write(tmp_path / "bag", messages)))
+    camera.start()
+    assert camera.newest().depth[0, :2].tolist() == pytest.approx([0.0, 0.7])
+
+
+def test_depth_that_is_not_aligned_is_refused(tmp_path):
+    camera = BagRgbdCamera(str(write(tmp_path / "bag", two_pictures(colour_shape=(24, 32)))))
+    with pytest.raises(InputError, match="depth aligned to the colours"):
+        camera.start()
+
+
+@pytest.mark.parametrize(
+    ("rest", "told"),
+    [
+        ("{}#depht=/x", "did you mean 'depth'"),
+        ("{}#depth=/x", "no such topic"),
+        ("{}/nowhere", "--camera"),
+    ],
+)
+def test_a_wrong_word_is_one_line(tmp_path, rest, told):
+    path = write(tmp_path / "bag", two_pictures())
+    with pytest.raises(InputError, match=told):
+        BagRgbdCamera(rest.format(path))
+
+
+def test_two_depth_topics_are_named(tmp_path):
+    other = [("/other/depth/image_aligned", 1.0, image(1.0, np.ones((48, 64), np.uint16), "16UC1"))]
+    path = write(tmp_path / "bag", [*two_pictures(), *other])
+    with pytest.raises(InputError, match=r"found /camera/.*, /other/.*#depth=/TOPIC"):
+        BagRgbdCamera(str(path))
+    assert BagRgbdCamera(f"{path}#depth={DEPTH}").topics["info"] == INFO
+
+
+def test_a_bag_without_depth_names_its_topics(tmp_path):
+    path = write(tmp_path / "bag", [(INFO, 1.0, camera_info(1.0))])
+    with pytest.raises(InputError, match="no topic of depth among /camera"):
+        BagRgbdCamera(str(path))

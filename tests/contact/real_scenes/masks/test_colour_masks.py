@@ -1,0 +1,79 @@
+import numpy as np
+import pytest
+from painted_table import PAINT, at, overlap, picture
+
+from coral.contact.real_scenes.masks.colour_masks import (
+    ColourMasks,
+    ColourRegion,
+    paint_regions,
+    read_colours,
+    write_colours,
+)
+from coral.errors import InputError
+
+RED = tuple(value / 255 for value in PAINT)
+
+
+def test_the_paint_of_an_object_is_its_mask():
+    frame, (truth,) = picture(at(0.0, 0.0))
+    mask = ColourMasks(paint_regions({"box": RED})).segment(frame, {})["box"]
+    assert overlap(mask, truth) > 0.9
+
+
+def test_shading_changes_nothing():
+    frame, _ = picture(at(0.0, 0.0))
+    masks = ColourMasks(paint_regions({"box": RED}))
+    before = masks.segment(frame, {})["box"]
+    frame.rgb[:, 40:] = (0.4 * frame.rgb[:, 40:]).astype(np.uint8)
+    assert overlap(masks.segment(frame, {})["box"], before) > 0.95
+
+
+def test_of_several_patches_the_largest_counts():
+    frame, (far, near) = picture(at(0.1, 0.09), at(-0.05, -0.07))
+    mask = ColourMasks(paint_regions({"box": RED})).segment(frame, {})["box"]
+    assert (mask & near).sum() > 0.8 * near.sum()
+    frame.rgb[far] = 90
+    frame.rgb[5:7, 5:7] = PAINT
+    assert not ColourMasks(paint_regions({"box": RED})).segment(frame, {})["box"][5:7, 5:7].any()
+
+
+def test_an_object_that_is_not_there_has_no_mask():
+    frame, _ = picture()
+    assert not ColourMasks(paint_regions({"box": RED})).segment(frame, {})["box"].any()
+
+
+def test_hues_go_around_through_red():
+    region = ColourRegion(hue_deg=(350.0, 10.0))
+    assert region.contains(np.array([[355, 0.5, 0.5], [5, 0.5, 0.5], [20, 0.5, 0.5]])).tolist() == [True, True, False]
+
+
+def test_two_objects_of_one_colour_are_refused():
+    with pytest.raises(InputError, match=r"other: found the same colour, expected .* or --masks click:FILE"):
+        paint_regions({"box": RED, "other": RED})
+
+
+def test_a_picture_without_colours_is_refused():
+    frame, _ = picture(at(0.0, 0.0), colours=False)
+    with pytest.raises(InputError, match="a picture without colours"):
+        ColourMasks(paint_regions({"box": RED})).segment(frame, {})
+
+
+def test_a_file_of_colours_is_read_as_it_was_written(tmp_path):
+    regions = paint_regions({"box": RED})
+    write_colours(tmp_path / "colours.yaml", regions)
+    assert read_colours(tmp_path / "colours.yaml") == regions
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("objects: {}", "objects"),
+        ("objects: {box: red}", r"objects\.box"),
+        ("objects: {box: {hue: [1, 2]}}", "hue"),
+        ("objects: {box: {value: [0, 2]}}", "value"),
+    ],
+)
+def test_a_broken_file_names_the_field(tmp_path, text, told):
+    (tmp_path / "c.yaml").write_text(text)
+    with pytest.raises(InputError, match=told):
+        read_colours(tmp_path / "c.yaml")

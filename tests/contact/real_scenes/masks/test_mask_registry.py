@@ -1,0 +1,38 @@
+import pytest
+from painted_table import BOX
+
+from coral.contact.real_scenes.masks.click_masks import ClickMasks
+from coral.contact.real_scenes.masks.colour_masks import ColourMasks, paint_regions
+from coral.contact.real_scenes.masks.mask_registry import MaskSetting, make_masks, mask_help
+from coral.errors import InputError
+
+SETTING = MaskSetting({"box": BOX}, lambda: paint_regions({"box": (0.8, 0.2, 0.2)}))
+
+
+def test_colours_of_the_task_or_of_a_file(tmp_path):
+    (tmp_path / "c.yaml").write_text("objects: {box: {hue_deg: [0, 20]}}")
+    assert isinstance(make_masks("colour", SETTING), ColourMasks)
+    assert make_masks(f"colour:{tmp_path / 'c.yaml'}", SETTING).regions["box"].hue_deg == (0, 20)
+
+
+def test_clicks_of_a_file(tmp_path):
+    (tmp_path / "c.yaml").write_text("objects: {box: [1, 2]}")
+    assert isinstance(make_masks(f"click:{tmp_path / 'c.yaml'}", SETTING), ClickMasks)
+
+
+def test_an_object_that_a_file_does_not_name_is_one_line(tmp_path):
+    (tmp_path / "c.yaml").write_text("objects: {can: [1, 2]}")
+    with pytest.raises(InputError, match=r"objects\.box: found missing"):
+        make_masks(f"click:{tmp_path / 'c.yaml'}", SETTING)
+
+
+@pytest.mark.parametrize(
+    ("word", "told"), [("click", "click:FILE"), ("color", "did you mean 'colour'"), ("", "colour")]
+)
+def test_a_word_that_names_none_is_one_line(word, told):
+    with pytest.raises(InputError, match=told):
+        make_masks(word, SETTING)
+
+
+def test_the_help_lists_all_forms():
+    assert "colour[:FILE]" in mask_help()

@@ -1,0 +1,60 @@
+"""Camera files."""
+
+import pytest
+
+from coral.errors import InputError
+from coral.reef.sea.recorded_camera import RecordedCamera, read_camera
+from coral.reef.vehicle.camera import CameraCfg
+
+
+def camera(tmp_path, text):
+    (tmp_path / "camera.yaml").write_text(text)
+    return read_camera(tmp_path / "camera.yaml")
+
+
+def test_a_field_of_view_is_enough_and_nothing_is_rectified(tmp_path):
+    found = camera(tmp_path, "{width: 640, height: 480, hfov_deg: 80, pitch_down_deg: 30, altitude_m: 1.5}")
+    assert found.view == CameraCfg(width=640, height=480, hfov_deg=80.0, pitch_down_deg=30.0, altitude_m=1.5)
+    assert found.rectifier is None
+    assert found.size == (640, 480)
+
+
+def test_a_calibration_makes_pictures_of_a_pinhole_camera(tmp_path):
+    text = "{width: 640, height: 480, fx: 520, fy: 518, cx: 310, cy: 250, distortion: [-0.3, 0.1, 0, 0]}"
+    found = camera(tmp_path, text)
+    assert found.rectifier is not None
+    assert found.size == (640, 480)
+    assert found.view.pitch_down_deg == 15.0
+    # The barrel shows more than 640 / 520 at its sides: the view is wider than without distortion.
+    assert found.view.hfov_deg > 62.0
+
+
+def test_a_calibration_of_ros_is_the_same_camera(tmp_path):
+    text = "{width: 160, height: 120, fx: 52, fy: 51.5, cx: 81, cy: 58.5, distortion: [-0.05, 0, 0, 0]}"
+    ros = """{image_width: 160, image_height: 120, camera_matrix: {data: [52, 0, 81, 0, 51.5, 58.5, 0, 0, 1]},
+      distortion_model: plumb_bob, distortion_coefficients: {data: [-0.05, 0, 0, 0]}}"""
+    assert camera(tmp_path, ros).view == camera(tmp_path, text).view
+
+
+def test_a_camera_of_ours_is_taken_as_it_is():
+    cfg = CameraCfg(width=80, height=60)
+    assert RecordedCamera.plain(cfg) == RecordedCamera(cfg, (80, 60))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("{fx: 100}", "fx, fy: found one without the other"),
+        ("{fx: 100, fy: 100, hfov_deg: 90}", "hfov_deg: found fx, fy besides"),
+        ("{distortion: [0.1, 0, 0, 0]}", "distortion: found no fx, fy"),
+        ("{fov: 100}", "camera.yaml: fov: found an unknown key"),
+        ("{width: -3}", "width"),
+        pytest.param(f"{{width: 1{'0' * 400}}}", "width", id="a width of 400 digits"),
+        ("{hfov_deg: 200}", "hfov_deg: found 200"),
+        ("{fx: 100, fy: 100, model: kannala}", "model"),
+        ("{width: 640, height: 480, fx: 400, fy: 4}", "fx, fy: found 400 and 4, expected focal lengths of one camera"),
+    ],
+)
+def test_a_file_that_is_wrong_names_the_field(tmp_path, text, said):
+    with pytest.raises(InputError, match=said):
+        camera(tmp_path, text)
