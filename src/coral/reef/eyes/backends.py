@@ -49,7 +49,7 @@ def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> Rgb
         return RelativeDepthEyes(eyes, DepthAnything(open_picture_network(Path(depth), "--depth")))
     if name == EXACT:
         return None
-    if name != RGB and has_plugin("coral.eyes", name):
+    if name != RGB and not name.endswith(".onnx") and has_plugin("coral.eyes", name):
         made: RgbPerception = named_plugin("coral.eyes", name, where)()
         return made
     if name != RGB and not name.endswith(".onnx"):
