@@ -57,6 +57,11 @@ OURS: dict[str, dict[str, str]] = {
     "policy": {"served": "coral.contact.policy.policy_campaign_episode:run_served_policy"},
     "notice": {"desk": "coral.desk.notice:mission_notice"},
     "rendering": {"reef": "coral.view.rendering:render_survey", "contact": "coral.view.rendering:render_attempt"},
+    "plot": {
+        "reef": "coral.view.plots:plot_survey",
+        "contact": "coral.view.plots:plot_attempt",
+        "page": "coral.view.plots:html_of",
+    },
     "preview": {"one": "coral.view.preview:preview", "sheet": "coral.view.preview:preview_sheet"},
     "live": {"reef": "coral.view.live.live_run:watching_mission", "contact": "coral.view.live.live_run:watching_task"},
     "lens": {"check": "coral.reef.recordings.lens_check:check_run_lens"},

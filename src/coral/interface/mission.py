@@ -47,9 +47,8 @@ class MissionResult(RunResult):
 
     def plot(self) -> Figure:
         """Draw the robot's map, and the shares covered and inspected over time."""
-        from coral.view.plots import plot_survey
-
-        return plot_survey(self.folder)
+        figure: Figure = our_part("plot", "reef", "plot")(self.folder)
+        return figure
 
 
 def run_mission(

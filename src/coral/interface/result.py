@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from coral.advisor.registry import asks_person
 from coral.errors import InputError
 from coral.foreign_file import read_log_lines
+from coral.plugins import our_part
 from coral.runs import read_events, trajectory_name
 
 if TYPE_CHECKING:
@@ -122,10 +123,9 @@ class RunResult:
         raise NotImplementedError
 
     def _repr_html_(self) -> str:
-        from coral.view.plots import html_of
-
         shown = {key: self.metrics[key] for key in self._shown if key in self.metrics}
-        return html_of(str(self.folder), shown, self.plot())
+        page: str = our_part("plot", "page", "plot")(str(self.folder), shown, self.plot())
+        return page
 
     def __repr__(self) -> str:
         shown = ", ".join(f"{key}={self.metrics[key]!r}" for key in self._shown if key in self.metrics)

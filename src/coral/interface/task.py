@@ -64,9 +64,8 @@ class TaskResult(RunResult):
 
     def plot(self) -> Figure:
         """Draw how far the objects moved, and the force on the hand, over time."""
-        from coral.view.plots import plot_attempt
-
-        return plot_attempt(self.folder)
+        figure: Figure = our_part("plot", "contact", "plot")(self.folder)
+        return figure
 
 
 def run_task(

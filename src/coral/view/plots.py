@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from coral.view.decisions import decisions
 from coral.reef.pictures.mapview import draw_map
+from coral.view.decisions import decisions
 from coral.view.run import RunFolder, read_table
 from coral.view.runmap import scene_at
 
