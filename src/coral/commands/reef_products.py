@@ -13,7 +13,7 @@ from coral.flags import Argument, Option
 from coral.reef.products.files import summary, write_products
 from coral.reef.products.placement import EarthPlacement, parse_datum
 from coral.reef.products.survey_products import ProductsCfg, measure
-from coral.reef.products.truth import true_area_m2
+from coral.reef.products.truth import TrueReef, true_reef
 from coral.reef.recordings.recording import EXACT, RECORDED, Recording
 from coral.reef.recordings.run_recording import read_run
 from coral.reef.world.world import load_world
@@ -40,8 +40,8 @@ class ReefProducts:
     def __call__(self) -> Mapping[str, Any]:
         """Make them."""
         world = self.run / "world.yaml"
-        true_m2 = true_area_m2(load_world(world)) if world.is_file() else None
-        return make_products(read_run(self.run), self.cfg, self.datum, self.out or self.run / "products", true_m2)
+        truth = true_reef(load_world(world)) if world.is_file() else None
+        return make_products(read_run(self.run), self.cfg, self.datum, self.out or self.run / "products", truth)
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was found, and list the main files."""
@@ -49,7 +49,7 @@ class ReefProducts:
 
 
 def make_products(
-    recording: Recording, cfg: ProductsCfg, datum: str | None, out: Path, true_m2: float | None = None
+    recording: Recording, cfg: ProductsCfg, datum: str | None, out: Path, true: TrueReef | None = None
 ) -> dict[str, Any]:
     """Measure a recording, write all files, and return the main numbers.
 
@@ -58,7 +58,7 @@ def make_products(
         cfg: How products are made.
         datum: LAT,LON[,HEADING], or None.
         out: Folder, new or empty.
-        true_m2: True area of the oysters, which only the comparison on the page sees; None where nobody knows.
+        true: The reef as it is, which only the comparison on the page sees; None where nobody knows.
 
     Raises:
         InputError: Something of it cannot be used.
@@ -70,10 +70,12 @@ def make_products(
     assert products.recording.start is not None
     placement = EarthPlacement(products.recording.start, where)
     files = write_products(products, placement, out)
-    truth = None if true_m2 is None else TruthComparison.of(products, true_m2)
+    truth = None if true is None else TruthComparison.of(products, true)
     page = write_products_page(products, placement, out, files, cfg.cover, truth)
     compared = {} if truth is None else {
         "true_area_m2": round(truth.m2, 3), "area_error": round(truth.error, 4), "truth_in_interval": truth.inside,
+        "true_oysters": truth.oysters, "oysters_error": truth.oysters_error and round(truth.oysters_error, 4),
+        "true_shell_length_mm": round(1000.0 * truth.length_m),
     }  # fmt: skip
     return {**summary(products, placement), **compared, "products": str(out), "page": str(page), "files": files}
 
@@ -86,11 +88,21 @@ def describe_products(result: Mapping[str, Any]) -> str:
         f"{many(result['clusters'], 'cluster')}; {result['seen_m2']:.0f} m² of sea floor seen near enough, "
         f"{many(result['keyframes'], 'picture')}"
     ]
+    if result["oysters"] is None:
+        lines.append(f"{many(result['outlines'], 'oyster')} told apart; too few lie apart to tell size and number")
+    else:
+        lines.append(
+            f"about {result['oysters']:.0f} oysters ({result['oysters_low']:.0f} to {result['oysters_high']:.0f}), "
+            f"{result['oysters_per_m2']:.2f} a m² of the sea floor seen near enough, "
+            f"{result['shell_length_mm']:.0f} mm long in the mean ({result['shell_length_mm_low']:.0f} to "
+            f"{result['shell_length_mm_high']:.0f}); {result['outlines']} are told apart from above"
+        )
     if "true_area_m2" in result:
         inside = "inside" if result["truth_in_interval"] else "outside"
         lines.append(
             f"the true area of the simulated reef is {result['true_area_m2']:.2f} m²: "
-            f"{100 * result['area_error']:+.1f} %, {inside} the interval"
+            f"{100 * result['area_error']:+.1f} %, {inside} the interval; it has {result['true_oysters']} oysters of "
+            f"{result['true_shell_length_mm']} mm"
         )
     if result["perception"] not in (RECORDED, EXACT):
         reefs = result["calibrated_reefs"]

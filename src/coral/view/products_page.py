@@ -18,6 +18,7 @@ from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, Stop
 from coral.reef.products.survey_products import SurveyProducts
+from coral.reef.products.truth import TrueReef
 from coral.reef.recordings.recording import EXACT, RECORDED
 from coral.view.page import render_page, write_page
 from coral.view.svg import clock
@@ -35,12 +36,18 @@ class TruthComparison:
     """Estimate over truth, minus 1."""
     inside: bool
     """Whether the truth lies in the interval."""
+    oysters: int
+    oysters_error: float | None
+    """Estimate over truth, minus 1; None where nothing was estimated."""
+    length_m: float
 
     @classmethod
-    def of(cls, products: SurveyProducts, true_m2: float) -> TruthComparison:
+    def of(cls, products: SurveyProducts, true: TrueReef) -> TruthComparison:
         """Compare."""
-        area = products.area
-        return cls(true_m2, area.m2 / true_m2 - 1.0, area.low_m2 <= true_m2 <= area.high_m2)
+        area, count = products.area, products.shells.oysters
+        error = None if count is None else count.value / true.oysters - 1.0
+        inside = area.low_m2 <= true.m2 <= area.high_m2
+        return cls(true.m2, area.m2 / true.m2 - 1.0, inside, true.oysters, error, true.length_m)
 
 
 def write_products_page(
@@ -93,6 +100,7 @@ def render_products(
         network=None if products.recording.seen_by in (RECORDED, EXACT) else products.recording.seen_by,
         calibrated=products.calibrated_reefs,
         area=products.area,
+        shells=products.shells,
         seen=products.seen_m2,
         clusters=[feature.values for feature in make_layers(products, placement)[0].features],
         truth=truth,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.products.truth import true_area_m2, true_cover
+from coral.reef.products.truth import true_area_m2, true_cover, true_reef
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 
@@ -42,3 +42,15 @@ def test_what_lies_under_an_obstacle_does_not_count():
     rock = Obstacle(shape="box", x=3.3, y=3.0, z=0.3, size=(0.3, 0.5, 0.3))
     one = true_area_m2(world(shell(3.0)))
     assert true_area_m2(world(shell(3.0), obstacles=(rock,))) == pytest.approx(one / 2, rel=0.05)
+
+
+def test_number_and_length_of_the_oysters_that_no_obstacle_covers():
+    shells = [Oyster(x=x, y=2.0, z=0.03, radii=(half, 0.05, 0.04), rpy=(0.0, 0.0, 0.0)) for x, half in SHELLS]
+    found = true_reef(
+        world(*shells, obstacles=(Obstacle(shape="cylinder", x=5.0, y=2.0, z=0.5, size=(0.2, 0.2, 0.5)),))
+    )
+    assert (found.oysters, found.length_m) == (2, pytest.approx(0.2))
+    assert found.m2 == pytest.approx(math.pi * 0.05 * (0.08 + 0.12), rel=0.05)
+
+
+SHELLS = ((1.0, 0.08), (3.0, 0.12), (5.0, 0.05))

@@ -55,6 +55,11 @@ class Area:
     low_m2: float
     high_m2: float
 
+    @property
+    def relative_error(self) -> float:
+        """Standard deviation as a share of the area; 0 for none."""
+        return (self.high_m2 - self.m2) / NORMAL_95 / self.m2 if self.m2 > 0.0 else 0.0
+
 
 @dataclass(frozen=True)
 class Cover:

@@ -27,6 +27,7 @@ CLUSTER_COLUMNS = (
     "number", "x_m", "y_m", "latitude", "longitude", "area_m2", "area_low_m2", "area_high_m2", "outline_m2",
     "cover", "seen_from_m", "pixel_mm", "looks", "pictures",
 )  # fmt: skip
+SHELL_COLUMNS = ("x_m", "y_m", "length_mm", "width_mm", "area_cm2")
 DENSITY_COLUMNS = ("x_m", "y_m", "oysters_m2_per_m2")
 
 
@@ -49,6 +50,7 @@ def write_products(products: SurveyProducts, placement: EarthPlacement, folder: 
     write_table(folder / "clusters.csv", CLUSTER_COLUMNS, [feature.values for feature in layers[0].features])
     density = [{name: feature.values[name] for name in DENSITY_COLUMNS} for feature in layers[1].features]
     write_table(folder / "density.csv", DENSITY_COLUMNS, density)
+    write_table(folder / "shells.csv", SHELL_COLUMNS, _shells(products))
     for name, picture in zip(picture_names(products), products.pictures, strict=True):
         write_whole(folder / name, encode_png(np.ascontiguousarray(picture.image[:, :, ::-1])))
     write_whole(folder / "products.json", (json.dumps(summary(products, placement), indent=2) + "\n").encode())
@@ -65,6 +67,7 @@ def summary(products: SurveyProducts, placement: EarthPlacement) -> dict[str, An
         "oyster_area_low_m2": round(products.area.low_m2, 3),
         "oyster_area_high_m2": round(products.area.high_m2, 3),
         "seen_m2": round(products.seen_m2, 1),
+        **_count_of(products),
         "oyster_cells": int(products.cells.target.sum()),
         "clusters": len(products.clusters),
         "colour": products.mosaic.colour,
@@ -74,6 +77,20 @@ def summary(products: SurveyProducts, placement: EarthPlacement) -> dict[str, An
         "longitude": None if datum is None else datum.longitude,
         "epsg": placement.epsg,
     }
+
+
+def _count_of(products: SurveyProducts) -> dict[str, Any]:
+    """Return number, density and length of the oysters, each with its interval; None where nobody can tell."""
+    shells, seen = products.shells, max(products.seen_m2, 1e-9)
+    density = None if shells.oysters is None else shells.oysters.times(1.0 / seen)
+    millimetres = None if shells.length is None else shells.length.times(1000.0)
+    told: dict[str, Any] = {"outlines": shells.outlines}
+    for name, found, digits in (
+        ("oysters", shells.oysters, 0), ("oysters_per_m2", density, 2), ("shell_length_mm", millimetres, 0),
+    ):  # fmt: skip
+        for end, key in (("value", name), ("low", f"{name}_low"), ("high", f"{name}_high")):
+            told[key] = None if found is None else round(getattr(found, end), digits)
+    return told
 
 
 def picture_names(products: SurveyProducts) -> list[str]:
@@ -131,6 +148,13 @@ def write_table(path: Path, columns: Sequence[str], rows: Sequence[Mapping[str, 
     table.writeheader()
     table.writerows(rows)
     write_whole(path, text.getvalue().encode())
+
+
+def _shells(products: SurveyProducts) -> list[dict[str, Value]]:
+    """Return a row for each shell that lies apart."""
+    of = products.shells.singles
+    table = np.column_stack([of.x, of.y, 1e3 * of.length, 1e3 * of.width, 1e4 * of.area])
+    return [dict(zip(SHELL_COLUMNS, np.round(row, 3).tolist(), strict=True)) for row in table]
 
 
 def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: Path) -> None:

@@ -15,6 +15,7 @@ from coral.reef.products.best_pictures import ClusterPicture, best_pictures
 from coral.reef.products.clusters import ClusterProduct, label_clusters, measure_clusters
 from coral.reef.products.cover import Area, CoverCfg, area_within, fine_of, measure_cover
 from coral.reef.products.mosaic import Mosaic, MosaicCfg, make_mosaic
+from coral.reef.products.shell_count import ShellCount, count_shells
 from coral.reef.products.view_quality import ViewQuality, measure_views
 from coral.reef.recordings.recording import Recording, map_of
 
@@ -40,6 +41,8 @@ class SurveyProducts:
     cells: OccupancyMap
     area: Area
     """Of all oysters (m²), those outside clusters included."""
+    shells: ShellCount
+    """How many oysters those are, and how long."""
     calibrated_reefs: int
     """Reefs on which the network that saw the pictures was calibrated; 0 where no calibration was used."""
     clusters: tuple[ClusterProduct, ...]
@@ -78,11 +81,13 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         cells.target &= np.nan_to_num(in_cells) >= cfg.cover.confirmed
     group = label_clusters(cells, cfg.clusters, cfg.cover.beside_m)
     quality = measure_views(recording)
+    area = area_within(cover, without, counted)
     return SurveyProducts(
         recording=recording,
         keyframes=len(track),
         cells=cells,
-        area=area_within(cover, without, counted),
+        area=area,
+        shells=count_shells(cover.seen * counted, cover.filled * counted, cfg.cover.fine_m, area.relative_error),
         calibrated_reefs=0 if cover.calibration is None else cover.calibration.reefs,
         clusters=tuple(measure_clusters(cells, group, quality, cover, without, cfg.clusters)),
         cover=in_cells,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,26 @@ from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld
 
 RASTER_M = 0.01
+
+
+@dataclass(frozen=True)
+class TrueReef:
+    """What a survey of a simulated reef is compared with. What lies under an obstacle is left out."""
+
+    m2: float
+    """Area that oysters cover."""
+    oysters: int
+    """Number, those that lie beneath others included."""
+    length_m: float
+    """Mean of their longest axis."""
+
+
+def true_reef(world: ReefWorld) -> TrueReef:
+    """Return the true area, number and length of a reef's oysters."""
+    hiders = Scene.from_world(world).footprints()
+    shells = [one for group in world.clusters for one in group.oysters if clearance(hiders, one.x, one.y) > 0.0]
+    length = 2.0 * float(np.mean([max(one.radii) for one in shells])) if shells else 0.0
+    return TrueReef(true_area_m2(world), len(shells), length)
 
 
 def true_area_m2(world: ReefWorld) -> float:
