@@ -15,7 +15,7 @@ from coral.reef.products.cover import CoverCfg
 from coral.reef.products.placement import Datum, EarthPlacement
 from coral.reef.products.qgis_styles import COVER_STOPS
 from coral.reef.products.survey_products import ProductsCfg, measure
-from coral.reef.products.truth import TrueReef
+from coral.reef.products.truth import TrueOysters
 from coral.reef.recordings.run_recording import read_run
 from coral.view.products_page import UNSEEN, TruthComparison, ramp, write_products_page
 
@@ -43,7 +43,7 @@ def test_the_page_tells_area_interval_and_what_it_means_and_loads_nothing(produc
 
 
 def test_the_truth_has_a_section_of_its_own(products, tmp_path):
-    truth = TruthComparison.of(products, TrueReef(products.area.m2 / 1.05, 60, 0.2))
+    truth = TruthComparison.of(products, TrueOysters(products.area.m2 / 1.05, 60, 0.2))
     placement = EarthPlacement(products.recording.start)
     page = write_products_page(products, placement, tmp_path, [], CoverCfg(), truth).read_text()
     assert "The survey is +5.0 % off" in page

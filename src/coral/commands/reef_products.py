@@ -11,9 +11,10 @@ from coral.config import checked
 from coral.errors import InputError
 from coral.flags import Argument, Option
 from coral.reef.products.files import summary, write_products
+from coral.reef.products.picture_labels import write_labels
 from coral.reef.products.placement import EarthPlacement, parse_datum
 from coral.reef.products.survey_products import ProductsCfg, measure
-from coral.reef.products.truth import TrueReef, true_reef
+from coral.reef.products.truth import TrueOysters, true_reef
 from coral.reef.recordings.recording import EXACT, RECORDED, Recording
 from coral.reef.recordings.run_recording import read_run
 from coral.reef.world.world import load_world
@@ -49,7 +50,7 @@ class ReefProducts:
 
 
 def make_products(
-    recording: Recording, cfg: ProductsCfg, datum: str | None, out: Path, true: TrueReef | None = None
+    recording: Recording, cfg: ProductsCfg, datum: str | None, out: Path, true: TrueOysters | None = None
 ) -> dict[str, Any]:
     """Measure a recording, write all files, and return the main numbers.
 
@@ -70,6 +71,8 @@ def make_products(
     assert products.recording.start is not None
     placement = EarthPlacement(products.recording.start, where)
     files = write_products(products, placement, out)
+    labels = write_labels(products.recording, products.keyframes, cfg.labels, out / "labels")
+    files = sorted([*files, *(f"labels/{name}" for name in labels)])
     truth = None if true is None else TruthComparison.of(products, true)
     page = write_products_page(products, placement, out, files, cfg.cover, truth)
     compared = {} if truth is None else {
@@ -88,14 +91,15 @@ def describe_products(result: Mapping[str, Any]) -> str:
         f"{many(result['clusters'], 'cluster')}; {result['seen_m2']:.0f} m² of sea floor seen near enough, "
         f"{many(result['keyframes'], 'picture')}"
     ]
+    apart = f"{result['outlines']:.0f} ({result['outlines_low']:.0f} to {result['outlines_high']:.0f})"
     if result["oysters"] is None:
-        lines.append(f"{many(result['outlines'], 'oyster')} told apart; too few lie apart to tell size and number")
+        lines.append(f"{apart} told apart from above; too few lie apart to tell size and number")
     else:
         lines.append(
             f"about {result['oysters']:.0f} oysters ({result['oysters_low']:.0f} to {result['oysters_high']:.0f}), "
             f"{result['oysters_per_m2']:.2f} a m² of the sea floor seen near enough, "
             f"{result['shell_length_mm']:.0f} mm long in the mean ({result['shell_length_mm_low']:.0f} to "
-            f"{result['shell_length_mm_high']:.0f}); {result['outlines']} are told apart from above"
+            f"{result['shell_length_mm_high']:.0f}); {apart} are told apart from above"
         )
     if "true_area_m2" in result:
         inside = "inside" if result["truth_in_interval"] else "outside"

@@ -18,7 +18,7 @@ from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, Stop
 from coral.reef.products.survey_products import SurveyProducts
-from coral.reef.products.truth import TrueReef
+from coral.reef.products.truth import TrueOysters
 from coral.reef.recordings.recording import EXACT, RECORDED
 from coral.view.page import render_page, write_page
 from coral.view.svg import clock
@@ -42,7 +42,7 @@ class TruthComparison:
     length_m: float
 
     @classmethod
-    def of(cls, products: SurveyProducts, true: TrueReef) -> TruthComparison:
+    def of(cls, products: SurveyProducts, true: TrueOysters) -> TruthComparison:
         """Compare."""
         area, count = products.area, products.shells.oysters
         error = None if count is None else count.value / true.oysters - 1.0

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +18,7 @@ from coral.reef.products.geotiff import write_geotiff
 from coral.reef.products.placement import EarthPlacement, place_raster
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, outline_style, raster_style
 from coral.reef.products.survey_products import SurveyProducts
+from coral.reef.products.table import write_table
 from coral.reef.recordings.picture_files import encode_png
 
 NOTHING = -9999.0
@@ -84,8 +83,9 @@ def _count_of(products: SurveyProducts) -> dict[str, Any]:
     shells, seen = products.shells, max(products.seen_m2, 1e-9)
     density = None if shells.oysters is None else shells.oysters.times(1.0 / seen)
     millimetres = None if shells.length is None else shells.length.times(1000.0)
-    told: dict[str, Any] = {"outlines": shells.outlines}
+    told: dict[str, Any] = {}
     for name, found, digits in (
+        ("outlines", shells.outlines, 0),
         ("oysters", shells.oysters, 0), ("oysters_per_m2", density, 2), ("shell_length_mm", millimetres, 0),
     ):  # fmt: skip
         for end, key in (("value", name), ("low", f"{name}_low"), ("high", f"{name}_high")):
@@ -135,19 +135,6 @@ def make_layers(products: SurveyProducts, placement: EarthPlacement) -> list[Lay
         Layer("pictures", "Point", tuple(points), "the best pictures", ("picture", "cluster", "t_s", "pixels")),
         Layer("track", "LineString", tuple(track), "where pictures were taken", ("pictures",)),
     ]
-
-
-def write_table(path: Path, columns: Sequence[str], rows: Sequence[Mapping[str, Value]]) -> None:
-    """Write a CSV file.
-
-    Raises:
-        OSError: The file cannot be written.
-    """
-    text = io.StringIO()
-    table = csv.DictWriter(text, columns, lineterminator="\n")
-    table.writeheader()
-    table.writerows(rows)
-    write_whole(path, text.getvalue().encode())
 
 
 def _shells(products: SurveyProducts) -> list[dict[str, Value]]:

@@ -25,20 +25,23 @@ _MODEL = 0.07
 """Relative standard deviation of the number by that compromise."""
 _PEAK = 0.35
 """Height of a shell's middle above its patch's edge, over the half width of a shell, from which it counts."""
+_BULGES, _BULGES_ERROR = 1.19, 0.16
+"""Bulges of a mask for an oyster that people outline, and the standard deviation of its logarithm from video to video:
+3520 oysters outlined by hand in 116 frames of 12 videos. Patches alone are 0.41 for an oyster."""
 NORMAL_95 = 1.96
 
 
 @dataclass(frozen=True)
-class Estimate:
+class SurveyEstimate:
     """A number with the interval that should contain the truth in 95 of 100 cases."""
 
     value: float
     low: float
     high: float
 
-    def times(self, factor: float) -> Estimate:
+    def times(self, factor: float) -> SurveyEstimate:
         """Return it in another unit."""
-        return Estimate(factor * self.value, factor * self.low, factor * self.high)
+        return SurveyEstimate(factor * self.value, factor * self.low, factor * self.high)
 
 
 @dataclass(frozen=True)
@@ -59,12 +62,12 @@ class Singles:
 class ShellCount:
     """How many oysters lie on the sea floor that was seen near enough."""
 
-    outlines: int
-    """Told apart from above."""
+    outlines: SurveyEstimate
+    """Those that a person would tell apart from above."""
     singles: Singles
-    length: Estimate | None
+    length: SurveyEstimate | None
     """Mean length (m); None where too few lie apart."""
-    oysters: Estimate | None
+    oysters: SurveyEstimate | None
     """Number, with those that lie beneath others."""
 
 
@@ -85,7 +88,8 @@ def count_shells(
     """
     share = np.asarray(0.5 * (seen + filled), np.float32)
     singles = find_singles(share, cell_m)
-    outlines = count_outlines(share >= 0.5)
+    apart, spread = count_bulges(share >= 0.5) / _BULGES, math.exp(NORMAL_95 * _BULGES_ERROR)
+    outlines = SurveyEstimate(apart, apart / spread, apart * spread)
     count = len(singles.area)
     if count < LEAST_SINGLES:
         return ShellCount(outlines, singles, None, None)
@@ -130,8 +134,8 @@ def find_singles(share: NDArray[np.float32], cell_m: float) -> Singles:
     return Singles(*found.T)
 
 
-def count_outlines(mask: NDArray[np.bool_]) -> int:
-    """Count the shells of a mask that can be told apart: each patch, and each of its bulges.
+def count_bulges(mask: NDArray[np.bool_]) -> int:
+    """Count what of a mask may be a shell of its own: each patch, or each of its bulges.
 
     Bulges are peaks of the distance from the edge, at least half a shell's width apart. The median patch tells it.
     """
@@ -162,5 +166,5 @@ def _ellipse(patch: NDArray[np.bool_], x: int, y: int, cell_m: float) -> tuple[f
     return (overlap, *middle, 2.0 * axes[1] * cell_m, 2.0 * axes[0] * cell_m, len(ix) * cell_m**2)
 
 
-def _around(value: float, error: float) -> Estimate:
-    return Estimate(value, max(value - NORMAL_95 * error, 0.0), value + NORMAL_95 * error)
+def _around(value: float, error: float) -> SurveyEstimate:
+    return SurveyEstimate(value, max(value - NORMAL_95 * error, 0.0), value + NORMAL_95 * error)

@@ -15,6 +15,7 @@ from coral.reef.products.best_pictures import ClusterPicture, best_pictures
 from coral.reef.products.clusters import ClusterProduct, label_clusters, measure_clusters
 from coral.reef.products.cover import Area, CoverCfg, area_within, fine_of, measure_cover
 from coral.reef.products.mosaic import Mosaic, MosaicCfg, make_mosaic
+from coral.reef.products.picture_labels import LabelsCfg
 from coral.reef.products.shell_count import ShellCount, count_shells
 from coral.reef.products.view_quality import ViewQuality, measure_views
 from coral.reef.recordings.recording import Recording, map_of
@@ -27,6 +28,7 @@ class ProductsCfg:
     cover: CoverCfg = field(default_factory=CoverCfg)
     mosaic: MosaicCfg = field(default_factory=MosaicCfg)
     clusters: ChainCfg = field(default_factory=ChainCfg)
+    labels: LabelsCfg = field(default_factory=LabelsCfg)
     density_cell_m: Positive = 0.5
     """Edge of a cell of the density map."""
 

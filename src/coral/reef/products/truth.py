@@ -17,7 +17,7 @@ RASTER_M = 0.01
 
 
 @dataclass(frozen=True)
-class TrueReef:
+class TrueOysters:
     """What a survey of a simulated reef is compared with. What lies under an obstacle is left out."""
 
     m2: float
@@ -28,12 +28,12 @@ class TrueReef:
     """Mean of their longest axis."""
 
 
-def true_reef(world: ReefWorld) -> TrueReef:
+def true_reef(world: ReefWorld) -> TrueOysters:
     """Return the true area, number and length of a reef's oysters."""
     hiders = Scene.from_world(world).footprints()
     shells = [one for group in world.clusters for one in group.oysters if clearance(hiders, one.x, one.y) > 0.0]
     length = 2.0 * float(np.mean([max(one.radii) for one in shells])) if shells else 0.0
-    return TrueReef(true_area_m2(world), len(shells), length)
+    return TrueOysters(true_area_m2(world), len(shells), length)
 
 
 def true_area_m2(world: ReefWorld) -> float:
