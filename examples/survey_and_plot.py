@@ -1,9 +1,7 @@
-"""Survey a reef and plot how much of it was covered over time, and the way of the robot."""
+"""Survey a reef, and plot it: the map of where the robot went, and what it covered and inspected over time."""
 
 import sys
 from pathlib import Path
-
-from matplotlib import pyplot
 
 import coral
 
@@ -11,12 +9,7 @@ out = Path(sys.argv[1] if len(sys.argv) > 1 else "build/examples")
 out.mkdir(parents=True, exist_ok=True)
 result = coral.run_mission("s1", cfg={"time_limit_s": 20, "latency": "fixed:2"})
 print(result)
+print(f"{result.trajectory.num_rows} ticks, {result.events_of('goal').num_rows} goals")
 
-rows = result.trajectory
-figure, (over_time, seen_from_above) = pyplot.subplots(1, 2, figsize=(9, 4), layout="constrained")
-over_time.plot(rows["t"], rows["coverage"])
-over_time.set(xlabel="simulated time (s)", ylabel="coverage", ylim=(0, 1))
-seen_from_above.plot(rows["x"], rows["y"])
-seen_from_above.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
-figure.savefig(out / "survey.png")
+result.plot().savefig(out / "survey.png")
 print(f"plot: {out / 'survey.png'}")
