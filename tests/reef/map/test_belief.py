@@ -148,3 +148,16 @@ def test_a_snapshot_stays_as_it_is_while_the_robot_goes_on():
     np.testing.assert_array_equal(still.trajectory, way)
     assert still.tracks == tracks
     assert still.pose == Pose(16.0, 4.0, 0.0)
+
+
+@pytest.mark.parametrize(("doubts", "near_m", "stays"), [(True, 5.0, False), (True, 1.0, True), (False, 5.0, True)])
+def test_oysters_that_were_seen_from_afar_only_are_none_once_given_up_where_eyes_doubt(doubts, near_m, stays):
+    made = belief()
+    seen = replace(BARE, doubt=np.full(SHAPE, 0.1, np.float32)) if doubts else BARE
+    made.update(seen, Pose(2.0, 10.0, math.pi))
+    cells = made.map
+    cells.target[190:205, 270:285], cells.nearest[190:205, 270:275] = True, near_m
+    while not made.tracks:
+        made.update(None, made.pose)
+    made.write_off(made.tracks[0].index)
+    assert cells.target[190:205, 270:285].any() == stays

@@ -157,11 +157,16 @@ class Belief:
         self._seen = (0, height, 0, width)
 
     def write_off(self, index: int) -> None:
-        """Give up what is left to see of a cluster: it could not be seen from near."""
+        """Give up what is left to see of a cluster: it could not be seen from near.
+
+        Where eyes doubt, one of which next to nothing was seen from near is none.
+        """
         for track in self.tracks:
             if track.index == index and not track.far:
                 at = np.floor(track.left / self.map.cfg.cell_m).astype(np.intp)
                 self.map.unseeable[at[:, 1], at[:, 0]] = True
+                if track.inspected < self.cfg.inspect.confirmed:
+                    self.map.disbelieve(track.cells)
         self._inspect()
 
     def track(self, index: int | None) -> Track | None:

@@ -29,6 +29,8 @@ class InspectCfg:
     """Share of a cluster's cells that must have been seen from there; the rest is edges that no pixel hit."""
     least_m2: float = 0.04
     """Less than this is not worth a visit: a few oysters."""
+    confirmed: Fraction = 0.1
+    """Where eyes doubt, a cluster is none if no more than this share of it was seen from near, from beside it."""
     sure: Fraction = 0.33
     """A cluster is doubtful while the pictures agree less than this that oysters lie in its cells
     (`OccupancyMap.agreement`). Along one mission on s1 in `hard` water, with 1, 3 and 6 % of the seabed taken for

@@ -326,6 +326,12 @@ class OccupancyMap:
             self._closed |= cells
             self.version += 1
 
+    def disbelieve(self, cells: NDArray[np.intp]) -> None:
+        """Take back oysters that eyes which doubt have shown in some cells, (iy, ix) of each. Shape=(M, 2)."""
+        if self.sight is not None:
+            at = cells[:, 0], cells[:, 1]
+            self._targets[at], self._sharp[at], self.target[at] = 0, True, False
+
     def forget_doubt(self) -> bool:
         """Take away the obstacles that eyes which doubt have seen from one side and from afar; False without any."""
         doubtful = None if self.sight is None else self.sight.doubtful & self.obstacle & ~self._closed
