@@ -1,10 +1,10 @@
-"""A long soak: hours of `coral reef sail` in one process, and a campaign under kills, full disks and a jumping clock.
+"""A long soak: hours of `coral reef sail`, and a campaign under kills, full disks and a jumping clock.
 
-    python benchmarks/soak.py sail --minutes 120 --out soak        # one process; at last it is killed, and resumed
+    python benchmarks/soak.py sail --minutes 120 --out soak        # killed after an hour, and resumed
     python benchmarks/soak.py campaign --rounds 20 --out soak      # 200 episodes; full disks need root, for a tmpfs
 
-The sail is one survey of a generated reef through MAVLink, with the simulated autopilot, whose clock jumps every ten
-minutes. It prints memory, late ticks and lost rows as rows of a Markdown table.
+The sail is a survey of a generated reef through MAVLink, with the simulated autopilot, whose clock jumps every ten
+minutes; each leg goes on with the map of the one that was killed. It prints memory, late ticks and lost rows as rows of a Markdown table.
 """
 
 from __future__ import annotations
@@ -41,6 +41,8 @@ def main() -> None:
     parser.add_argument("part", choices=["sail", "campaign"])
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--minutes", type=float, default=120.0)
+    parser.add_argument("--leg-minutes", type=float, default=60.0, help="until the sail is killed, and resumed")
+    parser.add_argument("--size-m", type=float, default=100.0, help="edge of the reef")
     parser.add_argument("--rounds", type=int, default=20, help="disturbances of each campaign")
     parser.add_argument("--seed", type=int, default=0, help="of the moments")
     args = parser.parse_args()
@@ -49,12 +51,22 @@ def main() -> None:
 
 
 def sail(args: argparse.Namespace) -> None:
-    """Survey for so long, kill the program, and go on with its map."""
+    """Survey for so long; kill the program at the end of each leg, and go on with its map in the next."""
     world = args.out / "vast.yaml"
     if not world.exists():
-        words = ["--topology", "patchy", "--size-m", "100", "100", "--clusters", "0", "--obstacles", "150"]
+        words = ["--topology", "patchy", "--size-m", *[str(args.size_m)] * 2, "--clusters", "0", "--obstacles", "150"]
         subprocess.run([*CORAL, "reef", "generate", *words, "--out", str(world)], check=True, stdout=sys.stderr)
-    limit_s = 60.0 * args.minutes
+    ends_at, earlier, number = time.monotonic() + 60.0 * args.minutes, [], 0
+    while time.monotonic() < ends_at:
+        number += 1
+        folder = args.out / f"leg-{number}"
+        leg(world, folder, earlier, min(60.0 * args.leg_minutes, ends_at - time.monotonic()))
+        if (folder / "survey.npz").exists():
+            earlier = ["--resume", str(folder), "--place", "stated"]
+
+
+def leg(world: Path, folder: Path, earlier: Sequence[str], limit_s: float) -> None:
+    """Survey until the time is up and kill the program, unless it ends by itself; print what it did."""
     jumps = [word for t in range(JUMP_S, int(limit_s), JUMP_S) for word in ("--fault", f"{t}:clock-jump:3600")]
     autopilot = subprocess.Popen(
         [*CORAL, "reef", "autopilot", str(world), "--listen", "tcp:127.0.0.1:0", "--ready-s", "1", *jumps],
@@ -64,11 +76,10 @@ def sail(args: argparse.Namespace) -> None:
         assert autopilot.stderr is not None
         address = autopilot.stderr.readline().split("listens at ")[1].split(";")[0]
         command = [*CORAL, "reef", "sail", str(world), "--vehicle", address, "--truth", address, "--yes", "--quiet"]
-        command += ["--no-preflight", "--priority", "normal", "--cfg.time-limit-s", str(3.0 * limit_s)]
+        command += ["--no-preflight", "--priority", "normal", "--cfg.time-limit-s", "1000000", *earlier]
         command += ["--safety.on-time", "none", "--safety.battery-min", "0", "--cfg.no-stop-when-covered"]
-        folder = args.out / "sail"
         process = subprocess.Popen([*command, "--out", str(folder)], stdout=subprocess.DEVNULL)
-        print(f"{HEAD}\n|---:|---:|---:|---:|---:|---:|", flush=True)
+        print(f"\n{folder.name} {' '.join(earlier)}\n\n{HEAD}\n|---:|---:|---:|---:|---:|---:|", flush=True)
         while process.poll() is None and len(_lines(folder, "trajectory.csv")) < 2:
             time.sleep(1.0)
         begun, next_look = time.monotonic(), 0.0
@@ -79,11 +90,7 @@ def sail(args: argparse.Namespace) -> None:
             time.sleep(min(LOOK_S, limit_s / 12))
         print(state(folder, process.pid, time.monotonic() - begun), flush=True)
         process.kill()
-        print(f"ended by {process.wait()}; torn: {[str(p) for p in chaos.torn(folder)]}; {ends(folder)}", flush=True)
-        words = [*command, "--out", str(args.out / "resumed"), "--resume", str(folder), "--place", "stated"]
-        words[words.index("--cfg.time-limit-s") + 1] = "15"
-        again = subprocess.run(words, capture_output=True, text=True, check=False)
-        print(f"resumed: exit code {again.returncode}; {(again.stdout or again.stderr).splitlines()[:2]}", flush=True)
+        print(f"exit code {process.wait()}; torn: {[str(p) for p in chaos.torn(folder)]}; {ends(folder)}", flush=True)
     finally:
         autopilot.kill()
 

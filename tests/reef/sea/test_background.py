@@ -48,3 +48,27 @@ def test_a_caller_never_waits_for_work_that_hangs():
     assert not all(taken)
     gate.set()
     assert work.close()
+
+
+def test_at_the_end_all_that_waits_is_waited_for_while_it_goes_on():
+    class Busy:
+        """A thread that does one piece while it is waited for."""
+
+        left = 3
+
+        def is_alive(self):
+            return self.left > 0
+
+        def join(self, timeout_s):
+            self.left, work.done = self.left - 1, work.done + 1
+
+    work = BackgroundWork(threaded=False)
+    work._thread = Busy()
+    assert work.close()
+
+
+def test_a_piece_that_hangs_at_the_end_is_given_up():
+    gate, work = threading.Event(), BackgroundWork()
+    work.offer(gate.wait)
+    assert not work.close(timeout_s=0.01)
+    gate.set()

@@ -24,6 +24,8 @@ class BackgroundWork:
         self._queue: queue.Queue[Callable[[], None] | None] = queue.Queue(most_waiting)
         self.dropped = 0
         """Pieces that found the queue full."""
+        self.done = 0
+        """Pieces that were done, or failed."""
         self.failure = ""
         """Why the work stopped, or ""."""
         self._thread = threading.Thread(target=self._work, name="coral-background", daemon=True) if threaded else None
@@ -47,7 +49,7 @@ class BackgroundWork:
             self._do(self._queue.get_nowait())
 
     def close(self, timeout_s: float = 20.0) -> bool:
-        """Finish what waits and end the thread. Return whether it ended in time."""
+        """Finish what waits and end the thread. Return whether it ended before a piece took longer than `timeout_s`."""
         if self._thread is None:
             self.drain()
             return True
@@ -55,7 +57,10 @@ class BackgroundWork:
             self._queue.put(None, timeout=timeout_s)
         except queue.Full:
             return False
-        self._thread.join(timeout_s)
+        before = -1
+        while self._thread.is_alive() and self.done > before:
+            before = self.done
+            self._thread.join(timeout_s)
         return not self._thread.is_alive()
 
     def _work(self) -> None:
@@ -69,3 +74,4 @@ class BackgroundWork:
             work()
         except Exception as error:
             self.failure = first_line(error)
+        self.done += 1

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -20,9 +22,9 @@ from coral.runs import RunWriter
 
 OWN_COLUMNS = tuple(name for name in COLUMNS if not name.startswith("est_"))
 """Columns of a vehicle of which nobody knows the truth: x, y and theta are where it believed it was."""
-SAVE_S, SAVE_S_A_CELL = 5.0, 5e-6
-"""Time between two savings of the map (s): at least the first, and so much for each cell, which is ten times what they
-take to write."""
+SAVE_S, SAVE_SHARE = 5.0, 0.05
+"""Least time from one saving of the map to the next (s), and the largest share of the time that they take: a large map
+on a busy machine must not hold up the rows."""
 
 
 class SeaRecord:
@@ -61,7 +63,7 @@ class SeaRecord:
         self._period_s = record.frame_period_s if record.frames else float("inf")
         self._keyframe_s = record.keyframe_period_s if record.frames and record.keyframes else float("inf")
         self._due_s = self._keyframe_due_s = 0.0
-        self._saved_s = 0.0
+        self._save_due_s = SAVE_S
         self._step, self._t = 0, 0.0
         self.truth = None if world is None else ReefTruth(world, simulator, folder, self._told_by_truth)
 
@@ -131,10 +133,18 @@ class SeaRecord:
             belief: What the vehicle knows.
             last: Whether it is due in any case.
         """
-        if last or t - self._saved_s >= max(SAVE_S, SAVE_S_A_CELL * belief.map.target.size):
-            self._saved_s = t
-            tracks, pose = tuple(belief.tracks), belief.pose
-            self.work.offer(lambda: save_survey(self.folder, belief, pose, tracks))
+        if not last and t < self._save_due_s:
+            return
+        self._save_due_s = math.inf
+        tracks, pose = tuple(belief.tracks), belief.pose
+
+        def save() -> None:
+            begun = time.monotonic()
+            save_survey(self.folder, belief, pose, tracks)
+            self._save_due_s = t + max(SAVE_S, (time.monotonic() - begun) / SAVE_SHARE)
+
+        if not self.work.offer(save):
+            self._save_due_s = t + SAVE_S
 
     def close(self) -> None:
         """Write what waits and close all files."""
