@@ -4,7 +4,8 @@
     python benchmarks/soak.py campaign --rounds 20 --out soak      # 200 episodes; full disks need root, for a tmpfs
 
 The sail is a survey of a generated reef through MAVLink, with the simulated autopilot, whose clock jumps every ten
-minutes; each leg goes on with the map of the one that was killed. It prints memory, late ticks and lost rows as rows of a Markdown table.
+minutes; each leg goes on with the map of the one that was killed. Memory, late ticks and lost rows are printed as a
+Markdown table.
 """
 
 from __future__ import annotations

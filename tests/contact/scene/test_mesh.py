@@ -1,8 +1,9 @@
+import mujoco
 import numpy as np
 import pytest
 from contact_bench import stl
 
-from coral.contact.scene.mesh import mesh_vertices
+from coral.contact.scene.mesh import add_mesh, mesh_vertices
 from coral.contact.scene.shapes import Shape
 from coral.errors import InputError
 
@@ -31,6 +32,25 @@ def test_the_vertices_are_in_the_frame_of_the_file(tmp_path):
 def test_each_axis_has_its_own_scale(tmp_path):
     found = vertices(obj(tmp_path / "part.obj"), size=(0.1, 0.2, 0.05))
     assert as_set(found) == as_set(CORNERS * [0.1, 0.2, 0.05])
+
+
+def with_a_vertex_of_no_face(path):
+    with obj(path).open("a", encoding="utf-8") as file:
+        file.write("v 2.5 0.5 -3.0\n")
+    return path
+
+
+def test_a_vertex_of_no_face_is_no_part_of_the_mesh(tmp_path):
+    path = with_a_vertex_of_no_face(tmp_path / "part.obj")
+    assert as_set(vertices(path)) == as_set(CORNERS)
+    for scale in (np.ones(3), np.array([0.1, 0.2, 0.05])):
+        spec = mujoco.MjSpec()
+        add_mesh(spec, "part", Shape(shape="mesh", size=(1.0, 1.0, 1.0), file=str(path)), scale)
+        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="part")
+        model = spec.compile()
+        turn = np.zeros(9)
+        mujoco.mju_quat2Mat(turn, model.mesh_quat[0])
+        assert as_set(model.mesh_vert @ turn.reshape(3, 3).T + model.mesh_pos[0]) == as_set(CORNERS * scale)
 
 
 @pytest.mark.parametrize(("name", "content"), [("a.stl", b"solid nothing"), ("a.obj", b"v 0 0 0\n"), ("a.stl", None)])

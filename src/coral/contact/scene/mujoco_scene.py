@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from coral.contact.scene.geometry import from_rotvec, from_rpy_deg
+from coral.contact.scene.mesh import add_mesh
 from coral.contact.scene.shapes import Joint, Movable, Shape
 from coral.contact.scene.trial import Trial, TrialObject, part_size
 
@@ -100,9 +101,8 @@ def _add_object(spec: mujoco.MjSpec, item: Movable, found: TrialObject, condim: 
         elif part.shape == "sphere":
             geom.size = [size[0] / 2, 0, 0]
         else:
-            mesh = spec.add_mesh(name=f"{item.name}/{index}", file=str(part.file))
-            mesh.scale = size
-            geom.meshname = mesh.name
+            add_mesh(spec, geom.name, part, size)
+            geom.meshname = geom.name
 
 
 def _add_joint(spec: mujoco.MjSpec, body: mujoco.MjsBody, joint: Joint, found: TrialObject) -> None:
