@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from coral.errors import InputError, first_line, naming, nearest
+from coral.errors import InputError, RunError, first_line, naming, nearest, without_password
 
 
 def test_an_input_error_is_one_line_that_names_place_field_found_and_expected():
@@ -43,3 +43,22 @@ def test_every_extra_that_a_message_names_exists():
     assert len(named) > 6
     assert named <= set(extras)
     assert not [text for text in sources if "pip install 'coral-robotics" in text]
+
+
+@pytest.mark.parametrize(
+    ("text", "masked"),
+    [
+        ("rtsp://admin:s3cret@192.168.2.2:8554/v", "rtsp://***@192.168.2.2:8554/v"),
+        ("'rtsp://admin:p@ss:w@10.0.0.1/a@b' gives nothing", "'rtsp://***@10.0.0.1/a@b' gives nothing"),
+        (
+            "rtspsrc location=rtsp://10.0.0.1/v user-id=admin user-pw=s3cret ! decode",
+            "rtspsrc location=rtsp://10.0.0.1/v user-id=admin user-pw=*** ! decode",
+        ),
+        ("http://10.0.0.1/v and joe@sea.org", "http://10.0.0.1/v and joe@sea.org"),
+        ('{"a": "ws://h", "b": "x@y"}', '{"a": "ws://h", "b": "x@y"}'),
+    ],
+)
+def test_a_password_in_an_address_is_in_no_error(text, masked):
+    assert without_password(text) == masked
+    assert str(RunError(text)) == masked
+    assert masked in str(InputError("--camera", "", text, "a camera"))

@@ -118,3 +118,14 @@ def test_a_full_disk_names_the_file_and_the_log_can_still_be_closed(tmp_path):
     with pytest.raises(OSError, match=r"No space left on device: .*events\.jsonl"):
         writer.event(0, 0.0, "start")
     writer.close()
+
+
+def test_a_password_in_an_address_is_in_no_file_of_a_run(tmp_path):
+    writer = RunWriter(tmp_path / "run", ("step",))
+    writer.event(0, 0.0, "start", camera="rtsp://admin:s3cret@10.0.0.1/v")
+    writer.yaml("config.yaml", {"camera": "rtsp://admin:s3cret@10.0.0.1/v"})
+    writer.json("metrics.json", {"camera": "rtsp://admin:s3cret@10.0.0.1/v"})
+    writer.close()
+    files = {path.name: path.read_text() for path in (tmp_path / "run").iterdir()}
+    assert sum("rtsp://***@10.0.0.1/v" in text for text in files.values()) == 3
+    assert not any("s3cret" in text for text in files.values())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import difflib
 import errno
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -30,11 +31,22 @@ class InputError(ValueError):
     def __init__(self, where: str, field: str, found: object, expected: str) -> None:
         self.where, self.field, self.found, self.expected = str(where), field, found, expected
         place = f"{where}: {field}" if field else str(where)
-        super().__init__(" ".join(f"{place}: found {found}, expected {expected}".split()))
+        super().__init__(without_password(" ".join(f"{place}: found {found}, expected {expected}".split())))
 
 
 class RunError(RuntimeError):
     """A run that was well specified but could not finish. Printed as one line; exit code 1."""
+
+    def __init__(self, text: object = "") -> None:
+        super().__init__(without_password(str(text)))
+
+
+def without_password(text: str) -> str:
+    """Mask name and password in the addresses of a text, and the password of a GStreamer pipeline."""
+    return _PASSWORD.sub("***", text) if "://" in text or "user-pw" in text else text
+
+
+_PASSWORD = re.compile(r"""(?<=://)[^\s/"<>]+(?=@)|(?<=user-pw=)[^\s!]+""")
 
 
 @contextlib.contextmanager

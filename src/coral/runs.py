@@ -14,7 +14,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from coral.errors import InputError
+from coral.errors import InputError, without_password
 from coral.file_writer import PRIVATE, write_whole
 from coral.foreign_file import parse_json
 from coral.odd_text import encodable, encodable_values
@@ -53,7 +53,7 @@ class RunWriter:
         text = json.dumps(line, allow_nan=False, default=float)
         if "\\ud" in text:  # a letter beyond 16 bits, or half of one
             text = json.dumps(encodable_values(line), allow_nan=False, default=float)
-        self._events.append(text)
+        self._events.append(without_password(text))
 
     def row(self, *values: float | int | str, robot: int = 0) -> None:
         """Append one row of a robot's trajectory."""
@@ -69,7 +69,7 @@ class RunWriter:
 
     def text(self, name: str, content: str) -> None:
         """Write a file atomically (temporary file, then rename)."""
-        self.bytes(name, encodable(content).encode())
+        self.bytes(name, encodable(without_password(content)).encode())
 
     def bytes(self, name: str, content: bytes) -> None:
         """Write a binary file atomically."""

@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from typing import Any
 from urllib.parse import quote, quote_plus, urlsplit, urlunsplit
 
+from coral.errors import without_password
+
 _SECRET_NAME = re.compile(r"(KEY|TOKEN|SECRET|PASSWORD)$")
 _SECRET_SHAPE = re.compile(r"\b(?:sk-[\w*-]{6,}|AIza[\w*-]{10,})|(?:(?<=[Bb]earer )|(?<=[Bb]asic ))[\w.*+/=-]{6,}")
 SHORTEST = 8
@@ -38,7 +40,7 @@ def _walk(value: Any, forms: list[str]) -> Any:
 def _scrubbed(text: str, forms: list[str]) -> str:
     for form in forms:
         text = text.replace(form, "***")
-    return _SECRET_SHAPE.sub("***", text)
+    return without_password(_SECRET_SHAPE.sub("***", text))
 
 
 def _secret_forms() -> list[str]:

@@ -34,3 +34,19 @@ def test_what_is_no_video_is_refused(tmp_path):
     (tmp_path / "text.avi").write_text("no video")
     with pytest.raises(InputError, match="a video that OpenCV can read"):
         VideoCamera(str(tmp_path / "text.avi"))
+
+
+def test_the_password_of_a_camera_is_in_no_message(monkeypatch, video):
+    open_file, address = cv2.VideoCapture, "rtsp://admin:s3cret@10.0.0.1/v"
+    monkeypatch.setattr(cv2, "VideoCapture", lambda *_: open_file(str(video)))
+    camera = VideoCamera(address, clock=lambda: 10.0)
+    assert camera.name == "rtsp://***@10.0.0.1/v, 64x48"
+    for _ in range(4):
+        camera.read()
+    with pytest.raises(OSError, match=r"^rtsp://\*\*\*@10\.0\.0\.1/v gives no more pictures"):
+        camera.read()
+    monkeypatch.setattr(cv2, "VideoCapture", lambda *_: open_file("nothing"))
+    with pytest.raises(InputError) as refused:
+        VideoCamera(address)
+    assert "s3cret" not in str(refused.value)
+    assert "***@10.0.0.1" in str(refused.value)

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError
+from coral.errors import InputError, without_password
 from coral.reef.sea.picture import Shot
 
 OPEN_MS = 5000
@@ -42,7 +42,8 @@ class VideoCamera:
         Raises:
             InputError: It cannot be opened, gives no picture, or one of another camera.
         """
-        self._address, self._latency_s, self._fit, self._clock = address, latency_s, fit, clock
+        self._address, self._latency_s = without_password(address), latency_s
+        self._fit, self._clock = fit, clock
         digits = address.removeprefix("/dev/video")
         where: str | int = int(digits) if digits.isdigit() else address
         if "://" in address:
@@ -62,7 +63,7 @@ class VideoCamera:
             raise InputError("--camera", "", f"{address}: {error}", "pictures of the camera as configured") from None
         self._file_period_s = 1.0 / max(self._video.get(cv2.CAP_PROP_FPS), 1.0) if self._is_file() else 0.0
         self._due_s = clock()
-        self.name = f"{address}, {width}x{height}"
+        self.name = f"{self._address}, {width}x{height}"
 
     def _is_file(self) -> bool:
         return self._video.get(cv2.CAP_PROP_FRAME_COUNT) > 1
