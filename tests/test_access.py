@@ -87,6 +87,6 @@ def test_a_token_is_made_where_others_can_reach_the_port():
 
 @pytest.mark.parametrize("token", ["short", "with spaces in it", "a&b=c/d?e#f.g"])
 def test_an_unfit_token_is_refused_without_being_repeated(token):
-    with pytest.raises(InputError, match=f"--token: found a token of {len(token)} characters") as error:
+    with pytest.raises(InputError, match=f"token: found a token of {len(token)} characters") as error:
         choose_token(token)
     assert token not in str(error.value)

@@ -129,7 +129,7 @@ def choose_token(token: str = "") -> str:
     """
     if token and not TOKEN.fullmatch(token):
         raise InputError(
-            "--token",
+            "token",
             "",
             f"a token of {len(token)} characters",
             "12 or more letters, digits, - or _, or no token to have one made",

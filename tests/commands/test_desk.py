@@ -32,13 +32,15 @@ def test_the_command_serves_until_it_is_told_to_stop(tmp_path):
     [
         (["{file}"], "INBOX: found a file, expected a folder"),
         (["{folder}", "--port", "-1"], "--port: found -1"),
-        (["{folder}", "--token", "x"], "--token: found a token of 1 characters"),
+        (["{folder}", "--token-file", "{file}"], "token: found a token of 1 characters"),
+        (["{folder}", "--token-file", "{folder}/no"], "no: --token-file: found no such file"),
+        (["{folder}", "--token", "no-flag-for-it-exists"], "--token"),
         (["{folder}", "--host", "no such host"], "--host: found 'no such host'"),
         ([], "coral desk: INBOX: found nothing"),
     ],
 )
 def test_bad_flags_are_one_line(tmp_path, capsys, words, message):
-    (tmp_path / "file").write_text("")
+    (tmp_path / "file").write_text("x\n")
     assert main(["desk", *(word.format(file=tmp_path / "file", folder=tmp_path) for word in words)]) == 2
     error = capsys.readouterr().err
     assert message in error
@@ -52,4 +54,4 @@ def test_the_end_tells_how_many_answers_were_given(tmp_path, answered, said):
 
 def test_the_token_of_the_environment_is_checked_too(refused, tmp_path, monkeypatch):
     monkeypatch.setenv("CORAL_DESK_TOKEN", "short")
-    assert "--token: found a token of 5 characters" in refused("desk", tmp_path / "inbox", "--port", "0")
+    assert "token: found a token of 5 characters" in refused("desk", tmp_path / "inbox", "--port", "0")

@@ -110,5 +110,5 @@ def test_an_agent_connects_over_http(desk, ask):
 def test_a_port_in_use_and_a_poor_token_are_one_line(desk, server):
     with pytest.raises(InputError, match=r"--port: found port \d+ in use"):
         desk.serve_http("127.0.0.1", server.access.port, "")
-    with pytest.raises(InputError, match="--token"):
+    with pytest.raises(InputError, match="token: found"):
         desk.serve_http("127.0.0.1", 0, "short")

@@ -207,8 +207,8 @@ def test_a_port_in_use_is_named(server, tmp_path):
     [
         ({"port": 70000}, "--port: found 70000"),
         ({"host": "192.0.2.1"}, "--host: found '192.0.2.1'"),
-        ({"token": "short"}, "--token: found a token of 5 characters"),
-        ({"token": "twelve chars; and more"}, "--token: found a token of 22 characters"),
+        ({"token": "short"}, "token: found a token of 5 characters"),
+        ({"token": "twelve chars; and more"}, "token: found a token of 22 characters"),
     ],
 )
 def test_bad_addresses_and_tokens_are_one_line(tmp_path, options, message):

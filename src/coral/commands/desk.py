@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from coral.flags import Argument
+from coral.foreign_file import read_text
 from coral.interrupts import sigterm_as_interrupt, wait_for_interrupt
 
 TOKEN_KEY = "CORAL_DESK_TOKEN"
+TOKEN_BYTES = 1000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,8 +28,9 @@ class Desk:
     """Port to listen on; 0 chooses a free one."""
     host: str = "127.0.0.1"
     """Address to listen on."""
-    token: str = ""
-    """Token that a browser must send, part of the printed address; by default $CORAL_DESK_TOKEN, or a new one."""
+    token_file: Path | None = None
+    """File with the token that a browser must send, part of the printed address; by default $CORAL_DESK_TOKEN, or a new
+    one. There is no flag for the token itself: other users could read it."""
     mcp: Literal["off", "stdio", "http"] = "off"
     """Serve agents over the Model Context Protocol instead of people: the program that starts this one (stdio), or by
     HTTP at /mcp with the same host, port and token."""
@@ -39,7 +42,9 @@ class Desk:
         from coral.desk.inbox import Inbox
         from coral.desk.server import DeskServer
 
-        token = self.token or os.environ.get(TOKEN_KEY, "")
+        token = os.environ.get(TOKEN_KEY, "")
+        if self.token_file is not None:
+            token = read_text(self.token_file, "the token, alone", TOKEN_BYTES, "--token-file").strip()
         if self.mcp != "off":
             return self._serve_agents(token)
         server = DeskServer(Inbox(self.inbox), self.host, self.port, token)

@@ -35,3 +35,26 @@ def test_points_and_lines_have_their_kinds(tmp_path):
         geometry = json.loads((tmp_path / "x.geojson").read_text())["features"][0]["geometry"]
         assert geometry["type"] == kind
         assert len(geometry["coordinates"]) == count
+
+
+@pytest.mark.parametrize(("longitude", "heading"), [(179.9999, 90.0), (-179.9999, 270.0)])
+def test_what_lies_on_the_date_line_is_cut_there(tmp_path, longitude, heading):
+    square = np.array([[0.0, 0.0], [40.0, 0.0], [40.0, 10.0], [0.0, 10.0]])
+    placement = EarthPlacement(Pose(0.0, 0.0, 0.0), Datum(-17.0, longitude, heading))
+    layers = {kind: Layer("x", kind, (Feature((square,), {}),)) for kind in ("MultiPolygon", "LineString", "Point")}
+    found = {}
+    for kind, layer in layers.items():
+        write_geojson(tmp_path / "x.geojson", layer, placement)
+        found[kind] = json.loads((tmp_path / "x.geojson").read_text())["features"][0]["geometry"]
+    assert found["LineString"]["type"] == "MultiLineString"
+    parts = [ring for (ring,) in found["MultiPolygon"]["coordinates"]] + found["LineString"]["coordinates"]
+    assert len(found["MultiPolygon"]["coordinates"]) == 2
+    for part in parts:
+        degrees = np.array(part)
+        assert np.abs(degrees[:, 0]).max() <= 180.0
+        assert np.ptp(degrees[:, 0]) < 0.001
+    for ring in parts[:2]:
+        assert ring[0] == ring[-1]
+    width = sum(np.ptp(np.array(ring)[:, 0]) for ring in parts[:2])
+    assert width * 111_320.0 * np.cos(np.radians(17.0)) == pytest.approx(40.0, abs=0.2)
+    assert found["Point"]["coordinates"][0] == pytest.approx(longitude)

@@ -32,7 +32,7 @@ def test_pictures_and_poses_of_a_run_are_such_a_folder(survey_run):
 
 
 def test_degrees_become_metres_east_and_north_and_a_heading_an_angle(tmp_path):
-    path = folder(tmp_path, "t,lat,lon,heading,rgb\n0,45.0,9.0,0,a.jpg\n1,45.001,9.001,90,a.jpg\n")
+    path = folder(tmp_path, "t,lat,lon,heading,rgb\n0,45.0,9.0,0,a.jpg\n60,45.001,9.001,90,a.jpg\n")
     (path / "a.jpg").write_bytes(encode_jpeg(np.zeros((3, 4, 3), np.uint8)))
     recording = read_folder(path, CAMERA, PicturePerception(FlatEyes(), "flat"))
     first, second = (one.pose for one in recording.keyframes())
@@ -51,6 +51,13 @@ def test_degrees_become_metres_east_and_north_and_a_heading_an_angle(tmp_path):
         ("t,x,y,yaw\n0,1,2,north\n", "line 2: yaw: found 'north', expected a number"),
         ("t,x,y,yaw\n1,1,2,0\n0,1,2,0\n", "line 3: t: found 0, expected times that never go back"),
         ("t,lat,lon,heading\n0,100,9,0\n", "lat, lon: found 100, 9"),
+        ("t,lat,lon,heading\n0,36.95,-122.02,0\n1,0,0,0\n", "line 3: lat, lon: found 0, 0, a receiver without a fix"),
+        ("t,lat,lon,heading\n0,0,0,0\n1,36.95,-122.02,0\n", "line 2: lat, lon: found 0, 0, a receiver without a fix"),
+        (
+            "t,lat,lon,heading\n0,36.95,9,0\n0.5,36.952,9,0\n",
+            "line 3: lat, lon: found 222 m from the line before it",
+        ),
+        ("t,x,y,yaw\n0,1,2,0\n2,1,73,0\n", "line 3: x, y: found 71 m from the line before it, 2 s later"),
         ("t,x,y,yaw\n0,nan,2,0\n", "line 2: x: found 'nan', expected a number"),
         ("t,x,y,yaw,z\n0,1,2,0,-3\n", "line 2: z: found -3, expected a height above the sea floor"),
     ],

@@ -53,6 +53,12 @@ def test_degrees_are_metres_from_the_origin(tmp_path):
     assert area.fence[2] == pytest.approx((19.61, 10.01), abs=0.02)
 
 
+def test_an_area_may_lie_on_the_date_line():
+    east, north = Origin(latitude=-17.0, longitude=179.9999).to_local(-17.0, -179.9999)
+    assert (east, north) == pytest.approx((0.0002 * 111_195.0 * math.cos(math.radians(17.0)), 0.0), abs=0.01)
+    assert Origin(latitude=-17.0, longitude=-179.9999).to_local(-17.0, 179.9999)[0] == pytest.approx(-east)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "field"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 from typing import Any
@@ -41,14 +42,53 @@ def write_geojson(path: Path, layer: Layer, placement: EarthPlacement) -> None:
 
 def _geometry(feature: Feature, layer: Layer, placement: EarthPlacement) -> dict[str, Any]:
     if layer.kind == "MultiPolygon":
-        rings = [_degrees(ring, placement, closed=True) for ring in feature.rings]
+        rings = [part for ring in feature.rings for part in _degrees(ring, placement, closed=True)]
         return {"type": layer.kind, "coordinates": [[ring] for ring in rings]}
-    line = _degrees(feature.rings[0], placement, closed=False)
-    return {"type": layer.kind, "coordinates": line[0] if layer.kind == "Point" else line}
+    if layer.kind == "Point":
+        return {"type": layer.kind, "coordinates": _degrees(feature.rings[0][:1], placement, closed=False)[0][0]}
+    lines = _degrees(feature.rings[0], placement, closed=False)
+    if len(lines) > 1:
+        return {"type": "MultiLineString", "coordinates": lines}
+    return {"type": layer.kind, "coordinates": lines[0]}
 
 
-def _degrees(points: NDArray[np.float64], placement: EarthPlacement, *, closed: bool) -> list[list[float]]:
+def _degrees(points: NDArray[np.float64], placement: EarthPlacement, *, closed: bool) -> list[list[list[float]]]:
+    """Return an outline or a line in degrees, cut in two where it crosses the date line (RFC 7946, 3.1.9)."""
     latitude, longitude = placement.to_degrees(points[:, 0], points[:, 1])
-    degrees = np.stack([longitude, latitude], axis=1)
-    corners: list[list[float]] = np.round(closed_ring(degrees) if closed else degrees, DIGITS).tolist()
-    return corners
+    degrees = np.stack([np.unwrap(longitude, period=360.0), latitude], axis=1)
+    degrees = closed_ring(degrees) if closed else degrees
+    low, high = degrees[:, 0].min(), degrees[:, 0].max()
+    border = 180.0 if high > 180.0 else -180.0
+    if low >= border or high <= border:
+        parts = [degrees]
+    elif closed:
+        parts = [closed_ring(_beside(degrees, border, side)) for side in (1.0, -1.0)]
+    else:
+        split = _with_crossings(degrees, border)
+        at = np.flatnonzero(split[:, 0] == border)
+        ends = [0, *at.tolist(), len(split) - 1]
+        parts = [split[a : b + 1] for a, b in itertools.pairwise(ends) if b > a]
+    return [np.round(_on_earth(part), DIGITS).tolist() for part in parts]
+
+
+def _with_crossings(degrees: NDArray[np.float64], border: float) -> NDArray[np.float64]:
+    """Add the points where a line crosses a meridian."""
+    found = [degrees[0]]
+    for before, after in itertools.pairwise(degrees):
+        share = (border - before[0]) / (after[0] - before[0]) if after[0] != before[0] else 0.0
+        if 0.0 < share < 1.0:
+            found.append(np.array([border, before[1] + share * (after[1] - before[1])]))
+        found.append(after)
+    return np.array(found)
+
+
+def _beside(ring: NDArray[np.float64], border: float, side: float) -> NDArray[np.float64]:
+    """Cut off the part of a closed outline east (side 1) or west (side -1) of a meridian (Sutherland and Hodgman)."""
+    corners = _with_crossings(ring, border)
+    return corners[side * (corners[:, 0] - border) <= 0.0]
+
+
+def _on_earth(degrees: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Bring longitudes back to -180 to 180, all of them by the same turn."""
+    turn = -360.0 if degrees[:, 0].max() > 180.0 else 360.0 if degrees[:, 0].min() < -180.0 else 0.0
+    return degrees + np.array([turn, 0.0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -32,6 +33,8 @@ LOCAL = ("x", "y", "yaw")
 GLOBAL = ("lat", "lon", "heading")
 """Names of the columns of a position: metres and radians, or degrees with the compass heading."""
 EXPECTED = "columns t, x, y, yaw or t, lat, lon, heading; z, roll, pitch, rgb, depth, labels if known"
+FASTEST_M_S, FIX_M = 20.0, 30.0
+"""No vehicle in the water is faster, and no fix of a satellite receiver is further off without being a bad one."""
 DOUBTS = {"doubt": LABEL_STEPS, "depth_doubt": DEPTH_STEPS}
 """Columns of pictures of doubt, as a run of a network keeps them, with the steps that make 1."""
 
@@ -55,6 +58,12 @@ def read_folder(
     rows = _rows(table)
     plane = LocalPlane(rows[0][1]["lat"], rows[0][1]["lon"]) if "lat" in rows[0][1] else None
     placed = [(number, _pose(values, plane), values, names) for number, values, names in rows]
+    for (_, (before, _), earlier, _), (number, (pose, _), values, _) in itertools.pairwise(placed):
+        away, later = math.dist(before[:2], pose[:2]), values["t"] - earlier["t"]
+        if away > FIX_M + FASTEST_M_S * later:
+            field = f"line {number}: {'lat, lon' if plane else 'x, y'}"
+            found = f"{away:.0f} m from the line before it, {later:g} s later"
+            raise InputError(str(table), field, found, "a way that a vehicle can have gone; leave bad fixes out")
 
     def keyframes() -> Iterator[PosedFrame]:
         due = -math.inf
@@ -155,6 +164,8 @@ def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
                 f"{values['lat']:g}, {values['lon']:g}",
                 f"degrees within {MOST_DEGREES:.0f} and 180",
             )
+        if place == GLOBAL and not (values["lat"] or values["lon"]):
+            raise InputError(where, f"line {number}: lat, lon", "0, 0, a receiver without a fix", "lines with a fix")
         if found and values["t"] < found[-1][1]["t"]:
             raise InputError(where, f"line {number}: t", cells["t"], "times that never go back")
         if values.get("z", 1.0) <= 0.0:

@@ -46,7 +46,8 @@ class Origin(_Part):
     def to_local(self, latitude: float, longitude: float) -> tuple[float, float]:
         """Convert a place in degrees to local metres (east, north)."""
         north = math.radians(latitude - self.latitude) * EARTH_RADIUS_M
-        east = math.radians(longitude - self.longitude) * EARTH_RADIUS_M * math.cos(math.radians(self.latitude))
+        turned = (longitude - self.longitude + 180.0) % 360.0 - 180.0  # the date line is no border
+        east = math.radians(turned) * EARTH_RADIUS_M * math.cos(math.radians(self.latitude))
         return east, north
 
 
