@@ -160,8 +160,8 @@ def disturb(name: str, disk: Path, hook: Path, rng: random.Random, rounds: int) 
             with suppress(ProcessLookupError):
                 os.kill(whom, which)
         if not chaos.ends_soon(process):
-            process.send_signal(signal.SIGINT)
-        process.wait(120.0)
+            process.send_signal(signal.SIGTERM)
+        process.wait(600.0)
         done[kind] += 1
         codes[process.returncode] += 1
     return f"{dict(done)}, each ended by a signal; exit codes {dict(codes)}"
