@@ -168,6 +168,14 @@ class ReefSail:
         if self.lens is not None:
             view = LiveView.of_file(self.lens)
             cfg, fit = with_camera(cfg, view.camera), view.picture
+        belief = saved = None
+        if self.resume is not None:
+            sim = cfg.simulator
+            known, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
+            if self.place == "map":
+                saved = SavedMap(belief=known, confirmed=self.yes)
+            else:
+                belief = known
         parts = opened.enter_context(open_parts(self, truly, world, cfg, depth, fit))
         for line in parts.camera.eyes.about if parts.camera.eyes else ():
             self._say(line)
@@ -181,14 +189,6 @@ class ReefSail:
             )
         folder = self.out or new_run_folder(Path("runs"), f"{area.name}-sail")
         advisor = self._advisor(folder, cfg)
-        belief = saved = None
-        if self.resume is not None:
-            sim = cfg.simulator
-            known, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
-            if self.place == "map":
-                saved = SavedMap(belief=known, confirmed=self.yes)
-            else:
-                belief = known
         if not self.check:
             warm_up(cfg)
         words = OperatorWords()

@@ -48,3 +48,26 @@ def test_what_is_broken_is_refused(old, new):
     assert old in text()
     with pytest.raises((ValueError, KeyError, IndexError)):
         read_ply(text().replace(old, new))
+
+
+def textured(counts=(6, 6)):
+    """The binary file with a list of texture coordinates in each face, as MeshLab writes it."""
+    row = [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("red", "u1")]
+    vertices = np.array([(*corner, 7) for corner in CORNERS], row)
+    kind = [("n", "u1"), ("i", "<i4", 3), ("m", "u1"), ("uv", "<f4", 6)]
+    faces = np.array([(3, face, counts[k % 2], [0.5] * 6) for k, face in enumerate(FACES)], kind)
+    head = HEAD.format(form="binary_little_endian").replace(
+        "end_header", "property list uchar float texcoord\nend_header"
+    )
+    return head.encode() + vertices.tobytes() + faces.tobytes()
+
+
+def test_texture_coordinates_are_passed_over():
+    assert np.array_equal(read_ply(textured()), np.array(CORNERS)[np.array(FACES)])
+
+
+def test_lists_of_several_lengths_are_refused():
+    with pytest.raises(ValueError, match="a texcoord that differs from face to face"):
+        read_ply(textured((6, 4)))
+    with pytest.raises(ValueError, match="200 values of texcoord"):
+        read_ply(textured((200, 6)))

@@ -95,3 +95,16 @@ def test_broken_cameras_are_named(camera, tmp_path):
 def test_broken_symmetries_are_named(entry, tmp_path):
     with pytest.raises(InputError, match="symmetr"):
         read_symmetry(put(tmp_path, {"1": entry}), 1, np.zeros(3))
+
+
+def test_a_camera_of_another_model_is_named(tmp_path):
+    model = {"cam_model": {"projection_model_type": "CameraModelType.FISHEYE624"}}
+    with pytest.raises(InputError, match=r"0\.cam_model: found 'CameraModelType\.FISHEYE624', expected cam_K"):
+        read_cameras(put(tmp_path, {"0": model}))
+
+
+def test_files_of_one_camera_among_several_are_named(tmp_path):
+    for name in ("scene_gt_cam1.json", "scene_gt_cam2.json"):
+        (tmp_path / name).write_text("{}")
+    with pytest.raises(InputError, match=r"found scene_gt_cam1\.json, scene_gt_cam2\.json instead, of one camera"):
+        read_truth(tmp_path / "scene_gt.json")

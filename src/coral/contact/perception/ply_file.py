@@ -49,8 +49,12 @@ def read_ply(raw: bytes) -> Array:
         row = np.dtype([(words[-1], order + _TYPES[words[0]]) for words in properties["vertex"]])
         found = np.frombuffer(body, row, vertices)
         points = np.column_stack([found[axis] for axis in "xyz"]).astype(float)
-        face = np.dtype([column for words in properties["face"] for column in _face_columns(words, order)])
-        indices = np.frombuffer(body, face, faces, vertices * row.itemsize)
+        start = vertices * row.itemsize
+        face = np.dtype(_face_columns(properties["face"], order, body, start))
+        indices = np.frombuffer(body, face, faces, start)
+        for column in filter(lambda name: name.startswith("count of "), face.names or ()):
+            if (indices[column] != indices[column][0]).any():
+                raise ValueError(f"a {column.removeprefix('count of ')} that differs from face to face")
         corners = np.column_stack([indices["count"], indices["corners"]]).astype(int)
     if not (corners[:, 0] == 3).all():
         raise ValueError("a face that is no triangle")
@@ -59,10 +63,21 @@ def read_ply(raw: bytes) -> Array:
     return np.asarray(points[corners[:, 1:]])
 
 
-def _face_columns(words: list[str], order: str) -> list[tuple[str, str] | tuple[str, str, int]]:
-    """Return the columns of a property of faces; a list of corners has room for three."""
-    if words[0] != "list":
-        return [(words[-1], order + _TYPES[words[0]])]
-    if words[-1] not in ("vertex_indices", "vertex_index"):
-        raise ValueError(f"a list of {words[-1]} in a face")
-    return [("count", order + _TYPES[words[1]]), ("corners", order + _TYPES[words[2]], 3)]
+def _face_columns(
+    properties: list[list[str]], order: str, body: bytes, start: int
+) -> list[tuple[str, str] | tuple[str, str, int]]:
+    """Return the columns of a face; its list of corners has room for three, another list as for the first face."""
+    columns: list[tuple[str, str] | tuple[str, str, int]] = []
+    for words in properties:
+        if words[0] != "list":
+            columns.append((words[-1], order + _TYPES[words[0]]))
+        elif words[-1] in ("vertex_indices", "vertex_index"):
+            columns += [("count", order + _TYPES[words[1]]), ("corners", order + _TYPES[words[2]], 3)]
+        else:  # texture coordinates, for example
+            count = f"count of {words[-1]}"
+            columns.append((count, order + _TYPES[words[1]]))
+            size = int(np.frombuffer(body, np.dtype(columns), 1, start)[count][0])
+            if not 0 <= size <= 64:
+                raise ValueError(f"{size} values of {words[-1]} in a face")
+            columns += [(words[-1], order + _TYPES[words[2]], size)] if size else []
+    return columns

@@ -106,6 +106,9 @@ def read_symmetry(path: Path, number: int, middle: Array) -> Symmetry | None:
 
 
 def _read_object(path: Path) -> dict[str, Any]:
+    if not path.exists() and (others := sorted(one.name for one in path.parent.glob(f"{path.stem}_*.json"))):
+        expected = f"the files of one camera under their plain names: {path.name}, depth, rgb, mask_visib"
+        raise InputError(str(path), "", f"{', '.join(others)} instead, of one camera among several", expected)
     found = read_json(path, "a JSON file of BOP")
     if not isinstance(found, dict):
         raise InputError(str(path), "", type(found).__name__, "an object with named values")
@@ -148,6 +151,11 @@ def _pose(entry: Any, path: Path, key: str) -> PlacedObject:
 
 
 def _camera(entry: Any, path: Path, key: str) -> PictureCamera:
+    if isinstance(entry, dict) and "cam_model" in entry and "cam_K" not in entry:
+        model = entry["cam_model"]
+        kind = model.get("projection_model_type") if isinstance(model, dict) else model
+        expected = "cam_K, of pictures whose distortion was removed"
+        raise InputError(str(path), f"{key}.cam_model", repr(kind)[:60], expected)
     lens = _numbers(entry, "cam_K", 9, path, key)[[0, 4, 2, 5]]
     placed = inverse_transform(_rigid(entry, "w2c", path, key)) if "cam_R_w2c" in entry else np.eye(4)
     time_s = float(_numbers(entry, "time_s", 1, path, key)[0]) if "time_s" in entry else None

@@ -1,5 +1,6 @@
 import dataclasses
 
+import cv2
 import numpy as np
 import pytest
 
@@ -36,3 +37,14 @@ def test_no_board_is_none_and_no_colour_is_an_error():
 def test_a_word_that_describes_no_board_is_one_line(word):
     with pytest.raises(InputError, match="--board"):
         CharucoBoard(word)
+
+
+def test_a_board_of_the_old_pattern_is_found():
+    board = CharucoBoard("8x6:0.03:0.02")
+    old = cv2.aruco.CharucoBoard((8, 6), 0.03, 0.02, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50))
+    old.setLegacyPattern(True)
+    drawn = old.generateImage((8 * 40, 6 * 40))
+    assert (drawn != board.draw(40)).any()
+    seen = board.find(frame_of(np.pad(drawn, 40, constant_values=255)))
+    assert len(seen.points) == 7 * 5
+    assert seen.pixels == pytest.approx(39.5 + seen.points[:, :2] / 0.03 * 40, abs=0.2)

@@ -1,3 +1,7 @@
+import math
+import struct
+
+import cv2
 import numpy as np
 import pytest
 
@@ -26,11 +30,11 @@ def image(time_s, pixels, encoding):
     return kind(header(time_s), height, width, encoding, 0, raw.size // height, raw)
 
 
-def camera_info(time_s, fx=60.0):
+def camera_info(time_s, fx=60.0, model="plumb_bob", d=(0.0,) * 5):
     roi = TYPES["sensor_msgs/msg/RegionOfInterest"](0, 0, 0, 0, False)
     k = np.array([fx, 0, 31.5, 0, 60.0, 23.5, 0, 0, 1.0])
     kind = TYPES["sensor_msgs/msg/CameraInfo"]
-    return kind(header(time_s), 48, 64, "plumb_bob", np.zeros(5), k, np.eye(3).ravel(), np.zeros(12), 0, 0, roi)
+    return kind(header(time_s), 48, 64, model, np.array(d), k, np.eye(3).ravel(), np.zeros(12), 0, 0, roi)
 
 
 def write(path, messages):
@@ -109,3 +113,55 @@ def test_a_bag_without_depth_names_its_topics(tmp_path):
     path = write(tmp_path / "bag", [(INFO, 1.0, camera_info(1.0))])
     with pytest.raises(InputError, match="no topic of depth among /camera"):
         BagRgbdCamera(str(path))
+
+
+def packed(time_s, values, form):
+    kind = TYPES["sensor_msgs/msg/CompressedImage"]
+    return kind(header(time_s), form, np.frombuffer(values, np.uint8))
+
+
+def test_packed_depth_of_32_bits_is_inverse(tmp_path):
+    """compressed_depth_image_transport keeps A / depth + B; millimetres of it would be silently wrong."""
+    a, b, depth = 100.0, 3.0, np.full((48, 64), 0.5)
+    raw = np.round(a / depth + b).astype(np.uint16)
+    raw[0, 0] = 0
+    content = struct.pack("<iff", 0, a, b) + cv2.imencode(".png", raw)[1].tobytes()
+    messages = [(INFO, 1.0, camera_info(1.0)), (DEPTH, 1.0, packed(1.0, content, "32FC1; compressedDepth png"))]
+    camera = BagRgbdCamera(str(write(tmp_path / "bag", messages)))
+    camera.start()
+    found = camera.newest().depth
+    assert found[0, 0] == 0.0
+    assert found[20, 20] == pytest.approx(0.5, abs=0.01)
+
+
+def test_a_fisheye_is_straightened_as_one(tmp_path):
+    depth = np.zeros((48, 64), np.float32)
+    depth[:, 40:] = 0.5  # an edge 8.5 px right of the middle, which a lens with r = f theta puts further out
+    bent = camera_info(1.0, fx=20.0, model="equidistant", d=(0.0,) * 4)
+    messages = [(INFO, 1.0, bent), (DEPTH, 1.0, image(1.0, depth, "32FC1"))]
+    camera = BagRgbdCamera(str(write(tmp_path / "bag", messages)))
+    camera.start()
+    row = camera.newest().depth[24]
+    edge = int(np.argmax(row > 0.0))
+    assert edge == pytest.approx(31.5 + 20.0 * math.tan(8.0 / 20.0), abs=1.0)
+
+
+@pytest.mark.parametrize(("model", "d"), [("thin_prism", (0.1,) * 4), ("plumb_bob", (0.1,) * 3)])
+def test_another_distortion_is_refused(tmp_path, model, d):
+    messages = [
+        (INFO, 1.0, camera_info(1.0, model=model, d=d)),
+        (DEPTH, 1.0, image(1.0, np.ones((48, 64), np.float32), "32FC1")),
+    ]
+    with pytest.raises(InputError, match=f"distortion_model: found '{model}' with {len(d)} coefficients"):
+        BagRgbdCamera(str(write(tmp_path / "bag", messages))).start()
+
+
+@pytest.mark.parametrize(
+    ("stamps", "told"), [((0.0, 0.0), "no time stamps"), ((2.0, 1.5), "a stamp of 1.500 s after 2.000 s")]
+)
+def test_pictures_without_times_in_order_are_refused(tmp_path, stamps, told):
+    depth = np.ones((48, 64), np.float32)
+    messages = [(INFO, 1.0, camera_info(1.0))]
+    messages += [(DEPTH, 2.0 + k, image(stamp, depth, "32FC1")) for k, stamp in enumerate(stamps)]
+    with pytest.raises(InputError, match=told):
+        BagRgbdCamera(str(write(tmp_path / "bag", messages))).start()

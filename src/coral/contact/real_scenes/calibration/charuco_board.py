@@ -60,7 +60,10 @@ class CharucoBoard:
             expected = f"a dictionary with {columns * rows // 2} markers; this one has {len(markers.bytesList)}"
             raise InputError(where, "dictionary", name, expected)
         self._board: Any = cv2.aruco.CharucoBoard((columns, rows), self.square_m, marker_m, markers)
-        self._detector: Any = cv2.aruco.CharucoDetector(self._board)
+        old: Any = cv2.aruco.CharucoBoard((columns, rows), self.square_m, marker_m, markers)
+        old.setLegacyPattern(True)  # until OpenCV 4.6, and from calib.io: with even rows the first square is white
+        boards = (self._board, old) if rows % 2 == 0 else (self._board,)
+        self._detectors: list[tuple[Any, Any]] = [(board, cv2.aruco.CharucoDetector(board)) for board in boards]
         self.size = (columns, rows)
 
     def draw(self, pixels_per_square: int) -> NDArray[np.uint8]:
@@ -77,8 +80,9 @@ class CharucoBoard:
         if frame.rgb is None:
             raise InputError("--camera", "", "a picture without colours", "pictures with colours, which show the board")
         grey = cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY)
-        corners, numbers, _, _ = self._detector.detectBoard(grey)
-        if numbers is None or len(numbers) < LEAST_CORNERS:
-            return None
-        points, pixels = self._board.matchImagePoints(corners, numbers)
-        return SeenBoard(np.asarray(points, float).reshape(-1, 3), np.asarray(pixels, float).reshape(-1, 2))
+        for board, detector in self._detectors:
+            corners, numbers, _, _ = detector.detectBoard(grey)
+            if numbers is not None and len(numbers) >= LEAST_CORNERS:
+                points, pixels = board.matchImagePoints(corners, numbers)
+                return SeenBoard(np.asarray(points, float).reshape(-1, 3), np.asarray(pixels, float).reshape(-1, 2))
+        return None

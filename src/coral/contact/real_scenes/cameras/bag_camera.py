@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections import deque
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -23,7 +24,11 @@ INFO = "sensor_msgs/msg/CameraInfo"
 ROLES = ("depth", "color", "info")
 TOGETHER_S = 0.05
 """Colours that are older than this when depth arrives belong to another picture."""
-_COMPRESSED_DEPTH_HEADER = 12
+_HEADER = struct.Struct("<iff")
+"""Of compressed_depth_image_transport, before the PNG: a number of the format, A and B."""
+MODELS = {"plumb_bob": (4, 5), "rational_polynomial": (8, 12, 14), "equidistant": (0, 4)}
+"""Numbers of coefficients by distortion model (sensor_msgs/distortion_models.hpp)."""
+_MODELS_TOLD = "plumb_bob (4 or 5), rational_polynomial (8) or equidistant (4)"
 
 
 class BagRgbdCamera:
@@ -93,10 +98,16 @@ class BagRgbdCamera:
             elif topic == self.topics.get("color"):
                 colours.append((stamp_of(message), _colours(message, self.path, topic)))
             elif removal is not None:
+                stamp = stamp_of(message)
                 if waiting is not None:
+                    if stamp <= waiting[0]:
+                        found = f"a stamp of {stamp:.3f} s after {waiting[0]:.3f} s" if stamp else "no time stamps"
+                        raise InputError(
+                            str(self.path), topic, found, "pictures with the times at which they were taken"
+                        )
                     yield self._pair(*waiting, colours, removal)
                 # Its colours may be the next message.
-                waiting = stamp_of(message), _depth(message, self.path, topic)
+                waiting = stamp, _depth(message, self.path, topic)
         if waiting is not None and removal is not None:
             yield self._pair(*waiting, colours, removal)
 
@@ -104,8 +115,13 @@ class BagRgbdCamera:
         k, d = np.asarray(message.k, float), np.asarray(message.d, float)
         if not (np.isfinite(k).all() and k[0] > 0 and k[4] > 0):
             raise InputError(str(self.path), f"{self.topics['info']}: k", k.tolist(), "a camera matrix")
-        self._lens = k[[0, 4, 2, 5]]
-        return Undistortion(self._lens, d, (int(message.height), int(message.width)))
+        self._lens, model = k[[0, 4, 2, 5]], str(message.distortion_model)
+        bent = bool(np.any(d)) or model == "equidistant"
+        if not np.isfinite(d).all() or (bent and d.size not in MODELS.get(model, ())):
+            found = f"{model!r} with {d.size} coefficients"
+            raise InputError(str(self.path), f"{self.topics['info']}: distortion_model", found, _MODELS_TOLD)
+        size = int(message.height), int(message.width)
+        return Undistortion(self._lens, d if d.size else np.zeros(4), size, fisheye=model == "equidistant")
 
     def _pair(
         self,
@@ -159,11 +175,15 @@ def _only(path: Path, role: str, found: list[str], types: dict[str, str]) -> str
 def _depth(message: Any, path: Path, topic: str) -> NDArray[np.float32]:
     """Return the depth of a message, Shape=(H, W) m (REP 118: millimetres in 16 bits, metres in 32)."""
     if hasattr(message, "format"):
-        raw = bytes(message.data)
-        start = _COMPRESSED_DEPTH_HEADER if "compressedDepth" in message.format else 0
+        raw, packed = bytes(message.data), "compressedDepth" in message.format
+        start = _HEADER.size if packed else 0
         found = _decoded(raw[start:], cv2.IMREAD_UNCHANGED, path, topic)
         if found is None or found.dtype != np.uint16 or found.ndim != 2:
             raise InputError(str(path), topic, f"the format {message.format!r}", "PNG with 16 bits, in millimetres")
+        if packed and message.format.startswith("32FC1"):  # inverse depths: value = A / depth + B
+            _, a, b = _HEADER.unpack_from(raw)
+            inverse = found.astype(np.float64) - b
+            return np.where((found > 0) & (inverse > 0.0), a / np.maximum(inverse, 1e-9), 0.0).astype(np.float32)
         return np.asarray(found * np.float32(0.001), np.float32)
     kinds = {"16UC1": (np.uint16, 0.001), "mono16": (np.uint16, 0.001), "32FC1": (np.float32, 1.0)}
     if message.encoding not in kinds:

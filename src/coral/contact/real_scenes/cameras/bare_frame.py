@@ -30,7 +30,7 @@ def bare_frame(
 
 
 class Undistortion:
-    """Removes the distortion of a lens, after Brown and Conrady: each pixel is looked up where the lens put it.
+    """Removes the distortion of a lens, after Brown and Conrady or a fisheye's: each pixel is looked up where it fell.
 
     The nearest pixel is taken, since an average of two depths is the depth of nothing.
 
@@ -40,11 +40,14 @@ class Undistortion:
         size: Height and width.
         inverse: Whether the coefficients map distorted to undistorted places (librealsense's
             `inverse_brown_conrady`) instead of the reverse.
+        fisheye: Whether they are k1 to k4 of an equidistant lens, which bends even where they are 0.
     """
 
-    def __init__(self, lens: Array, coefficients: Array, size: tuple[int, int], *, inverse: bool = False) -> None:
+    def __init__(
+        self, lens: Array, coefficients: Array, size: tuple[int, int], *, inverse: bool = False, fisheye: bool = False
+    ) -> None:
         self._map: NDArray[np.float32] | None = None
-        if not np.any(coefficients):
+        if not (fisheye or np.any(coefficients)):
             return
         height, width = size
         fx, fy, cx, cy = lens
@@ -53,6 +56,13 @@ class Undistortion:
             u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
             grid = np.stack([u, v], axis=-1).reshape(-1, 1, 2)
             found = cv2.undistortPoints(grid, matrix, coefficients, P=matrix).reshape(height, width, 2)
+        elif fisheye:
+            straight = np.eye(3)
+            found = np.dstack(
+                cv2.fisheye.initUndistortRectifyMap(
+                    matrix, coefficients, straight, matrix, (width, height), cv2.CV_32FC1
+                )
+            )
         else:
             found = np.dstack(
                 cv2.initUndistortRectifyMap(matrix, coefficients, None, matrix, (width, height), cv2.CV_32FC1)
