@@ -10,7 +10,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-dev setup-libero setup-blender demo kernels test wings test-ray test-slurm test-warp test-franka test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz clean help
+.PHONY: setup setup-dev setup-libero setup-blender demo kernels test wings test-ray test-slurm test-warp test-franka test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz fuzz-minute clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -126,6 +126,10 @@ bench: setup-dev  ## speed against peers, ratios in one run
 fuzz: setup-dev  ## damaged files into every parser of foreign input, for MINUTES=20, and generated cost programs
 	$(BIN)/python benchmarks/fuzz_programs.py
 	$(BIN)/python benchmarks/fuzz_parsers.py --minutes $(or $(MINUTES),20) --out build/fuzz
+
+fuzz-minute: setup-dev  ## the same for a minute, with a fixed seed
+	$(BIN)/python benchmarks/fuzz_programs.py --calls 4000 --programs 400
+	$(BIN)/python benchmarks/fuzz_parsers.py --minutes 30 --examples 50 --seed 0 --out build/fuzz
 
 clean:  ## remove the virtual environment and caches
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis

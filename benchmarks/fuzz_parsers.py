@@ -1,10 +1,10 @@
 """Damaged files and messages into every parser of foreign input: read, or refused as documented.
 
-Usage: python benchmarks/fuzz_parsers.py [--minutes 5] [--only WORDS] [--out FOLDER]
+Usage: python benchmarks/fuzz_parsers.py [--minutes 5] [--examples N] [--only WORDS] [--seed N] [--out FOLDER]
 
 Hypothesis damages valid examples: bytes removed, repeated, replaced by others or by words that have broken parsers. A
-finding is an undocumented exception, an example that takes over 10 s, or a process that dies; each place is told once,
-with the smallest example that Hypothesis finds, which is kept in the folder. Exit code 1 if there are findings.
+finding is an undocumented exception, an example that takes over 10 s or 500 MB, or a process that dies; each place is
+told once, with the smallest example that Hypothesis finds, which is kept in the folder. Exit code 1 if there are any.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import argparse
 import json
 import multiprocessing
 import random
+import resource
 import signal
 import sys
 import tempfile
@@ -24,6 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
+from fuzz_binary import binary_parsers
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
@@ -34,6 +36,8 @@ from coral.reef.sea.recorded_camera import RecordedCamera
 HOME = Path(coral.__file__).parent
 LONGEST_S = 10
 """Longest time for one example (s)."""
+MOST_MB = 500
+"""Most memory besides what the parsers have already taken."""
 ROUND_S = 15.0
 """Time for a parser until it is the next one's turn (s)."""
 WORDS = [
@@ -194,6 +198,7 @@ def parsers() -> dict[str, Parser]:
             (WireError,),
         ),
         **sonar_parsers(UnfitMeasurement),
+        **{name: Parser(*given) for name, given in binary_parsers(HOME).items()},
     }  # fmt: skip
 
 
@@ -252,8 +257,13 @@ def _alarm(number: int, frame: FrameType | None) -> None:
     raise TooLong
 
 
-def try_parser(parser: Parser, name: str, seconds: float, folder: Path) -> None:
+def try_parser(parser: Parser, name: str, seconds: float, folder: Path, number: int, examples: int = 0) -> None:
     """Try one parser in this process; write a JSON line for each finding, and one at the end, into the folder."""
+    random.seed(number)
+    sizes = Path("/proc/self/statm")
+    if sizes.exists():
+        taken = int(sizes.read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (taken + MOST_MB * 1_000_000,) * 2)
     signal.signal(signal.SIGALRM, _alarm)
     place = folder / f"last{parser.suffix}"
     end, tried, known = time.monotonic() + seconds, 0, set()
@@ -279,7 +289,7 @@ def try_parser(parser: Parser, name: str, seconds: float, folder: Path) -> None:
             signal.alarm(0)
 
     bounded = settings(
-        max_examples=200,
+        max_examples=examples or 200,
         database=None,
         deadline=None,
         suppress_health_check=list(HealthCheck),
@@ -287,7 +297,7 @@ def try_parser(parser: Parser, name: str, seconds: float, folder: Path) -> None:
         report_multiple_bugs=False,
     )
     with (folder / "told.jsonl").open("w") as told:
-        while time.monotonic() < end:
+        while time.monotonic() < end and not (examples and tried):
             failing.clear()
             try:
                 seed(random.randrange(2**32))(bounded(given(data=damaged(parser.examples))(check)))()
@@ -302,27 +312,43 @@ def try_parser(parser: Parser, name: str, seconds: float, folder: Path) -> None:
         print(json.dumps({"tried": tried}), file=told)
 
 
+def warm(parser: Parser) -> None:
+    """Read the examples once, so that nothing is imported or compiled later."""
+    with tempfile.TemporaryDirectory() as folder, suppress(*parser.refusals):
+        for example in parser.examples:
+            path = Path(folder) / f"last{parser.suffix}"
+            path.write_bytes(example)
+            parser.read(path)
+
+
 def main() -> int:
     """Give every parser its turn until the time is up."""
     flags = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     flags.add_argument("--minutes", type=float, default=5.0)
+    flags.add_argument("--examples", type=int, default=0, help="so many of each parser, whatever the time")
     flags.add_argument("--only", default="")
+    flags.add_argument("--seed", type=int, default=None, help="by default another one each time")
     flags.add_argument("--out", type=Path, default=Path("fuzz"))
     chosen = flags.parse_args()
     chosen.out.mkdir(parents=True, exist_ok=True)
     known = {name: parser for name, parser in parsers().items() if not chosen.only or name in chosen.only.split(",")}
     names = list(known)
+    first = random.randrange(2**32) if chosen.seed is None else chosen.seed
+    for parser in known.values():
+        warm(parser)
     end, tried, findings = time.monotonic() + 60.0 * chosen.minutes, dict.fromkeys(names, 0), {}
     turns = 0
     while time.monotonic() < end and names:
         name = names[turns % len(names)]
         turns += 1
+        if chosen.examples and turns > len(names):
+            break
         seconds = min(ROUND_S, end - time.monotonic(), 60.0 * chosen.minutes / len(names))
         with tempfile.TemporaryDirectory() as made:
             folder = Path(made)
             # A fork shares what has been imported; it may die.
             child = multiprocessing.get_context("fork").Process(
-                target=try_parser, args=(known[name], name, seconds, folder)
+                target=try_parser, args=(known[name], name, seconds, folder, first + turns, chosen.examples)
             )
             child.start()
             child.join()

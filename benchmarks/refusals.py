@@ -13,6 +13,7 @@ import argparse
 import gzip
 import io
 import json
+import multiprocessing
 import os
 import shutil
 import sqlite3
@@ -259,14 +260,13 @@ CASES = [
     Case("an event of 100 000 levels", REPORT, line("run/events.jsonl", EVENT % ("[" * 100_000 + "]" * 100_000)), read=True),
     Case("metrics of other types", REPORT, text("run/metrics.json", '{"coverage": [], "sim_time_s": "x", "collisions": 1e300}'), read=True),
     Case("metrics of 1 000 000 levels", REPORT, text("run/metrics.json", "[" * 1_000_000), read=True),
-    Case("a broken gzip part", REPORT, text("run/events.0001.jsonl.gz", b"\x1f\x8b\x08\0broken")),
-    Case("a world of a run with a huge area", REPORT, changed("run/world.yaml", "size_m:", "size_m: [1.0e+300, 1.0e+300]\nold:")),
+    Case("a broken gzip part", REPORT, text("run/events.0001.jsonl.gz", b"\x1f\x8b\x08\0broken"), read=True),
+    Case("a world of a run with a huge area", REPORT, changed("run/world.yaml", "size_m:", "size_m: [1.0e+300, 1.0e+300]\nold:"), read=True),
     Case("a bag's table of contents of 30 000 levels", BAG, text("bag/metadata.yaml", "[" * 30_000)),
     Case("a bag whose file is no MCAP", BAG, lambda f: [p.write_bytes(b"no") for p in (f / "bag").glob("*.mcap")]),
     Case("a mesh with an index of 20 digits", "contact tasks {f}/t.yaml", lambda f: (text("t.yaml", TASK)(f), text("x.obj", FACES)(f))),
     Case("a mesh of 50 GB, sparse", "contact tasks {f}/t.yaml", lambda f: (text("t.yaml", TASK)(f), sparse("x.obj")(f))),
     Case("a mesh that is a device", "contact tasks {f}/t.yaml", lambda f: (text("t.yaml", TASK)(f), device("x.obj")(f))),
-    Case("a colour map of another type", "reef map {bag} --perception rgb --colours {f}/c.yaml --out {f}/out", text("c.yaml", "1: [a, b]\n")),
     Case("a network that is no ONNX file", "reef map {pictures} --perception {f}/x.onnx --out {f}/out", text("x.onnx", b"\x08\xff" * 100)),
     Case("a survey file with a ring of text", "reef sail {f}/s.yaml --check", text("s.yaml", "format: coral-survey/1\nname: x\nsize_m: [20, 20]\nstart: {x: 2, y: 2}\ngeofence: {metres: abc}\n")),
     Case("a last row without an end of line", MAP, lambda f: cut(f, 1), read=True),
@@ -318,7 +318,11 @@ def measure(case: Case, examples_in: Path, folder: Path) -> tuple[int, float, fl
     for name in ("run", "bag", "pictures"):
         if f"{{{name}}}" in case.words:
             shutil.copytree(examples_in / name, folder / name)
-    case.make(folder)
+    # What a process has taken before it becomes another one counts as the other's.
+    making = multiprocessing.get_context("fork").Process(target=case.make, args=(folder,))
+    making.start()
+    making.join()
+    assert not making.exitcode, case.name
     places = {"f": folder, **{name: folder / name for name in ("run", "bag", "pictures")}}
     words = case.words.format(**places).split()
     with (folder / "told").open("wb") as told:

@@ -46,6 +46,24 @@ def test_a_chunk_is_unpacked_no_further_than_any_chunk_holds(tmp_path):
         assert told.endswith("expected a ROS bag or an MCAP file\n")
 
 
+@pytest.mark.parametrize("packing", ["BZ2", "LZ4"])
+def test_a_chunk_of_a_ros_1_bag_is_bounded_too(tmp_path, packing, monkeypatch):
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC)
+    bag = Writer(tmp_path / "x.bag")
+    bag.set_compression(Writer.CompressionFormat[packing])
+    with bag as writer:
+        topic = writer.add_connection("/odometry", "std_msgs/msg/String", typestore=store)
+        word = store.types["std_msgs/msg/String"](data="a" * 500_000)
+        writer.write(topic, 1, store.serialize_ros1(word, "std_msgs/msg/String"))
+    assert len(list(read_messages(tmp_path / "x.bag", {"/odometry"}))) == 1
+    monkeypatch.setattr("coral.bag_reader.CHUNK_BYTES", 400_000)
+    with pytest.raises(InputError, match=r"x\.bag: found a chunk of more than 0 MB"):
+        list(read_messages(tmp_path / "x.bag", {"/odometry"}))
+
+
 def test_a_table_of_contents_is_read_with_limits(tmp_path):
     (tmp_path / "metadata.yaml").write_text("[" * 30_000)
     with pytest.raises(InputError, match=r"metadata\.yaml: line 1: found values nested more than 50 deep"):

@@ -89,12 +89,13 @@ def stamp_of(message: Any) -> float:
 def _opened(path: Path) -> Iterator[Any]:
     try:
         from rosbags.highlevel import AnyReader
+        from rosbags.rosbag1 import reader as rosbag1
         from rosbags.rosbag2 import storage_mcap
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise InputError(str(path), "", "no package rosbags", install_extra("bags")) from None
     _refuse_odd_files(path)
-    _bound_chunks(storage_mcap)
+    _bound_chunks(storage_mcap, rosbag1)
     try:
         reader = AnyReader(_loose_files(path) or [path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         reader.open()
@@ -133,8 +134,10 @@ def _refuse_odd_files(path: Path) -> None:
             read_head(file, expected)
 
 
-def _bound_chunks(storage_mcap: Any) -> None:
+def _bound_chunks(storage_mcap: Any, rosbag1: Any) -> None:
     """Make the library unpack no more of a chunk than it says that it holds, and no more than any chunk holds."""
+    from bz2 import BZ2Decompressor
+
     from lz4.frame import LZ4FrameDecompressor
 
     zstd = storage_mcap.zstd
@@ -147,4 +150,14 @@ def _bound_chunks(storage_mcap: Any) -> None:
 
         return unpack
 
+    def bounded_alone(make: Any) -> Any:
+        def unpack(data: bytes) -> bytes:
+            found = bytes(make().decompress(data, max_length=CHUNK_BYTES + 1))
+            if len(found) > CHUNK_BYTES:
+                raise ValueError(f"a chunk of more than {CHUNK_BYTES / 1e6:.0f} MB")
+            return found
+
+        return unpack
+
+    rosbag1.decompressors.update(bz2=bounded_alone(BZ2Decompressor), lz4=bounded_alone(LZ4FrameDecompressor))
     storage_mcap.DECOMPRESSORS.update(lz4=bounded(LZ4FrameDecompressor), zstd=bounded(zstd.ZstdDecompressor))

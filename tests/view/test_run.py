@@ -117,3 +117,16 @@ def test_numbers_that_no_mission_reaches_are_left_out_of_tables(fresh):
     assert np.isnan(run.column("x")[0])
     assert np.isnan(run.column("y")[0])
     assert np.isfinite(run.column("x")[1])
+
+
+@pytest.mark.parametrize("odd", ["1e300", "nan", ""])
+def test_a_row_without_a_time_is_left_out(fresh, odd):
+    table = fresh / "trajectory.csv"
+    head, *rows = table.read_text().splitlines()
+    fields = rows[-1].split(",")
+    fields[head.split(",").index("t")] = odd
+    table.write_text("\n".join([head, *rows, ",".join(fields)]) + "\n")
+    run = RunFolder.read(fresh)
+    assert len(run.column("t")) == len(rows)
+    assert "trajectory.csv: 1 line without a time left out." in run.notes
+    assert np.isfinite(run.duration_s)

@@ -252,6 +252,9 @@ def _table(path: Path, notes: list[str]) -> dict[str, NDArray[np.float64]]:
     if len(values) < len(body):
         notes.append(f"{path.name}: {len(body) - len(values)} lines are not {len(header)} numbers and were left out.")
     table = np.array(values, np.float64).reshape(-1, len(header))
+    if "t" in header and not (timed := np.isfinite(table[:, header.index("t")])).all():
+        notes.append(f"{path.name}: {many(int((~timed).sum()), 'line')} without a time left out.")
+        table = table[timed]
     return {name: table[:, k].copy() for k, name in enumerate(header)}
 
 

@@ -298,7 +298,7 @@ INSTEAD = {
     **dict.fromkeys(("np.fmod", "math.fmod"), "a - b * int(a / b)"),
     **dict.fromkeys(("np.power", "np.float_power", "math.pow", "pow"), "a ** b"),
     **dict.fromkeys(("np.isclose", "np.allclose", "math.isclose"), "abs(a - b) < 1e-6"),
-    **dict.fromkeys(("np.inner", "np.vdot"), "np.dot(a, b)"),
+    **dict.fromkeys(("np.inner", "np.vdot"), "np.dot(a, b), of two vectors"),
     **dict.fromkeys(("np.select", "np.piecewise", "np.heaviside"), "np.where(condition, a, b)"),
     **dict.fromkeys(("np.interp",), "np.clip and a straight line"),
     **dict.fromkeys(("np.amax", "np.nanmax"), "np.max(a)"),

@@ -91,4 +91,4 @@ def _beside(ring: NDArray[np.float64], border: float, side: float) -> NDArray[np
 def _on_earth(degrees: NDArray[np.float64]) -> NDArray[np.float64]:
     """Bring longitudes back to -180 to 180, all of them by the same turn."""
     turn = -360.0 if degrees[:, 0].max() > 180.0 else 360.0 if degrees[:, 0].min() < -180.0 else 0.0
-    return degrees + np.array([turn, 0.0])
+    return np.asarray(degrees + np.array([turn, 0.0]))
