@@ -169,6 +169,14 @@ def test_a_picture_is_decoded_as_opencv_does(tmp_path):
     assert read_picture_file(tmp_path / "missing.png") is None
 
 
+def test_damaged_tags_of_a_picture_are_passed_over_in_silence(recwarn):
+    whole = cv2.imencode(".tiff", np.zeros((24, 32, 3), np.uint8))[1].tobytes()
+    assert picture_size(whole) == (32, 24)
+    for end in range(len(whole) - 200, len(whole), 7):
+        picture_size(whole[:end])
+    assert not recwarn.list
+
+
 def test_arrays_are_read_as_numpy_does(tmp_path):
     arrays = {"a": np.arange(6.0).reshape(2, 3), "b": np.asfortranarray(np.eye(3, dtype=np.int16)), "c": np.array(5)}
     np.savez_compressed(tmp_path / "x.npz", **arrays)

@@ -13,6 +13,7 @@ import os
 import sqlite3
 import stat
 import struct
+import warnings
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
@@ -213,8 +214,10 @@ def picture_size(content: bytes) -> tuple[int, int] | None:
     from PIL import Image
 
     try:
-        with Image.open(io.BytesIO(content), formats=("JPEG", "WEBP", "TIFF", "BMP", "PNG")) as found:
-            return found.size
+        with warnings.catch_warnings():  # about damaged tags, which are not asked for
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(content), formats=("JPEG", "WEBP", "TIFF", "BMP", "PNG")) as found:
+                return found.size
     except Image.DecompressionBombError:
         return limits.PICTURE_PIXELS, limits.PICTURE_PIXELS
     except Exception:  # its plugins raise all kinds

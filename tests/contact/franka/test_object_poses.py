@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from coral.contact.franka.object_poses import (
+    PARSED,
     ObjectPoses,
     parse_poses,
     parse_state,
@@ -114,3 +115,19 @@ def test_a_state_for_a_simulated_camera_is_read_as_it_was_sent():
 @pytest.mark.parametrize("data", [b"", b"{}", b"\xff", poses_datagram({"box": BodyState(np.zeros(3), UPRIGHT)})])
 def test_what_is_no_state_is_none(data):
     assert parse_state(data) is None
+
+
+def test_a_flood_of_large_datagrams_is_not_read_through(poses, monkeypatch):
+    """A hundred of 60 kB held the arm's stream up for a second."""
+    read, place = [], {"position": [0, 0, 0], "quaternion": [1, 0, 0, 0]}
+    large = json.dumps({"objects": {f"thing {k}": place for k in range(700)}}).encode()
+    monkeypatch.setattr("coral.contact.franka.object_poses.parse_poses", lambda data: read.append(data))
+    send(poses, large)
+    for k in range(60):
+        send(poses, box_at(0.01 * k))
+    poses.update(1.0)
+    assert len(read) == PARSED
+    assert read[-1] == box_at(0.59)
+    send(poses, large)
+    poses.update(2.0)
+    assert len(read) == PARSED

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import socket
+from collections import deque
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +19,11 @@ from coral.foreign_file import parse_json
 
 SMOOTHING_S = 0.1
 """Time constant of the velocity, which is a difference of noisy poses."""
-LARGEST = 65_536
+LARGEST = 8_192
+"""Bytes of a datagram: the poses of thirty objects."""
+TAKEN, PARSED = 100, 10
+"""Datagrams that are taken from the port at once, and the newest ones of them that are read: a flood of the largest must
+not hold the stream up, where one takes 1 ms."""
 FRAMES = ("world", "tool")
 
 
@@ -65,15 +70,17 @@ class ObjectPoses:
             self._poses |= {name: _carried(pose, tool) for name, pose in self._held.items()}
 
     def _receive(self, now_s: float) -> None:
-        for _ in range(100):  # a flood must not hold the stream up
+        waiting: deque[bytes] = deque(maxlen=PARSED)
+        for _ in range(TAKEN):
             try:
-                data = self._socket.recv(LARGEST)
+                waiting.append(self._socket.recv(LARGEST + 1))
             except (BlockingIOError, InterruptedError):
-                return
+                break
             except OSError:
                 self.malformed += 1
-                return
-            found = parse_poses(data)
+                break
+        for data in waiting:
+            found = parse_poses(data) if len(data) <= LARGEST else None
             if found is None:
                 self.malformed += 1
                 continue

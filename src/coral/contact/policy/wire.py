@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 PLAIN = re.compile(r"[<>|=]?[biuf][1248]")
 """Supported dtypes: booleans, integers and floats. Others, such as objects, could contain code or be ambiguous."""
+LONGEST_AXIS = 2**31
 MOST_AXES = 8
 
 
@@ -103,7 +104,7 @@ def field(value: Mapping[Any, Any], name: str) -> Any:
 def _array(value: Mapping[Any, Any]) -> NDArray[Any]:
     dtype, shape, data = _plain(field(value, "dtype")), field(value, "shape"), field(value, "data")
     whole = isinstance(shape, list) and all(type(n) is int and n >= 0 for n in shape)
-    if not whole or len(shape) > MOST_AXES:
+    if not whole or len(shape) > MOST_AXES or max(shape, default=0) > LONGEST_AXIS:
         raise WireError(f"an array of shape {str(shape)[:60]}")
     if not isinstance(data, bytes) or math.prod(shape) * dtype.itemsize != len(data):
         size = len(data) if isinstance(data, bytes) else 0
