@@ -22,8 +22,8 @@ SMOOTHING_S = 0.1
 LARGEST = 8_192
 """Bytes of a datagram: the poses of thirty objects."""
 TAKEN, PARSED = 100, 10
-"""Datagrams that are taken from the port at once, and the newest ones of them that are read: a flood of the largest must
-not hold the stream up, where one takes 1 ms."""
+"""Datagrams that are taken from the port at once, and the newest of them that are read: a flood of the largest ones,
+which take 1 ms each, must not hold the stream up."""
 FRAMES = ("world", "tool")
 
 
