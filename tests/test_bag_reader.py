@@ -31,6 +31,12 @@ def test_a_file_that_is_none_is_one_line(tmp_path, content):
         assert "\n" not in str(told.value)
 
 
+def test_a_file_of_eight_bytes_is_damaged(tmp_path):
+    (tmp_path / "x.mcap").write_bytes(b"\x89MCAP0\r\n")
+    with pytest.raises(InputError, match=r"x\.mcap: found damaged bytes, expected a ROS bag or an MCAP file"):
+        count_messages(tmp_path / "x.mcap")
+
+
 def test_a_chunk_is_unpacked_no_further_than_any_chunk_holds(tmp_path):
     """A chunk of zeros: 60 kB in the file, 2 GB when unpacked. It says so, or says that it is small."""
     zstd = pytest.importorskip("rosbags.rosbag2.storage_mcap").zstd

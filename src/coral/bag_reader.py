@@ -108,7 +108,9 @@ def _opened(path: Path) -> Iterator[Any]:
 
 
 def _cannot_open(path: Path, error: Exception) -> InputError:
-    found, expected = _MENDS.get(first_line(error), (first_line(error), "a ROS bag or an MCAP file"))
+    # The library's own checks are assertions and failed conversions, whose texts say nothing of the file.
+    told = "damaged bytes" if isinstance(error, AssertionError | TypeError | LookupError) else first_line(error)
+    found, expected = _MENDS.get(first_line(error), (told, "a ROS bag or an MCAP file"))
     return InputError(str(path), "", found, expected)
 
 
