@@ -1,6 +1,7 @@
 """`coral reef products`."""
 
 import json
+import shutil
 import sys
 from pathlib import Path
 
@@ -53,3 +54,14 @@ def test_bad_input_is_one_line(survey_run, tmp_path, told):
     code, _, error = told("reef", "products", survey_run, "--out", tmp_path / "c")
     assert code == 2
     assert "a new or empty folder" in error
+
+
+def test_a_planted_link_leads_to_no_other_folder(survey_run, tmp_path, told):
+    run, private = tmp_path / "run", tmp_path / "private"
+    shutil.copytree(survey_run, run, ignore=shutil.ignore_patterns("products"))
+    private.mkdir()
+    (run / "products").symlink_to(private)
+    code, _, error = told("reef", "products", run)
+    assert (code, error.count("\n")) == (2, 1)
+    assert "products: found a link to another folder" in error
+    assert not any(private.iterdir())

@@ -42,7 +42,10 @@ class ReefProducts:
         """Make them."""
         world = self.run / "world.yaml"
         truth = true_reef(load_world(world)) if world.is_file() else None
-        return make_products(read_run(self.run), self.cfg, self.datum, self.out or self.run / "products", truth)
+        out = self.out or self.run / "products"
+        if self.out is None and out.is_symlink():  # whoever made the run chose where it leads
+            raise InputError(str(out), "", "a link to another folder", "no such file, or --out FOLDER")
+        return make_products(read_run(self.run), self.cfg, self.datum, out, truth)
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was found, and list the main files."""
