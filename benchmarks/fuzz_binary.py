@@ -53,7 +53,7 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     Args:
         home: Folder of the package.
     """
-    from coral.contact.perception.masks.colour_masks import read_colours
+    from coral.contact.real_scenes.masks.colour_masks import read_colours
 
     from coral.contact.franka.object_poses import parse_poses
     from coral.contact.libero.object_model import read_model
