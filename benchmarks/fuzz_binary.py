@@ -53,11 +53,10 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     Args:
         home: Folder of the package.
     """
-    from coral.contact.real_scenes.masks.colour_masks import read_colours
-
     from coral.contact.franka.object_poses import parse_poses
     from coral.contact.libero.object_model import read_model
     from coral.contact.memory.memory import Memory
+    from coral.contact.real_scenes.masks.colour_masks import read_colours
     from coral.exam.question_set import load_set
     from coral.foreign_file import decode_picture, read_arrays, read_json
     from coral.onnx_file import open_onnx
