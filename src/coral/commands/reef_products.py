@@ -94,10 +94,10 @@ def describe_products(result: Mapping[str, Any]) -> str:
         f"{many(result['clusters'], 'cluster')}; {result['seen_m2']:.0f} m² of sea floor seen near enough, "
         f"{many(result['keyframes'], 'picture')}"
     ]
-    apart = f"{result['outlines']:.0f} ({result['outlines_low']:.0f} to {result['outlines_high']:.0f})"
     if result["oysters"] is None:
-        lines.append(f"{apart} told apart from above; too few lie apart to tell size and number")
+        lines.append("how many oysters: too few lie apart to tell the size of one")
     else:
+        apart = f"{result['outlines']:.0f} ({result['outlines_low']:.0f} to {result['outlines_high']:.0f})"
         lines.append(
             f"about {result['oysters']:.0f} oysters ({result['oysters_low']:.0f} to {result['oysters_high']:.0f}), "
             f"{result['oysters_per_m2']:.2f} a m² of the sea floor seen near enough, "

@@ -60,14 +60,17 @@ class Singles:
 
 @dataclass(frozen=True)
 class ShellCount:
-    """How many oysters lie on the sea floor that was seen near enough."""
+    """How many oysters lie on the sea floor that was seen near enough; None where too few lie apart.
 
-    outlines: SurveyEstimate
-    """Those that a person would tell apart from above."""
+    What a network saw is then no shape of a shell.
+    """
+
     singles: Singles
-    length: SurveyEstimate | None
-    """Mean length (m); None where too few lie apart."""
-    oysters: SurveyEstimate | None
+    outlines: SurveyEstimate | None = None
+    """Those that a person would tell apart from above."""
+    length: SurveyEstimate | None = None
+    """Mean length (m)."""
+    oysters: SurveyEstimate | None = None
     """Number, with those that lie beneath others."""
 
 
@@ -88,11 +91,11 @@ def count_shells(
     """
     share = np.asarray(0.5 * (seen + filled), np.float32)
     singles = find_singles(share, cell_m)
-    apart, spread = count_bulges(share >= 0.5) / _BULGES, math.exp(NORMAL_95 * _BULGES_ERROR)
-    outlines = SurveyEstimate(apart, apart / spread, apart * spread)
     count = len(singles.area)
     if count < LEAST_SINGLES:
-        return ShellCount(outlines, singles, None, None)
+        return ShellCount(singles)
+    apart, spread = count_bulges(share >= 0.5) / _BULGES, math.exp(NORMAL_95 * _BULGES_ERROR)
+    outlines = SurveyEstimate(apart, apart / spread, apart * spread)
     one, length = float(singles.area.mean()), float(singles.length.mean())
     window = _WINDOW * length / cell_m
     number = covered_number(share, window) * cell_m**2 / one / _CONVEX
@@ -101,8 +104,8 @@ def count_shells(
     size_error = float(singles.area.std(ddof=1)) / one / math.sqrt(count)
     error = number * math.sqrt(size_error**2 + (elasticity * area_error) ** 2 + _MODEL**2)
     return ShellCount(
-        outlines,
         singles,
+        outlines,
         _around(length, float(singles.length.std(ddof=1)) / math.sqrt(count) + 0.25 * cell_m),
         _around(number, error),
     )
@@ -138,8 +141,12 @@ def count_bulges(mask: NDArray[np.bool_]) -> int:
     """Count what of a mask may be a shell of its own: each patch, or each of its bulges.
 
     Bulges are peaks of the distance from the edge, at least half a shell's width apart. The median patch tells it.
+    Patches too small to have a shape are specks of a network.
     """
-    away = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 5)
+    patches = np.pad(mask, 1).astype(np.uint8)
+    _, label, boxes, _ = cv2.connectedComponentsWithStats(patches, connectivity=4)
+    patches[boxes[label, cv2.CC_STAT_AREA] < _LEAST_CELLS] = 0
+    away = cv2.distanceTransform(patches, cv2.DIST_L2, 5)
     count, label = cv2.connectedComponents((away > 0.0).astype(np.uint8), connectivity=4)
     if count < 2:
         return 0
