@@ -1,12 +1,22 @@
 """Hypothesis for all tests: the same examples in every run, no limit on wall time; and a browser for the pages."""
 
 import shutil
+from importlib.util import find_spec
 
 import pytest
 from hypothesis import settings
 
 settings.register_profile("coral", deadline=None, derandomize=True)
 settings.load_profile("coral")
+
+
+def pytest_collection_modifyitems(items):
+    """Leave out what shows a wing's work where that wing is off, as in `make wings`."""
+    for item in items:
+        for mark in item.iter_markers("wing"):
+            if find_spec(mark.args[0]) is None:
+                item.add_marker(pytest.mark.skip(reason=f"without {mark.args[0]}"))
+
 
 FLAGS = [
     "--no-sandbox",

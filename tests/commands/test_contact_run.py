@@ -16,6 +16,7 @@ def answer(capsys):
     return json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.wing("coral.view")
 def test_run_prints_one_object_with_the_promised_keys_and_leaves_a_run(task, tmp_path, capsys):
     assert main(["contact", "run", task, "--world", "hand", "--out", str(tmp_path / "run"), "--json", *COARSE]) == 0
     result = answer(capsys)
@@ -141,6 +142,7 @@ def test_a_model_that_refuses_is_refused_before_anything_is_written(task, refusi
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.wing("coral.view")
 def test_where_a_model_decides_nothing_everything_says_so(task, refusing, tmp_path, capsys):
     out = tmp_path / "run"
     assert main(["contact", "run", task, *REFUSED, refusing, *SKIP, "--out", str(out)]) == 0
