@@ -23,6 +23,7 @@ from coral.terminal import fitted
 from coral.termination import orderly_termination
 
 COMMANDS = {
+    "gui": ("coral.commands.gui:Gui", "start, watch, answer and compare runs in a browser"),
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
     "reef sail": ("coral.commands.reef_sail:ReefSail", "survey in real time, with a simulated or a real vehicle"),
     "reef identify": ("coral.commands.reef_identify:ReefIdentify", "measure how a vehicle follows its set-points"),
