@@ -89,7 +89,7 @@ def command(wanted: Mapping[str, Any], root: Path) -> tuple[list[str], Path]:
     Raises:
         InputError: There is no such system, reef, task or setting.
     """
-    system, name, settings = wanted.get("system"), wanted.get("name"), wanted.get("settings")
+    system, name, settings = str(wanted.get("system")), wanted.get("name"), wanted.get("settings")
     if system not in SETTINGS:
         raise InputError("system", "", repr(system), f"one of {', '.join(SETTINGS)}")
     if not isinstance(name, str) or not name or name.startswith("-"):
