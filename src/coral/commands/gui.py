@@ -49,7 +49,7 @@ class Gui:
 
     def __call__(self) -> Mapping[str, Any]:
         """Serve until interrupted."""
-        from coral.view.front.server import FrontServer
+        from coral.desk.front.server import FrontServer
 
         root = self.runs.resolve()
         server = FrontServer(root, choices(), lambda wanted: command(wanted, root), port=self.port)

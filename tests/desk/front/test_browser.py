@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import expect
 
 from coral.commands.gui import choices, command
-from coral.view.front.server import FrontServer
+from coral.desk.front.server import FrontServer
 
 pytestmark = pytest.mark.browser
 PATIENCE_MS = 90_000

@@ -1,4 +1,4 @@
-from coral.view.front.jobs import Job
+from coral.desk.front.jobs import Job
 
 
 def test_a_command_says_why_it_ended(tmp_path):

@@ -4,8 +4,8 @@ import json
 import pytest
 import yaml
 
+from coral.desk.front.server import FrontServer
 from coral.errors import InputError
-from coral.view.front.server import FrontServer
 
 
 @pytest.fixture
@@ -32,7 +32,8 @@ def server(root):
 def ask(server, path, content=None):
     connection = http.client.HTTPConnection("127.0.0.1", server.access.port, timeout=30)
     headers = {"Authorization": f"Bearer {server.access.token}", "X-Coral": "1", "Content-Type": "application/json"}
-    connection.request("GET" if content is None else "POST", path, content and json.dumps(content), headers)
+    body = None if content is None else json.dumps(content)
+    connection.request("GET" if body is None else "POST", path, body, headers)
     response = connection.getresponse()
     body = json.loads(response.read())
     connection.close()
@@ -76,5 +77,5 @@ def test_what_cannot_be_started_is_said(server):
 
 
 def test_no_more_runs_than_cores_can_bear(server, monkeypatch):
-    monkeypatch.setattr("coral.view.front.server.MOST", 0)
+    monkeypatch.setattr("coral.desk.front.server.MOST", 0)
     assert ask(server, "/api/start", {"name": "s1"})[0] == 409
