@@ -23,7 +23,6 @@ from coral.terminal import fitted
 from coral.termination import orderly_termination
 
 COMMANDS = {
-    "gui": ("coral.commands.gui:Gui", "start, watch, answer and compare runs in a browser"),
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
     "reef sail": ("coral.commands.reef_sail:ReefSail", "survey in real time, with a simulated or a real vehicle"),
     "reef identify": ("coral.commands.reef_identify:ReefIdentify", "measure how a vehicle follows its set-points"),
@@ -56,6 +55,7 @@ COMMANDS = {
     "replay": ("coral.commands.replay:Replay", "watch a run folder again in a browser"),
     "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),
     "desk": ("coral.commands.desk:Desk", "answer a mission's questions in a browser"),
+    "gui": ("coral.commands.gui:Gui", "start, watch, answer and compare runs in a browser"),
     "advisor show": ("coral.commands.advisor_show:AdvisorShow", "print a prompt and write its pictures"),
     "advisor probe": ("coral.commands.advisor_probe:AdvisorProbe", "test what a model's endpoint can do"),
     "advisor bench": ("coral.commands.advisor_bench:AdvisorBench", "measure whether a model is good enough"),
