@@ -45,10 +45,20 @@ class ReefEyes:
     """score: sets of pictures instead, as written by `coral reef blender`."""
     pictures: Count = 6
     """Pictures of each reef (and water)."""
-    reefs: Count = 40
+    labelled: tuple[Path, ...] = ()
+    """train: folders of real pictures with oysters marked: YOLO or Roboflow, COCO, masks, CoralNet's points."""
+    oysters: tuple[str, ...] = ()
+    """train: names (or numbers) of the classes there that are oysters; all of them, by default."""
+    without: tuple[str, ...] = ()
+    """train: videos that are left out, and measured: names of pictures without the number of the frame."""
+    reefs: Count = 75
     """train: generated reefs."""
-    epochs: Count = 24
-    """train: passes over all pictures."""
+    steps: Count = 3000
+    """train: steps, of some 50 or 100 pictures each."""
+    batch: Count = 48
+    """train: pictures of a step."""
+    device: Literal["cpu", "cuda"] = "cpu"
+    """train: cuda for a graphics card."""
     limit_s: Positive = 7200.0
     """train: longest time."""
     begin: Path | None = None
@@ -73,23 +83,33 @@ class ReefEyes:
         if self.out is None or self.out.suffix != ".onnx" or self.out.exists():
             raise InputError("--out", "", str(self.out), "a new file that ends in .onnx")
         try:
-            from coral.reef.paint.training import TrainingCfg, TrainingData, export, train, weights_in
+            from coral.reef.paint.training import TrainingCfg, export, train, weights_in
         except ImportError as error:
             raise InputError("coral reef eyes train", "", f"no package {error.name}", "the extra `train`") from None
-        from coral.reef.paint.training_set import make_samples
+        from coral.reef.paint.familiar import know_training
+        from coral.reef.paint.labelled_pictures import read_labelled
+        from coral.reef.paint.left_out import measure_left_out
+        from coral.reef.paint.teaching import gather_real, teach
 
         begin = None if self.begin is None else weights_in(self.begin)
-        samples = []
-        for sample in make_samples(self.seed, self.reefs, self.pictures):
-            samples.append((sample.picture.astype(np.float16), sample.labels, sample.depth.astype(np.float16)))
-            if len(samples) % 100 == 0:
-                _tell(f"{len(samples)} of {self.reefs * self.pictures} pictures")
-        data = TrainingData(*(np.stack(part) for part in zip(*samples, strict=True)))
-        cfg = TrainingCfg(epochs=self.epochs, limit_s=self.limit_s, threads=self.threads)
+        marked = [one for folder in self.labelled for one in read_labelled(folder, self.oysters)]
+        unknown = set(self.without) - {one.video for one in marked}
+        if unknown:
+            raise InputError("--without", "", sorted(unknown)[0], ", ".join(sorted({one.video for one in marked})))
+        kept = [one for one in marked if one.video not in self.without]
+        data = teach(
+            self.seed, reefs=self.reefs, pictures=self.pictures, real=gather_real(kept), processes=self.threads,
+            tell=_tell,
+        )  # fmt: skip
+        cfg = TrainingCfg(
+            steps=self.steps, batch=self.batch, limit_s=self.limit_s, threads=self.threads, device=self.device
+        )
         net = train(data, cfg, self.seed, _tell, begin)
+        know_training(net, kept, data.reefs, self.seed)
         self.out.parent.mkdir(parents=True, exist_ok=True)
         export(net, self.out)
-        return {"file": str(self.out), "pictures": len(samples)}
+        rows = measure_left_out(net, [one for one in marked if one.video in self.without])
+        return {"file": str(self.out), "pictures": 2 * self.reefs * self.pictures, "real": len(kept), "rows": rows}
 
     def _calibrate(self) -> Mapping[str, Any]:
         from coral.reef.eyes.backends import open_eyes
@@ -194,7 +214,13 @@ class ReefEyes:
     def describe(self, result: Mapping[str, Any]) -> str:
         """Return the file, or a table in Markdown."""
         if self.action == "train":
-            return f"{result['file']}, from {result['pictures']} pictures"
+            rows = [
+                f"| {row['video']} | {row['iou']:.2f} | {row['precision']:.2f} | {row['recall']:.2f} |"
+                for row in result["rows"]
+            ]
+            table = ["| left out | IoU | precision | recall |", "|---|---|---|---|", *rows] if rows else []
+            made = f"{result['file']}, from {result['pictures']} painted and {result['real']} real pictures"
+            return "\n".join([*table, made])
         if self.action == "calibrate":
             rows = [f"| {row['reef']} | {row['true_m2']:.2f} | {100 * row['error']:+.1f} % |" for row in result["rows"]]
             return "\n".join(["| reef | truth (m²) | error, calibrated on the others |", "|---|---|---|", *rows,

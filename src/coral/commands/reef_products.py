@@ -89,7 +89,11 @@ def make_products(
 def describe_products(result: Mapping[str, Any]) -> str:
     """Describe the products in a few lines."""
     lines = [
-        f"{result['recording']}: oysters cover {result['oyster_area_m2']:.2f} m² "
+        f"{result['recording']}: {_uncapped(result['not_judged'])}; oysters may cover "
+        f"{result['oyster_area_low_m2']:.0f} to {result['oyster_area_high_m2']:.2f} m² of what they show, "
+        f"{many(result['keyframes'], 'picture')}"
+        if result["not_judged"]
+        else f"{result['recording']}: oysters cover {result['oyster_area_m2']:.2f} m² "
         f"({result['oyster_area_low_m2']:.2f} to {result['oyster_area_high_m2']:.2f} m²) in "
         f"{many(result['clusters'], 'cluster')}; {result['seen_m2']:.0f} m² of sea floor seen near enough, "
         f"{many(result['keyframes'], 'picture')}"
@@ -122,3 +126,7 @@ def describe_products(result: Mapping[str, Any]) -> str:
         lines.append("not placed on Earth: --datum LAT,LON gives the latitude and longitude of the start")
     lines += [f"page: {result['page']}", f"files: {result['products']}"]
     return "\n".join(lines)
+
+
+def _uncapped(text: str) -> str:
+    return text[:1].lower() + text[1:]

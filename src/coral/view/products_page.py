@@ -101,6 +101,7 @@ def render_products(
         calibrated=products.calibrated_reefs,
         area=products.area,
         shells=products.shells,
+        not_judged=not products.judgement.judged,
         seen=products.seen_m2,
         clusters=[feature.values for feature in make_layers(products, placement)[0].features],
         truth=truth,
@@ -133,6 +134,8 @@ def ramp(values: NDArray[np.float32], stops: Sequence[Stop]) -> NDArray[np.uint8
 def _headline(products: SurveyProducts) -> str:
     area, count = products.area, len(products.clusters)
     groups = "one cluster" if count == 1 else f"{count} clusters"
+    if warning := products.judgement.warning():
+        return f"{warning}. Oysters may cover {area.low_m2:.0f} to {area.high_m2:.2f} m² of what they show."
     return (
         f"Oysters cover {area.m2:.2f} m² of the sea floor ({area.low_m2:.2f} to {area.high_m2:.2f} m²), in {groups}; "
         f"{products.seen_m2:.0f} m² were seen near enough to tell."

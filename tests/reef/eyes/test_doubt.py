@@ -50,6 +50,13 @@ def test_the_likeliest_class_is_chosen_and_obstacles_early():
     np.testing.assert_allclose(doubt, [[0.6, 0.4]], atol=1e-3)
 
 
+def test_an_oyster_may_count_before_it_is_the_likeliest():
+    logits = np.log(np.array([[[0.1]], [[0.35]], [[0.1]], [[0.45]]], np.float32))
+    labels, doubt = choose_labels(logits, obstacle_from=0.35, oyster_from=0.3)
+    assert labels.tolist() == [[Label.OYSTER]]
+    np.testing.assert_allclose(doubt, [[0.65]], atol=1e-3)
+
+
 def test_doubt_is_packed_to_half_a_step():
     shares = np.array([[0.0, 0.25, 1.0, 4.0]], np.float32)
     np.testing.assert_array_equal(pack_doubt(shares, LABEL_STEPS), [[0, 64, 255, 255]])

@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from coral.reef.eyes.perception import CameraAttitude, SeenPicture, perceive_frame
+from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
+from coral.reef.eyes.perception import CameraAttitude, SeenPicture, is_judged, perceive_frame
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Frame, Label
 
@@ -33,3 +36,19 @@ def test_nothing_of_the_truth_remains():
 def test_a_frame_without_colours_is_a_mistake():
     with pytest.raises(ValueError, match="no colours"):
         perceive_frame(frame(None), Eyes(), CAMERA, CameraAttitude())
+
+
+def test_a_picture_unlike_all_that_is_known_is_no_evidence_of_oysters_or_floor():
+    class Strange(Eyes):
+        def perceive(self, rgb, camera, attitude):
+            labels = np.array([[Label.OYSTER, Label.SEABED], [Label.OBSTACLE, Label.WATER]], np.uint8)
+            return replace(super().perceive(rgb, camera, attitude), labels=labels, unlike=self.unlike)
+
+    eyes, judged = Strange(), []
+    for eyes.unlike in (0.9, 1.1):
+        seen = perceive_frame(frame(np.zeros((2, 2, 3), np.uint8)), eyes, CAMERA, CameraAttitude(height=0.9))
+        judged.append(is_judged(seen))
+    assert judged == [True, False]
+    np.testing.assert_allclose(seen.doubt, [[1.0, 1.0], [0.1, 0.2]])
+    kept = drop_doubtful(seen, DoubtCfg())
+    assert kept.labels.tolist() == [[Label.WATER, Label.WATER], [Label.OBSTACLE, Label.WATER]]

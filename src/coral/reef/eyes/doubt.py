@@ -63,12 +63,15 @@ def unpack_doubt(steps: NDArray[np.uint8], whole: int) -> NDArray[np.float32]:
     return steps.astype(np.float32) / np.float32(whole)
 
 
-def choose_labels(logits: NDArray[np.float32], obstacle_from: float) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-    """Choose the likeliest class of every pixel, or obstacle where that is likely enough.
+def choose_labels(
+    logits: NDArray[np.float32], obstacle_from: float, oyster_from: float | None = None
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    """Choose the likeliest class of every pixel, or obstacle, or oyster, where that is likely enough.
 
     Args:
         logits: In the order of `Label`. Shape=(4, H, W).
         obstacle_from: Probability from which a pixel is an obstacle, whatever else it may be.
+        oyster_from: The same for oysters, where it is not an obstacle; None: only where that is likeliest.
 
     Returns:
         Labels and the probability that they are wrong. Shape=(H, W) each.
@@ -80,6 +83,9 @@ def choose_labels(logits: NDArray[np.float32], obstacle_from: float) -> tuple[ND
     for label in range(1, len(shares)):
         labels[shares[label] > chosen] = label
         chosen = np.maximum(chosen, shares[label])
-    obstacle = shares[Label.OBSTACLE] >= obstacle_from
-    labels[obstacle] = Label.OBSTACLE
-    return labels, (1.0 - np.where(obstacle, shares[Label.OBSTACLE], chosen)).astype(np.float32)
+    for label, least in ((Label.OYSTER, oyster_from), (Label.OBSTACLE, obstacle_from)):
+        if least is not None:
+            enough = shares[label] >= least
+            labels[enough] = label
+            chosen = np.where(enough, shares[label], chosen)
+    return labels, (1.0 - chosen).astype(np.float32)

@@ -27,6 +27,8 @@ class SeenPicture:
     """Probability that the label is wrong, 0 to 1. Shape=(H, W)."""
     depth_doubt: NDArray[np.float32] | None = None
     """Expected error of the depth as a share of it; None where it is not known. Shape=(H, W)."""
+    unlike: float = 0.0
+    """How far the picture is from all that the network was trained on; from 1 on nobody should judge by it."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,9 @@ class RgbPerception(Protocol):
 def perceive_frame(frame: Frame, eyes: RgbPerception, camera: CameraCfg, attitude: CameraAttitude) -> Frame:
     """Replace the depth and the classes of a frame by what eyes see in its colours; nothing of the truth remains.
 
+    Oysters and sea floor of a picture unlike all that the network knows are doubted entirely: they are no evidence for
+    anything. Its obstacles stay.
+
     Raises:
         ValueError: The frame has no colours.
     """
@@ -70,11 +75,23 @@ def perceive_frame(frame: Frame, eyes: RgbPerception, camera: CameraCfg, attitud
         raise ValueError("the frame has no colours")
     seen = eyes.perceive(frame.rgb, camera, attitude)
     unseen = (seen.labels == Label.WATER) | ~np.isfinite(seen.depth)
+    doubt = seen.doubt
+    if seen.unlike >= 1.0:
+        judged = (seen.labels == Label.OYSTER) | (seen.labels == Label.SEABED)
+        doubt = np.where(judged, np.float32(1.0), doubt).astype(np.float32)
     return replace(
         frame,
         depth=np.where(unseen, np.float32(np.inf), seen.depth).astype(np.float32),
         labels=np.where(unseen, np.uint8(Label.WATER), seen.labels).astype(np.uint8),
         instances=np.full(seen.labels.shape, -1, np.int32),
-        doubt=seen.doubt,
+        doubt=doubt,
         depth_doubt=seen.depth_doubt,
     )
+
+
+def is_judged(frame: Frame) -> bool:
+    """Check whether a frame's oysters and sea floor may be evidence: `perceive_frame` doubts all of them otherwise."""
+    if frame.doubt is None:
+        return True
+    ground = (frame.labels == Label.OYSTER) | (frame.labels == Label.SEABED)
+    return not ground.any() or bool((frame.doubt[ground] < 1.0).any())

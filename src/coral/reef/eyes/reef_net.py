@@ -22,6 +22,12 @@ SHIPPED = Path(__file__).parent / "weights" / "reef_net.onnx"
 """The network that comes with the package."""
 OUTPUTS = {"logits": 4, "depth": 1, "depth_doubt": 1}
 """Channels by name."""
+MOST_PIXELS = 320 * 240
+"""Pixels up to which a network that takes any size sees pictures as they are: more cost more time."""
+SMALLEST_PX = 32
+"""Least width and height that it sees."""
+OYSTER_FROM_KEY = "oyster_from"
+"""Key of a file's metadata: the probability from which a pixel is an oyster."""
 OBSTACLE_FROM = 0.4
 """Probability from which a pixel is an obstacle."""
 
@@ -31,35 +37,39 @@ class ReefNetEyes:
 
     about: tuple[str, ...] = ()
 
-    def __init__(self, file: OnnxFile, obstacle_from: float = OBSTACLE_FROM) -> None:
+    def __init__(self, file: OnnxFile, obstacle_from: float = OBSTACLE_FROM, oyster_from: float | None = None) -> None:
         """Check the layout.
 
         Raises:
             InputError: The file has another layout.
         """
-        self.file, self.obstacle_from = file, obstacle_from
-        shape = file.input_shape
+        self.file, self.obstacle_from, self.oyster_from = file, obstacle_from, oyster_from
+        if oyster_from is None and file.metadata.get(OYSTER_FROM_KEY):
+            self.oyster_from = _share(file)
+        self.painted = False
+        """Whether the last picture looked more like painted reefs than like real pictures."""
         for name, channels in OUTPUTS.items():
             found = file.outputs.get(name)
             if found is None or len(found) != 4 or found[1] != channels:
                 raise InputError(
                     file.path, f"outputs.{name}", found or "none", f"a map of shape (1, {channels}, height, width)"
                 )
-        if shape[2] is None or shape[3] is None:
-            raise InputError(file.path, "inputs", str(shape), "a fixed height and width")
-        self.size = shape[3], shape[2]
-        """Width and height of the network's own pictures (px)."""
+        shape = file.input_shape
+        if (shape[2] is None) != (shape[3] is None):
+            raise InputError(file.path, "inputs", str(shape), "a fixed height and width, or both free")
+        self.fixed = None if shape[2] is None or shape[3] is None else (shape[3], shape[2])
+        """Width and height of the network's own pictures (px); None where it takes any."""
 
     def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
         """Find classes and depth. A picture of another size or shape is scaled to fit, and so is the result."""
-        width, height = self.size
+        width, height = size = self.fixed or network_size(camera)
         scale = min(width / camera.width, height / camera.height)
         inner = round(camera.width * scale), round(camera.height * scale)
         left, top = (width - inner[0]) // 2, (height - inner[1]) // 2
-        same = (camera.width, camera.height) == self.size
+        same = (camera.width, camera.height) == size
         small = rgb if same else cv2.resize(rgb, inner, interpolation=cv2.INTER_AREA)
         view = camera if same else replace(camera, width=width, height=height)
-        if inner != self.size:  # pixels stay square: what is missing of the network's picture repeats the edge
+        if inner != size:  # pixels stay square: what is missing of the network's picture repeats the edge
             below, beside = height - inner[1] - top, width - inner[0] - left
             small = cv2.copyMakeBorder(small, top, below, left, beside, cv2.BORDER_REPLICATE)
             focal = camera.intrinsics[0] * inner[0] / camera.width
@@ -69,7 +79,7 @@ class ReefNetEyes:
         rows, columns = slice(top, top + inner[1]), slice(left, left + inner[0])
         logits = np.ascontiguousarray(out["logits"][0, :, rows, columns])
         depth, depth_doubt = out["depth"][0, 0, rows, columns], out["depth_doubt"][0, 0, rows, columns]
-        labels, doubt = choose_labels(logits, self.obstacle_from)
+        labels, doubt = choose_labels(logits, self.obstacle_from, self.oyster_from)
         if not same:
             full = (camera.width, camera.height)
             labels = np.asarray(cv2.resize(labels, full, interpolation=cv2.INTER_NEAREST), np.uint8)
@@ -79,4 +89,27 @@ class ReefNetEyes:
             )
         far = (labels == Label.WATER) | (depth * ray_lengths(camera) > camera.range_m)
         depth = np.where(far, np.float32(np.inf), np.maximum(depth, np.float32(camera.near_m)))
-        return SeenPicture(labels, depth.astype(np.float32), doubt, depth_doubt)
+        apart = out["unlike"][0] if "unlike" in out else np.zeros(1, np.float32)
+        self.painted = len(apart) == 2 and bool(apart[1] < apart[0])
+        return SeenPicture(labels, depth.astype(np.float32), doubt, depth_doubt, float(apart.min()))
+
+
+def network_size(camera: CameraCfg) -> tuple[int, int]:
+    """Return the width and height (px) at which a network that takes any size sees a camera's pictures.
+
+    They stay as they are, but for those with more than `MOST_PIXELS`, which are shrunk.
+    """
+    scale = min(1.0, math.sqrt(MOST_PIXELS / (camera.width * camera.height)))
+    width, height = (2 * math.ceil(scale * size / 2 - 1e-9) for size in (camera.width, camera.height))
+    return max(width, SMALLEST_PX), max(height, SMALLEST_PX)
+
+
+def _share(file: OnnxFile) -> float:
+    text = file.metadata[OYSTER_FROM_KEY]
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < 1.0:
+        raise InputError(file.path, f"metadata.{OYSTER_FROM_KEY}", text, "a number between 0 and 1")
+    return value

@@ -1,7 +1,8 @@
-"""Trains `ReefNet` on a set of samples and exports it as ONNX. Needs torch and onnx (extra `train`)."""
+"""Trains `ReefNet` on painted reefs and on pictures with oysters marked, and exports it. Needs torch and onnx."""
 
 from __future__ import annotations
 
+import copy
 import math
 import time
 from collections.abc import Callable
@@ -10,13 +11,24 @@ from pathlib import Path
 from pickle import UnpicklingError
 
 import numpy as np
+import onnx
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
 from coral.config import Count, Positive
 from coral.errors import InputError
+from coral.reef.eyes.reef_net import OYSTER_FROM_KEY
+from coral.reef.paint.augmentation import (
+    Chance,
+    choose_windows,
+    look_through,
+    paste_titles,
+    random_floor,
+    vary_colours,
+)  # fmt: skip
+from coral.reef.paint.labelled_pictures import UNKNOWN
+from coral.reef.paint.teaching import MarkedPictures, PaintedReefs, TrainingData
 from coral.reef.paint.unet import ReefNet
 from coral.reef.world.geometry import Label
 
@@ -27,32 +39,27 @@ _NEAREST_M, _FARTHEST_M = 0.1, 12.0
 class TrainingCfg:
     """How long and how fast."""
 
-    epochs: Count = 24
-    batch: Count = 4
-    rate: Positive = 2e-3
+    steps: Count = 2000
+    batch: Count = 48
+    """Pictures of a step of full size; steps of half size have twice as many."""
+    rate: Positive = 3e-3
     """Largest learning rate: reached after a twentieth of the training, then falling along a cosine to 0."""
     oyster_weight: Positive = 2.0
-    """Weight of oyster pixels in the cross entropy: they are few."""
+    """Weight of oyster pixels in the cross entropy of painted reefs: they are few."""
     overlap_weight: Positive = 1.0
     """Weight of 1 - IoU of the oysters, which the cross entropy of few pixels hardly feels."""
     obstacle_weight: Positive = 2.0
     """The same for obstacles: to miss one is worse than to see one too many."""
+    unmarked_weight: Positive = 0.8
+    """Weight of pixels that nobody marked: some are oysters all the same, far and small ones above all."""
+    averaging: Positive = 0.998
+    """Share of the old weights that the running mean, which is what comes out, keeps at a step."""
     threads: Count = 2
+    device: str = "cpu"
+    """cpu, or cuda for a graphics card: the result then differs in the last digits."""
     limit_s: Positive = 7200.0
-    """Wall time after which training ends early. The learning rate falls faster if this comes before the last epoch;
+    """Wall time after which training ends early. The learning rate falls faster if this comes before the last step;
     the result then depends on the speed of the machine."""
-
-
-@dataclass(frozen=True)
-class TrainingData:
-    """N pictures with what is true of them, as compact arrays."""
-
-    pictures: NDArray[np.float16]
-    """Of `network_input`. Shape=(N, 4, H, W)."""
-    labels: NDArray[np.uint8]
-    """Shape=(N, H, W)."""
-    depth: NDArray[np.float16]
-    """Metres, inf for water. Shape=(N, H, W)."""
 
 
 def train(
@@ -64,55 +71,146 @@ def train(
 ) -> ReefNet:
     """Train a network.
 
-    The loss is cross entropy of the classes (weighted), 1 - IoU of the oysters with probabilities for pixels, and the
-    negative logarithm of a Laplace density of the depth's logarithm, whose width the network states as its doubt.
+    Painted reefs give cross entropy of the classes (weighted), 1 - IoU of the oysters with probabilities for pixels,
+    and the negative logarithm of a Laplace density of the depth's logarithm, whose width the network states as its
+    doubt. Of marked pictures only oysters count: cross entropy of oyster and all else, and 1 - IoU picture by picture.
+    Every second step is at half size. What comes out is a running mean of the weights.
 
     Args:
         data: What to learn from.
         cfg: How long and how fast.
         seed: Of the first weights, the order and the variation of colours.
-        tell: Called with a line after each epoch.
+        tell: Called with a line now and then.
         begin: Weights to begin with, of `weights_in`; random ones by default.
     """
     torch.set_num_threads(cfg.threads)
     torch.manual_seed(seed)
-    rng = np.random.default_rng([seed, 0x7A])
-    net: ReefNet = ReefNet().to(memory_format=torch.channels_last)
+    device = torch.device(cfg.device)
+    chance, rng = Chance(seed, device), np.random.default_rng([seed, 0x7A])
+    net: ReefNet = ReefNet()
     if begin is not None:
         net.load_state_dict(begin)
-    optimizer = torch.optim.AdamW(net.parameters(), lr=cfg.rate, weight_decay=1e-3)
-    batches = len(data.labels) // cfg.batch
-    weight = torch.ones(len(Label))
-    weight[Label.OYSTER], weight[Label.OBSTACLE] = cfg.oyster_weight, cfg.obstacle_weight
-    begun, done = time.monotonic(), 0
-    for epoch in range(cfg.epochs):
-        net.train()
-        order, total = rng.permutation(len(data.labels)), np.zeros(3)
-        for start in range(0, batches * cfg.batch, cfg.batch):
-            progress = max(done / (batches * cfg.epochs), (time.monotonic() - begun) / cfg.limit_s)
-            if progress >= 1.0:
-                break
-            optimizer.param_groups[0]["lr"] = cfg.rate * _rate_at(progress)
-            done += 1
-            picture, labels, depth = _batch(data, np.sort(order[start : start + cfg.batch]), rng)
-            logits, metres, doubt = net(picture)
-            classes = functional.cross_entropy(logits, labels, weight=weight)
-            overlap = _overlap_loss(logits, labels)
-            distance = _distance_loss(metres, doubt, depth)
-            optimizer.zero_grad(set_to_none=True)
-            (classes + cfg.overlap_weight * overlap + 0.3 * distance).backward()
-            optimizer.step()
-            total += (float(classes.detach()), float(overlap.detach()), float(distance.detach()))
-        steps, took = max(done - epoch * batches, 1), time.monotonic() - begun
-        classes_mean, overlap_mean, depth_mean = total / steps
-        tell(
-            f"epoch {epoch + 1}: classes {classes_mean:.3f}, oysters 1 - IoU {overlap_mean:.3f}, "
-            f"depth {depth_mean:.3f}, {took:.0f} s"
-        )
-        if took >= cfg.limit_s:
+    net = net.to(device=device, memory_format=torch.channels_last).train()
+    mean = copy.deepcopy(net).eval()
+    optimizer = torch.optim.AdamW(net.parameters(), lr=cfg.rate, weight_decay=1e-2, fused=True)
+    feed = Feed(data, device, rng, chance, cfg)
+    begun, told, total = time.monotonic(), 0, np.zeros(2)
+    for step in range(cfg.steps if feed.size else 0):
+        progress = max(step / cfg.steps, (time.monotonic() - begun) / cfg.limit_s)
+        if progress >= 1.0:
             break
-    net.eval()
-    return net
+        optimizer.param_groups[0]["lr"] = cfg.rate * _rate_at(progress)
+        optimizer.zero_grad(set_to_none=True)
+        losses = feed.losses(net, half=step % 2 == 1)
+        (losses[0] + losses[1]).backward()
+        torch.nn.utils.clip_grad_norm_(net.parameters(), 50.0)
+        optimizer.step()
+        _follow(mean, net, min(cfg.averaging, (1 + step) / (10 + step)))
+        if step % 10 == 0:
+            total += [float(loss.detach()) for loss in losses]
+            told += 1
+        if (step + 1) % max(cfg.steps // 10, 1) == 0:
+            painted, marked = total / max(told, 1)
+            tell(f"step {step + 1}: painted {painted:.3f}, marked {marked:.3f}, {time.monotonic() - begun:.0f} s")
+            total, told = np.zeros(2), 0
+    trained: ReefNet = mean.to("cpu")
+    return trained
+
+
+class Feed:
+    """Makes batches of training data on the device, and their losses."""
+
+    def __init__(
+        self, data: TrainingData, device: torch.device, rng: np.random.Generator, chance: Chance, cfg: TrainingCfg
+    ) -> None:
+        self.rng, self.chance, self.cfg, self.device = rng, chance, cfg, device
+        self.reefs = [_on(group, device) for group in data.reefs]
+        self.marked = [(_on_marked(group, device), group.share) for group in data.marked if len(group.target)]
+        self.titles = torch.from_numpy(data.titles).to(device).float() / 255.0 if len(data.titles) else None
+        shapes = [group[0].shape[2:] for group in self.reefs]
+        self.size: tuple[int, int] | None = max(
+            (tuple(shape) for shape in shapes), default=data.size if self.marked else None
+        )
+        self.weight = torch.ones(len(Label), device=device)
+        self.weight[Label.OYSTER], self.weight[Label.OBSTACLE] = cfg.oyster_weight, cfg.obstacle_weight
+
+    def losses(self, net: ReefNet, *, half: bool) -> tuple[Tensor, Tensor]:
+        """Return the loss on painted reefs and that on marked pictures, of one batch."""
+        assert self.size is not None
+        height, width = self.size
+        size = (height // 2, width // 2) if half else (height, width)
+        batch = self.cfg.batch * (2 if half else 1)
+        reefs = next((group for group in self.reefs if tuple(group[0].shape[2:]) == size), None)
+        reefs = reefs or (self.reefs[0] if self.reefs else None)
+        shares = sum(share for _, share in self.marked)
+        count = 0 if reefs is None else max(1, round(batch * (1.0 - shares)))
+        pictures, truths = [], []
+        if reefs is not None:
+            picture, labels, depth = self._painted(reefs, count, size)
+            pictures.append(picture)
+        for group, share in self.marked:
+            picture, target = self._marked(group, max(1, round(batch * share)), size)
+            pictures.append(picture)
+            truths.append(target)
+        batch_in = torch.cat(pictures).contiguous(memory_format=torch.channels_last)
+        with torch.autocast(self.device.type, torch.bfloat16, enabled=self.device.type == "cuda"):
+            out, _ = net.features(batch_in)
+        out = out.float()
+        painted = marked = out.sum() * 0.0
+        if reefs is not None:
+            painted = self._painted_loss(out[:count], batch_in[:count, 3:4], labels, depth)
+        if truths:
+            marked = self._marked_loss(out[count:], torch.cat(truths))
+        return painted, marked
+
+    def _painted(
+        self, group: tuple[Tensor, Tensor, Tensor, Tensor], count: int, size: tuple[int, int]
+    ) -> tuple[Tensor, Tensor, Tensor]:
+        chosen = torch.from_numpy(self.rng.integers(len(group[0]), size=count)).to(self.device)
+        rgb, floor, labels, depth = (part[chosen] for part in group)
+        window = choose_windows(count, self.chance, scale=(0.7, 1.0), turned=False)
+        light = look_through(rgb.float() / 255.0, window, size, "bilinear")
+        floor = look_through(floor.float(), window, size, "bilinear")
+        far = look_through(depth.float().clamp(max=1e3), window, size, "nearest")
+        seen = look_through(labels[:, None].float(), window, size, "nearest")[:, 0].long()
+        light = vary_colours(light, far, self.chance, 0.6)
+        if self.titles is not None:
+            light = paste_titles(light, self.titles, self.chance, 0.05)
+        return torch.cat([light * 2.0 - 1.0, floor], dim=1), seen, far
+
+    def _marked(self, group: tuple[Tensor, Tensor], count: int, size: tuple[int, int]) -> tuple[Tensor, Tensor]:
+        chosen = torch.from_numpy(self.rng.integers(len(group[0]), size=count)).to(self.device)
+        window = choose_windows(count, self.chance, scale=(0.3, 1.6), turned=True)
+        light = look_through(group[0][chosen].float() / 255.0, window, size, "bilinear")
+        target = look_through(group[1][chosen][:, None].float(), window, size, "nearest")[:, 0].long()
+        light = vary_colours(light, None, self.chance)
+        if self.titles is not None:
+            light = paste_titles(light, self.titles, self.chance)
+        floor = random_floor(count, size, self.chance)
+        return torch.cat([light * 2.0 - 1.0, floor], dim=1), target
+
+    def _painted_loss(self, out: Tensor, floor: Tensor, labels: Tensor, depth: Tensor) -> Tensor:
+        logits = out[:, :4]
+        classes = functional.cross_entropy(logits, labels, weight=self.weight)
+        likely = functional.softmax(logits, dim=1)[:, int(Label.OYSTER)]
+        overlap = _missed(likely, (labels == int(Label.OYSTER)).float(), (0, 1, 2))
+        flat = -torch.log(torch.clamp(floor, min=1.0 / _FARTHEST_M))
+        there = (depth < 1e3) & (labels[:, None] != int(Label.WATER))
+        true = torch.log(torch.clamp(depth, _NEAREST_M, _FARTHEST_M))
+        error, width = (flat + out[:, 4:5] - true).abs(), functional.softplus(out[:, 5:6]) + 0.01
+        distance = ((error / width + torch.log(width)) * there).sum() / there.sum().clamp(min=1)
+        return classes + self.cfg.overlap_weight * overlap + 0.02 * distance
+
+    def _marked_loss(self, out: Tensor, target: Tensor) -> Tensor:
+        oyster = out[:, int(Label.OYSTER)]
+        others = torch.logsumexp(out[:, [int(one) for one in Label if one != Label.OYSTER]], dim=1)
+        true, known = (target == int(Label.OYSTER)).float(), (target != UNKNOWN).float()
+        weight = known * (true + (1.0 - true) * self.cfg.unmarked_weight)
+        entropy = functional.binary_cross_entropy_with_logits(oyster - others, true, reduction="none")
+        overlap = _missed(torch.sigmoid(oyster - others) * known, true, (1, 2))
+        some = (true.sum(dim=(1, 2)) > 0.002 * true[0].numel()).float()
+        missed = (overlap * some).sum() / some.sum().clamp(min=1.0)
+        return (entropy * weight).sum() / weight.sum().clamp(min=1.0) + self.cfg.overlap_weight * missed
 
 
 def weights_in(path: Path) -> dict[str, Tensor]:
@@ -132,25 +230,33 @@ def weights_in(path: Path) -> dict[str, Tensor]:
         return found
 
 
-def export(net: ReefNet, path: Path, size: tuple[int, int] = (160, 120)) -> None:
-    """Write a network as ONNX: input `picture`, outputs `logits`, `depth`, `depth_doubt`; its weights as .pt beside.
+def export(net: ReefNet, path: Path, oyster_from: float | None = None) -> None:
+    """Write a network for pictures of any even size as ONNX; its weights as .pt beside.
+
+    Input `picture`, outputs `logits`, `depth`, `depth_doubt`, `unlike`.
 
     Args:
         net: The network.
         path: Where to.
-        size: Width and height of its pictures (px).
+        oyster_from: Probability from which eyes call a pixel an oyster; None: where that is likeliest.
     """
-    width, height = size
+    net = net.cpu().eval()
     torch.save(net.state_dict(), path.with_suffix(".pt"))
+    free = {2: "height", 3: "width"}
     torch.onnx.export(
         net,
-        (torch.zeros(1, 4, height, width),),
+        (torch.zeros(1, 4, 120, 160),),
         str(path),
         input_names=["picture"],
-        output_names=["logits", "depth", "depth_doubt"],
+        output_names=["logits", "depth", "depth_doubt", "unlike"],
+        dynamic_axes=dict.fromkeys(("picture", "logits", "depth", "depth_doubt"), free),
         opset_version=17,
         dynamo=False,
     )
+    if oyster_from is not None:
+        model = onnx.load(str(path))
+        onnx.helper.set_model_props(model, {OYSTER_FROM_KEY: f"{oyster_from:.3f}"})
+        onnx.save(model, str(path))
 
 
 def _rate_at(progress: float) -> float:
@@ -158,37 +264,25 @@ def _rate_at(progress: float) -> float:
     return min(progress / 0.05, 0.5 + 0.5 * math.cos(math.pi * min(progress, 1.0)))
 
 
-def _overlap_loss(logits: Tensor, labels: Tensor) -> Tensor:
-    """Return 1 - IoU of the oysters of a batch, with probabilities in place of pixels (soft Jaccard loss)."""
-    likely = functional.softmax(logits, dim=1)[:, int(Label.OYSTER)]
-    true = (labels == int(Label.OYSTER)).to(likely.dtype)
-    both = (likely * true).sum()
-    return 1.0 - (both + 1.0) / ((likely + true).sum() - both + 1.0)
+def _missed(likely: Tensor, true: Tensor, over: tuple[int, ...]) -> Tensor:
+    """Return 1 - IoU with probabilities in place of pixels (soft Jaccard loss), summed over some axes."""
+    both = (likely * true).sum(dim=over)
+    return 1.0 - (both + 1.0) / (likely.sum(dim=over) + true.sum(dim=over) - both + 1.0)
 
 
-def _distance_loss(metres: Tensor, doubt: Tensor, depth: Tensor) -> Tensor:
-    """Laplace loss of the logarithm of the depth, where there is something to see."""
-    there = torch.isfinite(depth)
-    true = torch.log(torch.clamp(depth[there], _NEAREST_M, _FARTHEST_M))
-    error = (torch.log(metres[:, 0][there]) - true).abs()
-    width = doubt[:, 0][there]
-    return (error / width + torch.log(width)).mean()
+@torch.no_grad()  # type: ignore[untyped-decorator]
+def _follow(mean: ReefNet, net: ReefNet, keep: float) -> None:
+    """Move a running mean of weights towards the new ones."""
+    old, new = mean.state_dict(), net.state_dict()
+    floats = [name for name, value in old.items() if value.dtype.is_floating_point]
+    torch._foreach_lerp_([old[name] for name in floats], [new[name] for name in floats], 1.0 - keep)
 
 
-def _batch(data: TrainingData, chosen: NDArray[np.intp], rng: np.random.Generator) -> tuple[Tensor, Tensor, Tensor]:
-    """Return some pictures: half of them mirrored, with other colours, contrast and noise."""
-    picture = data.pictures[chosen].astype(np.float32)
-    labels, depth = data.labels[chosen].astype(np.int64), data.depth[chosen].astype(np.float32)
-    mirrored = rng.random(len(chosen)) < 0.5
-    for array in (picture, labels, depth):
-        array[mirrored] = array[mirrored][..., ::-1]
-    shape = (len(chosen), 3, 1, 1)
-    light = (picture[:, :3] + 1.0) / 2.0
-    light = light ** rng.uniform(0.7, 1.4, (len(chosen), 1, 1, 1)) * rng.uniform(0.8, 1.25, shape)
-    light += rng.normal(0.0, 1.0, light.shape) * rng.uniform(0.0, 0.03, (len(chosen), 1, 1, 1))
-    picture[:, :3] = np.clip(light, 0.0, 1.0) * 2.0 - 1.0
-    return (
-        torch.from_numpy(picture).contiguous(memory_format=torch.channels_last),
-        torch.from_numpy(labels),
-        torch.from_numpy(depth),
-    )
+def _on(group: PaintedReefs, device: torch.device) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    rgb = torch.from_numpy(group.rgb).to(device).permute(0, 3, 1, 2)
+    floor, depth = (torch.from_numpy(part).to(device)[:, None] for part in (group.floor, group.depth))
+    return rgb, floor, torch.from_numpy(group.labels).to(device), depth
+
+
+def _on_marked(group: MarkedPictures, device: torch.device) -> tuple[Tensor, Tensor]:
+    return torch.from_numpy(group.rgb).to(device).permute(0, 3, 1, 2), torch.from_numpy(group.target).to(device)

@@ -91,7 +91,7 @@ def _take_samples(scene: Scene, size: tuple[int, int], count: int, rng: np.rando
         width=size[0],
         height=size[1],
         altitude_m=float(rng.choice([1.0, rng.uniform(0.5, 1.8)])),
-        pitch_down_deg=float(rng.choice([15.0, rng.uniform(5.0, 35.0)])),
+        pitch_down_deg=float(rng.choice([15.0, rng.uniform(5.0, 35.0), rng.uniform(35.0, 90.0)], p=[0.5, 0.4, 0.1])),
         hfov_deg=float(rng.choice([120.0, rng.uniform(80.0, 120.0)])),
     )
     water = _mix_water(rng)

@@ -151,9 +151,12 @@ def oyster_probability(frame: Frame, *, soft: bool) -> NDArray[np.float32]:
     """Return how likely each pixel shows an oyster, if it shows one or sea floor; nan for other classes. Shape=(H, W).
 
     A network's doubt of sea floor beside oysters is taken as its belief in oysters, which `CoverCalibration` corrects.
+    A pixel that is doubted entirely is of a picture that was not judged: it says nothing.
     """
     oyster, floor = frame.labels == Label.OYSTER, frame.labels == Label.SEABED
     wrong = frame.doubt if soft and frame.doubt is not None else np.float32(0.0)
+    if soft and frame.doubt is not None:
+        oyster, floor = oyster & (frame.doubt < 1.0), floor & (frame.doubt < 1.0)
     likely = np.where(oyster, np.float32(1.0) - wrong, np.where(floor, wrong, np.float32(np.nan)))
     return likely.astype(np.float32)
 

@@ -65,6 +65,8 @@ def summary(products: SurveyProducts, placement: EarthPlacement) -> dict[str, An
         "oyster_area_m2": round(products.area.m2, 3),
         "oyster_area_low_m2": round(products.area.low_m2, 3),
         "oyster_area_high_m2": round(products.area.high_m2, 3),
+        "not_judged": products.judgement.warning(),
+        "pictures_unlike": products.judgement.unlike,
         "seen_m2": round(products.seen_m2, 1),
         **_count_of(products),
         "oyster_cells": int(products.cells.target.sum()),

@@ -14,6 +14,7 @@ from coral.reef.map.mapping import OccupancyMap, distance_to
 from coral.reef.products.best_pictures import ClusterPicture, best_pictures
 from coral.reef.products.clusters import ClusterProduct, label_clusters, measure_clusters
 from coral.reef.products.cover import Area, CoverCfg, area_within, fine_of, measure_cover
+from coral.reef.products.judgement import Judgement, judge
 from coral.reef.products.mosaic import Mosaic, MosaicCfg, make_mosaic
 from coral.reef.products.picture_labels import LabelsCfg
 from coral.reef.products.shell_count import ShellCount, count_shells
@@ -45,6 +46,7 @@ class SurveyProducts:
     """Of all oysters (m²), those outside clusters included."""
     shells: ShellCount
     """How many oysters those are, and how long."""
+    judgement: Judgement
     calibrated_reefs: int
     """Reefs on which the network that saw the pictures was calibrated; 0 where no calibration was used."""
     clusters: tuple[ClusterProduct, ...]
@@ -81,6 +83,7 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
     in_cells = mean_in_cells(share, cover.known, cfg.cover.fine_m, cell_m, cells.target.shape, 0.2)
     if cover.calibration is not None:
         cells.target &= np.nan_to_num(in_cells) >= cfg.cover.confirmed
+    judgement = judge(recording, cfg.cover, calibrated=cover.calibration is not None)
     group = label_clusters(cells, cfg.clusters, cfg.cover.beside_m)
     quality = measure_views(recording)
     area = area_within(cover, without, counted)
@@ -88,7 +91,8 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         recording=recording,
         keyframes=len(track),
         cells=cells,
-        area=area,
+        area=judgement.widen(area),
+        judgement=judgement,
         shells=count_shells(cover.seen * counted, cover.filled * counted, cfg.cover.fine_m, area.relative_error),
         calibrated_reefs=0 if cover.calibration is None else cover.calibration.reefs,
         clusters=tuple(measure_clusters(cells, group, quality, cover, without, cfg.clusters)),

@@ -1,0 +1,108 @@
+"""Which pictures a network knows: descriptors of its training's pictures, and the distance that is still near."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from coral.reef.eyes.ground_plane import ground_depth, network_input
+from coral.reef.eyes.reef_net import network_size
+from coral.reef.paint.labelled_pictures import LabelledPicture
+from coral.reef.paint.teaching import PaintedReefs
+from coral.reef.paint.unet import AXES, CENTRES, ReefNet
+from coral.reef.vehicle.camera import CameraCfg
+
+HALF = 0.5
+"""Real pictures: the share of those of a video left out that the limit keeps. Most new places are far from the few
+that are known: this limit refuses half of them, and a looser one takes kelp for a reef."""
+SLACK = 1.5
+"""Painted reefs: the limit is this many times what 99 of 100 keep from the others."""
+_FAR = 1e4
+
+
+def describe_pictures(net: ReefNet, pictures: NDArray[np.float32], batch: int = 16) -> NDArray[np.float32]:
+    """Return the descriptors of pictures, of `network_input`. Shape=(N, 4, H, W) to (N, D)."""
+    found = []
+    with torch.no_grad():
+        for start in range(0, len(pictures), batch):
+            found.append(net.features(torch.from_numpy(pictures[start : start + batch].astype(np.float32)))[1].numpy())
+    return np.concatenate(found)
+
+
+def know_training(net: ReefNet, real: list[LabelledPicture], reefs: tuple[PaintedReefs, ...], seed: int) -> None:
+    """Let a network remember the pictures that it was trained on; see `remember`."""
+    of_real = [describe_pictures(net, np.stack([picture_input(one.rgb)])) for one in real]
+    of_painted = [
+        describe_pictures(
+            net, np.concatenate([part.rgb[k].transpose(2, 0, 1) / 127.5 - 1.0, part.floor[k][None]])[None]
+        )
+        for part in reefs
+        for k in range(0, len(part.rgb), max(1, 2 * len(part.rgb) // CENTRES))
+    ]
+    empty = np.zeros((0, net.middle.numel()), np.float32)
+    remember(
+        net,
+        np.concatenate([empty, *of_real]),
+        np.array([one.video for one in real]),
+        np.concatenate([empty, *of_painted]),
+        seed,
+    )
+
+
+def _painted_input(part: PaintedReefs, number: int) -> NDArray[np.float32]:
+    light = part.rgb[number].transpose(2, 0, 1) / 127.5 - 1.0
+    return np.concatenate([light, part.floor[number][None]])[None].astype(np.float32)
+
+
+def picture_input(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """Return a picture as eyes show it to a network, by a camera 1 m above the floor. Shape=(H, W, 3) to (4, h, w)."""
+    camera = CameraCfg(width=rgb.shape[1], height=rgb.shape[0])
+    size = network_size(camera)
+    small = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
+    return network_input(small, ground_depth(CameraCfg(width=size[0], height=size[1])))
+
+
+def remember(
+    net: ReefNet, real: NDArray[np.float32], videos: NDArray[np.str_], painted: NDArray[np.float32], seed: int
+) -> None:
+    """Give a network the descriptors of what it was trained on, and their limits.
+
+    Distances are measured along the principal axes of all descriptors, each scaled to the fourth root of its variance.
+    This is a nearest-neighbour test (Sun et al. 2022, arXiv 2204.06507).
+
+    Args:
+        net: Is changed.
+        real: Descriptors of real pictures. Shape=(N, D).
+        videos: The video of each: the limit comes from those of one against all others. Shape=(N,).
+        painted: Descriptors of painted reefs. Shape=(M, D).
+        seed: Of the choice among them.
+    """
+    rng = np.random.default_rng([seed, 0xFA])
+    both = np.concatenate([real, painted])
+    middle = both.mean(axis=0)
+    spread = (both - middle).std(axis=0) + 1e-6
+    _, sizes, across = np.linalg.svd((both - middle) / spread, full_matrices=False)
+    count = min(AXES, len(sizes))
+    axes = np.zeros((both.shape[1], AXES))
+    axes[:, :count] = across[:count].T / spread[:, None] / np.sqrt(sizes[:count] / np.sqrt(len(both)) + 1e-6)
+    at = [(part - middle) @ axes for part in (real, painted)]
+    limits = [1.0, 1.0]
+    if len(set(videos)) > 1:
+        limits[0] = float(np.quantile(left_out_distances(at[0], videos), HALF))
+    if len(painted) > 1:
+        limits[1] = SLACK * float(np.quantile(left_out_distances(at[1], np.arange(len(painted)).astype(str)), 0.99))
+    centres = np.full((2, CENTRES, AXES), _FAR)
+    for k, points in enumerate(at):
+        if len(points):
+            centres[k] = points[rng.permutation(len(points))[np.arange(CENTRES) % len(points)]]
+    values = {"middle": middle, "axes": axes, "centres": centres, "limits": np.array(limits)}
+    net.load_state_dict({**net.state_dict(), **{k: torch.from_numpy(v).float() for k, v in values.items()}})
+
+
+def left_out_distances(points: NDArray[np.float64], groups: NDArray[np.str_]) -> NDArray[np.float64]:
+    """Return the distance of each point to the nearest one of another group. Shape=(N, A) and (N,) to (N,)."""
+    squares = ((points[:, None] - points[None]) ** 2).sum(axis=2)
+    squares[groups[:, None] == groups[None]] = np.inf
+    return np.asarray(np.sqrt(squares.min(axis=1)))

@@ -1,0 +1,42 @@
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch", reason="torch is only for training (extra train)")
+pytest.importorskip("onnx", reason="onnx is only for training (extra train)")
+
+
+def test_known_pictures_are_near_and_others_are_not():
+    from coral.reef.paint.familiar import remember
+    from coral.reef.paint.unet import ReefNet
+
+    rng, net = np.random.default_rng(0), ReefNet()
+    size = net.middle.numel()
+    real, painted = rng.normal(0.0, 1.0, (60, size)), rng.normal(5.0, 1.0, (40, size))
+    remember(net, real, np.array(["a", "b", "c"] * 20), painted, 0)
+    strange = rng.normal(-9.0, 1.0, (5, size))
+
+    def unlike(points):
+        return net.unlike(torch.from_numpy(points).float()).numpy()
+
+    assert (unlike(real)[:, 0] < unlike(real)[:, 1]).all()
+    assert (unlike(painted)[:, 1] < 1.0).all()
+    assert (unlike(strange) > 1.0).all()
+
+
+def test_the_limit_is_measured_across_videos():
+    from coral.reef.paint.familiar import left_out_distances
+
+    points = np.array([[0.0], [0.1], [5.0], [5.2]])
+    np.testing.assert_allclose(left_out_distances(points, np.array(["a", "a", "b", "b"])), [5.0, 4.9, 4.9, 5.1])
+
+
+def test_nothing_is_near_a_set_that_is_empty():
+    from coral.reef.paint.familiar import remember
+    from coral.reef.paint.unet import ReefNet
+
+    net = ReefNet()
+    painted = np.random.default_rng(0).normal(0.0, 1.0, (30, net.middle.numel()))
+    remember(net, painted[:0], np.array([], np.str_), painted, 0)
+    apart = net.unlike(torch.from_numpy(painted).float()).detach().numpy()
+    assert (apart[:, 0] > 100).all()
+    assert (apart[:, 1] < 1).all()
