@@ -13,10 +13,11 @@ from coral.errors import InputError, nearest
 from coral.onnx_file import open_picture_network
 from coral.plugins import has_plugin, named_plugin
 from coral.reef.eyes.network_notes import SUFFIX, read_notes
+from coral.reef.eyes.painted_or_real import PaintedOrRealEyes
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception
 from coral.reef.eyes.picture_input import PictureInput
 from coral.reef.eyes.pixel_check import CAMERA, check_pixels
-from coral.reef.eyes.reef_net import OUTPUTS, SHIPPED, ReefNetEyes
+from coral.reef.eyes.reef_net import OUTPUTS, REAL, SHIPPED, ReefNetEyes
 from coral.reef.eyes.relative_depth import DepthAnything, is_depth
 from coral.reef.eyes.relative_depth_eyes import RelativeDepthEyes
 from coral.reef.eyes.semantic_map import SemanticEyes
@@ -54,7 +55,10 @@ def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> Rgb
         return made
     if name != RGB and not name.endswith(".onnx"):
         raise InputError(where, "", repr(name), f"exact, rgb or FILE.onnx{nearest(name, (EXACT, RGB))}")
-    file = open_picture_network(SHIPPED if name == RGB else Path(name), where)
+    if name == RGB:
+        real, painted = (ReefNetEyes(open_picture_network(path, where)) for path in (REAL, SHIPPED))
+        return PaintedOrRealEyes(real, painted)
+    file = open_picture_network(Path(name), where)
     if file.input_shape[1] == 4 and "depth_doubt" in file.outputs:
         return ReefNetEyes(file)
     if file.input_shape[1] not in (3, None):
@@ -67,7 +71,7 @@ def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> Rgb
         only = next(iter(file.outputs))
         raise InputError(file.path, "outputs", f"{only} alone", "classes; for depth give this file to --depth")
     eyes = YoloEyes(file, notes) if is_yolo(file) else SemanticEyes(file, notes)
-    if name != RGB and notes.stated.channels is None and notes.stated.pixels is None:
+    if notes.stated.channels is None and notes.stated.pixels is None:
         told = check_pixels(partial(_labels, eyes), eyes.pixels)
         eyes.about += (f"{told} in {Path(file.path).with_suffix(SUFFIX).name}",) if told else ()
     return eyes

@@ -71,7 +71,7 @@ def choose_labels(
     Args:
         logits: In the order of `Label`. Shape=(4, H, W).
         obstacle_from: Probability from which a pixel is an obstacle, whatever else it may be.
-        oyster_from: The same for oysters, where it is not an obstacle; None: only where that is likeliest.
+        oyster_from: The same for oysters, before obstacles; None: only where that is likeliest.
 
     Returns:
         Labels and the probability that they are wrong. Shape=(H, W) each.
@@ -83,7 +83,7 @@ def choose_labels(
     for label in range(1, len(shares)):
         labels[shares[label] > chosen] = label
         chosen = np.maximum(chosen, shares[label])
-    for label, least in ((Label.OYSTER, oyster_from), (Label.OBSTACLE, obstacle_from)):
+    for label, least in ((Label.OBSTACLE, obstacle_from), (Label.OYSTER, oyster_from)):
         if least is not None:
             enough = shares[label] >= least
             labels[enough] = label

@@ -29,6 +29,8 @@ class SeenPicture:
     """Expected error of the depth as a share of it; None where it is not known. Shape=(H, W)."""
     unlike: float = 0.0
     """How far the picture is from all that the network was trained on; from 1 on nobody should judge by it."""
+    real: bool = False
+    """Whether the network takes it for a picture of a real sea, where errors on painted reefs say nothing."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,7 @@ def perceive_frame(frame: Frame, eyes: RgbPerception, camera: CameraCfg, attitud
         instances=np.full(seen.labels.shape, -1, np.int32),
         doubt=doubt,
         depth_doubt=seen.depth_doubt,
+        real=seen.real,
     )
 
 

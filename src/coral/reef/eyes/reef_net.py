@@ -19,7 +19,8 @@ from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 
 SHIPPED = Path(__file__).parent / "weights" / "reef_net.onnx"
-"""The network that comes with the package."""
+REAL = SHIPPED.with_name("real_net.onnx")
+"""The networks that come with the package: for painted reefs, and for real pictures."""
 OUTPUTS = {"logits": 4, "depth": 1, "depth_doubt": 1}
 """Channels by name."""
 MOST_PIXELS = 320 * 240
@@ -91,7 +92,10 @@ class ReefNetEyes:
         depth = np.where(far, np.float32(np.inf), np.maximum(depth, np.float32(camera.near_m)))
         apart = out["unlike"][0] if "unlike" in out else np.zeros(1, np.float32)
         self.painted = len(apart) == 2 and bool(apart[1] < apart[0])
-        return SeenPicture(labels, depth.astype(np.float32), doubt, depth_doubt, float(apart.min()))
+        # Painted reefs are what a network was trained on most: only pictures that may be real are judged.
+        unlike = 0.0 if self.painted else float(apart[0])
+        real = "unlike" in out and not self.painted
+        return SeenPicture(labels, depth.astype(np.float32), doubt, depth_doubt, unlike, real)
 
 
 def network_size(camera: CameraCfg) -> tuple[int, int]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import cv2
 import numpy as np
 import torch
@@ -14,11 +16,11 @@ from coral.reef.paint.teaching import PaintedReefs
 from coral.reef.paint.unet import AXES, CENTRES, ReefNet
 from coral.reef.vehicle.camera import CameraCfg
 
-HALF = 0.5
+KEPT = 0.3
 """Real pictures: the share of those of a video left out that the limit keeps. Most new places are far from the few
-that are known: this limit refuses half of them, and a looser one takes kelp for a reef."""
-SLACK = 1.5
-"""Painted reefs: the limit is this many times what 99 of 100 keep from the others."""
+that are known: this limit refuses most of their pictures, and a looser one takes kelp for a reef."""
+NEARER = 0.97
+"""A picture is one of a painted reef if these are nearer than this share of the distance to real pictures."""
 _FAR = 1e4
 
 
@@ -33,7 +35,9 @@ def describe_pictures(net: ReefNet, pictures: NDArray[np.float32], batch: int = 
 
 def know_training(net: ReefNet, real: list[LabelledPicture], reefs: tuple[PaintedReefs, ...], seed: int) -> None:
     """Let a network remember the pictures that it was trained on; see `remember`."""
-    of_real = [describe_pictures(net, np.stack([picture_input(one.rgb)])) for one in real]
+    of_real = [
+        describe_pictures(net, picture_input(rgb)[None]) for size in (None, (160, 120)) for rgb in _resized(real, size)
+    ]
     of_painted = [
         describe_pictures(
             net, np.concatenate([part.rgb[k].transpose(2, 0, 1) / 127.5 - 1.0, part.floor[k][None]])[None]
@@ -45,10 +49,15 @@ def know_training(net: ReefNet, real: list[LabelledPicture], reefs: tuple[Painte
     remember(
         net,
         np.concatenate([empty, *of_real]),
-        np.array([one.video for one in real]),
+        np.array(2 * [one.video for one in real], np.str_),
         np.concatenate([empty, *of_painted]),
         seed,
     )
+
+
+def _resized(real: list[LabelledPicture], size: tuple[int, int] | None) -> Iterator[NDArray[np.uint8]]:
+    for one in real:
+        yield one.rgb if size is None else np.asarray(cv2.resize(one.rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
 def _painted_input(part: PaintedReefs, number: int) -> NDArray[np.float32]:
@@ -67,7 +76,7 @@ def picture_input(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
 def remember(
     net: ReefNet, real: NDArray[np.float32], videos: NDArray[np.str_], painted: NDArray[np.float32], seed: int
 ) -> None:
-    """Give a network the descriptors of what it was trained on, and their limits.
+    """Give a network the descriptors of what it was trained on, and the limit.
 
     Distances are measured along the principal axes of all descriptors, each scaled to the fourth root of its variance.
     This is a nearest-neighbour test (Sun et al. 2022, arXiv 2204.06507).
@@ -88,16 +97,12 @@ def remember(
     axes = np.zeros((both.shape[1], AXES))
     axes[:, :count] = across[:count].T / spread[:, None] / np.sqrt(sizes[:count] / np.sqrt(len(both)) + 1e-6)
     at = [(part - middle) @ axes for part in (real, painted)]
-    limits = [1.0, 1.0]
-    if len(set(videos)) > 1:
-        limits[0] = float(np.quantile(left_out_distances(at[0], videos), HALF))
-    if len(painted) > 1:
-        limits[1] = SLACK * float(np.quantile(left_out_distances(at[1], np.arange(len(painted)).astype(str)), 0.99))
+    limit = float(np.quantile(left_out_distances(at[0], videos), KEPT)) if len(set(videos)) > 1 else 1.0
     centres = np.full((2, CENTRES, AXES), _FAR)
     for k, points in enumerate(at):
         if len(points):
             centres[k] = points[rng.permutation(len(points))[np.arange(CENTRES) % len(points)]]
-    values = {"middle": middle, "axes": axes, "centres": centres, "limits": np.array(limits)}
+    values = {"middle": middle, "axes": axes, "centres": centres, "limits": np.array([limit, NEARER * limit])}
     net.load_state_dict({**net.state_dict(), **{k: torch.from_numpy(v).float() for k, v in values.items()}})
 
 

@@ -15,7 +15,7 @@ FLAT_PER_M = 1.0 / 12.0
 STRIDE = 2
 """Height and width of a picture are multiples of this (px)."""
 _WIDTHS = (16, 32, 64, 128, 160)
-AXES, CENTRES = 48, 256
+AXES, CENTRES = 48, 512
 
 
 def _conv(inputs: int, outputs: int, stride: int = 1) -> nn.Sequential:
@@ -53,7 +53,7 @@ class ReefNet(nn.Module):  # type: ignore[misc]  # torch is not there when types
         self.context = nn.Linear(e, e)
         self.head = nn.Conv2d(a, 4 * (CLASSES + 2), 1)
         self.register_buffer("sharpness", torch.ones(1))
-        self.register_buffer("lean", torch.zeros(1, CLASSES, 1, 1))
+        self.register_buffer("lean", torch.zeros(1))
         self.register_buffer("middle", torch.zeros(2 * e))
         self.register_buffer("axes", torch.zeros(2 * e, AXES))
         self.register_buffer("centres", torch.zeros(2, CENTRES, AXES))
@@ -69,7 +69,15 @@ class ReefNet(nn.Module):  # type: ignore[misc]  # torch is not there when types
         flat = -torch.log(torch.clamp(picture[:, 3:4], min=FLAT_PER_M))
         depth = torch.exp(flat + out[:, CLASSES : CLASSES + 1])
         doubt = functional.softplus(out[:, CLASSES + 1 :]) + 0.01
-        return out[:, :CLASSES] * self.sharpness + self.lean, depth, doubt, self.unlike(descriptor)
+        return self.calibrated(out[:, :CLASSES]), depth, doubt, self.unlike(descriptor)
+
+    def calibrated(self, logits: Tensor) -> Tensor:
+        """Return logits whose odds of oyster against all else are sharpened and leant as calibrated."""
+        oyster, others = logits[:, 1:2], torch.cat([logits[:, :1], logits[:, 2:]], dim=1)
+        odds = self.sharpness * (oyster - torch.logsumexp(others, dim=1, keepdim=True)) + self.lean
+        scaled = others * self.sharpness
+        oyster = odds + torch.logsumexp(scaled, dim=1, keepdim=True)
+        return torch.cat([scaled[:, :1], oyster, scaled[:, 1:]], dim=1)
 
     def features(self, picture: Tensor) -> tuple[Tensor, Tensor]:
         """Return the raw output (N, 6, H, W) and the picture's descriptor (N, D)."""

@@ -97,8 +97,9 @@ def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cove
     what lies nearest.
     """
     calibration = find_calibration(recording.seen_by) if cfg.calibrated else None
-    if calibration is not None and next((one.frame.doubt for one in recording.keyframes()), None) is None:
-        calibration = None  # frames of an old run: the network's probabilities were not kept
+    first = next((one.frame for one in recording.keyframes()), None) if calibration is not None else None
+    if first is None or first.doubt is None or first.real:
+        calibration = None  # of painted reefs; or frames of an old run: the network's probabilities were not kept
     return make_covers(collect_votes(recording, cfg, soft=calibration is not None), cfg, calibration)
 
 

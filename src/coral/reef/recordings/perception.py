@@ -33,6 +33,7 @@ class PicturePerception:
         self._eyes, self.name = eyes, name
         self._folder = tempfile.TemporaryDirectory(prefix="coral-seen-")
         self._seen: dict[str, int] = {}
+        self._real: dict[int, bool] = {}
 
     def frame(self, rgb: NDArray[np.uint8], camera: RecordedCamera, attitude: CameraAttitude, where: str) -> Frame:
         """Return a colour picture with classes, depth and doubt.
@@ -48,6 +49,7 @@ class PicturePerception:
             seen = perceive_frame(frame_of(*_nothing(camera.view), rgb), self._eyes, camera.view, attitude)
             number = self._seen[where] = len(self._seen)
             self._keep(number, seen, camera)
+            self._real[number] = seen.real
         labels, depth, doubt, depth_doubt = (self._read(number, part) for part in _PARTS)
         metres = np.where(depth > 0, depth.astype(np.float32) / np.float32(1000.0), np.float32(np.inf))
         return Frame(
@@ -57,6 +59,7 @@ class PicturePerception:
             rgb=rgb,
             doubt=unpack_doubt(doubt, LABEL_STEPS),
             depth_doubt=unpack_doubt(depth_doubt, DEPTH_STEPS) if depth_doubt.size else None,
+            real=self._real[number],
         )
 
     def _keep(self, number: int, seen: Frame, camera: RecordedCamera) -> None:

@@ -45,6 +45,8 @@ class Frame:
     """Probability that the label of a pixel is wrong; None where labels are exact. Shape=(H, W), float32."""
     depth_doubt: NDArray[np.float32] | None = None
     """Expected error of the depth as a share of it; None where it is exact or not known. Shape=(H, W), float32."""
+    real: bool = False
+    """Whether a network that knows both took it for a real picture, not a painted one."""
 
 
 def wrap(angle: float) -> float:
