@@ -4,9 +4,9 @@ torch = pytest.importorskip("torch", reason="torch is only for training (extra t
 
 
 def chance(seed=0):
-    from coral.reef.paint.augmentation import Chance
+    from coral.reef.paint.augmentation import BatchRandom
 
-    return Chance(seed, torch.device("cpu"))
+    return BatchRandom(seed, torch.device("cpu"))
 
 
 def test_labels_move_with_the_colours():

@@ -13,7 +13,7 @@ from coral.reef.eyes.ground_plane import NEAR_PER_M
 
 
 @dataclass(frozen=True)
-class Window:
+class PictureWindow:
     """The part of each picture that is looked at: an affine map from the new picture to the old one."""
 
     matrix: Tensor
@@ -22,7 +22,7 @@ class Window:
     """Width of the window as a share of the picture's. Shape=(N,)."""
 
 
-class Chance:
+class BatchRandom:
     """Random numbers on the device of a batch."""
 
     def __init__(self, seed: int, device: torch.device) -> None:
@@ -42,7 +42,7 @@ class Chance:
         return (self.uniform(0.0, 1.0, count, 1, 1, 1) < share).float()
 
 
-def choose_windows(count: int, chance: Chance, *, scale: tuple[float, float], turned: bool) -> Window:
+def choose_windows(count: int, chance: BatchRandom, *, scale: tuple[float, float], turned: bool) -> PictureWindow:
     """Choose windows, half of them mirrored.
 
     Args:
@@ -66,10 +66,10 @@ def choose_windows(count: int, chance: Chance, *, scale: tuple[float, float], tu
         ],
         dim=1,
     )
-    return Window(matrix, share)
+    return PictureWindow(matrix, share)
 
 
-def look_through(image: Tensor, window: Window, size: tuple[int, int], mode: str) -> Tensor:
+def look_through(image: Tensor, window: PictureWindow, size: tuple[int, int], mode: str) -> Tensor:
     """Resample pictures. `mode` is bilinear (colours, which are smoothed where they shrink) or nearest.
 
     Args:
@@ -89,7 +89,7 @@ def look_through(image: Tensor, window: Window, size: tuple[int, int], mode: str
     return seen
 
 
-def vary_colours(light: Tensor, depth: Tensor | None, chance: Chance, strength: float = 1.0) -> Tensor:
+def vary_colours(light: Tensor, depth: Tensor | None, chance: BatchRandom, strength: float = 1.0) -> Tensor:
     """Change gains, gamma, saturation; add haze, a lamp, blur and noise.
 
     Args:
@@ -111,12 +111,12 @@ def vary_colours(light: Tensor, depth: Tensor | None, chance: Chance, strength: 
     return (light + chance.normal(1.0, *light.shape) * chance.uniform(0.0, 0.035, n, 1, 1, 1)).clamp(0.0, 1.0)
 
 
-def _clouds(count: int, size: tuple[int, int], cells: int, chance: Chance) -> Tensor:
+def _clouds(count: int, size: tuple[int, int], cells: int, chance: BatchRandom) -> Tensor:
     grid = chance.uniform(0.0, 1.0, count, 1, cells, cells)
     return functional.interpolate(grid, size=size, mode="bilinear", align_corners=False)
 
 
-def _hazed(light: Tensor, depth: Tensor | None, chance: Chance, strength: float) -> Tensor:
+def _hazed(light: Tensor, depth: Tensor | None, chance: BatchRandom, strength: float) -> Tensor:
     n, size = len(light), (light.shape[2], light.shape[3])
     if depth is None:
         rows = torch.linspace(1.0, 0.0, size[0], device=light.device)[None, None, :, None]
@@ -132,7 +132,7 @@ def _hazed(light: Tensor, depth: Tensor | None, chance: Chance, strength: float)
     return through * light + (1.0 - through) * veil
 
 
-def _lit(light: Tensor, chance: Chance) -> Tensor:
+def _lit(light: Tensor, chance: BatchRandom) -> Tensor:
     n = len(light)
     y = torch.linspace(-1.0, 1.0, light.shape[2], device=light.device)[None, None, :, None]
     x = torch.linspace(-1.0, 1.0, light.shape[3], device=light.device)[None, None, None, :]
@@ -140,7 +140,7 @@ def _lit(light: Tensor, chance: Chance) -> Tensor:
     return light * torch.exp(-chance.often(0.3, n) * chance.uniform(0.0, 1.5, n, 1, 1, 1) * r2)
 
 
-def _blurred(light: Tensor, chance: Chance) -> Tensor:
+def _blurred(light: Tensor, chance: BatchRandom) -> Tensor:
     n, size = len(light), (light.shape[2], light.shape[3])
     sigma = chance.uniform(0.4, 2.0, 1)
     taps = torch.arange(-4, 5, device=light.device, dtype=light.dtype)
@@ -158,7 +158,7 @@ def _blurred(light: Tensor, chance: Chance) -> Tensor:
     return torch.where((which >= 0.35) & (which < 0.5), half, light)
 
 
-def random_floor(count: int, size: tuple[int, int], chance: Chance) -> Tensor:
+def random_floor(count: int, size: tuple[int, int], chance: BatchRandom) -> Tensor:
     """Return the inverse depth of a flat floor below cameras at random: nobody knows where the real ones were.
 
     Shape (count, 1, H, W).
@@ -175,7 +175,7 @@ def random_floor(count: int, size: tuple[int, int], chance: Chance) -> Tensor:
     return (falling / altitude).clamp(0.0, NEAR_PER_M)[:, None]
 
 
-def paste_titles(light: Tensor, titles: Tensor, chance: Chance, share: float = 0.12) -> Tensor:
+def paste_titles(light: Tensor, titles: Tensor, chance: BatchRandom, share: float = 0.12) -> Tensor:
     """Write some of the prepared titles over some of the pictures.
 
     Args:

@@ -20,7 +20,7 @@ from coral.config import Count, Positive
 from coral.errors import InputError
 from coral.reef.eyes.reef_net import OYSTER_FROM_KEY
 from coral.reef.paint.augmentation import (
-    Chance,
+    BatchRandom,
     choose_windows,
     look_through,
     paste_titles,
@@ -86,7 +86,7 @@ def train(
     torch.set_num_threads(cfg.threads)
     torch.manual_seed(seed)
     device = torch.device(cfg.device)
-    chance, rng = Chance(seed, device), np.random.default_rng([seed, 0x7A])
+    chance, rng = BatchRandom(seed, device), np.random.default_rng([seed, 0x7A])
     net: ReefNet = ReefNet()
     if begin is not None:
         net.load_state_dict(begin)
@@ -121,7 +121,7 @@ class Feed:
     """Makes batches of training data on the device, and their losses."""
 
     def __init__(
-        self, data: TrainingData, device: torch.device, rng: np.random.Generator, chance: Chance, cfg: TrainingCfg
+        self, data: TrainingData, device: torch.device, rng: np.random.Generator, chance: BatchRandom, cfg: TrainingCfg
     ) -> None:
         self.rng, self.chance, self.cfg, self.device = rng, chance, cfg, device
         self.reefs = [_on(group, device) for group in data.reefs]
