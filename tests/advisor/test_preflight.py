@@ -148,7 +148,9 @@ def test_with_the_preflight_skipped_the_last_line_says_who_decided(dead, stub, t
     said = f"he advisor decided 0 of {by['fallback']} goals, the fallback's rules {by['fallback']}"
     assert out.rstrip().splitlines()[-1] == f"t{said}"
     assert f"T{said}".replace("'", "&#39;") in (tmp_path / "run" / "report.html").read_text()
-    assert "the advisor did not decide (requeries-used-up): the fallback's rules decide (--fallback rules)" in err
+    assert (
+        "the advisor did not decide (every answer was refused): the fallback's rules decide (--fallback rules)" in err
+    )
 
 
 def test_in_a_bench_nobody_decides_for_a_dead_model(dead, stub, tmp_path, capsys):

@@ -142,7 +142,7 @@ def test_without_submitit_or_slurm_the_error_says_so(tmp_path, monkeypatch):
         SlurmExecutor(tmp_path, 1, SlurmCfg())
     assert queued_jobs() is None
     monkeypatch.setitem(sys.modules, "submitit", None)
-    with pytest.raises(InputError, match=r"coral-robotics\[slurm\]"):
+    with pytest.raises(InputError, match=r"the extra slurm: "):
         SlurmExecutor(tmp_path, 1, SlurmCfg())
 
 

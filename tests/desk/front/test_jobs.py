@@ -16,4 +16,4 @@ def test_a_run_says_where_it_can_be_watched_and_is_stopped_in_order(tmp_path):
         job._reader.join(0.1)
     assert job.url.startswith("http://127.0.0.1:")
     job.stop(60.0)
-    assert "stopped by the operator" in (tmp_path / "run/metrics.json").read_text()
+    assert "stopped by SIGTERM" in (tmp_path / "run/metrics.json").read_text()

@@ -40,5 +40,5 @@ def test_the_estimators_flags(flags, position):
 
 def test_without_pymavlink_one_line_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "pymavlink.dialects.v20.ardupilotmega", None)
-    with pytest.raises(InputError, match=r"coral-robotics\[vehicle\]"):
+    with pytest.raises(InputError, match=r"the extra vehicle: "):
         ardusub.load_dialect()

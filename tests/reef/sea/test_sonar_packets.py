@@ -162,6 +162,6 @@ def test_a_damaged_recording_is_read_up_to_the_damage(name, rest):
 def test_without_the_package_one_line_says_what_to_install(monkeypatch):
     load_protocol.cache_clear()
     monkeypatch.setitem(sys.modules, "wlsonar.range_image_protocol", None)
-    with pytest.raises(InputError, match=r"coral-robotics\[vehicle\]"):
+    with pytest.raises(InputError, match=r"the extra vehicle: "):
         decode_packet(message())
     load_protocol.cache_clear()

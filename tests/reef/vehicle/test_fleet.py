@@ -95,7 +95,7 @@ def test_two_robots_share_a_reef(tmp_path):
 
 def test_one_robot_does_and_writes_what_was_recorded(pond, tmp_path):
     """What changes a mission shows here. Bytes agree on one machine, numbers to rounding on another."""
-    run(pond, tmp_path / "run", 1, time_limit_s=20.0)
+    run(pond, tmp_path / "run", 1, time_limit_s=20.0, stop_when_covered=True)
     assert not (tmp_path / "run" / "trajectory_1.csv").exists()
     kept_metrics = json.loads((GOLDEN / "alone.json").read_text())
     metrics = json.loads((tmp_path / "run" / "metrics.json").read_text())

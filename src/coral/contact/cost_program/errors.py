@@ -20,7 +20,7 @@ CODES: dict[str, str] = {
     "shared": "an in-place change of a value that has a second name",
     "not_fixed": "a loop, index or size that depends on the state",
     "too_large_number": "a whole number beyond 2**53",
-    "division_by_zero": "a division of two constants whose divisor is zero",
+    "division_by_zero": "a division of Python's own numbers whose divisor is zero",
     "steps": "more steps than a cost may take",
     "memory": "more arrays or longer containers than a cost may make",
     "calls": "functions calling one another too deeply",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import signal
 import subprocess
 import sys
 import threading
@@ -56,13 +55,15 @@ class Job:
         return "\n".join(self._told)
 
     def stop(self, patience_s: float = 0.0) -> None:
-        """Interrupt it as Ctrl-C does, so that its folder is complete; after the patience it is killed.
+        """Tell it to end, so that its folder is complete; after the patience it is killed.
+
+        By SIGTERM: what a shell starts in the background hands down that Ctrl-C is ignored.
 
         Args:
             patience_s: How long to wait for its end (s); 0 does not wait.
         """
         if self.running:
-            self._process.send_signal(signal.SIGINT)
+            self._process.terminate()
         if patience_s:
             try:
                 self._process.wait(patience_s)
