@@ -1,9 +1,14 @@
+import numpy as np
 import pytest
 
+from coral.advisor.registry import make_advisor
 from coral.cli import COMMANDS
 from coral.commands.gui import SETTINGS, choices, command
+from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.errors import InputError
 from coral.flag_parser import build, scan
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.surface import described, load
 
 
@@ -18,6 +23,14 @@ def test_what_the_page_offers_is_a_command_that_parses(tmp_path, system, name):
     place, about = COMMANDS[f"{system} run"][0], described(COMMANDS[f"{system} run"][0])
     made = build(load(place), scan(words[2:], about, "run"), about, "run")
     assert (made.seed, made.live, made.wait) == (0, True, False)
+
+
+@pytest.mark.parametrize("system", SETTINGS)
+def test_every_suggested_advisor_exists(system, tmp_path):
+    rules, mistakes = (REEF_RULES, REEF_MISTAKES) if system == "reef" else ({}, CONTACT_MISTAKES)
+    for advisor in SETTINGS[system]["advisor"][2]:
+        rng = np.random.default_rng(0)
+        assert make_advisor(advisor, rules=rules, rng=rng, inbox=tmp_path, mistakes=mistakes).name
 
 
 def test_two_runs_get_two_folders(tmp_path):

@@ -18,7 +18,7 @@ SETTINGS: Mapping[str, Mapping[str, tuple[str, str, tuple[str, ...]]]] = {
     "reef": {
         "seed": ("seed", "0", ()),
         "preset": ("water and sensors", "clear", ("clear", "bay", "hard")),
-        "advisor": ("advisor", "heuristic", ("heuristic", "desk", "random")),
+        "advisor": ("advisor", "heuristic", ("heuristic", "desk", "sloppy:0.3:heuristic")),
         "variant": ("variant", "full", ("full", "paper")),
         "cfg.time-limit-s": ("time limit (s)", "600", ()),
         "live-speed": ("speed, times real time", "10", ()),

@@ -214,22 +214,7 @@ class OccupancyMap:
             self._hinted,
             self._pictures,
         )
-        changed |= bool(
-            classify(
-                self._targets,
-                self._obstacles,
-                self._ground,
-                cfg.target_hits,
-                cfg.obstacle_hits,
-                cfg.target_ratio,
-                cfg.sight.target_ratio,
-                cfg.obstacle_ratio,
-                self._sharp,
-                self.target,
-                self._seen_obstacle,
-                self._window(pose, cfg.range_m),
-            )
-        )
+        changed |= self._classify(self._window(pose, cfg.range_m))
         if changed:
             self.version += 1
             self._combine(self._window(pose, cfg.range_m))
@@ -361,21 +346,8 @@ class OccupancyMap:
             if given is None or given.shape != mine.shape or given.dtype != mine.dtype:
                 raise ValueError(f"{name} is no array of {mine.shape} {mine.dtype}")
             mine[...] = given
-        cfg, (ny, nx) = self.cfg, self.target.shape
-        classify(
-            self._targets,
-            self._obstacles,
-            self._ground,
-            cfg.target_hits,
-            cfg.obstacle_hits,
-            cfg.target_ratio,
-            cfg.sight.target_ratio,
-            cfg.obstacle_ratio,
-            self._sharp,
-            self.target,
-            self._seen_obstacle,
-            (0, ny, 0, nx),
-        )
+        ny, nx = self.target.shape
+        self._classify((0, ny, 0, nx))
         self._combine((0, ny, 0, nx))
         self.version += 1
 
@@ -460,6 +432,26 @@ class OccupancyMap:
         y0, y1, x0, x1 = self._window(Pose(x, y, 0.0), radius_m)
         patch = self.explored[y0:y1, x0:x1]
         return float(patch.size - np.count_nonzero(patch)) * (self.cfg.cell_m / (2.0 * radius_m)) ** 2
+
+    def _classify(self, window: Box) -> bool:
+        """Decide the cells of a window by what was counted in them. Return whether one of them changed."""
+        cfg = self.cfg
+        return bool(
+            classify(
+                self._targets,
+                self._obstacles,
+                self._ground,
+                cfg.target_hits,
+                cfg.obstacle_hits,
+                cfg.target_ratio,
+                cfg.sight.target_ratio,
+                cfg.obstacle_ratio,
+                self._sharp,
+                self.target,
+                self._seen_obstacle,
+                window,
+            )
+        )
 
     def _window(self, pose: Pose, radius_m: float) -> tuple[int, int, int, int]:
         ny, nx = self.target.shape
