@@ -3,8 +3,12 @@ FROM python:3.11 AS build
 WORKDIR /source
 COPY pyproject.toml constraints.txt README.md LICENSE ./
 COPY src src
+COPY .ci .ci
 RUN python -m venv /opt/coral \
-    && /opt/coral/bin/pip install --no-cache-dir --constraint constraints.txt '.[vehicle,vision]'
+    && sed -n '/^pip==/,/[^\\]$/p' constraints.txt >/tmp/pip.txt && /opt/coral/bin/pip install --requirement /tmp/pip.txt \
+    && python .ci/requirements.py vehicle vision >/tmp/requirements.txt \
+    && /opt/coral/bin/pip install --no-cache-dir --constraint constraints.txt --requirement /tmp/requirements.txt hatchling \
+    && /opt/coral/bin/pip install --no-deps --no-build-isolation .
 
 FROM python:3.11-slim
 COPY --from=build /opt/coral /opt/coral

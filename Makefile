@@ -8,9 +8,7 @@ DEV_STAMP := $(VENV)/.ready-dev
 INSTALL := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-compile --no-warn-conflicts
 # constraints.txt has the hash of every file, so pip installs no other file; a folder has none, hence two steps.
 PIP := $(INSTALL) --constraint constraints.txt
-requirements = $(BIN)/python -c 'import sys, tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-	print(*p["dependencies"], *sum((p["optional-dependencies"][name] for name in sys.argv[1:]), []), sep="\n")' \
-	$(1) >$(VENV)/requirements.txt && $(PIP) --requirement $(VENV)/requirements.txt
+requirements = $(BIN)/python .ci/requirements.py $(1) >$(VENV)/requirements.txt && $(PIP) --requirement $(VENV)/requirements.txt
 BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
