@@ -3,7 +3,7 @@
 import numpy as np
 
 from coral.reef.paint.materials import Materials
-from coral.reef.paint.solid_kernels import BLOCK, BUOY, PILE, ROCK, SHELL
+from coral.reef.paint.solid_kernels import BLOCK, BUOY, CARD, PILE, ROCK, SHELL
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
@@ -39,3 +39,12 @@ def test_the_seed_decides():
     scene = Scene.from_world(WORLD)
     assert np.array_equal(Materials.of(scene, 3).paint, Materials.of(scene, 3).paint)
     assert not np.array_equal(Materials.of(scene, 3).paint, Materials.of(scene, 4).paint)
+
+
+def test_a_thing_has_the_look_of_its_kind_and_the_others_stay_as_they_were():
+    net = {"name": "net", "kind": "tyre", "x": 20.0, "y": 20.0}
+    plain = Materials.of(Scene.from_world(WORLD), 3)
+    mixed = Materials.of(Scene.from_world(ReefWorld.model_validate({**WORLD.model_dump(), "things": [net]})), 3)
+    assert mixed.kind[:20].tolist() == plain.kind[:20].tolist()
+    assert set(mixed.kind[20:-4].tolist()) == {CARD}
+    assert mixed.paint[20:-4].max() < 0.02

@@ -87,3 +87,16 @@ def test_outline_of_a_tilted_oyster_is_its_shadow(seed):
     # Touched all around, not at one point.
     bearing = np.arctan2(shadow @ [-s, c], shadow @ [c, s])[inside > 0.98]
     assert np.ptp(bearing) > 6.0
+
+
+def test_parts_of_things_have_the_class_of_their_kind_and_know_their_thing():
+    content = world().model_dump() | {"seabed": {"z_m": 0.0}}
+    content["things"] = [
+        {"name": "net", "kind": "ghost-net", "x": 5.0, "y": 5.0},
+        {"name": "cable", "kind": "cable", "x": 9.0, "y": 5.0},
+    ]
+    scene = Scene.from_world(ReefWorld.model_validate(content))
+    assert set(scene.label[scene.thing == 0]) == {Label.OYSTER}
+    assert set(scene.label[scene.thing == 1]) == {Label.SEABED}
+    assert scene.thing[0] == -1
+    assert [scene.looks[0], scene.looks[-1]] == [None, "sheath"]

@@ -80,7 +80,12 @@ def test_a_small_world_loads_with_defaults(tmp_path):
         ("start.x", 11.0, "start.x", "0 to 10 m"),
         ("start.thetta", 1.0, "start.thetta", "did you mean 'theta'?"),
         ("obstacle", [], "obstacle", "did you mean 'obstacles'?"),
-        ("clusters.0.oysters.1.radius", 0.1, "clusters[0].oysters[1].radius", "z, radii, rpy (did you mean 'radii'?)"),
+        (
+            "clusters.0.oysters.1.radius",
+            0.1,
+            "clusters[0].oysters[1].radius",
+            "z, radii, rpy, shape, look (did you mean 'radii'?)",
+        ),
         ("clusters.1.oysters.0.radii", [-0.1, 0.1, 0.1], "clusters[1].oysters[0].radii[0]", "0.001"),
         ("clusters.1.oysters.0.radii", [0.1, math.inf, 0.1], "clusters[1].oysters[0].radii[1]", "finite"),
         ("clusters.1.oysters", [], "clusters[1].oysters", "at least 1"),

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.paint.solid_kernels import BLOCK, BUOY, PILE, ROCK, SHELL
+from coral.reef.paint.solid_kernels import BLOCK, BUOY, CARD, PILE, ROCK, SHELL
 from coral.reef.world.geometry import Label
+from coral.reef.world.kinds import catalogue
 from coral.reef.world.scene import BOX, CYLINDER, Scene
 
 _SHELLS = np.array([(0.40, 0.38, 0.33), (0.33, 0.29, 0.22), (0.26, 0.25, 0.21), (0.30, 0.26, 0.25), (0.36, 0.36, 0.28)])
@@ -44,6 +45,11 @@ class Materials:
         for material, colours in ((SHELL, _SHELLS), (ROCK, _ROCKS), (BUOY, _BUOYS), (PILE, [_PILE]), (BLOCK, [_BLOCK])):
             chosen = np.asarray(colours)[rng.integers(0, len(colours), count)]
             paint[kind == material] = chosen[kind == material]
+        surfaces = {"shell": SHELL, "rock": ROCK, "pile": PILE, "block": BLOCK, "buoy": BUOY, "card": CARD}
+        for i, name in enumerate(scene.looks):
+            if name is not None:
+                look = catalogue().looks[name]
+                kind[i], paint[i] = surfaces[look.surface], look.colours[int(fate[i, 0] * len(look.colours))]
         # Neighbours differ in lightness, and a little in colour.
         paint *= rng.uniform(0.75, 1.2, (count, 1)) * rng.uniform(0.95, 1.05, (count, 3))
         return cls(kind, np.clip(paint, 0.01, 0.95), fate)

@@ -9,12 +9,13 @@ from pathlib import Path
 
 from coral.errors import InputError
 from coral.reef.world.generate import GeneratorCfg, generate
+from coral.reef.world.kinds import find_kind
 from coral.reef.world.pool import PREFIX as POOL
 from coral.reef.world.pool import pool_by_name
 from coral.reef.world.spines import Topology
 from coral.reef.world.world import ReefWorld, load_world, shipped_worlds
 
-PREFIX = "gen:"
+PREFIX, KIND = "gen:", "kind:"
 COUNT = 40
 _KINDS: tuple[Topology, ...] = (
     "branching",
@@ -49,6 +50,25 @@ GENERATED: dict[str, GeneratorCfg] = {f"{PREFIX}{number}": _settings(number) for
 """Settings by name. They never change, so that results stay comparable: new reefs would get new numbers."""
 
 
+def one_thing(kind: str) -> ReefWorld:
+    """Return bare sand with one thing of a kind in its middle, at (10, 10) m, to look at.
+
+    Raises:
+        InputError: There is no such kind.
+    """
+    find_kind(kind)
+    far = {"name": "corner", "oysters": [{"x": 19.0, "y": 19.0, "z": 0.0, "radii": [0.05, 0.04, 0.03]}]}
+    return ReefWorld.model_validate(
+        {
+            "name": f"kind-{kind}",
+            "size_m": [20.0, 20.0],
+            "start": {"x": 6.0, "y": 10.0},
+            "clusters": [far],
+            "things": [{"name": kind, "kind": kind, "x": 10.0, "y": 10.0, "yaw": 0.4}],
+        }
+    )
+
+
 @lru_cache(maxsize=COUNT)
 def generated(name: str) -> ReefWorld:
     """Make one of the forty reefs; it is the same every time.
@@ -68,6 +88,8 @@ def find_world(name: str | Path) -> ReefWorld:
         InputError: There is no such world, or the file is broken.
     """
     text = str(name)
+    if text.startswith(KIND) and not Path(text).exists():
+        return one_thing(text.removeprefix(KIND))
     if text.startswith(POOL) and not Path(text).exists():
         return pool_by_name(text)
     return generated(text) if re.fullmatch(rf"{PREFIX}\S*", text) and not Path(text).exists() else load_world(text)

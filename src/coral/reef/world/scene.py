@@ -37,7 +37,7 @@ class Footprints:
 
 @dataclass(frozen=True)
 class Scene:
-    """N solids of a world: the oysters cluster by cluster, then the obstacles. World frame, metres."""
+    """N solids of a world: oysters cluster by cluster, obstacles, then what lies unseen. World frame, metres."""
 
     kind: NDArray[np.int8]
     """ELLIPSOID, BOX or CYLINDER. Shape=(N,), int8."""
@@ -54,24 +54,37 @@ class Scene:
     seabed_z: float
     """Height of the flat sea floor (m)."""
     cluster_names: tuple[str, ...]
+    looks: tuple[str | None, ...] = ()
+    """Look of each solid in `kinds.yaml`, None for one without; empty: none has one."""
+    thing: NDArray[np.int32] | None = None
+    """Index of the world's thing that each solid is a part of, -1 for none. For the judge. Shape=(N,), int32."""
 
     @classmethod
     def from_world(cls, world: ReefWorld) -> Scene:
         """Make the arrays of a world, in the order of its file."""
         oysters = [oyster for cluster in world.clusters for oyster in cluster.oysters]
         cluster = [i for i, group in enumerate(world.clusters) for _ in group.oysters]
+        lying = [part for group in world.lying for part in group.oysters]
         obstacles = world.solids
-        solids: list[Oyster | Obstacle] = [*oysters, *obstacles]
-        rpy = [o.rpy for o in oysters] + [(0.0, 0.0, o.yaw) for o in obstacles]
+        solids: list[Oyster | Obstacle] = [*oysters, *obstacles, *lying]
+        rpy = [*(o.rpy for o in oysters), *((0.0, 0.0, o.yaw) for o in obstacles), *(o.rpy for o in lying)]
+        names = [world.clusters[i].name for i in cluster] + [o.thing for o in obstacles]
+        names += [group.name for group in world.lying for _ in group.oysters]
+        number = {thing.name: i for i, thing in enumerate(world.things)}
         return cls(
-            kind=np.array([ELLIPSOID] * len(oysters) + [_KINDS[o.shape] for o in obstacles], np.int8),
+            kind=np.array([_KINDS[o.shape or "ellipsoid"] for o in solids], np.int8),
             center=np.array([(o.x, o.y, o.z) for o in solids], np.float64),
-            half=np.array([o.radii for o in oysters] + [o.size for o in obstacles], np.float64),
+            half=np.array([o.radii if isinstance(o, Oyster) else o.size for o in solids], np.float64),
             rotation=rotations(rpy),
-            label=np.array([Label.OYSTER] * len(oysters) + [Label.OBSTACLE] * len(obstacles), np.uint8),
-            cluster=np.array(cluster + [-1] * len(obstacles), np.int32),
+            label=np.repeat(
+                np.array([Label.OYSTER, Label.OBSTACLE, Label.SEABED], np.uint8),
+                (len(oysters), len(obstacles), len(lying)),
+            ),
+            cluster=np.array(cluster + [-1] * (len(solids) - len(oysters)), np.int32),
             seabed_z=world.seabed.z_m,
             cluster_names=tuple(group.name for group in world.clusters),
+            looks=tuple(o.look for o in solids) if world.things else (),
+            thing=np.array([number.get(name or "", -1) for name in names], np.int32) if world.things else None,
         )
 
     def __len__(self) -> int:

@@ -19,6 +19,11 @@ Angle = Annotated[float, Field(ge=-7, le=7, strict=True)]
 Speed = Annotated[float, Field(ge=-1, le=1, strict=True)]
 
 
+def is_none(value: object) -> bool:
+    """Tell whether a value is left out of a file: files without it stay as they are."""
+    return value is None
+
+
 class WorldPart(BaseModel):
     """A part of a world file: every key must be known, every number finite."""
 
@@ -77,6 +82,10 @@ class Obstacle(WorldPart):
     yaw: Angle = 0.0
     tether: Tether | None = None
     """For a floating obstacle: its line and its anchor."""
+    look: str | None = Field(default=None, exclude_if=is_none)
+    """Its look in `kinds.yaml`, and..."""
+    thing: str | None = Field(default=None, exclude_if=is_none)
+    """... the name of the thing that it is a part of."""
 
     @model_validator(mode="after")
     def _round_shapes_are_round(self) -> Obstacle:

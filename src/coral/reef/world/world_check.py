@@ -49,26 +49,23 @@ def _check_size(world: ReefWorld, where: str) -> None:
     for i, edge in enumerate(world.size_m):
         if not MIN_EDGE_M <= edge <= MAX_EDGE_M:
             raise InputError(where, f"size_m[{i}]", f"{edge:g}", f"between {MIN_EDGE_M:g} and {MAX_EDGE_M:g} m")
-    count = len(world.obstacles) + sum(len(cluster.oysters) for cluster in world.clusters)
+    count = len(world.obstacles) + sum(len(cluster.oysters) for cluster in (*world.clusters, *world.lying))
     if count > MAX_OBJECTS:
         raise InputError(where, "", f"{count} oysters and obstacles", f"at most {MAX_OBJECTS}")
-    names = [cluster.name for cluster in world.clusters]
-    for i, name in enumerate(names):
-        if name in names[:i]:
-            raise InputError(
-                where,
-                f"clusters[{i}].name",
-                f"{name!r}, as clusters[{names.index(name)}]",
-                "a different name for every cluster",
-            )
+    for part, named in (("clusters", world.clusters), ("things", world.things)):
+        names = [one.name for one in named]
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                found = f"{name!r}, as {part}[{names.index(name)}]"
+                raise InputError(where, f"{part}[{i}].name", found, "a different name for each")
 
 
 def _check_places(world: ReefWorld, where: str) -> None:
     _inside(world, where, "start", world.start.x, world.start.y)
     floor = world.seabed.z_m
-    for i, cluster in enumerate(world.clusters):
+    for i, cluster in enumerate((*world.clusters, *world.lying)):
         for j, oyster in enumerate(cluster.oysters):
-            field = f"clusters[{i}].oysters[{j}]"
+            field = f"clusters[{i}].oysters[{j}]" if cluster.kind is None else f"the thing {cluster.name!r}"
             _inside(world, where, field, oyster.x, oyster.y)
             if not floor - max(oyster.radii) < oyster.z <= floor + HIGHEST_OYSTER_M:
                 raise InputError(

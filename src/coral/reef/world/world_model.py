@@ -6,10 +6,11 @@ Angles in radians, counter-clockwise, 0 along +x.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from coral.reef.world.kinds import find_kind, grow
 from coral.reef.world.structures import (
     Angle,
     Coordinate,
@@ -20,6 +21,7 @@ from coral.reef.world.structures import (
     Tank,
     Wall,
     WorldPart,
+    is_none,
     structures,
 )
 
@@ -55,6 +57,10 @@ class Oyster(WorldPart):
     z: Coordinate
     radii: tuple[Extent, Extent, Extent]
     rpy: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
+    shape: Literal["sphere", "ellipsoid", "cylinder", "box"] | None = Field(default=None, exclude_if=is_none)
+    """Of a part of a thing that is taken for an oyster; null: ellipsoid."""
+    look: str | None = Field(default=None, exclude_if=is_none)
+    """Its look in `kinds.yaml`; null: an oyster's."""
 
 
 class Cluster(WorldPart):
@@ -62,6 +68,33 @@ class Cluster(WorldPart):
 
     name: str = Field(min_length=1, max_length=40)
     oysters: tuple[Oyster, ...] = Field(min_length=1)
+    kind: str | None = Field(default=None, exclude_if=is_none)
+    """What it is in truth, where it is a thing of the world's list."""
+
+
+class Thing(WorldPart):
+    """Something of a kind of `kinds.yaml` that lies on the sea floor."""
+
+    name: str = Field(min_length=1, max_length=40)
+    kind: str = Field(max_length=40)
+    x: Coordinate
+    y: Coordinate
+    yaw: Angle = 0.0
+
+
+def is_empty(values: tuple[Any, ...]) -> bool:
+    """Tell whether a list is left out of a file: files without it stay as they are."""
+    return not values
+
+
+def _part(solid: dict[str, Any]) -> dict[str, Any]:
+    """Return a solid of a thing as an oyster of the file."""
+    return {"radii" if key == "size" else key: value for key, value in solid.items()}
+
+
+def _upright_part(solid: dict[str, Any], thing: str) -> dict[str, Any]:
+    """Return a solid of a thing as an obstacle of the file."""
+    return {**{key: value for key, value in solid.items() if key != "rpy"}, "yaw": solid["rpy"][2], "thing": thing}
 
 
 class ReefWorld(WorldPart):
@@ -83,6 +116,33 @@ class ReefWorld(WorldPart):
     walls: tuple[Wall, ...] = ()
     spine: tuple[tuple[tuple[Coordinate, Coordinate], ...], ...] = ()
     """Polylines (m) that the reef was grown along; for drawings only, no decision reads them."""
+    things: tuple[Thing, ...] = Field(default=(), max_length=200, exclude_if=is_empty)
+    """What else lies there, by kind. By its class each adds its solids to clusters, obstacles or `lying`."""
+    lying: tuple[Cluster, ...] = Field(default=(), exclude_if=is_empty)
+    """Things that the robot's classes do not tell from the sea floor."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _grow_things(cls, content: Any) -> Any:
+        """Add the solids of the things that have none yet."""
+        if not isinstance(content, dict) or not isinstance(things := content.get("things"), (list, tuple)):
+            return content
+        seabed = content.get("seabed")
+        floor = seabed.get("z_m", 0.0) if isinstance(seabed, dict) else 0.0
+        lists = {key: list(content.get(key) or ()) for key in ("clusters", "obstacles", "lying")}
+        parts = [one for each in lists.values() for one in each if isinstance(one, dict)]
+        grown = {one["name"] for one in parts if "kind" in one and "name" in one} | {one.get("thing") for one in parts}
+        for thing in (Thing.model_validate(each) for each in things):
+            if thing.name in grown:
+                continue
+            solids = grow(thing.kind, thing.x, thing.y, thing.yaw, float(floor))
+            class_ = find_kind(thing.kind).class_
+            if class_ == "obstacle":
+                lists["obstacles"] += [_upright_part(solid, thing.name) for solid in solids]
+            else:
+                group = {"name": thing.name, "kind": thing.kind, "oysters": [_part(solid) for solid in solids]}
+                lists["clusters" if class_ == "oyster" else "lying"].append(group)
+        return {**content, **lists}
 
     @property
     def solids(self) -> tuple[Obstacle, ...]:

@@ -10,7 +10,7 @@ from coral.errors import InputError
 from coral.foreign_file import read_text
 from coral.yaml_file import load_mapping, to_yaml
 
-_LONG = ("spine", "clusters", "obstacles")
+_LONG = ("spine", "things", "clusters", "lying", "obstacles")
 """Keys whose entries are written line by line, in this order at the end of the file."""
 _RARE = ("walls",)
 """Keys that are left out where they hold nothing."""
@@ -41,10 +41,14 @@ def to_text(world: Mapping[str, Any], header: Sequence[str] = ()) -> str:
         f"{key}: {_flow(value)}" for key, value in world.items() if key not in _LONG and (value or key not in _RARE)
     ]
     for key in _LONG:
+        if key not in world:
+            continue
         lines.append(f"{key}:" if world[key] else f"{key}: []")
         for item in world[key]:
-            if key == "clusters":
-                lines += [f"  - name: {_flow(item['name'])}", "    oysters:"]
+            if key in ("clusters", "lying"):
+                lines += [f"  - name: {_flow(item['name'])}"]
+                lines += [f"    kind: {item['kind']}"] if "kind" in item else []
+                lines += ["    oysters:"]
                 lines += [f"      - {_flow(oyster)}" for oyster in item["oysters"]]
             else:
                 lines.append(f"  - {_flow(item)}")
