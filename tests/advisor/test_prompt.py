@@ -19,6 +19,7 @@ WORLD = {
     "planner": "1 s ahead.",
     "interface": "self.board_pos",
     "contact_strategy": True,
+    "staged": True,
 }
 CONTEXT = {
     "reef-centroid": AHEAD,
@@ -290,7 +291,7 @@ def test_rows_become_a_table_with_one_header():
 def test_without_a_contact_strategy_a_model_is_told_so(kind):
     told = "nothing of where or how the hand touches"
     assert told not in render(kind, CONTEXT[kind])[0]
-    without = render(kind, {**CONTEXT[kind], "contact_strategy": False})[0]
+    without = render(kind, {**CONTEXT[kind], "contact_strategy": False, "staged": False})[0]
     assert told in without
     assert [word for word in ("`stages`", "stiffness", "back_to") if word in without] == []
 

@@ -48,7 +48,7 @@ from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.strategist import FixedStrategist
-from coral.contact.thinker.think_cfg import resolved
+from coral.contact.thinker.think_cfg import Told, resolved
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
@@ -85,12 +85,15 @@ class ContactRun:
     """What segments its pictures, as `coral contact poses` takes it; colour by default."""
     advisor: Annotated[str, Option(help=advisor_help("The advisor, in variants with one"))] = DEFAULT_ADVISOR
     variant: Annotated[str, Option(names=VARIANTS)] = DEFAULT_VARIANT
-    """Configuration of the pipeline: full asks the advisor; paper too, and plans with the paper's 200 samples;
+    """Configuration of the pipeline: full asks the advisor; paper too, with the paper's prompt and 200 samples;
     no-memory, no-refinement, unguided, no-regions and no-tracking disable one part; unified asks one question for
     everything. expert and expert-fsm follow hand-written costs without an advisor."""
     fallback: StandIn | None = None
     """What stands where the advisor does not decide: prior beliefs, no regions and the plan before (prior, the
     default); hold and fail end the episode."""
+    prompt: Told | None = None
+    """What a question about a plan tells: the sentence, poses and parameters alone (paper), also the scene in words
+    (words), also what success is measured by (full, the default)."""
     preflight: bool = True
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     seed: int = 0
@@ -156,6 +159,7 @@ class ContactRun:
             believe=self.believe,
             memory=self.memory,
             tracker=self.tracker,
+            prompt=self.prompt,
         )
         flags = self._robot_flags
         if not flags.check():
@@ -170,6 +174,7 @@ class ContactRun:
             poses=self.poses,
             tracker=self.tracker,
             fallback=self.fallback,
+            prompt=self.prompt,
         )
         thinking_latency(cfg.think.latency, advisor, self.advisor)
         believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)

@@ -17,6 +17,8 @@ def test_the_paper_s_variant_plans_as_the_paper_does():
     assert EpisodeCfg().controller.mppi.samples == 48
     cfg = resolve_episode(EpisodeCfg(), variant="paper")
     assert (cfg.controller.mppi.samples, cfg.controller.mppi.fine, cfg.replan_steps) == (200, 0.0, 1)
+    assert (cfg.think.prompt, cfg.think.outer.attempt_s) == ("paper", cfg.planning.step_s)
+    assert resolve_episode(EpisodeCfg(), variant="paper", prompt="words").think.prompt == "words"
     assert resolve_episode(EpisodeCfg(), variant="paper", samples=7).controller.mppi.samples == 7
 
 
@@ -32,6 +34,7 @@ def test_the_paper_s_variant_plans_as_the_paper_does():
         ({"cost": "c.py", "advisor": "desk"}, "desk with --cost"),
         ({"cost": "c.py", "memory": "m"}, "--memory: found also --cost"),
         ({"cost": "c.py", "believe": "box=1,1"}, "--believe: found also --cost"),
+        ({"variant": "expert", "prompt": "words"}, "--prompt: found also --variant expert"),
         ({"variant": "no-tracking", "tracker": "model"}, "--tracker: found also --variant no-tracking"),
     ],
 )

@@ -43,7 +43,7 @@ def test_every_quantity_of_a_task_is_named_and_nothing_else(task):
     schema = task_schema_of(trial.task)
     facts = scene_facts(trial, seen(trial))
     told = told_in_scene(facts)
-    scene = scene_text(facts, 0.5, 30.0)
+    scene = scene_text(facts)
     assert all(f"self.{name}" in scene for name in told)
     objects = [item.name for item in trial.task.objects]
     assert named(schema, objects) == set(schema)

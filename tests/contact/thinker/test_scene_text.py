@@ -1,12 +1,16 @@
 import dataclasses
 
+import pytest
 from contact_bench import make_trial, plain, seen
 
+from coral.advisor.prompt import render
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planner_limits import PlannerLimits
+from coral.contact.control.quantities import task_schema_of
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.scene_facts import scene_facts
-from coral.contact.thinker.scene_text import condition_text, planner_text, scene_text
+from coral.contact.thinker.scene_text import condition_text, planner_text, scene_text, success_text, world_prompt
+from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.mppi.knots import KnotMppiCfg
 
 BOX = plain()["objects"][0]
@@ -15,7 +19,7 @@ AT = {"object": "box", "kind": "at", "place": "goal", "point": None, "tolerance_
 
 def text(beliefs=None, **changes):
     trial = make_trial(**changes)
-    return scene_text(scene_facts(trial, seen(trial), beliefs), 0.5, 30.0)
+    return scene_text(scene_facts(trial, seen(trial), beliefs))
 
 
 def test_conditions_of_success_have_all_their_values_and_what_they_ask_for():
@@ -28,10 +32,32 @@ def test_a_condition_of_an_unknown_kind_has_its_values():
     assert condition_text({"kind": "levitating", "height_m": 2.0}) == "levitating (height_m 2)"
 
 
-def test_the_scene_tells_which_way_the_axes_point_and_what_success_is():
-    said = text()
-    for words in ("x points away from the robot", "left means larger y", "Success, within 30 s", "for 0.5 s"):
-        assert words in said
+def test_the_scene_tells_which_way_the_axes_point():
+    assert "x points away from the robot" in text()
+    assert "left means larger y" in text()
+
+
+def test_success_tells_its_time_and_its_hold():
+    assert success_text({"goals": []}, 0.5, 30.0) == ["Success, within 30 s: all of these at once, for 0.5 s:"]
+
+
+@pytest.mark.parametrize("strategy", [True, False])
+def test_a_prompt_tells_as_much_as_it_is_configured_to(strategy):
+    trial = make_trial()
+    facts = scene_facts(trial, seen(trial), {"box": PhysicalParameters(1.5, 0.4)})
+
+    def shown(prompt):
+        cfg = ThinkCfg(prompt=prompt, strategy=strategy)
+        return render("cost-function", world_prompt(facts, trial.task, task_schema_of(trial.task), cfg, LIMITS))[0]
+
+    paper, words, full = shown("paper"), shown("words"), shown("full")
+    thresholds, hand, stages = "Success, within", "The hand: two fingers", "`stages`: a list"
+    assert [thresholds in one for one in (paper, words, full)] == [False, False, True]
+    assert [hand in one for one in (paper, words, full)] == [False, True, True]
+    assert [stages in one for one in (paper, words, full)] == [False, strategy, strategy]
+    assert '"mass_kg": 1.5' in paper
+    assert '"goal": [' in paper
+    assert all(trial.task.instruction in one for one in (paper, words, full))
 
 
 def test_beliefs_are_shown_once_there_are_any():
@@ -61,16 +87,15 @@ def test_conditions_inside_a_condition_are_explained_once():
     trial = make_trial()
     facts = scene_facts(trial, seen(trial))
     goals = [{"object": "box", "kind": "sequence", "events": [[slid], [AT]], "for_s": 0.1}, AT]
-    said = scene_text({**facts, "goals": goals}, 0.5, 30.0)
+    said = "\n".join(success_text({**facts, "goals": goals}, 0.5, 30.0))
     assert "slid: The hand slid the object" in said
     assert said.count("is within `tolerance_m` of a place") == 1
 
 
 def test_a_condition_on_several_objects_is_told_once():
-    trial = make_trial()
-    facts = scene_facts(trial, seen(trial))
-    said = scene_text({**facts, "goals": [AT, {**AT, "object": "cup"}, {**AT, "tolerance_m": 0.3}]}, 0.5, 30.0)
-    assert "2. The same of cup.\n3. at (object box, place goal, tolerance_m 0.3" in said
+    said = success_text({"goals": [AT, {**AT, "object": "cup"}, {**AT, "tolerance_m": 0.3}]}, 0.5, 30.0)
+    assert said[2] == "2. The same of cup."
+    assert said[3].startswith("3. at (object box, place goal, tolerance_m 0.3")
 
 
 LIMITS = PlannerLimits.of(ControllerCfg(horizon=25, speed_m_s=0.7, mppi=KnotMppiCfg(samples=64)), 0.04, 0.08)

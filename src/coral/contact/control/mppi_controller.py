@@ -38,8 +38,8 @@ class ControllerCfg:
     horizon: Annotated[int, Field(ge=1, le=10_000)] = 50
     """H control steps (paper, section 4)."""
     mppi: KnotMppiCfg = field(default_factory=lambda: KnotMppiCfg(samples=48))
-    """The sampler, with K and lambda. 48 fine samples do as well as 200 (docs/research/planning.md),
-    which the variant `paper` has, with equal noise."""
+    """The sampler, with K and lambda. Departs from the paper: 48 fine samples do as well as its 200
+    (docs/research/planning.md), which the variant `paper` has, with equal noise."""
     sigma_m: tuple[NonNegative, NonNegative, NonNegative] = (0.04, 0.04, 0.04)
     """Noise on the target's x, y, z (measured to work with and without a table 5 cm below the hand)."""
     sigma_rad: tuple[NonNegative, NonNegative, NonNegative] = (0.12, 0.12, 0.2)

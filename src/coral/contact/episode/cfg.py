@@ -23,7 +23,8 @@ class EpisodeCfg:
     """Complete definition of an episode, apart from task, world, variant, advisor and seed."""
 
     replan_steps: Count = 2
-    """Control steps executed per plan. The paper executes one; two halve the time, and feedback runs at every step."""
+    """Control steps executed per plan. Departs from the paper: it executes one; two halve the
+    time, and feedback runs at every step."""
     patience_plans: Count = 25
     """The episode ends after this many successive plans without a valid rehearsal."""
     planning: PlanningCfg = field(default_factory=PlanningCfg)

@@ -10,6 +10,7 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.variants import ALONE, REMEMBERING, check_variant
 from coral.contact.perception.tracker_registry import choose_tracker
 from coral.contact.thinker.fallback import StandIn
+from coral.contact.thinker.think_cfg import Told
 from coral.errors import InputError
 
 DEFAULT_ADVISOR, DEFAULT_VARIANT = "recorded", "full"
@@ -27,6 +28,7 @@ def check_combination(
     believe: str | None = None,
     memory: str | None = None,
     tracker: str | None = None,
+    prompt: str | None = None,
 ) -> None:
     """Check that the parts of an episode go together.
 
@@ -39,6 +41,7 @@ def check_combination(
         believe: Stated masses and frictions.
         memory: The experience memory.
         tracker: The tracker.
+        prompt: What a question about a plan tells.
 
     Raises:
         InputError: They do not; the error names the flags.
@@ -58,6 +61,8 @@ def check_combination(
         raise InputError(
             "--advisor", "", f"{advisor} with {which}", "a variant that asks an advisor, such as --variant full"
         )
+    if prompt is not None and (instead or variant in ALONE):
+        raise InputError("--prompt", "", f"also {which}", "a variant that asks an advisor, such as full")
     if believe is not None and (instead or variant in (*ALONE, "unified")):
         raise InputError("--believe", "", f"also {which}", "a variant that asks for masses and frictions, such as full")
     if memory is not None and (instead or variant not in REMEMBERING):
@@ -76,16 +81,18 @@ def resolve_episode(
     poses: Literal["tracked", "ground-truth"] | None = None,
     tracker: str | None = None,
     fallback: StandIn | None = None,
+    prompt: Told | None = None,
 ) -> EpisodeCfg:
     """Return the configuration of an episode; None leaves a value as configured.
 
-    The variant `paper` plans as the paper does: K = 200 samples with equal noise, and one step executed per plan.
+    The variant `paper` plans and asks as the paper does: K = 200 samples with equal noise, one step executed per plan,
+    which is one attempt, and the prompt `paper`.
 
     Raises:
         InputError: A value is out of range, or there is no such tracker.
     """
     cfg = with_tracker(with_poses(with_samples(of_variant(cfg, variant), samples), poses), tracker)
-    return checked(with_fallback(cfg, fallback), "--cfg")
+    return checked(with_prompt(with_fallback(cfg, fallback), prompt), "--cfg")
 
 
 def of_variant(cfg: EpisodeCfg, variant: str) -> EpisodeCfg:
@@ -94,7 +101,9 @@ def of_variant(cfg: EpisodeCfg, variant: str) -> EpisodeCfg:
         return cfg
     mppi = dataclasses.replace(cfg.controller.mppi, samples=200, fine=0.0)
     controller = dataclasses.replace(cfg.controller, mppi=mppi, press_weight=0.0)
-    return dataclasses.replace(cfg, controller=controller, replan_steps=1)
+    outer = dataclasses.replace(cfg.think.outer, attempt_s=cfg.planning.step_s)
+    think = dataclasses.replace(cfg.think, prompt="paper", outer=outer)
+    return dataclasses.replace(cfg, controller=controller, replan_steps=1, think=think)
 
 
 def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
@@ -116,6 +125,11 @@ def with_fallback(cfg: EpisodeCfg, fallback: StandIn | None) -> EpisodeCfg:
     if fallback is None:
         return cfg
     return dataclasses.replace(cfg, think=dataclasses.replace(cfg.think, fallback=fallback))
+
+
+def with_prompt(cfg: EpisodeCfg, prompt: Told | None) -> EpisodeCfg:
+    """Return the configuration with questions that tell more or less; None leaves it as configured."""
+    return cfg if prompt is None else dataclasses.replace(cfg, think=dataclasses.replace(cfg.think, prompt=prompt))
 
 
 def with_poses(cfg: EpisodeCfg, poses: Literal["tracked", "ground-truth"] | None) -> EpisodeCfg:

@@ -23,7 +23,8 @@ class OuterCfg:
     """Attempts without progress before the advisor is asked (paper, section 4)."""
     attempt_s: Positive = 0.2
     """Simulated time that counts as one attempt of the inner loop, which replans every 20 to 40 ms: n_retry attempts
-    make 3 s, after which a person would call it stuck."""
+    make 3 s, after which a person would call it stuck. Departs from the paper: its attempt is one plan, as under
+    --variant paper."""
     progress: Fraction = 0.02
     """Progress is a fall of the expected cost by this share of its value when the stage began, or of its fall since."""
     progress_m: Positive = 0.01

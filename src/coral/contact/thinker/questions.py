@@ -302,6 +302,8 @@ class Questions:
             now: The present state.
             load: Loads its programs, if not as for answers.
         """
+        if self._cfg.prompt == "paper" and plan.stages and load is None and self._asker.source == "advisor":
+            return Rejection(code="stages", reason="give one function, `code`, and no stages")
         loader = load or self.load
 
         def beginnings(compiled: Sequence[Compiled]) -> dict[str, list[Context]]:
@@ -372,7 +374,8 @@ class Questions:
 
     def _plan_facts(self) -> PlanFacts:
         """Return the facts of a question about the plan."""
-        return {**self.facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}
+        facts = self.facts if self._cfg.prompt == "full" else {**self.facts, "goals": []}
+        return {**facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}
 
     def world_prompt(self) -> dict[str, Any]:
         """Return what every question about a plan shows of task, scene, hand, planner and cost language."""

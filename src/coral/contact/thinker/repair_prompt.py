@@ -29,6 +29,7 @@ def repair_values(
     corrected: Sequence[str] = (),
     advice: Sequence[str] = (),
     error: str = "",
+    bare: bool = False,
 ) -> dict[str, Any]:
     """Return the placeholders that tell of a plan that failed.
 
@@ -42,18 +43,22 @@ def repair_values(
         corrected: Corrections of masses and frictions.
         advice: What its check noted without refusing it.
         error: Why it could not be evaluated.
+        bare: Whether to tell only the last five steps and what they cost, as the paper does (A.9): its model diagnoses.
     """
+    rows = recent(monitor.steps, monitor.costs, name, 5 if bare else REPAIR_ROWS, monitor.notes)
+    if bare:
+        diagnoses, evidence, corrected, advice, regions = (), (), (), (), None
     return {
         "attempts": monitor.attempts,
-        "stage": monitor.stage,
+        "stage": "" if bare else monitor.stage,
         "object": name,
         "diagnosis": f"Diagnosis: {TEXTS[diagnoses[-1]]}." if diagnoses else "",
         "earlier": [TEXTS[diagnosis] for diagnosis in diagnoses[:-1]],
         "evidence": list(evidence),
         "corrected": list(corrected),
         "advice": list(advice),
-        "history": recent(monitor.steps, monitor.costs, name, REPAIR_ROWS, monitor.notes),
-        "terms": recent_terms(monitor.notes),
+        "history": [{"object_pos": row["object_pos"], "cost": row["cost"]} for row in rows] if bare else rows,
+        "terms": [] if bare else recent_terms(monitor.notes),
         "regions": [] if regions is None else regions.lines(),
         "code": plan.text(numbered=True),
         "explanation": plan.explanation,

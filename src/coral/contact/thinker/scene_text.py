@@ -5,6 +5,7 @@ A test walks the facts and finds each of their values here, so that the rules ne
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -73,23 +74,45 @@ def world_prompt(
         cfg: Which parts of the method are enabled.
         limits: What the planner of this run can do.
     """
+    shown = {"task": facts["instruction"], "hand": "", "planner": "", "contact_strategy": cfg.strategy, "staged": False}
+    if cfg.prompt == "paper":
+        return {**shown, "scene": poses_text(facts), "interface": interface_text(schema)}
+    goals = success_text(facts, task.success.hold_s, task.time_limit_s) if cfg.prompt == "full" else []
     return {
-        "task": facts["instruction"],
-        "scene": scene_text(facts, task.success.hold_s, task.time_limit_s),
+        **shown,
+        "scene": "\n".join([scene_text(facts), *goals]),
         "hand": HAND,
         "planner": planner_text(limits),
         "interface": interface_text(schema, told_in_scene(facts)),
-        "contact_strategy": cfg.strategy,
+        "staged": cfg.strategy,
     }
 
 
-def scene_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_s: float) -> str:
-    """Describe the scene: axes, table, objects, fixtures, places, numbers, hand, conditions of success.
+def poses_text(facts: SceneFacts | Mapping[str, Any]) -> str:
+    """Give poses and parameters alone, as the paper's prompts do (A.8).
 
     Args:
         facts: The scene as last observed.
-        hold_s: How long all conditions have to hold.
-        time_limit_s: Time for the task.
+    """
+    objects = facts["objects"]
+    poses = {"hand": facts["hand"]["pose"]} | {name: item["pose"] for name, item in objects.items()}
+    poses |= {name: item["position"] for name, item in facts["fixtures"].items()} | facts["places"]
+    held = {
+        name: {"mass_kg": item["mass_kg"], "friction": item["friction"]}
+        for name, item in objects.items()
+        if "mass_kg" in item
+    }
+    return (
+        "Poses (world frame, metres, z up: x, y, z, then the quaternion w, x, y, z):\n"
+        f"{json.dumps(poses)}\nPhysical parameters:\n{json.dumps(held)}"
+    )
+
+
+def scene_text(facts: SceneFacts | Mapping[str, Any]) -> str:
+    """Describe the scene: axes, table, objects, fixtures, places, numbers, hand.
+
+    Args:
+        facts: The scene as last observed.
     """
     table, hand = facts["table"], facts["hand"]
     lines = [
@@ -118,7 +141,18 @@ def scene_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_
         f"Hand now: at {_vector(hand['pose'][:3])}, turned {_vector(hand['pose'][3:])}: its z axis along {palm}, its y "
         f"axis along {opening}; open by {hand['opening_m']:g} m."
     )
-    lines.append(f"Success, within {time_limit_s:g} s: all of these at once, for {hold_s:g} s:")
+    return "\n".join(lines)
+
+
+def success_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_s: float) -> list[str]:
+    """Describe the conditions of success, a line each.
+
+    Args:
+        facts: The scene as last observed.
+        hold_s: How long all conditions have to hold.
+        time_limit_s: Time for the task.
+    """
+    lines = [f"Success, within {time_limit_s:g} s: all of these at once, for {hold_s:g} s:"]
     told: set[str] = set()
     before: Mapping[str, Any] = {}
     for number, goal in enumerate(facts["goals"], 1):
@@ -132,7 +166,7 @@ def scene_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_
             if inner["kind"] not in told:
                 lines.append(f"   {inner['kind']}: {_meaning(inner)}")
                 told.add(inner["kind"])
-    return "\n".join(lines)
+    return lines
 
 
 def told_in_scene(facts: SceneFacts | Mapping[str, Any]) -> set[str]:

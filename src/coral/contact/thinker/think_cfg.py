@@ -19,6 +19,8 @@ from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.world_model.identification import IdentifyCfg
 from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
 
+Told = Literal["paper", "words", "full"]
+"""How much a question about a plan tells."""
 MODEL_S = 600.0
 """A model takes minutes to write and repair a program."""
 DESK_S = 86_400.0
@@ -29,6 +31,10 @@ DESK_S = 86_400.0
 class ThinkCfg:
     """Which parts of the outer loop are enabled; an ablation disables one."""
 
+    prompt: Told = "full"
+    """What a question about a plan tells: `paper`, the sentence, poses and parameters, and it asks for one cost;
+    `words`, also shapes, scene, hand and planner, and stages are allowed; `full`, also every condition of success with
+    its thresholds. Departs from the paper: its A.8 to A.10 are `paper`, and zero-shot means that there."""
     strategy: bool = True
     """Whether plans name contact regions. Off (`unguided`): the cost rates outcomes alone, no regions are asked for.
     """

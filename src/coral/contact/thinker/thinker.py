@@ -127,6 +127,11 @@ class Thinker:
         self._limits = limits
 
     @property
+    def _diagnosed_by_model(self) -> bool:
+        """Return whether the advisor is to find out what went wrong, as the paper's does; the record still names it."""
+        return self.cfg.prompt == "paper"
+
+    @property
     def guesses_poses(self) -> bool:
         """See `Strategist.guesses_poses`."""
         return not self.cfg.tracking
@@ -290,6 +295,7 @@ class Thinker:
             corrected=self._corrected,
             advice=self._questions.advice,
             error=error,
+            bare=self._diagnosed_by_model,
         )
         if self.cfg.unified:
             self._plan, self._regions = self._questions.ask_everything(now, history) or (otherwise(), self._regions)
@@ -312,7 +318,7 @@ class Thinker:
             else None
         )
         kind = diagnose(monitor.steps, name, monitor.returns, surprise_m, found)
-        if kind in PLANNER_MAY_BE_WEAK and self._plan_harder(report, kind):
+        if kind in PLANNER_MAY_BE_WEAK and not self._diagnosed_by_model and self._plan_harder(report, kind):
             return None
         self._evidence = [*([] if found is None else found.sentences()), *self._effort]
         self._repairs += 1
@@ -327,11 +333,11 @@ class Thinker:
             cost=round(report.plan.cost, 4),
             history=recent(monitor.steps, monitor.costs, name),
         )
-        tells = kind not in TELL_NOTHING
+        tells = self._diagnosed_by_model or kind not in TELL_NOTHING
         corrected = tells and not self.cfg.unified and self._correct(name, now)
         now = self._questions.present(now)  # a later one if the advisor took time to answer
         self._questions.update_facts(now)
-        if corrected and kind == "moved-otherwise":
+        if corrected and kind == "moved-otherwise" and not self._diagnosed_by_model:
             # The plan was right, the world model was not: continue the stage with the corrected model.
             self._monitor = self._new_monitor()
             return None
