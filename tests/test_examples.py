@@ -1,13 +1,19 @@
-"""The examples run, and are all in their table."""
+"""The examples run, scripts and notebooks, and are all in their table."""
 
 import runpy
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-NEEDS = {"dive_to_map.py": ("onnxruntime", "tifffile"), "train_a_policy.py": ("gymnasium",)}
+NOTEBOOKS = sorted(EXAMPLES.glob("*.ipynb"))
+NEEDS = {
+    "dive_to_map.py": ("onnxruntime", "tifffile"),
+    "dive_to_map.ipynb": ("onnxruntime", "tifffile"),
+    "train_a_policy.py": ("gymnasium",),
+}
 
 
 @pytest.mark.parametrize("script", sorted(EXAMPLES.glob("*.py")), ids=lambda script: script.stem)
@@ -23,6 +29,25 @@ def test_an_example_runs(
     assert capsys.readouterr().out.strip()
 
 
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs_and_shows_what_it_showed(path: Path, tmp_path: Path) -> None:
+    nbclient, nbformat = pytest.importorskip("nbclient"), pytest.importorskip("nbformat")
+    for package in ("pandas", *NEEDS.get(path.name, ())):
+        pytest.importorskip(package)
+    notebook = nbformat.read(path, as_version=4)
+    shown = [_kinds(cell) for cell in notebook.cells]
+    client = nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}})
+    client.execute()
+    assert [_kinds(cell) for cell in notebook.cells] == shown
+    assert {"text/html", "image/png"} <= {kind for kinds in shown for kind in kinds}
+
+
+def _kinds(cell: Any) -> list[str]:
+    """Return what a cell shows: streams by name, and the forms of its values."""
+    return [kind for output in cell.get("outputs", ()) for kind in output.get("data", {output.get("name"): ""})]
+
+
 def test_every_example_is_in_the_table() -> None:
     table = (EXAMPLES / "README.md").read_text(encoding="utf-8")
-    assert [path.name for path in EXAMPLES.glob("*.py") if f"({path.name})" not in table] == []
+    assert [path.name for path in (*EXAMPLES.glob("*.py"), *NOTEBOOKS) if f"({path.name})" not in table] == []
+    assert len(NOTEBOOKS) == 4

@@ -38,6 +38,10 @@ OURS: dict[str, dict[str, str]] = {
         "bag": "coral.reef.recordings.bag_export:export_bag",
         "pictures": "coral.reef.recordings.picture_export:export_pictures",
     },
+    "contact exporters": {
+        "mcap": "coral.view.contact.bag_export:export_mcap",
+        "bag": "coral.view.contact.bag_export:export_bag",
+    },
     "coral.tasks": {"libero": "coral.contact.libero.task:load_libero"},
     "coral.worlds": {
         "panda": "coral.contact.worlds.panda.world:make_panda_world",

@@ -34,3 +34,11 @@ def test_it_is_told_in_a_line(survey_run, tmp_path, told):
     assert code == 0
     assert "messages on 9 topics" in out
     assert (tmp_path / "b/metadata.yaml").is_file()
+
+
+def test_a_contact_run_has_no_pictures_to_export(tmp_path, told):
+    (tmp_path / "task.yaml").write_text("")
+    for flags, expected in ((("--to", "pictures"), "mcap or bag"), (("--only-colour",), "it only for a survey")):
+        code, _, error = told("export", tmp_path, *flags)
+        assert code == 2
+        assert expected in error

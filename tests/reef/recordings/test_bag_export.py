@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.recordings.bag_export import TOPICS, nanoseconds_of, write_bag
+from coral.reef.recordings.bag_export import TOPICS, write_bag
 from coral.reef.recordings.run_recording import read_run
 
 pytest.importorskip("rosbags")
@@ -55,7 +55,3 @@ def test_an_mcap_file_is_read_by_the_readers_of_mcap(mcap_file, survey_run):
 def test_what_is_there_is_not_overwritten(mcap_file, survey_run):
     with pytest.raises(InputError, match="something there already"):
         write_bag(read_run(survey_run).located(), mcap_file, single_file=True)
-
-
-def test_times_are_whole_nanoseconds():
-    assert nanoseconds_of(0.3) == 300_000_000

@@ -6,15 +6,13 @@ the robot's own localization corrects. The origin of z is the sea floor.
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError, install_extra
-from coral.file_writer import scratch_for
+from coral.bag_writer import BagWriter, open_bag
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
 from coral.reef.recordings.picture_export import colour_of
@@ -59,19 +57,9 @@ def write_bag(recording: Recording, path: Path, *, single_file: bool, only_colou
     Raises:
         InputError: The path exists, there are no colour pictures to be written alone, or rosbags is not installed.
     """
-    if path.exists():
-        raise InputError(str(path), "--out", "something there already", "a new path")
-    try:
-        from rosbags.rosbag2 import StoragePlugin, Writer
-    except ImportError:
-        raise InputError(str(path), "", "no package rosbags", install_extra("bags")) from None
-    with scratch_for(path) as scratch:
-        folder = scratch.with_name(f"{path.stem}.bag") if single_file else scratch
-        with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-            counts = _BagWriter(writer, only_colour).write(recording)
-        if single_file:
-            next(folder.glob("*.mcap")).rename(scratch)
-    return counts
+    with open_bag(path, TOPICS, single_file=single_file) as bag:
+        _SurveyWriter(bag, only_colour).write(recording)
+    return bag.counts
 
 
 def export_mcap(recording: Recording, path: Path, only_colour: bool) -> dict[str, int]:
@@ -84,18 +72,14 @@ def export_bag(recording: Recording, path: Path, only_colour: bool) -> dict[str,
     return write_bag(recording, path, single_file=False, only_colour=only_colour)
 
 
-class _BagWriter:
+class _SurveyWriter:
     """Turns keyframes into messages."""
 
-    def __init__(self, writer: Any, only_colour: bool) -> None:
-        from rosbags.typesys import Stores, get_typestore
+    def __init__(self, bag: BagWriter, only_colour: bool) -> None:
+        self._only_colour, self._bag = only_colour, bag
+        self._new, self._send, self._header = bag.new, bag.send, bag.header
 
-        self._only_colour = only_colour
-        self._writer, self._store = writer, get_typestore(Stores.ROS2_HUMBLE)
-        self._connections: dict[str, Any] = {}
-        self._counts: dict[str, int] = {}
-
-    def write(self, recording: Recording) -> dict[str, int]:
+    def write(self, recording: Recording) -> None:
         cells = OccupancyMap(recording.size_m, recording.camera, recording.map)
         map_due = points_due = 0.0
         static = self._transform("base_link", "camera_optical", camera_in_body(recording.camera), 0.0)
@@ -105,7 +89,7 @@ class _BagWriter:
             if number == 0:
                 self._send("/tf_static", t, self._new("tf2_msgs/msg/TFMessage", transforms=[static]))
                 if recording.seen_by != RECORDED and not self._only_colour:
-                    self._send("/camera/seen_by", t, self._new("std_msgs/msg/String", data=recording.seen_by))
+                    self._send("/camera/seen_by", t, self._bag.text(recording.seen_by))
             self._send("/camera/camera_info", t, self._camera_info(recording, t))
             self._pose(keyframe)
             if self._only_colour:
@@ -123,7 +107,6 @@ class _BagWriter:
                 self._maps(cells, t)
         if not self._only_colour:
             self._maps(cells, t)
-        return self._counts
 
     def _pose(self, keyframe: PosedFrame) -> None:
         t = keyframe.t
@@ -139,10 +122,10 @@ class _BagWriter:
         self._send("/tf", t, self._new("tf2_msgs/msg/TFMessage", transforms=transforms))
         pose = self._new(
             "geometry_msgs/msg/Pose",
-            position=self._new("geometry_msgs/msg/Point", **_xyz(by_odometry)),
-            orientation=self._quaternion(by_odometry),
+            position=self._bag.point(by_odometry[:3, 3]),
+            orientation=self._bag.quaternion(quaternion_of(by_odometry[:3, :3])),
         )
-        zero = self._new("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+        zero = self._bag.vector((0.0, 0.0, 0.0))
         unknown = np.zeros(36)
         message = self._new(
             "nav_msgs/msg/Odometry",
@@ -235,12 +218,12 @@ class _BagWriter:
         for topic, grid in (("/map", obstacles), ("/oysters", oysters)):
             origin = self._new(
                 "geometry_msgs/msg/Pose",
-                position=self._new("geometry_msgs/msg/Point", x=0.0, y=0.0, z=0.0),
-                orientation=self._new("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+                position=self._bag.point((0.0, 0.0, 0.0)),
+                orientation=self._bag.quaternion((0.0, 0.0, 0.0, 1.0)),
             )
             info = self._new(
                 "nav_msgs/msg/MapMetaData",
-                map_load_time=self._time(t),
+                map_load_time=self._bag.time(t),
                 resolution=cells.cfg.cell_m,
                 width=grid.shape[1],
                 height=grid.shape[0],
@@ -252,43 +235,4 @@ class _BagWriter:
             self._send(topic, t, message)
 
     def _transform(self, parent: str, child: str, transform: NDArray[np.float64], t: float) -> Any:
-        return self._new(
-            "geometry_msgs/msg/TransformStamped",
-            header=self._header(t, parent),
-            child_frame_id=child,
-            transform=self._new(
-                "geometry_msgs/msg/Transform",
-                translation=self._new("geometry_msgs/msg/Vector3", **_xyz(transform)),
-                rotation=self._quaternion(transform),
-            ),
-        )
-
-    def _quaternion(self, transform: NDArray[np.float64]) -> Any:
-        x, y, z, w = quaternion_of(transform[:3, :3])
-        return self._new("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
-
-    def _header(self, t: float, frame_id: str) -> Any:
-        return self._new("std_msgs/msg/Header", stamp=self._time(t), frame_id=frame_id)
-
-    def _time(self, t: float) -> Any:
-        seconds, nanoseconds = divmod(nanoseconds_of(t), 1_000_000_000)
-        return self._new("builtin_interfaces/msg/Time", sec=seconds, nanosec=nanoseconds)
-
-    def _new(self, kind: str, **values: Any) -> Any:
-        return self._store.types[kind](**values)
-
-    def _send(self, topic: str, t: float, message: Any) -> None:
-        kind = TOPICS[topic]
-        if topic not in self._connections:
-            self._connections[topic] = self._writer.add_connection(topic, kind, typestore=self._store)
-        self._counts[topic] = self._counts.get(topic, 0) + 1
-        self._writer.write(self._connections[topic], nanoseconds_of(t), self._store.serialize_cdr(message, kind))
-
-
-def nanoseconds_of(t: float) -> int:
-    """Return a time (s) in whole nanoseconds."""
-    return math.floor(t * 1e9 + 0.5)
-
-
-def _xyz(transform: NDArray[np.float64]) -> dict[str, float]:
-    return {name: float(value) for name, value in zip("xyz", transform[:3, 3], strict=True)}
+        return self._bag.transform(parent, child, transform[:3, 3], quaternion_of(transform[:3, :3]), t)
