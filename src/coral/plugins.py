@@ -51,6 +51,12 @@ OURS: dict[str, dict[str, str]] = {
     "coral.vehicles": {
         "mavlink": "coral.reef.sea.mavlink_link:MavlinkLink",
         "simulated": "coral.reef.rehearsal.simulated_link:SimulatedLink",
+        "ros2": "coral.reef.ros.ros_link:RosLink",
+    },
+    "coral.advisors": {"ros2": "coral.reef.ros.ros_advisor:make_ros"},
+    "ros2": {
+        "camera": "coral.reef.ros.ros_camera:RosCamera",
+        "topics": "coral.reef.ros.survey_topics:SurveyTopics",
     },
     "rehearsal": {
         "camera": "coral.reef.rehearsal.simulated_camera:SimulatedCamera",

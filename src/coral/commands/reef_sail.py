@@ -71,10 +71,11 @@ class ReefSail:
     """A simulated reef to rehearse in (s1, gen:3, a world file), or a survey file with a real area and its geofence."""
     vehicle: str = "simulated"
     """simulated: ours, in real time. mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:PORT or
-    mavlink:serial:DEVICE:BAUD: ArduSub, real or in the loop; #ID behind it names the vehicle of that system id."""
+    mavlink:serial:DEVICE:BAUD: ArduSub, real or in the loop; #ID behind it names the vehicle of that system id. ros2,
+    ros2:NAMESPACE or ros2:PARAMETERS.yaml: odometry in, velocities out, with map, events and services as topics."""
     camera: str = "simulated"
     """simulated: pictures of the simulated reef from where the vehicle is. Else a file, an address (RTSP, HTTP) or a
-    device for OpenCV, whose pictures need `--perception`."""
+    device for OpenCV, or ros2:TOPIC, whose pictures need `--perception`."""
     perception: Annotated[str | None, Option(metavar="exact|rgb|FILE.onnx")] = None
     """Where classes and depth come from, as for `coral reef run`: exact (the simulated camera alone has them), the
     network that comes with CORAL (rgb) or one of yours, on the camera's colour pictures."""
@@ -322,19 +323,28 @@ class ReefSail:
 
     @contextmanager
     def _page(self, mission: SeaMission) -> Iterator[list[Any]]:
+        with ExitStack() as opened:
+            yield [*self._topics(mission, opened), *self._live(mission, opened)]
+
+    def _topics(self, mission: SeaMission, opened: ExitStack) -> Iterator[Any]:
+        kind, _, place = self.vehicle.partition(":")
+        if kind == "ros2":
+            topics = our_part("ros2", "topics", "--vehicle")(place, mission.crew.words)
+            opened.callback(topics.close)
+            yield topics
+
+    def _live(self, mission: SeaMission, opened: ExitStack) -> Iterator[Any]:
         if not self.live:
-            yield []
             return
         from coral.view.live.controls import SurveyControls
         from coral.view.live.viewer import Viewer
         from coral.view.live.watching import WatchedSurvey, reef_sketch
 
         controls = SurveyControls(mission.crew.words, mission.alignment)
-        with Viewer(mission.record.folder, controls, port=self.live_port, flag="--live-port") as viewer:
-            self._say(f"watch and steer the survey at {viewer.url}")
-            yield [WatchedSurvey(viewer, None, reef_sketch, real_time=True)]
-            if viewer.watched:
-                viewer.stay()
+        viewer = opened.enter_context(Viewer(mission.record.folder, controls, port=self.live_port, flag="--live-port"))
+        self._say(f"watch and steer the survey at {viewer.url}")
+        opened.callback(lambda: viewer.stay() if viewer.watched else None)
+        yield WatchedSurvey(viewer, None, reef_sketch, real_time=True)
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the outcome in a few lines, and list the files."""

@@ -86,6 +86,8 @@ class SailFlags(Protocol):
     def camera_latency(self) -> float: ...  # noqa: D102
     @property
     def camera_rate(self) -> float: ...  # noqa: D102
+    @property
+    def lens(self) -> Path | None: ...  # noqa: D102
 
 
 @dataclass
@@ -178,7 +180,12 @@ def open_parts(
                 noise=SensorNoise(sim.noise, np.random.default_rng([flags.seed, 5]), sim.camera),
             )
         else:
-            source = VideoCamera(flags.camera, flags.camera_latency, fit)
+            if flags.camera.startswith("ros2:"):
+                lens = None if flags.lens else cfg.simulator.camera
+                topic = flags.camera.removeprefix("ros2:")
+                source = our_part("ros2", "camera", "--camera")(topic, flags.camera_latency, fit, lens)
+            else:
+                source = VideoCamera(flags.camera, flags.camera_latency, fit)
             parts.reef = None
         parts.camera = LatestShot(source, eyes, cfg.simulator.camera)
         opened.append(parts.camera)
@@ -242,7 +249,7 @@ def _mavlink(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, opened
         camera=None,  # type: ignore[arg-type]  # opened next
         area=area,
         reef=world,
-        pose_source="autopilot",
+        pose_source="autopilot" if kind == "mavlink" else kind,
         trust_heading=is_survey(Path(flags.area)),
         proven_simulation=proven,
         truth=truth,

@@ -1,0 +1,118 @@
+"""A camera that speaks ROS 2: sensor_msgs/Image or CompressedImage, with the CameraInfo beside it if there is one."""
+
+from __future__ import annotations
+
+import math
+import queue
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.errors import InputError
+from coral.reef.recordings.ros_images import colours_in
+from coral.reef.ros.node import RosNode, ros_type
+from coral.reef.sea.picture import Shot
+from coral.reef.vehicle.camera import CameraCfg
+
+FIRST_S, NEXT_S = 10.0, 1.0
+"""The first picture is waited for so long, any other so long at a time."""
+OFF_DEG = 3.0
+"""A lens that differs by more from the configured one is told."""
+OLD_S = 60.0
+
+
+class RosCamera:
+    """Keeps the newest picture of a topic.
+
+    Args:
+        topic: Name of the topic; one that ends with /compressed holds compressed pictures.
+        latency_s: Time from the light to the message's stamp, as calibrated (s).
+        fit: Makes a picture one of the camera that the robot reckons with; raises ValueError if it cannot.
+        camera: That camera; None if `fit` knows the lens from a camera file.
+        node: Of this program; by default a new one.
+
+    Raises:
+        InputError: There is no ROS 2, no picture comes, or one of another camera.
+    """
+
+    labelled = False
+
+    def __init__(
+        self,
+        topic: str,
+        latency_s: float,
+        fit: Callable[[NDArray[np.uint8]], NDArray[np.uint8]],
+        camera: CameraCfg | None,
+        node: RosNode | None = None,
+    ) -> None:
+        self.name = f"ros2:{topic}"
+        self._latency_s, self._fit, self._camera = latency_s, fit, camera
+        self._newest: queue.Queue[tuple[float, Any]] = queue.Queue(1)
+        self._lens_fault = ""
+        self._ros = ros = node or RosNode("coral_camera", "", "--camera")
+        kind = "CompressedImage" if topic.endswith("/compressed") else "Image"
+        ros.node.create_subscription(ros_type(f"sensor_msgs.msg.{kind}"), topic, self._hear, ros.qos("sensor"))
+        info = f"{topic.removesuffix('/compressed').rpartition('/')[0]}/camera_info"
+        ros.node.create_subscription(ros_type("sensor_msgs.msg.CameraInfo"), info, self._hear_lens, ros.qos("sensor"))
+        try:
+            first = self._newest.get(timeout=FIRST_S)
+        except queue.Empty:
+            ros.close()
+            raise InputError(
+                "--camera", "", f"no picture on {topic} in {FIRST_S:g} s", "a topic with pictures"
+            ) from None
+        try:
+            height, width = colours_in(first[1], topic).shape[:2]
+            self._shot(*first)
+        except ValueError as error:
+            ros.close()
+            raise InputError("--camera", "", f"{topic}: {error}", "pictures of the camera as configured") from None
+        self.name += f", {width}x{height}"
+
+    def read(self) -> Shot | None:
+        """Wait for the next picture; None when there is none this time.
+
+        Raises:
+            ValueError: It is no picture, or of another camera.
+        """
+        if self._lens_fault:
+            raise ValueError(self._lens_fault)
+        try:
+            return self._shot(*self._newest.get(timeout=NEXT_S))
+        except queue.Empty:
+            raise OSError(f"no picture for {NEXT_S:g} s") from None
+
+    def close(self) -> None:
+        """End the node."""
+        self._ros.close()
+
+    def _shot(self, stamp_s: float, message: Any) -> Shot:
+        return Shot(stamp_s=stamp_s - self._latency_s, rgb=self._fit(colours_in(message, self.name)))
+
+    def _hear(self, message: Any) -> None:
+        try:
+            stamp_s = self._ros.monotonic(message.header.stamp)
+        except ValueError:
+            stamp_s = time.monotonic() - OLD_S  # of another clock: it counts as old
+        while True:
+            try:
+                self._newest.put_nowait((stamp_s, message))
+                return
+            except queue.Full:
+                try:
+                    self._newest.get_nowait()
+                except queue.Empty:
+                    continue
+
+    def _hear_lens(self, message: Any) -> None:
+        """Compare the lens that the camera states with the configured one."""
+        focal_px, width = float(message.k[0]), int(message.width)
+        if self._camera is None or focal_px <= 0.0 or width <= 0:
+            return
+        stated = math.degrees(2.0 * math.atan(0.5 * width / focal_px))
+        known = self._camera.hfov_deg
+        if abs(stated - known) > OFF_DEG:
+            self._lens_fault = f"camera_info says {stated:.0f}° across, the configuration {known:.0f}°: give --lens"

@@ -1,0 +1,172 @@
+"""What a survey finds and decides as topics, and the operator's words as services, while it runs.
+
+In the namespace of the vehicle, for RViz and Foxglove; frame `map` is the survey's own:
+
+    coral/map       nav_msgs/OccupancyGrid, latched: free 0, obstacle 100, oysters 50, unexplored -1
+    coral/path      nav_msgs/Path: where the vehicle was
+    coral/oysters   visualization_msgs/MarkerArray: clusters, green when done
+    coral/goal      geometry_msgs/PoseStamped
+    coral/events    std_msgs/String: each event of the run as JSON, decisions among them
+    diagnostics     diagnostic_msgs/DiagnosticArray: state and its reason, late ticks
+    coral/start, hold, resume, surface, stop, disarm    std_srvs/Trigger
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.advisor.log import plain_json
+from coral.reef.map.mapping import FREE, OBSTACLE, TARGET
+from coral.reef.ros.node import RosNode, ros_type
+from coral.reef.sea.operator import WORDS, OperatorWords
+from coral.reef.sea.sea_mission import SeaMission
+from coral.reef.world.geometry import Pose
+
+PERIOD_S = 1.0
+FRAME = "map"
+START = {"arm": "start"}
+"""The services are called as the operator's words, but for this one: `start` begins the survey."""
+OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
+
+
+def grid_values(cells: NDArray[np.uint8]) -> NDArray[np.int8]:
+    """Return the values of an occupancy grid for a map's cells, row by row from the south-west. Shape=(NY * NX,)."""
+    values = np.full(cells.shape, -1, np.int8)
+    values[cells == FREE], values[cells == TARGET], values[cells == OBSTACLE] = 0, 50, 100
+    return values.ravel()
+
+
+class SurveyTopics:
+    """Publishes a survey; it reads the mission between two ticks and changes nothing of it.
+
+    Args:
+        place: Namespace of the vehicle, or a file of ROS parameters.
+        words: Where the services put the operator's words.
+        node: Of this program; by default a new one.
+    """
+
+    def __init__(self, place: str, words: OperatorWords, node: RosNode | None = None) -> None:
+        self._ros = ros = node or RosNode("coral_survey", place, "--vehicle")
+        self._words, self._due_s = words, 0.0
+        self._trail: list[Pose] = []
+        self._listening = False
+        make = ros.node.create_publisher
+        self._types = {
+            name: ros_type(name)
+            for name in (
+                *("nav_msgs.msg.OccupancyGrid", "nav_msgs.msg.Path", "geometry_msgs.msg.PoseStamped"),
+                *("visualization_msgs.msg.MarkerArray", "visualization_msgs.msg.Marker", "std_msgs.msg.String"),
+                *("diagnostic_msgs.msg.DiagnosticArray", "diagnostic_msgs.msg.DiagnosticStatus"),
+                "diagnostic_msgs.msg.KeyValue",
+            )
+        }
+        latched = ros.qos("latched")
+        self._map = make(self._types["nav_msgs.msg.OccupancyGrid"], "coral/map", latched)
+        self._path = make(self._types["nav_msgs.msg.Path"], "coral/path", latched)
+        self._oysters = make(self._types["visualization_msgs.msg.MarkerArray"], "coral/oysters", latched)
+        self._goal = make(self._types["geometry_msgs.msg.PoseStamped"], "coral/goal", latched)
+        self._events = make(self._types["std_msgs.msg.String"], "coral/events", 100)
+        self._health = make(self._types["diagnostic_msgs.msg.DiagnosticArray"], "diagnostics", 10)
+        trigger = ros_type("std_srvs.srv.Trigger")
+        for word in WORDS:
+            ros.node.create_service(trigger, f"coral/{START.get(word, word)}", partial(self._say, word))
+
+    def waiting(self, lines: tuple[str, ...]) -> None:
+        """Publish the preflight list."""
+        self._report("waiting", lines=list(lines))
+
+    def tick(self, run: SeaMission) -> None:
+        """Publish events at once, the rest once a second."""
+        if not self._listening:
+            self._listening = True
+            run.record.listeners.append(self._event)
+        if run.pose is not None:
+            self._trail.append(run.pose)
+        if time.monotonic() < self._due_s and not run.end_reason:
+            return
+        self._due_s = time.monotonic() + PERIOD_S
+        self._publish_map(run)
+        self._publish_path()
+        self._publish_oysters(run)
+        self._publish_health(run)
+
+    def stop_requested(self) -> str:
+        """Return "": the operator's words end a survey."""
+        return ""
+
+    def close(self) -> None:
+        """End the node."""
+        self._ros.close()
+
+    def _say(self, word: Any, _: Any, answer: Any) -> Any:
+        self._words.say(word, "ROS 2")
+        answer.success, answer.message = True, f"told to {word}"
+        return answer
+
+    def _report(self, event: str, **fields: Any) -> None:
+        self._events.publish(self._types["std_msgs.msg.String"](data=json.dumps({"event": event, **fields})))
+
+    def _event(self, event: dict[str, Any]) -> None:
+        self._events.publish(self._types["std_msgs.msg.String"](data=plain_json(event)))
+
+    def _headed(self, name: str) -> Any:
+        message = self._types[name]()
+        message.header.frame_id, message.header.stamp = FRAME, self._ros.stamp()
+        return message
+
+    def _publish_map(self, run: SeaMission) -> None:
+        cells, message = run.belief.map.cells(), self._headed("nav_msgs.msg.OccupancyGrid")
+        message.info.resolution = float(run.belief.map.cfg.cell_m)
+        message.info.height, message.info.width = cells.shape
+        message.info.origin.orientation.w = 1.0
+        message.data = grid_values(cells).tolist()
+        self._map.publish(message)
+
+    def _publish_path(self) -> None:
+        message = self._headed("nav_msgs.msg.Path")
+        message.poses = [self._posed(*pose) for pose in self._trail[::10]]
+        self._path.publish(message)
+
+    def _posed(self, x: float, y: float, theta: float) -> Any:
+        posed = self._headed("geometry_msgs.msg.PoseStamped")
+        posed.pose.position.x, posed.pose.position.y = float(x), float(y)
+        posed.pose.orientation.z, posed.pose.orientation.w = math.sin(theta / 2.0), math.cos(theta / 2.0)
+        return posed
+
+    def _publish_oysters(self, run: SeaMission) -> None:
+        markers = []
+        for track in run.belief.tracks:
+            marker = self._headed("visualization_msgs.msg.Marker")
+            marker.ns, marker.id, marker.type = "oysters", int(track.index), 3  # a cylinder
+            marker.pose.position.x, marker.pose.position.y = float(track.x), float(track.y)
+            marker.pose.orientation.w = 1.0
+            marker.scale.x = marker.scale.y = max(0.3, float(track.length_m))
+            marker.scale.z = 0.2
+            marker.color.g, marker.color.a = 0.8, 0.6 if track.visited else 0.9
+            marker.color.r = 0.0 if track.visited else 0.9
+            markers.append(marker)
+        self._oysters.publish(self._types["visualization_msgs.msg.MarkerArray"](markers=markers))
+        if run.belief.goal is not None:
+            self._goal.publish(self._posed(*run.belief.goal, 0.0))
+
+    def _publish_health(self, run: SeaMission) -> None:
+        states, status = run.states, self._types["diagnostic_msgs.msg.DiagnosticStatus"]()
+        state = states.state.value
+        status.name, status.hardware_id = "coral: survey", run.area.name
+        status.level = ERROR if run.end_reason else OK if state == "surveying" else WARN
+        status.message = run.end_reason or (f"{state}: {states.reason}" if states.reason else state)
+        count = run.ticks.rate.count
+        told = {"ticks": count.done, "late ticks": count.late, "covered": f"{run.coverage:.0%}", "notice": run.notice}
+        status.values = [
+            self._types["diagnostic_msgs.msg.KeyValue"](key=key, value=str(value)) for key, value in told.items()
+        ]
+        message = self._types["diagnostic_msgs.msg.DiagnosticArray"](status=[status])
+        message.header.stamp = self._ros.stamp()
+        self._health.publish(message)

@@ -1,0 +1,9 @@
+import pytest
+
+from coral.errors import InputError
+from coral.reef.ros.node import ros_type
+
+
+def test_without_ros_the_flag_and_the_way_out_are_named():
+    with pytest.raises(InputError, match=r"--camera: found no nowhere_msgs .* source its setup.bash"):
+        ros_type("nowhere_msgs.msg.Image", "--camera")
