@@ -24,6 +24,20 @@ WORLD = {
 CONTEXT = {
     "reef-centroid": AHEAD,
     "reef-waypoint": AHEAD,
+    "reef-mission": AHEAD
+    | {
+        "facts": {
+            **AHEAD["facts"],
+            "mission": {
+                "instruction": "Find the ghost net.",
+                "time_s": 180.0,
+                "at_s": 40.0,
+                "home": {"forward_m": -3.0, "left_m": 1.0},
+                "found": [{"dot": 2, "label": "tyre"}],
+                "ruled_out": [2, 5],
+            },
+        }
+    },
     "reef-centroid-paper": {"step_m": 6},
     "reef-waypoint-paper": {"step_m": 6},
     "reef-waypoint-without-chain": {"step_m": 6},
@@ -113,6 +127,18 @@ MUST_SAY = {
         "expect",
         "forward_m",
         "left_m",
+        "Example",
+    ],
+    "reef-mission": [
+        "Find the ghost net.",
+        "40 s will have passed",
+        "of 180 s",
+        "Dot 2: tyre",
+        "Ruled out: dots 2, 5",
+        "`things`",
+        "done",
+        "skip",
+        "marks",
         "Example",
     ],
     "reef-centroid-paper": [

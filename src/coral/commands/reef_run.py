@@ -49,6 +49,8 @@ class ReefRun:
     variant: Annotated[str, Option(names=VARIANTS)] = "full"
     """Configuration of the pipeline: full, or an ablation or baseline."""
     preset: Annotated[str, Option(help=preset_help("Water and sensors"), names=PRESETS)] = CLEAR
+    instruction: Annotated[str | None, Option(metavar="TEXT")] = None
+    """What to do, in plain words, in place of the words of the world's mission (words:FAMILY:N has one)."""
     robots: Annotated[int | None, Option(metavar="N")] = None
     """Number of robots that survey the reef together, 1 to 4; by default as configured, which is 1."""
     fallback: Fallback | None = None
@@ -134,6 +136,9 @@ class ReefRun:
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if self.live:
             cfg = dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, keep_rollouts=True))
+        if self.instruction is not None:
+            told = dataclasses.replace(cfg.planner.instruction, text=self.instruction)
+            cfg = dataclasses.replace(cfg, planner=dataclasses.replace(cfg.planner, instruction=told))
         folder = self.out or new_run_folder(Path("runs"), world.name)
         rng = np.random.default_rng([self.seed, 7])
         inbox = self.inbox or folder / "inbox"
@@ -200,6 +205,7 @@ class ReefRun:
             f"{many(result['advisor_calls'], 'advisor call')} ({many(result['requeries'], 're-query', 're-queries')}), "
             f"{result['sim_time_s']:.0f} s simulated in "
             f"{result['wall_time_s']:.0f} s; ended: {result['end_reason']}",
+            *fulfilled(result),
             *still_left(result),
             f"run folder: {result['run']}",
         ]
@@ -212,6 +218,16 @@ def share_inspected(result: Mapping[str, Any]) -> str:
     """Say how much was seen from near enough to count oysters, which is less than what counts as covered."""
     share = result.get("inspected")
     return "" if share is None else f"{100 * share:.0f} % of the oysters inspected from near, "
+
+
+def fulfilled(result: Mapping[str, Any]) -> list[str]:
+    """Return the verdict on a mission in words, and what the advisor answered; nothing for other missions."""
+    if "success" not in result:
+        return []
+    missed = [f"{one['condition']} ({one['found']})" for one in result["conditions"] if not one["met"]]
+    missed += ["contact"] if result["collisions"] else []
+    verdict = "mission fulfilled" if result["success"] else f"mission not fulfilled: {', '.join(missed)}"
+    return [f"{verdict}; answer: {result['answer'] or 'none'}"]
 
 
 def still_left(result: Mapping[str, Any]) -> list[str]:

@@ -55,11 +55,11 @@ def write_page(folder: Path, page: str, name: str = "report.html") -> Path:
 
 
 def metric_rows(metrics: Mapping[str, Any], definitions: Mapping[str, str]) -> list[tuple[str, str, str]]:
-    """Return name, value and meaning of every metric but those of single robots."""
+    """Return name, value and meaning of every metric but those with a table of their own."""
     return [
         (metric_name(key), metric_text(key, value), definitions.get(key, ""))
         for key, value in metrics.items()
-        if key != "per_robot"
+        if key not in ("per_robot", "conditions")
     ]
 
 

@@ -80,6 +80,7 @@ def render_report(run: RunFolder) -> str:
         each=_robot_table(metrics),
         robots=[color_of(k) for k in range(1, len(run.fleet) + 1)],
         truth=_truth_counts(run),
+        mission=_mission(run),
         states=_states(run),
         left=_left(run),
         collisions=collisions,
@@ -251,6 +252,27 @@ def _truth_counts(run: RunFolder) -> tuple[int, int]:
     total = len(clusters) if isinstance(clusters, list) else 0
     covered = len({str(e.get("name")) for e in run.select("cluster_covered")})
     return covered, max(0, total - covered)
+
+
+def _mission(run: RunFolder) -> dict[str, Any]:
+    """Return instruction, answer, marks and verdict of a mission in words; empty for another mission."""
+    told = next((e["instruction"] for e in run.select("judged") if isinstance(e.get("instruction"), dict)), None)
+    if told is None:
+        return {}
+    answers = [e.get("answer") for e in run.select("verdict") if e.get("verdict") == "accepted"]
+    marks = {
+        str(mark.get("dot")): str(mark.get("label"))
+        for answer in answers
+        if isinstance(answer, dict)
+        for mark in answer.get("marks") or ()
+        if isinstance(mark, dict)
+    }
+    rows = [
+        (str(one.get("condition", "")).replace("_", " "), "met" if one.get("met") else "not met", str(one.get("found")))
+        for one in told.get("conditions") or ()
+        if isinstance(one, dict)
+    ]
+    return {**told, "rows": rows, "marks": list(marks.items())}
 
 
 def _states(run: RunFolder) -> list[tuple[str, str, str, str]]:

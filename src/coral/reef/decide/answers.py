@@ -19,11 +19,12 @@ def _no_bool(value: Any) -> Any:
     return value
 
 
-def _shorten(value: Any) -> Any:
+def shorten(value: Any) -> Any:
+    """Cut a text that is too long."""
     return value[:REASON_LIMIT] if isinstance(value, str) else "" if value is None else value
 
 
-def _first(most: int) -> BeforeValidator:
+def keep_first(most: int) -> BeforeValidator:
     """Keep the first `most` items of a list: a model that names more goals than are kept is not wrong for it."""
     return BeforeValidator(lambda value: value[:most] if isinstance(value, (list, tuple)) else value or ())
 
@@ -31,7 +32,7 @@ def _first(most: int) -> BeforeValidator:
 Step = Annotated[int, Field(ge=-6, le=6), BeforeValidator(_no_bool)]
 """The bounds stand before the validator because pydantic leaves them out of the JSON schema otherwise."""
 Index = Annotated[int, BeforeValidator(_no_bool)]
-Reason = Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(_shorten)]
+Reason = Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(shorten)]
 
 _MOVE = re.compile(r"(forward|backward|back|left|right)\w*(?:\s+by)?\s+(\d+(?:\.\d+)?)", re.IGNORECASE)
 _SIGN = {
@@ -48,7 +49,7 @@ class Expectation(BaseModel):
 
     model_config = ConfigDict(frozen=True)
 
-    what: Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(_shorten)] = Field(
+    what: Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(shorten)] = Field(
         description="what you expect, such as: the line of clusters goes on behind the rock"
     )
     forward_m: Annotated[float, Field(ge=-60, le=60, allow_inf_nan=False)] | None = Field(
@@ -83,7 +84,7 @@ class CentroidAnswer(BaseModel):
 class CentroidChoice(CentroidAnswer):
     """The same with what goes beyond the paper: further goals, a waypoint in place of a dot, a guess, the end."""
 
-    then: Annotated[tuple[Index, ...], _first(3)] = Field(
+    then: Annotated[tuple[Index, ...], keep_first(3)] = Field(
         default=(), max_length=3, description="labels of the dots to go to after it, in order; may be empty"
     )
     waypoint: WaypointStep | None = Field(
@@ -122,7 +123,7 @@ class WaypointAnswer(BaseModel):
 class WaypointChoice(WaypointAnswer):
     """The same with what goes beyond the paper: further goals, a dot in place of a waypoint, a guess, the end."""
 
-    then: Annotated[tuple[WaypointStep, ...], _first(2)] = Field(
+    then: Annotated[tuple[WaypointStep, ...], keep_first(2)] = Field(
         default=(), max_length=2, description="waypoints to go to after it, in the same frame; may be empty"
     )
     dot: Index | None = Field(default=None, description="label of an orange dot to go to instead of the waypoint")

@@ -12,7 +12,7 @@ from coral.reef.decide.survey import Survey
 from coral.reef.decide.topology import RemainingTour
 from coral.reef.decide.verify import Surroundings
 
-Mode = Literal["centroid", "waypoint"]
+Mode = Literal["centroid", "waypoint", "mission"]
 
 
 @dataclass(frozen=True, kw_only=True)

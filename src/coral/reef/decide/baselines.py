@@ -13,7 +13,8 @@ import numpy as np
 
 from coral.advisor.question import Rejection
 from coral.advisor.setting import Rule
-from coral.reef.decide.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
+from coral.reef.decide.mission_answer import MissionAnswer
 
 Fact = Mapping[str, Any]
 
@@ -120,6 +121,19 @@ class Chance:
         chosen = self._draw(open_)
         return WaypointChoice(forward_m=chosen["forward_m"], left_m=chosen["left_m"], reason="drawn by lot")
 
+    def mission(self, facts: Fact, rejections: Sequence[Rejection]) -> MissionAnswer:
+        """Choose uniformly among the clusters that are left, the waypoints and the end, which is one choice in 20."""
+        dots = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
+        if self._rng.random() < 0.05:
+            return MissionAnswer(done=True, answer=str(int(self._rng.integers(6))), reason="drawn by lot")
+        if dots and self._rng.random() < 0.5:
+            return MissionAnswer(selected_centroid_index=self._draw(dots)["index"], reason="drawn by lot")
+        if not facts["options"]:
+            return MissionAnswer(home=True, reason="no waypoint can be reached")
+        step = self._draw(facts["options"])
+        waypoint = WaypointStep(forward_m=step["forward_m"], left_m=step["left_m"])
+        return MissionAnswer(waypoint=waypoint, reason="drawn by lot")
+
     def _draw(self, among: Sequence[Fact]) -> Fact:
         return among[int(self._rng.integers(len(among)))]
 
@@ -128,7 +142,7 @@ def baseline_rules(name: str, rng: np.random.Generator | None = None) -> dict[st
     """Return the rules of a baseline: "nearest", "frontier", "lawnmower", or "random", which draws from `rng`."""
     if name == "random":
         chance = Chance(rng or np.random.default_rng(0))
-        return {"reef-centroid": chance.centroid, "reef-waypoint": chance.waypoint}
+        return {"reef-centroid": chance.centroid, "reef-waypoint": chance.waypoint, "reef-mission": chance.mission}
     if name == "lawnmower":
         return {"reef-waypoint": Lawnmower()}
     return {"reef-centroid": nearest_centroid, "reef-waypoint": nearest_frontier}

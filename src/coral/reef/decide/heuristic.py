@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.advisor.question import Rejection
+from coral.advisor.setting import Rule
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
+from coral.reef.decide.wordless import Wordless
 from coral.reef.vehicle.delays import delays_from, order_from
 
 SPEED_M_S, YAW_RATE_RAD_S = 0.5, 0.6
@@ -209,4 +211,8 @@ def _nearer_to_others(facts: Fact, point: Fact) -> float:
     return max(0.0, own - nearest)
 
 
-REEF_RULES = {"reef-centroid": choose_centroid, "reef-waypoint": choose_waypoint}
+REEF_RULES: dict[str, Rule] = {
+    "reef-centroid": choose_centroid,
+    "reef-waypoint": choose_waypoint,
+    "reef-mission": Wordless(),
+}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
 from coral.advisor.question import Picture, Rejection
-from coral.config import Count
+from coral.config import Count, NonNegative
 from coral.reef.decide.answers import CentroidAnswer, WaypointAnswer
 from coral.reef.decide.asked import AskedState
 from coral.reef.decide.guesses import Guess, GuessCfg
@@ -23,6 +23,16 @@ Answer = CentroidAnswer | WaypointAnswer
 Prompts = Callable[[str, Mapping[str, Any]], tuple[str, str]]
 """Renders the prompt of a template from its context; returns (text, version)."""
 Draw = Callable[[Outlook], tuple[Picture, ...]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class InstructionCfg:
+    """A mission in words."""
+
+    text: str = ""
+    """What is to be done; empty: the whole reef is surveyed."""
+    time_s: NonNegative = 0.0
+    """Time for it, as the advisor is told; 0: none is told."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +65,8 @@ class PlannerCfg:
     """The check of `tour`."""
     topology: TopologyCfg = field(default_factory=TopologyCfg)
     guesses: GuessCfg = field(default_factory=GuessCfg)
+    instruction: InstructionCfg = field(default_factory=InstructionCfg)
+    """With one, questions tell it and `algorithm` is not used. Not in the paper."""
 
 
 class HighLevelPlanner(Protocol):

@@ -1,7 +1,8 @@
-"""The planners by name: the paper's Algorithm 2, and the tour that goes beyond it."""
+"""The planners by name: the paper's Algorithm 2, the tour that goes beyond it, and that of missions in words."""
 
 from __future__ import annotations
 
+from coral.reef.decide.mission_planner import MissionPlanner
 from coral.reef.decide.own_verifier import Verifier
 from coral.reef.decide.paper_planner import PaperPlanner
 from coral.reef.decide.planner import Draw, HighLevelPlanner, PlannerCfg, Prompts
@@ -9,7 +10,11 @@ from coral.reef.decide.tour_planner import TourPlanner
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostFieldCfg
 
-PLANNERS: dict[str, type[TourPlanner | PaperPlanner]] = {"tour": TourPlanner, "paper": PaperPlanner}
+PLANNERS: dict[str, type[TourPlanner | PaperPlanner | MissionPlanner]] = {
+    "tour": TourPlanner,
+    "paper": PaperPlanner,
+    "mission": MissionPlanner,
+}
 
 
 def make_planner(
@@ -31,4 +36,4 @@ def make_planner(
         verifier: Checks what the planner's own checks pass.
     """
     cfg = cfg or PlannerCfg()
-    return PLANNERS[cfg.algorithm](belief, fields, prompts, draw, cfg, verifier)
+    return PLANNERS["mission" if cfg.instruction.text else cfg.algorithm](belief, fields, prompts, draw, cfg, verifier)

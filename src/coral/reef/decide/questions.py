@@ -20,7 +20,7 @@ from coral.reef.map.belief import Belief
 from coral.reef.map.chain import Track
 from coral.reef.world.geometry import to_world
 
-KINDS = {"centroid": "reef-centroid", "waypoint": "reef-waypoint"}
+KINDS = {"centroid": "reef-centroid", "waypoint": "reef-waypoint", "mission": "reef-mission"}
 PAPER = "-paper"
 """End of the names of the paper's prompts."""
 WITHOUT_CHAIN = "reef-waypoint-without-chain"

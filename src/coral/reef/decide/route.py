@@ -86,6 +86,8 @@ class Route:
         self.goals: tuple[Goal, ...] = ()
         self.latency_s = self.cfg.expected_latency_s
         """How long the next answer is expected to take (s): the median of the latest ones."""
+        self.t = 0.0
+        """Time of the last update (s)."""
         self._latencies: list[float] = []
         self._left, self._since = -1, -math.inf
         self._unexplored = 0.0
@@ -109,7 +111,7 @@ class Route:
 
     def update(self, t: float) -> bool:
         """Move the aim along, and go on to the next goal when the present one is done; True when that happened."""
-        before = self.goals
+        self.t, before = t, self.goals
         self.goals = tuple(goal for goal in self.goals if not self._left_to_another(goal))
         moved = before[:1] != self.goals[:1]
         if moved:

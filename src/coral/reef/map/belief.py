@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count
+from coral.reef.map.best_views import BestViews
 from coral.reef.map.chain import CentroidTracker, ChainCfg, InspectCfg, Track
 from coral.reef.map.changes import Box, joined
 from coral.reef.map.costfield import CostFieldCfg
@@ -58,6 +59,7 @@ class Belief:
         """Label (None: a waypoint) and cause of the last goal that failed, until a decision after it has been made."""
         self.others: tuple[Neighbour, ...] = ()
         """The other robots of the mission, as they describe themselves."""
+        self.best_views = BestViews(occupancy.camera)
         self._keeps_chain = True
         self._trail: list[tuple[float, float]] = []
         self._failed: list[tuple[float, float]] = []
@@ -82,6 +84,7 @@ class Belief:
         """Copy all that decisions read, for another thread to work on while this belief goes on: some milliseconds."""
         copied = copy.copy(self)
         copied.map, copied.tracker = self.map.snapshot(), self.tracker.snapshot()
+        copied.best_views = copy.copy(self.best_views)
         copied._trail, copied._failed = self._trail.copy(), self._failed.copy()
         copied._waters, copied._still = {}, {cfg: water.snapshot() for cfg, water in self._waters.items()}
         return copied
@@ -127,6 +130,8 @@ class Belief:
                 self._seen = None
             else:
                 self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
+            if frame is not None:
+                self.best_views.update(frame, pose, self.tracks, self._ticks)
         self._ticks += 1
 
     def hear(self, image: RangeImage, pose: Pose, attitude: Attitude | None = None) -> None:

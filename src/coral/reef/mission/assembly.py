@@ -22,6 +22,7 @@ from coral.reef.decide.own_verifier import Verifier
 from coral.reef.decide.planner import Draw
 from coral.reef.decide.planners import make_planner
 from coral.reef.decide.trigger import SmartTrigger
+from coral.reef.decide.wordless import BlindOrders, Wordless
 from coral.reef.drive.controllers import ControllerSetup, MakeController, controller_maker
 from coral.reef.drive.delay_aware_driver import DelayAwareDriver
 from coral.reef.eyes.perception import RgbPerception
@@ -35,6 +36,7 @@ from coral.reef.simulation.faults import FaultySensors, parse_fault
 from coral.reef.vehicle.protocol import Vehicle
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.geometry import Pose
+from coral.reef.world.world import ReefWorld
 
 PAPER_LATENCY = "fixed:10"
 """Median latency of a call in the paper's CORAL experiments (IV-E)."""
@@ -134,10 +136,16 @@ def make_robot(
     )
 
 
-def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int) -> Advisor:
+def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int, world: ReefWorld | None = None) -> Advisor:
     """Return who answers the questions: the advisor, or a baseline in its place, as configured."""
     if cfg.decider == "advisor":
         return advisor
+    if cfg.decider in ("geometry", "keywords"):
+        orders = BlindOrders.of_words(cfg.planner.instruction.text)
+        if cfg.decider == "geometry" and world is not None and world.mission is not None:
+            kinds = {thing.name: thing.kind for thing in world.things}
+            orders = BlindOrders.of_conditions(world.mission.conditions, kinds)
+        return RuleAdvisor({**REEF_RULES, "reef-mission": Wordless(orders)}, name=cfg.decider)
     return RuleAdvisor(baseline_rules(cfg.decider, np.random.default_rng([seed, 11])), name=cfg.decider)
 
 

@@ -57,6 +57,9 @@ DEFINITIONS = {
     "them has seen.",
     "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
     "min_separation_m": "Smallest true distance between the discs of two robots (m).",
+    "success": "Whether the conditions of a mission in words were all met in truth, without a contact.",
+    "answer": "What the advisor answered when it said that such a mission was done; none if it did not.",
+    "conditions": "Its conditions, each with what was found.",
     **outcome.DEFINITIONS,
     **timeliness.DEFINITIONS,
 }
@@ -91,7 +94,18 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
     while (more := folder / trajectory_name(len(tables))).is_file():
         tables.append(list(read_rows(more)))
     found = metrics_of(events, tables[0]) if len(tables) == 1 else fleet_metrics(events, tables)
-    return {**found, **outcome.outcome_metrics(folder, events, tables), **timeliness.timeliness_of(events)}
+    return {
+        **found,
+        **verdict_of(events),
+        **outcome.outcome_metrics(folder, events, tables),
+        **timeliness.timeliness_of(events),
+    }
+
+
+def verdict_of(events: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the judge's verdict on a mission in words; empty for other missions."""
+    told = next((e["instruction"] for e in reversed(events) if e["event"] == "judged" and "instruction" in e), None)
+    return {} if told is None else {"success": told["met"], "answer": told["answer"], "conditions": told["conditions"]}
 
 
 def covered_at(folder: Path) -> list[float]:

@@ -34,6 +34,8 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import COLUMNS, FrameRecorder
 from coral.reef.mission.robot import naming
 from coral.reef.mission.tours import planned
+from coral.reef.mission.word_judge import WordJudge, instructed
+from coral.reef.mission.word_oracle import true_answer
 from coral.reef.pilot.leftover import what_is_left
 from coral.reef.pilot.pilot import NOTHING_LEFT, SURVEY_ENDED
 from coral.reef.simulation.encounter import Encounters
@@ -87,6 +89,7 @@ class Mission:
         cfg = checked(cfg, "--cfg")
         if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
             raise InputError("--seed", "", repr(seed), "a number from 0 on")
+        cfg = instructed(cfg, world)
         make_driver = controller_maker(cfg.driver if controller is None else controller)
         make_trigger: MakeTrigger = SmartTrigger if trigger is None else trigger_maker(trigger)
         verify = None if verifier is None else find_verifier(verifier)
@@ -97,7 +100,7 @@ class Mission:
         cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
         # Three streams per robot: those of the first do not depend on the number of robots.
         streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3 * cfg.robots)]
-        advisor = decider_of(cfg, advisor, seed)
+        advisor = decider_of(cfg, advisor, seed, world)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
         eyes = self.eyes = open_eyes(cfg.perception, depth=cfg.depth)
         self.preset = preset
@@ -129,6 +132,9 @@ class Mission:
                 raise InputError("--fault", "", fault.name, "a fault of a sensor that the vehicle has: add --sonar")
         # All inputs have been validated: create the folder only now.
         self.writer = RunWriter(folder, COLUMNS, cfg.robots)
+        self.words = (
+            None if world.mission is None else WordJudge(world, first.scene, world.mission, cfg.simulator.camera)
+        )
         self.judge = MissionJudge(world, first.imaging, folder)
         self.attempts = AttemptRecorder(folder)
         self.frames = FrameRecorder(self.writer, cfg.record)
@@ -182,6 +188,8 @@ class Mission:
         """Append an event at the present tick."""
         self.calls += event == "question"
         self.collisions += event in ("collision", "robot_collision")
+        if self.words is not None and event == "held" and fields.get("reason") == SURVEY_ENDED:
+            self.words.hear(str(fields.get("answer", "")))
         self.writer.event(self.step, self.t, event, **fields)
         for hear in self.listeners:
             hear({"step": self.step, "t": self.t, "event": event, **fields})
@@ -255,6 +263,8 @@ class Mission:
         """Judge and record the tick. Return why the mission is over, or ""."""
         self._cover()
         self.judge.note(self.step, self.t, [vehicle.position for vehicle in self.vehicles])
+        if self.words is not None:
+            self.words.note(self.t, [vehicle.simulator for vehicle in self.vehicles])
         for number in range(len(self.robots)):
             self._row(number)
         if self.cfg.stop_when_covered and len(self._covered) == len(self.world.clusters):
@@ -352,8 +362,25 @@ class Mission:
             tracks=len(self.belief.tracks),
             phantoms=self.judge.phantoms(self.belief.tracks),
             oracle_time_to_90_s=soon,
+            **self._fulfilled(),
         )
         return time.perf_counter() - begun
+
+    def _fulfilled(self) -> dict[str, Any]:
+        """Return the verdict on a mission in words."""
+        if self.words is None:
+            return {}
+        if self.cfg.decider == "oracle":
+            self.words.hear(true_answer(self.world))
+        verdict = self.words.verdict()
+        return {
+            "instruction": {
+                "text": self.cfg.planner.instruction.text,
+                "met": all(one.met for one in verdict) and not self.collisions,
+                "answer": self.words.answer,
+                "conditions": [one.model_dump() for one in verdict],
+            }
+        }
 
     def _finish(self) -> dict[str, Any]:
         control = np.array(self.loop.control_ms) if self.loop.control_ms else np.zeros(1)

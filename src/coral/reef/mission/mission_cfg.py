@@ -43,9 +43,12 @@ class MissionCfg:
     shift are fitted to the sea floor and the sonar's echoes."""
     driver: str = "ddp-mppi"
     """The low-level planner: ddp-mppi, pd, or an entry point of the group coral.controllers."""
-    decider: Literal["advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle"] = "advisor"
+    decider: Literal[
+        "advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle", "geometry", "keywords"
+    ] = "advisor"
     """Who answers the questions: the advisor, or a baseline's rules in its place. sweep and oracle ask no questions:
-    they follow lanes, or a tour planned on the true reef."""
+    they follow lanes, or a tour planned on the true reef. geometry and keywords, for missions in words: rules that are
+    told the conditions without the kinds, or read key words."""
     lane_m: Positive = 10.0
     """Distance between the lanes of a blind sweep (m)."""
     robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 1

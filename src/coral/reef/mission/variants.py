@@ -148,6 +148,16 @@ def _oracle(cfg: MissionCfg) -> MissionCfg:
     return replace(_glided(cfg), decider="oracle")
 
 
+def _geometry(cfg: MissionCfg) -> MissionCfg:
+    """Rules that are told the conditions of a mission in words without its kinds: what geometry can do."""
+    return _alone(replace(cfg, decider="geometry"))
+
+
+def _keywords(cfg: MissionCfg) -> MissionCfg:
+    """Rules that read key words of a mission in words, and see no pictures."""
+    return _alone(replace(cfg, decider="keywords"))
+
+
 VARIANTS: dict[str, Change] = {
     "full": lambda cfg: cfg,
     "paper": _paper,
@@ -168,6 +178,8 @@ VARIANTS: dict[str, Change] = {
     "random-unchecked": _random_unchecked,
     "blind-sweep": _blind_sweep,
     "oracle": _oracle,
+    "geometry": _geometry,
+    "keywords": _keywords,
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from coral.advisor.question import Picture
@@ -10,6 +11,7 @@ from coral.reef.map.chain import spanning_tree
 from coral.reef.pictures.cameraview import camera_picture
 from coral.reef.pictures.companions import Companion
 from coral.reef.pictures.mapview import MapScene, draw_map, png
+from coral.reef.pictures.things import things_picture
 
 
 def map_scene(outlook: Outlook) -> MapScene:
@@ -37,7 +39,7 @@ def map_scene(outlook: Outlook) -> MapScene:
 
 
 def question_pictures(outlook: Outlook) -> tuple[Picture, ...]:
-    """Draw map, segmentation and depth, as PNG."""
+    """Draw map, segmentation and depth, as PNG; where full colour pictures are taken, also those."""
     drawn = draw_map(map_scene(outlook))
     belief = outlook.belief
     pictures = [
@@ -59,4 +61,11 @@ def question_pictures(outlook: Outlook) -> tuple[Picture, ...]:
                 name="depth", png=png(camera_picture(belief.frame, "depth")), caption="front camera, depth in metres"
             ),
         ]
+    if belief.frame is not None and belief.frame.still is not None:
+        colour = cv2.resize(belief.frame.still(), (800, 600), interpolation=cv2.INTER_AREA)
+        pictures.append(
+            Picture(name="colour", png=png(np.asarray(colour, np.uint8)), caption="front camera, in colour")
+        )
+        if (things := things_picture(belief)) is not None:
+            pictures.append(Picture(name="things", png=png(things), caption="the best colour picture of each dot"))
     return tuple(pictures)

@@ -496,7 +496,8 @@ class Pilot:
         """Put a decision behind the goals that were under way when it was asked for; without `ahead` there are none."""
         if getattr(answer, "end_survey", False):
             self.end_reason, self._ended = SURVEY_ENDED, True
-            self._emit("held", source=source, decision=self._decision, reason=SURVEY_ENDED)
+            said = {"answer": answer.answer} if hasattr(answer, "answer") else {}
+            self._emit("held", source=source, decision=self._decision, reason=SURVEY_ENDED, **said)
             return
         goal = self.planner.locate(asked, answer)
         if goal is None or isinstance(goal, Rejection):

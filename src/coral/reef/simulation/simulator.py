@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -29,6 +30,9 @@ from coral.reef.world.scene import Scene
 from coral.reef.world.water_types import WaterType, find_water, water_of_visibility
 from coral.reef.world.world import ReefWorld
 
+STILL_PX = (1280, 960)
+"""Width and height of a still: of the camera's shape, as small as a person can tell kinds from at 4 m."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class SimulatorCfg:
@@ -48,6 +52,8 @@ class SimulatorCfg:
     """solid: obstacles stop the hull. ghost: contacts count, but the vehicle passes through."""
     pictures: bool = False
     """Paint a colour picture of every frame."""
+    stills: bool = False
+    """Take colour pictures in full size, too, when a question shows them."""
     water: str = "auto"
     """Water of the colour pictures: a Jerlov type (jerlov-3C) or a preset's name. auto: the type whose visibility is
     nearest to `noise.visibility_m`."""
@@ -109,6 +115,9 @@ class ReefSimulator:
         self._painter: FramePainter | None = None if first is None else first._painter
         if cfg.pictures and self._painter is None:
             self._painter = make_painter(self.scene, cfg.camera, cfg.picture_water(), cfg.painter, world.seed)
+        self._stills: FramePainter | None = None
+        self.taken: tuple[Pose, Frame] | None = None
+        """Where the last picture was taken, and what it shows in truth: for the judge."""
         self._time_s = 0.0
         self._noise = SensorNoise(cfg.noise, rng, cfg.camera)
         self._sonar: Sonar3d15 | None = None
@@ -157,7 +166,11 @@ class ReefSimulator:
         u, v, r = (float(x) for x in self.vehicle.state[3:6])
         exact = self._camera.render(self.pose, height, roll=roll, pitch=pitch)
         frame = self._noise.apply(exact)
+        self.taken = self.pose, exact
         self._time_s += dt
+        if self.cfg.stills:
+            take = partial(self._still, self.pose, height, roll, pitch, self._time_s)
+            frame = replace(frame, still=take)
         if self._painter is not None:
             rgb = self._painter.paint(
                 exact, self.pose, height=height, roll=roll, pitch=pitch, t=self._time_s, velocity=(u, v, r)
@@ -176,6 +189,14 @@ class ReefSimulator:
             covariance=fix.covariance,
             velocity_age_s=fix.velocity_age_s,
         )
+
+    def _still(self, pose: Pose, height: float | None, roll: float, pitch: float, t: float) -> NDArray[np.uint8]:
+        """Take a colour picture of full size. Deterministic in place and time, so it need not be taken at once."""
+        camera = replace(self.cfg.camera, width=STILL_PX[0], height=STILL_PX[1])
+        if self._stills is None:
+            self._stills = make_painter(self.scene, camera, self.cfg.picture_water(), self.cfg.painter, self.world.seed)
+        frame = Camera(self.scene, camera).render(pose, height, roll=roll, pitch=pitch)
+        return self._stills.paint(frame, pose, height=height, roll=roll, pitch=pitch, t=t)
 
     def _ping(self, attitude: Attitude, altitude_m: float, dt: float) -> RangeImage | None:
         """Take an image of the sonar, `dt` seconds after the last call, if one is due."""

@@ -13,6 +13,8 @@ from coral.reef.world.kinds import find_kind
 from coral.reef.world.pool import PREFIX as POOL
 from coral.reef.world.pool import pool_by_name
 from coral.reef.world.spines import Topology
+from coral.reef.world.word_missions import FAMILIES, word_mission
+from coral.reef.world.word_missions import PREFIX as WORDS
 from coral.reef.world.world import ReefWorld, load_world, shipped_worlds
 
 PREFIX, KIND = "gen:", "kind:"
@@ -90,19 +92,27 @@ def find_world(name: str | Path) -> ReefWorld:
     text = str(name)
     if text.startswith(KIND) and not Path(text).exists():
         return one_thing(text.removeprefix(KIND))
+    if text.startswith(WORDS) and not Path(text).exists():
+        return word_mission(text)
     if text.startswith(POOL) and not Path(text).exists():
         return pool_by_name(text)
     return generated(text) if re.fullmatch(rf"{PREFIX}\S*", text) and not Path(text).exists() else load_world(text)
 
 
 def expand_names(names: Iterable[str]) -> tuple[str, ...]:
-    """Replace the names of sets of reefs by those of the reefs: `all`, the ten shipped ones; `generated`; `gen:0-9`.
+    """Replace the names of sets of reefs by those of the reefs.
+
+    Sets: `all`, the ten shipped ones; `generated`; `gen:0-9`; missions, `words:FAMILY:0-9`, `words:all:0-9`.
 
     Raises:
         InputError: A range of generated reefs that does not exist.
     """
     found: list[str] = []
     for name in names:
+        if words := re.fullmatch(rf"{WORDS}([a-z]+):(\d+)-(\d+)", name, re.ASCII):
+            families = FAMILIES if words[1] == "all" else (words[1],)
+            found += (f"{WORDS}{one}:{k}" for k in range(int(words[2]), int(words[3]) + 1) for one in families)
+            continue
         span = re.fullmatch(rf"{PREFIX}(\d+)-(\d+)", name, re.ASCII)
         if name == "all":
             found += shipped_worlds()

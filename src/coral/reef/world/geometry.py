@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
@@ -45,6 +46,8 @@ class Frame:
     """Probability that the label of a pixel is wrong; None where labels are exact. Shape=(H, W), float32."""
     depth_doubt: NDArray[np.float32] | None = None
     """Expected error of the depth as a share of it; None where it is exact or not known. Shape=(H, W), float32."""
+    still: Callable[[], NDArray[np.uint8]] | None = None
+    """Takes the colour picture in full size, Shape=(H, W, 3), when it is wanted; None where there is none."""
     real: bool = False
     """Whether a network that knows both took it for a real picture, not a painted one."""
 

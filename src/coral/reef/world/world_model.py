@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
+from coral.reef.world.instruction import MissionText
 from coral.reef.world.kinds import find_kind, grow
 from coral.reef.world.structures import (
     Angle,
@@ -120,6 +121,9 @@ class ReefWorld(WorldPart):
     """What else lies there, by kind. By its class each adds its solids to clusters, obstacles or `lying`."""
     lying: tuple[Cluster, ...] = Field(default=(), exclude_if=is_empty)
     """Things that the robot's classes do not tell from the sea floor."""
+
+    mission: MissionText | None = Field(default=None, exclude_if=is_none)
+    """What is to be done, in words; null: survey the whole reef."""
 
     @model_validator(mode="before")
     @classmethod

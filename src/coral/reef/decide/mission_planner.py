@@ -1,0 +1,230 @@
+"""The planner of a mission in words: every question tells the instruction, and what was found and ruled out.
+
+It offers every place that can be reached and refuses only what is unsafe, out of reach or contradicts itself: what the
+instruction means is for the advisor to say. What was said of a cluster stays with its place.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from coral.advisor.question import Rejection
+from coral.reef.decide.asked import AskedState
+from coral.reef.decide.facts import describe, waypoint_options
+from coral.reef.decide.guesses import Guess
+from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
+from coral.reef.decide.outlook import Outlook
+from coral.reef.decide.own_verifier import Verifier
+from coral.reef.decide.planner import Answer, Draw, PlannerCfg, Prompts
+from coral.reef.decide.provable import finished_dot, hazard
+from coral.reef.decide.questions import goal_of_dot, goal_of_step, make_question, outside, surroundings
+from coral.reef.decide.route import Goal, Route, here
+from coral.reef.decide.survey import survey
+from coral.reef.decide.trigger import separated
+from coral.reef.map.belief import Belief
+from coral.reef.map.costfield import CostField, CostFieldCfg
+from coral.reef.world.geometry import to_robot
+
+SAME_M = 1.0
+"""Clusters this near to each other are one and the same, under whatever label."""
+RING_M, STEP_RAD = 2.0, math.radians(45.0)
+"""The way round something keeps this much farther from it than the look, and turns by so much from goal to goal."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Said:
+    """What the advisor said of a cluster."""
+
+    x: float
+    y: float
+    label: str
+    """What it is; empty: only that it is ruled out."""
+    skip: bool = False
+
+
+class MissionPlanner:
+    """Asks for the next step of a mission in words."""
+
+    def __init__(
+        self,
+        belief: Belief,
+        fields: CostFieldCfg,
+        prompts: Prompts,
+        draw: Draw,
+        cfg: PlannerCfg | None = None,
+        verifier: Verifier | None = None,
+    ) -> None:
+        """Set up the planner of one robot; see `make_planner`."""
+        self.belief, self.fields, self.prompts, self.draw, self._verifier = belief, fields, prompts, draw, verifier
+        self.cfg = cfg or PlannerCfg()
+        self.route = Route(belief, self.cfg.route)
+        self.said: tuple[Said, ...] = ()
+
+    def outlook(self, way: CostField | None = None) -> Outlook:
+        """Freeze what the robot knows now, and where it will be when the answer comes."""
+        snapshot, route = self.belief.snapshot(), self.route
+        arrival = route.arrival(way) if self.cfg.route.ahead else here(snapshot)
+        goals = {goal.index for goal in arrival.goals if goal.index is not None}
+        skipped = {t.index for t in snapshot.tracks if any(s.skip for s in self._of(t.x, t.y))}
+        return Outlook(
+            snapshot,
+            arrival,
+            closed=frozenset(goals | skipped),
+            last_look=True,
+            under_way=bool(route.goals),
+            latency_s=route.latency_s,
+        )
+
+    def _of(self, x: float, y: float) -> list[Said]:
+        return [said for said in self.said if math.dist((said.x, said.y), (x, y)) <= SAME_M]
+
+    def ask(self, outlook: Outlook, rejections: Sequence[Rejection] = ()) -> AskedState:
+        """Make the question: there always is one, for only the advisor knows when the mission is done."""
+        cfg, belief, pose = self.cfg, outlook.belief, outlook.arrival.pose
+        left = survey(outlook, self.fields, cfg.forward_m, cfg.survey)
+        options = waypoint_options(belief, left, pose, cfg.step_m, cfg.separation_m)
+        facts = describe(outlook, left, options) | {"mission": self._told(outlook)}
+        question = make_question("mission", "reef-mission", MissionAnswer, facts, outlook, cfg, self.prompts, self.draw)
+        dots = [t for t in outlook.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
+        return AskedState(
+            question=question,
+            mode="mission",
+            outlook=outlook,
+            left=left,
+            around=surroundings(outlook, left, cfg.forward_m),
+            acceptable=len(dots) + len(options),
+        )
+
+    def _told(self, outlook: Outlook) -> dict[str, Any]:
+        """Return what a question tells of the mission."""
+        belief, pose = outlook.belief, outlook.arrival.pose
+        forward, left = to_robot(pose, *belief.trajectory[0])
+        found, ruled_out = [], []
+        for track in belief.tracks:
+            said = self._of(track.x, track.y)
+            found += [{"dot": track.index, "label": one.label} for one in said if one.label]
+            ruled_out += [track.index] if any(one.skip for one in said) else []
+        return {
+            "instruction": self.cfg.instruction.text,
+            "time_s": self.cfg.instruction.time_s,
+            "at_s": round(self.route.t + outlook.arrival.in_s, 1),
+            "home": {"forward_m": round(forward, 1), "left_m": round(left, 1)},
+            "found": found,
+            "ruled_out": ruled_out,
+            "pictures": [
+                {"dot": track.index, "distance_m": round(view.distance_m, 1), "age_s": round(age_s)}
+                for track, view, age_s in belief.best_views.of(belief.tracks)
+            ],
+        }
+
+    def verify(self, asked: AskedState, answer: Answer) -> Rejection | None:
+        """Check an answer for what is unsafe or impossible."""
+        assert isinstance(answer, MissionAnswer)
+        refusal = self._refuse(asked, answer)
+        if refusal is None and self._verifier is not None and asked.question is not None:
+            refusal = self._verifier(asked.question, answer)
+        return refusal
+
+    def _refuse(self, asked: AskedState, answer: MissionAnswer) -> Rejection | None:
+        named = {
+            "selected_centroid_index": answer.selected_centroid_index is not None,
+            "waypoint": answer.waypoint is not None,
+            "look": answer.look is not None,
+            "home": answer.home,
+            "done": answer.done,
+        }
+        given = [name for name, there in named.items() if there]
+        if len(given) != 1:
+            return Rejection(
+                code="contradiction",
+                details={"index": answer.selected_centroid_index},
+                reason=f"Give one of {', '.join(named)}; the answer gives {' and '.join(given) or 'none of them'}.",
+            )
+        goals = self._goals(asked, answer)
+        if isinstance(goals, Rejection):
+            return goals
+        if answer.selected_centroid_index is not None and goals:
+            if done := finished_dot(asked.outlook, answer.selected_centroid_index):
+                return replace(done, details={"index": answer.selected_centroid_index})
+        elif answer.waypoint is not None and goals:
+            at = asked.outlook.arrival.pose[:2]
+            if not separated((goals[0].x, goals[0].y), at, self.cfg.separation_m):
+                reason = f"The waypoint is within {self.cfg.separation_m:g} m of where the robot will be."
+                return Rejection(code="too-close", reason=reason)
+        reach = self.belief.water(self.fields).reach(*self.belief.pose[:2])
+        for goal in goals[-1:]:
+            if refusal := outside(goal, self.belief) or hazard(goal, self.belief, reach):
+                return replace(refusal, details={**refusal.details, "index": answer.selected_centroid_index})
+        return None
+
+    def _goals(self, asked: AskedState, answer: MissionAnswer) -> list[Goal] | Rejection:
+        """Return the places that an answer leads to, in order; none if what it chose has vanished."""
+        if answer.home:
+            x, y = self.belief.trajectory[0]
+            return [Goal(x=float(x), y=float(y))]
+        if answer.waypoint is not None:
+            return [goal_of_step(asked, answer.waypoint.forward_m, answer.waypoint.left_m)]
+        if answer.done:
+            return []
+        index = answer.look.dot if answer.look is not None else answer.selected_centroid_index
+        goal = goal_of_dot(asked, index, self.belief)
+        if not isinstance(goal, Goal):
+            return [] if goal is None else goal
+        if answer.look is None:
+            return [goal]
+        goals = way_round(answer.look, (goal.x, goal.y), asked.outlook.arrival.pose[:2])
+        reach = self.belief.water(self.fields).reach(*self.belief.pose[:2])
+        return [g for g in goals if self.belief.map.contains(g.x, g.y) and reach.reaches(g.x, g.y)] or Rejection(
+            code="blocked", reason="There is no way to that side of it. Choose another side or another distance."
+        )
+
+    def locate(self, asked: AskedState, answer: Answer) -> Goal | Rejection | None:
+        """Return the first place that an answer leads to."""
+        assert isinstance(answer, MissionAnswer)
+        goals = self._goals(asked, answer)
+        return goals if isinstance(goals, Rejection) else next(iter(goals), None)
+
+    def onward(self, asked: AskedState, answer: Answer) -> list[Goal]:
+        """Return the goals after the first one: the way round what is looked at, or the dots that are named."""
+        assert isinstance(answer, MissionAnswer)
+        goals = self._goals(asked, answer)
+        if isinstance(goals, Rejection) or answer.home or answer.look is not None:
+            return [] if isinstance(goals, Rejection) else goals[1:]
+        more = [goal_of_dot(asked, index, self.belief) for index in answer.then]
+        open_ = [g for g in more if isinstance(g, Goal) and finished_dot(asked.outlook, g.index) is None]
+        return [goal for goal in open_ if goal not in goals]
+
+    def adopt(self, asked: AskedState, answer: Answer, goal: Goal) -> dict[str, Any]:
+        """Keep what the advisor said of clusters."""
+        assert isinstance(answer, MissionAnswer)
+        known = {track.index: track for track in asked.outlook.belief.tracks}
+        new = [(mark.dot, mark.label, False) for mark in answer.marks] + [(dot, "", True) for dot in answer.skip]
+        for index, label, skip in new:
+            if (track := known.get(index)) is not None:
+                kept = [s for s in self.said if s not in self._of(track.x, track.y) or s.skip != skip]
+                self.said = (*kept, Said(x=track.x, y=track.y, label=label, skip=skip))
+        return {"violates": False, **({"look": answer.look.side} if answer.look is not None else {})}
+
+    def settle(self) -> list[Guess]:
+        """Return no guesses: none are stated."""
+        return []
+
+
+def way_round(look: LookFrom, thing: tuple[float, float], robot: tuple[float, float]) -> list[Goal]:
+    """Return goals that lead round a thing to the side of a look, the last one towards the thing.
+
+    Args:
+        look: Side and distance.
+        thing: Its place (m).
+        robot: Where the robot will be (m).
+    """
+    begin = math.atan2(robot[1] - thing[1], robot[0] - thing[0])
+    turn = {"near": 0.0, "left": -0.5 * math.pi, "right": 0.5 * math.pi, "far": math.pi}[look.side]
+    steps = round(abs(turn) / STEP_RAD)
+    ring = [(begin + turn * (k + 1) / steps, look.distance_m + RING_M) for k in range(steps)]
+    # A waypoint is done 1 m before it: the last one lies that much nearer than the look.
+    last = (begin + turn, max(look.distance_m - 0.7, 0.2))
+    return [Goal(x=thing[0] + r * math.cos(a), y=thing[1] + r * math.sin(a)) for a, r in (*ring, last)]

@@ -1,0 +1,87 @@
+"""Questions of missions in words: nothing is refused but what is unsafe, out of reach or contradicts itself."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from beds import belief_with, see
+
+from coral.advisor.prompt import render
+from coral.reef.decide.mission_answer import LookFrom, Mark, MissionAnswer
+from coral.reef.decide.mission_planner import MissionPlanner, way_round
+from coral.reef.decide.planner import InstructionCfg, PlannerCfg
+from coral.reef.decide.planners import make_planner
+from coral.reef.decide.route import Goal
+from coral.reef.map.costfield import CostFieldCfg
+
+TOLD = InstructionCfg(text="Find the ghost net.", time_s=180.0)
+
+
+def planner_for(belief):
+    planner = make_planner(belief, CostFieldCfg(), render, lambda outlook: (), PlannerCfg(instruction=TOLD))
+    assert isinstance(planner, MissionPlanner)
+    return planner
+
+
+def test_the_prompt_tells_the_instruction_and_what_was_said_of_things():
+    planner = planner_for(belief_with([(14.0, 10.0), (6.0, 10.0)]))
+    asked = planner.ask(planner.outlook())
+    assert "Find the ghost net." in asked.question.prompt
+    answer = MissionAnswer(selected_centroid_index=0, marks=(Mark(dot=1, label="tyre"),), skip=(1,))
+    assert planner.verify(asked, answer) is None
+    planner.adopt(asked, answer, planner.locate(asked, answer))
+    later = planner.ask(planner.outlook())
+    assert "Dot 1: tyre." in later.question.prompt
+    assert "Ruled out: dots 1." in later.question.prompt
+    assert [dot["visited"] for dot in later.question.facts["centroids"]] == [False, True]
+
+
+def test_a_question_is_asked_even_when_nothing_is_left():
+    belief = belief_with([(12.0, 10.0)])
+    see(belief, 0)
+    planner = planner_for(belief)
+    asked = planner.ask(planner.outlook())
+    assert not asked.finished
+    assert planner.verify(asked, MissionAnswer(done=True, answer="none")) is None
+
+
+@pytest.mark.parametrize(
+    ("answer", "code"),
+    [
+        (MissionAnswer(), "contradiction"),
+        (MissionAnswer(selected_centroid_index=0, home=True), "contradiction"),
+        (MissionAnswer(selected_centroid_index=7), "no-such-centroid"),
+        (MissionAnswer(waypoint={"forward_m": 0, "left_m": 0}), "too-close"),
+        (MissionAnswer(selected_centroid_index=1), None),  # behind, and the farther one
+        (MissionAnswer(waypoint={"forward_m": -3, "left_m": 0}), None),  # back through known water
+        (MissionAnswer(home=True), None),
+        (MissionAnswer(look=LookFrom(dot=0, side="far")), None),
+        (MissionAnswer(done=True), None),  # early, and without an answer
+    ],
+)
+def test_what_is_refused(answer, code):
+    planner = planner_for(belief_with([(14.0, 10.0), (6.0, 10.0)]))
+    refusal = planner.verify(planner.ask(planner.outlook()), answer)
+    assert (refusal and refusal.code) == code
+
+
+def test_a_look_from_behind_goes_round_at_a_distance_and_ends_towards_the_thing():
+    goals = way_round(LookFrom(dot=0, side="far", distance_m=2.0), (10.0, 10.0), (4.0, 10.0))
+    assert all(math.dist((g.x, g.y), (10.0, 10.0)) > 3.9 for g in goals[:-1])
+    assert (
+        goals[-1] == pytest.approx(Goal(x=11.3, y=10.0)) or math.dist((goals[-1].x, goals[-1].y), (11.3, 10.0)) < 1e-6
+    )
+
+
+def test_a_look_at_the_left_goes_to_the_left_as_the_robot_sees_it():
+    goals = way_round(LookFrom(dot=0, side="left"), (10.0, 10.0), (4.0, 10.0))
+    assert goals[-1].y > 10.5
+
+
+def test_home_is_where_it_set_out():
+    belief = belief_with([(14.0, 10.0)])
+    planner = planner_for(belief)
+    asked = planner.ask(planner.outlook())
+    x, y = belief.trajectory[0]
+    assert planner.locate(asked, MissionAnswer(home=True)) == Goal(x=x, y=y)

@@ -1,0 +1,82 @@
+"""The judge of missions in words, and what such a mission changes."""
+
+import dataclasses
+import json
+
+import pytest
+
+from coral.advisor.rules import RuleAdvisor
+from coral.reef.decide.mission_answer import MissionAnswer
+from coral.reef.mission.mission import Mission
+from coral.reef.mission.mission_cfg import MissionCfg
+from coral.reef.mission.variants import apply_variant
+from coral.reef.mission.word_judge import INSPECT_M, instructed
+from coral.reef.world.world import ReefWorld, load_world
+
+WORLD = ReefWorld.model_validate(
+    {
+        "name": "yard",
+        "size_m": [14.0, 10.0],
+        "start": {"x": 2.0, "y": 5.0},
+        "things": [
+            {"name": "tyre", "kind": "tyre", "x": 7.0, "y": 5.0},
+            {"name": "net", "kind": "ghost-net", "x": 11.0, "y": 2.0},
+        ],
+        "mission": {
+            "instruction": "Inspect the tyre, stay away from the net, and say what colour the tyre is.",
+            "time_s": 60.0,
+            "conditions": [
+                {"kind": "inspected", "of": ["tyre"]},
+                {"kind": "kept_off", "of": ["ghost-net"], "distance_m": 2.0},
+                {"kind": "answered", "right": ["black"]},
+            ],
+        },
+    }
+)
+
+
+def run(folder, variant="full", rules=None):
+    cfg = apply_variant(variant, dataclasses.replace(MissionCfg(), latency="0"))
+    advisor = RuleAdvisor({"reef-mission": rules or (lambda facts, rejections: MissionAnswer(done=True))})
+    return Mission(WORLD, cfg, advisor, folder, variant=variant).run()
+
+
+def test_an_advisor_that_does_it_fulfils_the_mission(tmp_path):
+    def rules(facts, rejections):
+        left = sorted((dot["path_m"], dot["index"]) for dot in facts["centroids"] if dot["path_m"] is not None)
+        near = [dot for dot in facts["centroids"] if dot["visited"]]
+        if near:
+            return MissionAnswer(done=True, answer="It is black.")
+        return (
+            MissionAnswer(selected_centroid_index=left[0][1])
+            if left
+            else MissionAnswer(waypoint={"forward_m": 2, "left_m": 0})
+        )
+
+    result = run(tmp_path / "run", rules=rules)
+    assert result["success"], result["conditions"]
+    assert result["answer"] == "It is black."
+    assert json.loads((tmp_path / "run" / "metrics.json").read_text())["success"] is True
+
+
+def test_to_end_at_once_fails_by_what_was_not_done(tmp_path):
+    result = run(tmp_path / "run")
+    assert [one["met"] for one in result["conditions"]] == [False, True, False]
+    assert not result["success"]
+
+
+def test_the_oracle_fulfils_it(tmp_path):
+    assert run(tmp_path / "run", "oracle")["success"]
+
+
+def test_a_mission_sets_time_and_distance_and_other_worlds_change_nothing():
+    cfg = instructed(MissionCfg(), WORLD)
+    assert (cfg.time_limit_s, cfg.planner.instruction.time_s) == (60.0, 60.0)
+    assert cfg.belief.inspect.pixel_m * cfg.simulator.camera.intrinsics[0] == pytest.approx(INSPECT_M)
+    assert instructed(MissionCfg(), load_world("s1")) == MissionCfg()
+
+
+def test_words_of_ones_own_replace_those_of_the_world():
+    told = dataclasses.replace(MissionCfg().planner.instruction, text="Look at the wheel.")
+    cfg = dataclasses.replace(MissionCfg(), planner=dataclasses.replace(MissionCfg().planner, instruction=told))
+    assert instructed(cfg, WORLD).planner.instruction.text == "Look at the wheel."
