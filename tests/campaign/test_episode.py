@@ -9,6 +9,7 @@ import pytest
 from coral.campaign.episode import perform
 from coral.campaign.spec import Spec
 from coral.campaign.version import code_version
+from coral.file_writer import writing
 
 SPEC = Spec(system="toy", variant="a", world="w", seed=7, advisor="x")
 
@@ -67,3 +68,11 @@ def test_an_interrupt_is_no_failure_of_the_episode(tmp_path):
 
     with pytest.raises(KeyboardInterrupt):
         perform(interrupted, SPEC, tmp_path)
+
+
+def test_a_full_disk_is_known_by_whatever_error_it_became(tmp_path):
+    def full(spec, folder):
+        with writing(folder / "world.yaml"):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    assert perform(full, SPEC, tmp_path).no_room

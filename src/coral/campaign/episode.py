@@ -72,9 +72,18 @@ def perform(episode: Episode, spec: Spec, folder: Path) -> EpisodeOutcome:
         result = json.loads(json.dumps(dict(episode(spec, folder)), allow_nan=False, default=plain))
     except Exception as error:
         message, detail = f"{type(error).__name__}: {error}", traceback.format_exc()
-        no_room = isinstance(error, OSError) and error.errno in NO_ROOM
+        no_room = _is_of_full_disk(error)
     about["episode_wall_s"] = round(time.perf_counter() - started, 3)
     return EpisodeOutcome(spec, result, message, detail, no_room, about)
+
+
+def _is_of_full_disk(error: BaseException | None) -> bool:
+    """Check whether an error, or one that it was made of, says that the disk takes no more."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in NO_ROOM:
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def plain(value: Any) -> Any:
