@@ -13,7 +13,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: constraints setup setup-dev setup-libero setup-blender demo kernels test wings test-ray test-slurm test-ros2 test-warp test-franka test-model test-libero test-ardusub test-wheel test-blender check docs site figures bench fuzz fuzz-minute clean help
+.PHONY: constraints setup setup-dev setup-libero demo kernels test wings test-ray test-slurm test-ros2 test-warp test-franka test-model test-libero test-ardusub test-wheel check docs site figures bench fuzz fuzz-minute clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -54,7 +54,7 @@ kernels: setup-dev  ## compile the kernels that most commands need
 test: kernels  ## the whole test suite
 ifeq ($(BROWSER),)
 	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not ray and not slurm and not model and not libero and not ardusub and not blender and not warp and not franka and not ros2 and not browser"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not ray and not slurm and not model and not libero and not ardusub and not warp and not franka and not ros2 and not browser"
 else
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 endif
@@ -100,19 +100,11 @@ test-ardusub: setup-dev  ## the driver against ArduSub in the loop, in real time
 	@test -n "$(CORAL_ARDUSUB)" || { echo "make: CORAL_ARDUSUB must name the folder with ardusub and sub-6dof.parm"; exit 1; }
 	$(BIN)/python -m pytest -m ardusub tests/reef/sea
 
-# bpy wants an older NumPy than ours and fits Python 3.11 only, so it has an environment of its own.
-setup-blender: setup  ## Blender as a package (a download of 374 MB), apart from the environment's packages
-	test -x $(VENV)/share/coral-blender/bin/python || $(PYTHON) -m venv $(VENV)/share/coral-blender
-	$(VENV)/share/coral-blender/bin/python -m pip --disable-pip-version-check install --quiet bpy==5.0.1
-
 test-wheel: setup-dev  ## the wheel without make, in an empty environment: a reef and a task of the hand (1.2 GB for a minute or two)
 	@folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir "$$folder" . && \
 	$(PYTHON) -m venv "$$folder/env" && "$$folder/env/bin/pip" install --quiet "$$folder"/*.whl && cd "$$folder" && \
 	env/bin/coral reef run s1 --quiet --out reef && env/bin/coral contact run flip-box --world hand --samples 16 --out hand
-
-test-blender: setup-dev  ## Blender builds and renders a reef, where `make setup-blender` or CORAL_BLENDER_PYTHON has one
-	$(BIN)/python -m pytest -m blender tests/reef/eyes tests/commands/test_reef_blender.py
 
 check: setup-dev  ## lint, format and types
 	$(BIN)/ruff format --check .

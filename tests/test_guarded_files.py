@@ -16,8 +16,6 @@ EXCEPTIONS = {
     "contact/franka/double_scene.py": "no file: XML that MuJoCo has just written",
     "exam/question_set.py": "writes a zip file into a scratch path of scratch_for",
     "interface/result.py": "copies the caller's own run to a new or empty folder",
-    "reef/paint/blender.py": "an array for Blender in a private temporary folder",
-    "reef/paint/blender_script.py": "runs inside Blender, without this package, in that folder",
     "reef/sea/saved_survey.py": "writes into memory",
     "rotating_log.py": "packs a part into a scratch path of scratch_for",
     "yaml_file.py": "text of read_text, counted before anything is built of it",

@@ -32,7 +32,6 @@ COMMANDS = {
     "reef autopilot": ("coral.commands.reef_autopilot:ReefAutopilot", "simulate a BlueROV2 that speaks MAVLink"),
     "reef picture": ("coral.commands.reef_picture:ReefPicture", "take a colour picture of a reef, in any water"),
     "reef eyes": ("coral.commands.reef_eyes:ReefEyes", "train a network for RGB pictures, or measure one"),
-    "reef blender": ("coral.commands.reef_blender:ReefBlender", "build a reef in Blender, and render pictures of it"),
     "reef products": ("coral.commands.reef_products:ReefProducts", "make maps and tables for an ecologist from a run"),
     "reef map": ("coral.commands.reef_map:ReefMap", "make a map and products from a recording"),
     "reef generate": ("coral.commands.reef_generate:ReefGenerate", "make a new reef from a topology or a polyline"),

@@ -13,9 +13,6 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from coral.errors import InputError
-from coral.plugins import our_part
-
 CORE = (
     "numpy",
     "numba",
@@ -41,7 +38,6 @@ EXTRAS = {
     "mcp": ("mcp", "the desk for agents (coral desk --mcp)"),
     "trace": ("opentelemetry.sdk", "OpenTelemetry spans of model calls (CORAL_TRACE)"),
     "slurm": ("submitit", "campaigns on a Slurm cluster"),
-    "blender": ("bpy", "reefs as .blend files, and photorealistic pictures (make setup-blender)"),
     "vision": ("onnxruntime", "missions by RGB pictures (--perception)"),
     "train": ("torch", "training networks for them (coral reef eyes train)"),
     "gym": ("gymnasium", "reefs and tasks as Gymnasium environments"),
@@ -89,9 +85,7 @@ class Doctor:
             "cores": os.cpu_count(),
             "costs_filtered": filtered,
             "browser": shutil.which("chromium") or shutil.which("google-chrome"),
-            "extras": {
-                name: _is_there(module) if module != "bpy" else _blender() for name, (module, _) in EXTRAS.items()
-            },
+            "extras": {name: _is_there(module) for name, (module, _) in EXTRAS.items()},
             "keys": {key: key in os.environ for key in KEYS},
         }
 
@@ -128,12 +122,4 @@ def _encoder() -> bool:
 
         return bool(imageio_ffmpeg.get_ffmpeg_exe())
     except (ImportError, RuntimeError):
-        return False
-
-
-def _blender() -> bool:
-    """Return whether there is a Python with Blender, and the wing that uses it."""
-    try:
-        return our_part("blender", "python", "doctor")() is not None
-    except InputError:
         return False

@@ -18,8 +18,6 @@ from coral.errors import InputError
 from coral.flags import Argument
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from coral.reef.vehicle.camera import CameraCfg
     from coral.reef.world.geometry import Frame
 
@@ -41,8 +39,6 @@ class ReefEyes:
     """score: waters of these pictures."""
     lights: tuple[str, ...] = ("day",)
     """score: light of these pictures: day, low-sun, overcast, dim."""
-    folder: tuple[Path, ...] = ()
-    """score: sets of pictures instead, as written by `coral reef blender`."""
     pictures: Count = 6
     """Pictures of each reef (and water)."""
     labelled: tuple[Path, ...] = ()
@@ -184,7 +180,6 @@ class ReefEyes:
     def _taken(self) -> Iterator[tuple[tuple[str, str], CameraCfg, Frame]]:
         """Yield the names of water and light, the camera, and the picture with its truth."""
         from coral.reef.paint.painter import Painter
-        from coral.reef.paint.picture_set import read_pictures
         from coral.reef.paint.viewpoints import choose_viewpoints
         from coral.reef.simulation.daylight import find_light
         from coral.reef.vehicle.camera import Camera, CameraCfg
@@ -193,13 +188,7 @@ class ReefEyes:
         from coral.reef.world.water_types import find_water
 
         camera = CameraCfg()
-        for folder in self.folder:
-            for about, frame in read_pictures(folder):
-                view = replace(
-                    camera, altitude_m=about.height, pitch_down_deg=about.pitch_down_deg, hfov_deg=about.hfov_deg
-                )
-                yield (about.water, "cycles"), view, _shrunk(frame, (view.width, view.height))
-        for name in () if self.folder else expand_names(self.worlds):
+        for name in expand_names(self.worlds):
             world = find_world(name)
             scene = Scene.from_world(world)
             caster, rng = Camera(scene, camera), np.random.default_rng([self.seed, world.seed])
@@ -243,20 +232,6 @@ class ReefEyes:
         return "\n".join(
             [*lines, f"oysters within 3 m, IoU: {within}", f"{result['cpu_ms_per_picture']} ms of CPU a picture"]
         )
-
-
-def _shrunk(frame: Frame, size: tuple[int, int]) -> Frame:
-    """Return a picture at another size: colours by area, truth by the nearest pixel."""
-    import cv2
-
-    def nearest(image: NDArray[Any]) -> NDArray[Any]:
-        return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_NEAREST), image.dtype)
-
-    assert frame.rgb is not None
-    rgb = np.asarray(cv2.resize(frame.rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
-    return replace(
-        frame, depth=nearest(frame.depth), labels=nearest(frame.labels), instances=nearest(frame.instances), rgb=rgb
-    )
 
 
 def _tell(line: str) -> None:
