@@ -27,7 +27,6 @@ COMMANDS = {
     "reef sail": ("coral.commands.reef_sail:ReefSail", "survey in real time, with a simulated or a real vehicle"),
     "reef identify": ("coral.commands.reef_identify:ReefIdentify", "measure how a vehicle follows its set-points"),
     "reef bench": ("coral.commands.reef_bench:ReefBench", "compare variants over many missions, with tables"),
-    "reef faults": ("coral.commands.reef_faults:ReefFaults", "break the sensors and see what the vehicle does"),
     "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),
     "reef autopilot": ("coral.commands.reef_autopilot:ReefAutopilot", "simulate a BlueROV2 that speaks MAVLink"),
     "reef picture": ("coral.commands.reef_picture:ReefPicture", "take a colour picture of a reef, in any water"),
@@ -49,7 +48,6 @@ COMMANDS = {
     "memory forget": ("coral.commands.memory:MemoryForget", "forget one of them"),
     "memory export": ("coral.commands.memory:MemoryExport", "write them into a JSON file"),
     "memory import": ("coral.commands.memory:MemoryImport", "import an exported file"),
-    "memory bench": ("coral.commands.memory_bench:MemoryBench", "measure what the memory finds for changed tasks"),
     "export": ("coral.commands.export:Export", "write a reef run as a ROS 2 bag, an MCAP file or pictures"),
     "replay": ("coral.commands.replay:Replay", "watch a run folder again in a browser"),
     "report": ("coral.commands.report:Report", "write report.html (and the video) of a run folder again"),
@@ -75,7 +73,6 @@ def commands() -> dict[str, tuple[str, str]]:
 
 FIRST = {
     "reef run": "coral.reef.world.world_names:world_file",
-    "reef faults": "coral.reef.world.world_names:world_file",
     "contact run": "coral.contact.scene.task_names:task_path",
 }
 """What finds the file that the first word names before the command is imported: a mistyped name is answered at once."""

@@ -6,7 +6,6 @@ CONFIGURATIONS = {
     "model": ("coral.advisor.model_cfg:ModelCfg", "--model", "the calls of a real model"),
     "safety": ("coral.reef.sea.safety:SafetyCfg", "--safety", "the limits of a vehicle at sea"),
     "products": ("coral.reef.products.survey_products:ProductsCfg", "--cfg", "maps and tables for an ecologist"),
-    "probe": ("coral.contact.world_model.touch_probe:ProbeCfg", "--cfg", "pushes that find mass and friction"),
 }
 """Place, flag and subject of each."""
 

@@ -3,7 +3,6 @@ import pytest
 from coral.cli import main
 from coral.commands import contact_identify
 from coral.contact.episode.identification_episode import Found
-from coral.contact.worlds.evaluation_world import WorldError
 
 
 @pytest.fixture
@@ -28,7 +27,7 @@ def begun(monkeypatch):
 
 def test_the_command_tells_and_draws_each_correction_of_an_episode(begun, tmp_path, capsys):
     figure = tmp_path / "board.png"
-    words = ["contact", "identify", "--world", "panda", "--quiet", "--samples", "80", "--figure", str(figure)]
+    words = ["contact", "identify", "--quiet", "--samples", "80", "--figure", str(figure)]
     assert main(words) == 0
     said = capsys.readouterr().out
     assert "1. accepted  at 4.0 s, board: mass 2 to 0.11" in said
@@ -45,24 +44,11 @@ def test_the_command_tells_and_draws_each_correction_of_an_episode(begun, tmp_pa
         (["--samples", "0"], "--samples"),
         (["--mass", "nan"], "--mass"),
         (["--seed", "-1"], "--seed"),
-        (["--cfg.slow-m-s", "0"], "slow_m_s"),
     ],
 )
 def test_bad_input_is_refused_in_a_line(words, said, begun, capsys):
-    assert main(["contact", "identify", "--world", "panda", "--quiet", *words]) == 2
+    assert main(["contact", "identify", "--quiet", *words]) == 2
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
     assert not begun
-
-
-def test_a_world_that_fails_under_the_pushes_is_told_in_a_line(monkeypatch, capsys):
-    def pushed(*_):
-        yield from ()
-        raise WorldError("diverged", "the hand left the table")
-
-    monkeypatch.setattr(contact_identify, "probe", pushed)
-    assert main(["contact", "identify", "--quiet"]) == 1
-    error = capsys.readouterr().err
-    assert "diverged: the hand left the table" in error
-    assert error.count("\n") == 1

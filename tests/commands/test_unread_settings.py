@@ -93,13 +93,6 @@ def test_what_is_read_rarely_is_read_in_the_file_that_is_named(key):
     assert re.search(rf"\.{key.rpartition('.')[2]}\b", text)
 
 
-def test_the_faults_refuse_what_they_overwrite(tmp_path, monkeypatch):
-    monkeypatch.setattr("coral.commands.reef_faults.AFTER_S", 1.0)
-    reads = run(["reef", "faults", "s1", "--only", "blind-camera", "--at", "1", "--duration", "1"], tmp_path)
-    assert {key for key in reads.overwritten if not covers(UNREAD["reef faults"], key)} == set()
-    assert {key for key in read(reads) if covers(UNREAD["reef faults"], key)} == set()
-
-
 def test_a_campaign_refuses_what_it_overwrites(tmp_path):
     cfg = merge(MissionCfg(), {"time_limit_s": 1.0}, "here")
     with watched(cfg) as reads:
@@ -144,8 +137,8 @@ def test_every_refused_key_exists(command, key):
             "robot surveys",
         ),
         (
-            "reef faults --cfg.record.no-frames",
-            "coral reef faults: --cfg.record.frames: found a setting that it never reads, expected nothing: it keeps "
+            "reef bench --cfg.record.no-frames",
+            "coral reef bench: --cfg.record.frames: found a setting that it never reads, expected nothing: it keeps "
             "no pictures and no report",
         ),
     ],
@@ -169,5 +162,5 @@ def test_groups_and_who_refuses_them():
         refuse_unread("reef sail", ["time_limit_s", "simulator.noise.drift_xy", "pilot.traffic.gap_m"])
     refuse_unread("reef run", ["driver"])
     assert refused_by("lane_m") == ["reef sail"]
-    assert refused_by("record.video") == ["reef faults", "reef bench"]
+    assert refused_by("record.video") == ["reef bench"]
     assert changed_keys(merge(MissionCfg(), {"map": {"obstacles": "sonar"}}, "here")) == ["map.obstacles"]

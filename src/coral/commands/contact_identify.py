@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-
 from coral.commands.progress import EpisodeProgress
-from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.identification_episode import probe_episode
 from coral.contact.episode.resolution import with_poses, with_samples
 from coral.contact.scene.trial import PhysicalParameters, Trial, sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.world_model.identification import Fit
-from coral.contact.world_model.touch_probe import ProbeCfg, probe
-from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.registry import check_world
-from coral.errors import InputError, RunError
+from coral.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,11 +24,8 @@ class ContactIdentify:
 
     task: str = "push-pick-board"
     """Task whose first object is touched."""
-    world: str = "hand"
+    world: str = "panda"
     """Evaluation world: hand or panda."""
-    by: Literal["pushes", "episode"] | None = None
-    """Motions: pushes, back and forth only to identify; episode, the task itself with corrections during it. By
-    default episode with the panda, else pushes."""
     mass: float = 0.1
     """True mass, kg."""
     friction: float = 0.5
@@ -46,21 +37,19 @@ class ContactIdentify:
     seed: int = 0
     """Seed of the trial and of the fits."""
     every: float = 2.0
-    """For an episode: interval of corrections in simulated time (s), five at most, the last at its end."""
+    """Interval of corrections in simulated time (s), five at most, the last at its end."""
     poses: Literal["tracked", "ground-truth"] | None = None
-    """For an episode: source of the object's poses; tracked by default."""
+    """Source of the object's poses; tracked by default."""
     samples: int | None = None
-    """For an episode: rehearsals per plan, instead of the configuration's."""
+    """Rehearsals per plan, instead of the configuration's."""
     out: Path | None = None
-    """For an episode: keep its run folder here."""
+    """Keep the run folder here."""
     figure: Path | None = None
     """Also draw the corrections into this PNG."""
     json: bool = False
     """Print one JSON object on standard output."""
     quiet: bool = False
     """No progress bar."""
-    cfg: ProbeCfg = field(default_factory=ProbeCfg)
-    """Settings of the pushes."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Touch and correct."""
@@ -75,20 +64,17 @@ class ContactIdentify:
                 raise InputError(flag, "", value, "a number from 0.01 to 20")
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number from 0 on")
-        checked(self.cfg, "--cfg")
         if not 0.2 <= self.every <= 60:
             raise InputError("--every", "", self.every, "a number of seconds from 0.2 to 60")
         trial = sample_trial(load_task(self.task), self.seed)
         name = trial.task.objects[0].name
-        by = self.by or ("episode" if self.world == "panda" else "pushes")
-        found = self._episode(trial, name) if by == "episode" else self._pushes(trial, name)
+        found = self._episode(trial, name)
         believed = [PhysicalParameters(*row["believed"]) for row in found["corrections"]]
         last = believed[-1] if believed else self._first
         if self.figure is not None:
             self._draw(believed, self.figure)
         return {
             "object": name,
-            "by": by,
             "mass_kg": self.mass,
             "friction": self.friction,
             **found,
@@ -100,12 +86,10 @@ class ContactIdentify:
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe every correction and the remaining error."""
         lines = [
-            f"{index}. {'accepted' if row['accepted'] else 'refused '}  "
-            f"{'at {t:.1f} s, '.format(**row) if 't' in row else ''}{row['text']}"
+            f"{index}. {'accepted' if row['accepted'] else 'refused '}  at {row['t']:.1f} s, {row['text']}"
             for index, row in enumerate(result["corrections"], start=1)
         ]
-        if "end_reason" in result:
-            lines.append(f"the episode: {result['end_reason']} after {result['sim_time_s']:.1f} s")
+        lines.append(f"the episode: {result['end_reason']} after {result['sim_time_s']:.1f} s")
         return "\n".join(
             [
                 *lines,
@@ -117,21 +101,6 @@ class ContactIdentify:
     @property
     def _first(self) -> PhysicalParameters:
         return PhysicalParameters(self.believed_mass, self.believed_friction)
-
-    def _pushes(self, trial: Trial, name: str) -> dict[str, Any]:
-        fits = probe(
-            trial,
-            name,
-            PhysicalParameters(self.mass, self.friction),
-            self._first,
-            self.cfg,
-            np.random.default_rng([self.seed, 4]),
-            self.world,
-        )
-        try:
-            return {"corrections": [_row(fit) for fit in fits]}
-        except WorldError as fault:
-            raise RunError(f"the pushes: {fault.code}: {fault}") from None
 
     def _episode(self, trial: Trial, name: str) -> dict[str, Any]:
         cfg = EpisodeCfg()
@@ -197,20 +166,3 @@ class ContactIdentify:
             figure.savefig(path, format="png", dpi=150, metadata={"Software": None})
         except OSError as error:
             raise InputError("--figure", "", str(path), f"a file that can be written ({error.strerror})") from None
-
-
-def _row(fit: Fit) -> dict[str, Any]:
-    held = fit.after if fit.accepted else fit.before
-    return {
-        "accepted": fit.accepted,
-        "believed": [held.mass_kg, held.friction],
-        "mass_kg": round(fit.after.mass_kg, 5),
-        "friction": round(fit.after.friction, 4),
-        "mass_sd": round(fit.mass_sd, 3),
-        "friction_sd": round(fit.friction_sd, 3),
-        "product_sd": round(fit.product_sd, 3),
-        "error_before": round(fit.error_before, 4),
-        "error_after": round(fit.error_after, 4),
-        "windows": fit.windows,
-        "text": fit.words(),
-    }

@@ -69,8 +69,8 @@ class ReefRun:
     seed: int = 0
     """Seed of all random numbers."""
     fault: Annotated[tuple[str, ...], Option(repeated=True, metavar="NAME@START:DURATION")] = ()
-    """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. `coral reef faults`
-    lists them."""
+    """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. An unknown
+    name lists them."""
     out: Path | None = None
     """Run folder, new or empty; by default the next free runs/WORLD-NNN."""
     trigger: str | None = None

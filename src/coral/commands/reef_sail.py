@@ -108,7 +108,7 @@ class ReefSail:
     """Rehearsals only: x, y (m) and heading (rad) where the vehicle truly begins, which the program is not told."""
     fault: Annotated[tuple[str, ...], Option(repeated=True, metavar="NAME@START:DURATION")] = ()
     """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. For rehearsals only,
-    as `--yes`. `coral reef faults --list` names them."""
+    as `--yes`."""
     camera_latency: float = 0.0
     """Time from the light to the picture's arrival (s), as calibrated."""
     camera_rate: Positive = 10.0

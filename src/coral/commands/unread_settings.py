@@ -11,17 +11,8 @@ from typing import Any
 
 from coral.errors import InputError
 
-_RECORD = "nothing: it keeps no pictures and no report"
 UNREAD: dict[str, dict[str, str]] = {
-    "reef faults": {
-        "time_limit_s": "--at and --duration, which set how long a mission lasts",
-        "stop_when_covered": "nothing: its missions do not end early",
-        "robots": "nothing: one robot surveys",
-        "pilot.traffic": "nothing: one robot surveys",
-        "faults": "--only, which names the faults",
-        "record": _RECORD,
-    },
-    "reef bench": {"record": _RECORD},
+    "reef bench": {"record": "nothing: it keeps no pictures and no report"},
     "reef sail": {
         "lane_m": "nothing: no blind sweep is driven in real time",
         "pilot.traffic": "nothing: one robot surveys",
