@@ -27,18 +27,17 @@ def test_a_recorded_scene_gives_the_errors_of_its_motion(recorded, tmp_path, cap
     assert fresh["poses"] == followed["poses"] + 1 == len(results.read_text().splitlines()) - 1
     assert fresh["mm"] < 5
     assert fresh["add_recall"] == 1.0
-    assert main(["contact", "track", str(recorded), "--drawn-depth", "--every", "3"]) == 0
+    assert main(["contact", "track", str(recorded), "--every", "3"]) == 0
     text = capsys.readouterr().out
-    assert text.count("drawn") == 1
     assert "followed" not in text.replace("followed from", "")
 
 
-def test_a_scene_without_depth_offers_to_draw_it(recorded, tmp_path, capsys):
+def test_a_scene_without_depth_is_named(recorded, tmp_path, capsys):
     scene = tmp_path / "scene"
     shutil.copytree(recorded, scene)
     shutil.rmtree(scene / "depth")
     assert main(["contact", "track", str(scene)]) == 2
-    assert "--drawn-depth" in capsys.readouterr().err
+    assert "pictures of depth" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,6 @@ from coral.advisor.prompt import render_rejections
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage
 from coral.advisor.scrub import public_url, scrub
 from coral.advisor.setting import Setting
-from coral.advisor.tracing import answer_span, trace_mode, traced
 from coral.errors import InputError
 
 if TYPE_CHECKING:
@@ -65,11 +64,7 @@ class ModelAdvisor:
             model: Name of the model there.
             cfg: Time-outs, retries, output mode, budget.
             url: Base URL of a local server.
-
-        Raises:
-            InputError: The environment asks for spans that cannot be made.
         """
-        trace_mode()
         self.cfg = cfg
         self.ledger = Ledger(cfg.spend)
         self.name = f"local:{public_url(url)}#{model}" if provider == "local" else f"{provider}:{model}"
@@ -108,8 +103,7 @@ class ModelAdvisor:
 
     def _connect(self) -> Model:
         if self._model is None:
-            model, self._client = connect(self._provider, self._model_name, self._url, self.cfg)
-            self._model = traced(model)
+            self._model, self._client = connect(self._provider, self._model_name, self._url, self.cfg)
         return self._model
 
     async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:
@@ -123,9 +117,8 @@ class ModelAdvisor:
         spent = _Spent()
         self._connect()  # The first import takes seconds; the deadline is the model's.
         try:
-            with answer_span(question.kind, self.name, len(rejections)):
-                async with asyncio.timeout(self.cfg.deadline_s) as deadline:
-                    return await self._answer(question, rejections, spent, deadline.when() or 0.0)
+            async with asyncio.timeout(self.cfg.deadline_s) as deadline:
+                return await self._answer(question, rejections, spent, deadline.when() or 0.0)
         except TimeoutError:
             raise AdvisorUnavailable(
                 "timeout", f"{self.name} gave no answer within {self.cfg.deadline_s:g} s", usage=spent.usage

@@ -48,8 +48,6 @@ class ContactTrack:
     models: Path | None = None
     """Folder of the models of recorded scenes (obj_000001.ply ...); by default `models_eval` or `models` in the scene's
     folder or above it."""
-    drawn_depth: bool = False
-    """Draw depth and masks of recorded scenes from their true poses, for recordings that have none."""
     every: int = 1
     """Use every n-th picture of recorded scenes only; from 2 on none is followed from the one before."""
     results: Path | None = None
@@ -107,8 +105,6 @@ class ContactTrack:
                 folder,
                 self.models,
                 make,
-                drawn=self.drawn_depth,
-                noise=cfg.noise,
                 every=self.every,
                 results=self.results,
                 masks=self.masks,

@@ -36,7 +36,6 @@ EXTRAS = {
     "memory": ("wordllama", "another embedder of instructions, for the experience memory"),
     "ray": ("ray", "campaigns on a Ray cluster"),
     "mcp": ("mcp", "the desk for agents (coral desk --mcp)"),
-    "trace": ("opentelemetry.sdk", "OpenTelemetry spans of model calls (CORAL_TRACE)"),
     "slurm": ("submitit", "campaigns on a Slurm cluster"),
     "vision": ("onnxruntime", "missions by RGB pictures (--perception)"),
     "train": ("torch", "training networks for them (coral reef eyes train)"),

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from coral.errors import InputError
 
 if TYPE_CHECKING:
-    from coral.contact.perception.depth_noise import DepthNoise
     from coral.contact.real_scenes.tracking_accuracy import AccuracyCfg, MakeTracker
     from coral.contact.scene.trial import Trial
 
@@ -21,8 +20,6 @@ def track_recording(
     models: Path | None,
     make: MakeTracker,
     *,
-    drawn: bool,
-    noise: DepthNoise | None,
     every: int,
     results: Path | None,
     masks: str | None = None,
@@ -33,13 +30,10 @@ def track_recording(
         folder: The scene, in the format of BOP.
         models: The folder of the models.
         make: Makes a tracker of an object.
-        drawn: Draw depth and masks from the true poses instead of reading them.
-        noise: Noise of drawn depth.
         every: Use every n-th picture only.
         results: File for the estimated poses.
         masks: What segments the pictures, as `--masks` takes it; None for the recorded true masks.
     """
-    from coral.contact.real_scenes.bop_drawing import DrawnDepth
     from coral.contact.real_scenes.bop_scene import BopScene
     from coral.contact.real_scenes.bop_writing import write_bop_results
     from coral.contact.real_scenes.masks.colour_masks import FILE, read_colours
@@ -49,13 +43,10 @@ def track_recording(
     if results is not None and results.exists():
         raise InputError("--results", "", str(results), "a new file")
     scene = BopScene(folder, models)
-    if not drawn and not scene.has_depth:
-        expected = "pictures of depth, or --drawn-depth: as a camera would measure it, drawn from the true poses"
-        raise InputError(str(folder / "depth"), "", "no such folder", expected)
-    read, source = DrawnDepth(scene, noise).read_frame if drawn else scene.read_frame, None
+    if not scene.has_depth:
+        raise InputError(str(folder / "depth"), "", "no such folder", "pictures of depth")
+    read, source = scene.read_frame, None
     if masks is not None:
-        if drawn:
-            raise InputError("--masks", "", masks, "recorded depth: --drawn-depth draws the masks too")
         tracked = {str(number): scene.model(number) for number in scene.objects}
         colours = folder / FILE
         source = make_masks(masks, MaskSetting(tracked, lambda: read_colours(colours)))
@@ -66,14 +57,14 @@ def track_recording(
     if results is not None:
         write_bop_results(results, scene, poses)
     kind = "true" if masks is None else masks.partition(":")[0]
-    about = {"scene": str(folder), "depth": "drawn" if drawn else "recorded", "masks": kind}
+    about = {"scene": str(folder), "masks": kind}
     return [about | dataclasses.asdict(row) for row in summarize_poses(poses)]
 
 
 def describe_recordings(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the lines of a table."""
     lines = [
-        f"{'scene':<16} {'object':>6} {'depth':<8} {'masks':<6} {'how':<8} {'poses':>5} {'seen':>5} {'mm':>6} "
+        f"{'scene':<16} {'object':>6} {'masks':<6} {'how':<8} {'poses':>5} {'seen':>5} {'mm':>6} "
         f"{'95 %':>7} {'deg':>6} {'95 %':>6} {'ADD':>5} {'MSSD':>5} {'lost':>5} {'false':>5} {'s':>6}"
     ]
     for r in rows:
@@ -82,7 +73,7 @@ def describe_recordings(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             _number(r[name], width) for name, width in (("mm", 6), ("mm_95", 7), ("deg", 6), ("deg_95", 6))
         )
         lines.append(
-            f"{Path(r['scene']).name:<16} {r['object']:>6} {r['depth']:<8} {r['masks']:<6} {how:<8} {r['poses']:>5} "
+            f"{Path(r['scene']).name:<16} {r['object']:>6} {r['masks']:<6} {how:<8} {r['poses']:>5} "
             f"{r['visible']:>5.0%} {errors} {r['add_recall']:>5.0%} {r['mssd_recall']:>5.0%} {r['lost']:>5} "
             f"{r['false']:>5} {r['seconds']:>6.3f}"
         )
