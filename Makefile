@@ -13,7 +13,7 @@ BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: constraints setup setup-dev setup-libero demo kernels test wings test-ray test-slurm test-ros2 test-warp test-franka test-model test-libero test-ardusub test-wheel check docs site figures bench fuzz fuzz-minute clean help
+.PHONY: constraints setup setup-dev setup-libero demo kernels test test-slow test-train wings test-ray test-slurm test-ros2 test-warp test-franka test-model test-libero test-ardusub test-wheel check docs site figures bench fuzz fuzz-minute clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -51,13 +51,20 @@ kernels: setup-dev  ## compile the kernels that most commands need
 	$(BIN)/coral reef run s1 --quiet --sonar --preset hard --perception rgb --cfg.simulator.pictures --cfg.time-limit-s 5 \
 		--out "$$folder/run" >"$$folder/told" && wait $$track
 
-test: kernels  ## the whole test suite
+test: kernels  ## the test suite, without what is slow and end to end
+	$(BIN)/python -m pytest -n 2 --dist worksteal
+
+test-slow: kernels  ## the rest: every command of the pages, examples, whole runs and a real browser
 ifeq ($(BROWSER),)
 	@echo "make: NOTE: no chromium on this machine, so the tests in a real browser are left out; .ci/run insists on them"
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not ray and not slurm and not model and not libero and not ardusub and not warp and not franka and not ros2 and not browser"
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "slow and not browser"
 else
-	$(BIN)/python -m pytest -n 2 --dist worksteal
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "slow or browser"
 endif
+
+test-train: setup-dev  ## the training of networks (torch is a download of gigabytes where it comes with CUDA)
+	$(call requirements,train)
+	$(BIN)/python -m pytest -n 2 tests/reef/paint
 
 wings: kernels  ## the spine's tests without each wing in turn (an hour)
 	$(BIN)/python tests/spine_tests.py

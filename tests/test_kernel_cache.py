@@ -14,8 +14,8 @@ print(twice(21))
 """
 
 
-@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
-@pytest.mark.parametrize("keep", [0, 0.5])
+@pytest.mark.slow
+@pytest.mark.parametrize(("suffix", "keep"), [("nbi", 0), ("nbc", 0.5)])
 def test_a_truncated_cache_is_one_line_and_made_anew(tmp_path, monkeypatch, suffix, keep):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
     (tmp_path / "kernel.py").write_text(KERNEL)

@@ -49,6 +49,7 @@ def test_every_module_of_the_spine_imports_without_any_wing(spine):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_a_reef_is_surveyed_without_any_wing(spine):
     done = run(spine, CALLS, "reef", "run", "s1", "--quiet", "--cfg.time-limit-s", "3", "--out", spine / "reef")
     assert done.returncode == 0, done.stderr
@@ -56,6 +57,7 @@ def test_a_reef_is_surveyed_without_any_wing(spine):
     assert (spine / "reef/metrics.json").is_file()
 
 
+@pytest.mark.slow
 def test_a_task_is_attempted_without_any_wing(spine):
     shipped = (ROOT / "src/coral/contact/scene/tasks/push-force.yaml").read_text(encoding="utf-8")
     task = spine / "brief.yaml"

@@ -139,7 +139,7 @@ def test_variants_that_ask_nobody_need_no_model(dead, tmp_path, capsys):
 
 def test_with_the_preflight_skipped_the_last_line_says_who_decided(dead, stub, tmp_path, capsys):
     words = ["reef", "run", "l1", "--advisor", f"local:{dead}#m", *FLAGS, "--no-preflight", "--cfg.latency", "fixed:1"]
-    words += ["--cfg.time-limit-s", "12", "--cfg.record.no-frames", "--model.max-retries", "0"]
+    words += ["--cfg.time-limit-s", "4", "--cfg.record.no-frames", "--model.max-retries", "0"]
     assert main([*words, "--out", str(tmp_path / "run")]) == 0
     out, err = capsys.readouterr()
     metrics = json.loads((tmp_path / "run" / "metrics.json").read_text())
@@ -155,7 +155,7 @@ def test_with_the_preflight_skipped_the_last_line_says_who_decided(dead, stub, t
 
 def test_in_a_bench_nobody_decides_for_a_dead_model(dead, stub, tmp_path, capsys):
     words = ["reef", "bench", "--worlds", "l1", "--variants", "full", "--advisors", f"local:{dead}#m", *FLAGS]
-    words += ["--no-preflight", "--cfg.latency", "fixed:1", "--cfg.time-limit-s", "12", "--model.max-retries", "0"]
+    words += ["--no-preflight", "--cfg.latency", "fixed:1", "--cfg.time-limit-s", "4", "--model.max-retries", "0"]
     assert main([*words, "--out", str(tmp_path / "out"), "--json"]) == 0
     tables = {table["name"]: table["rows"] for table in json.loads(capsys.readouterr().out)["results"]}
     row = tables["Who decided"][0]

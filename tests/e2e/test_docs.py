@@ -35,6 +35,7 @@ def name(page):
     return str(page.relative_to(ROOT))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [page for page in PAGES if runnable(page)], ids=name)
 def test_the_commands_of_a_page_run(page, tmp_path, environment, fast_coral):
     for text in blocks(page, "yaml", "python"):

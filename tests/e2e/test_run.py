@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
 KEYS = {
     "coverage",
     "clusters_covered",

@@ -1,3 +1,5 @@
+import pytest
+
 from coral.desk.front.jobs import Job
 
 
@@ -9,6 +11,7 @@ def test_a_command_says_why_it_ended(tmp_path):
     assert "s9" in job.told
 
 
+@pytest.mark.slow
 def test_a_run_says_where_it_can_be_watched_and_is_stopped_in_order(tmp_path):
     words = ["reef", "run", "s1", "--live", "--no-wait", "--live-port", "0", "--out", str(tmp_path / "run"), "--quiet"]
     job = Job(words, tmp_path / "run")
