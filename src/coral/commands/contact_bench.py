@@ -41,7 +41,6 @@ from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.resolution import DEFAULT_ADVISOR, with_fallback, with_poses, with_samples, with_tracker
 from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_strategist
-from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import FORMAT, Memory
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.perception.tracker_registry import drop_addresses
@@ -374,5 +373,5 @@ def read_memory(where: str | Path) -> dict[str, Any]:
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise InputError("--memory", "", str(file), "a memory, or an export of one")
     with tempfile.TemporaryDirectory() as aside:  # report its errors here, not in every worker
-        Memory(Path(aside) / "memory.sqlite", embedder=HashedWords()).load(content, str(file))
+        Memory(Path(aside) / "memory.sqlite").load(content, str(file))
     return content

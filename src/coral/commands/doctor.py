@@ -33,7 +33,6 @@ CORE = (
 )
 EXTRAS = {
     "contact": ("robosuite", "contact tasks on the Panda"),
-    "memory": ("wordllama", "another embedder of instructions, for the experience memory"),
     "ray": ("ray", "campaigns on a Ray cluster"),
     "mcp": ("mcp", "the desk for agents (coral desk --mcp)"),
     "slurm": ("submitit", "campaigns on a Slurm cluster"),

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from coral.contact.memory.embedding import HashedWords
 from coral.contact.memory.memory import Memory, Stored
 from coral.contact.memory.store_sqlite import SqliteStore
 from coral.errors import InputError
@@ -26,7 +25,7 @@ def _open_existing(file: str) -> Memory:
     Raises:
         InputError: There is none.
     """
-    memory = Memory(file, embedder=HashedWords())
+    memory = Memory(file)
     if not memory.store.exists():
         raise InputError(
             file,

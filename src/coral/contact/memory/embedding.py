@@ -1,4 +1,4 @@
-"""Embeddings of task texts, offline and without torch: concepts by default, WordLlama's weights if installed.
+"""Embeddings of task texts, offline: the concepts of a small lexicon, or an embedder of another package.
 
 Similar texts may mean different tasks ("flip against the wall", "flip away from the wall"): the similarity only ranks
 experiences that match in goals and numbers.
@@ -7,49 +7,17 @@ experiences that match in goals and numbers.
 from __future__ import annotations
 
 import hashlib
-import itertools
-import re
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.memory.wording import concepts_of
-from coral.errors import InputError, first_line
 from coral.plugins import named_plugin
 
 Vector = NDArray[np.float32]
-STOP = frozenset(
-    (
-        "a",
-        "an",
-        "and",
-        "as",
-        "at",
-        "by",
-        "for",
-        "from",
-        "in",
-        "into",
-        "is",
-        "it",
-        "its",
-        "of",
-        "on",
-        "onto",
-        "or",
-        "out",
-        "over",
-        "that",
-        "the",
-        "then",
-        "to",
-        "up",
-        "with",
-    )
-)
+_STOP = "a an and as at by for from in into is it its of on onto or out over that the then to up with"
+STOP = frozenset(_STOP.split())
 
 
 class Embedder(Protocol):
@@ -60,32 +28,6 @@ class Embedder(Protocol):
     def embed(self, text: str) -> Vector:
         """Return the embedding, Shape=(n,), length 1."""
         ...
-
-
-class HashedWords:
-    """Words and pairs of neighbouring words, hashed into bins with equal weight: no weights file, no download, weak.
-
-    Args:
-        size: Number of bins.
-    """
-
-    name = "hashed-words"
-
-    def __init__(self, size: int = 512) -> None:
-        self.size = size
-
-    def embed(self, text: str) -> Vector:
-        """See `Embedder.embed`."""
-        words = [word for word in re.findall(r"[a-z]+", text.lower()) if word not in STOP]
-        grams = [
-            *words,
-            *(f"{a} {b}" for a, b in itertools.pairwise(words)),
-            *(word[:5] for word in words if len(word) > 5),
-        ]
-        found = np.zeros(self.size, dtype=np.float32)
-        for gram in grams:
-            _count(found, gram)
-        return _unit(found)
 
 
 class HashedConcepts:
@@ -109,51 +51,22 @@ class HashedConcepts:
         return _unit(found)
 
 
-class WordLlamaEmbedder:
-    """WordLlama's embedding with 256 dimensions, from the weights in its package."""
-
-    name = "wordllama-256"
-
-    def __init__(self) -> None:
-        import wordllama  # type: ignore[import-untyped,import-not-found,unused-ignore]
-
-        # Without cache_dir its loader looks for the tokenizer in the wrong folder.
-        self._model: Any = wordllama.WordLlama.load(cache_dir=Path(wordllama.__file__).parent, disable_download=True)
-
-    def embed(self, text: str) -> Vector:
-        """See `Embedder.embed`."""
-        return _unit(np.asarray(self._model.embed([text])[0], dtype=np.float32))
-
-
-EMBEDDERS: dict[str, Callable[[], Embedder]] = {
-    "wordllama": WordLlamaEmbedder,
-    "concepts": HashedConcepts,
-    "words": HashedWords,
-}
-"""The embedders that come with the package, by the name that a configuration gives."""
 DEFAULT = "concepts"
-"""Without packages or weights, so that a trial does not depend on what is installed."""
 
 
 def embedder_of(name: str) -> Embedder:
     """Return an embedder by name.
 
     Args:
-        name: One of `EMBEDDERS`, or an entry point of the group `coral.embedders`.
+        name: `concepts`, or an entry point of the group `coral.embedders`.
 
     Raises:
         InputError: There is none of this name, or it cannot be loaded.
     """
-    where = "--cfg.think.memory.embedder"
-    if name not in EMBEDDERS:
-        made: Embedder = named_plugin("coral.embedders", name, where, ours=tuple(EMBEDDERS))()
-        return made
-    try:
-        return EMBEDDERS[name]()
-    except Exception as error:  # an optional package may fail to load in any way
-        raise InputError(
-            where, "", f"{name}, which does not load ({first_line(error)})", "an embedder whose package is installed"
-        ) from None
+    if name == DEFAULT:
+        return HashedConcepts()
+    made: Embedder = named_plugin("coral.embedders", name, "--cfg.think.memory.embedder", ours=(DEFAULT,))()
+    return made
 
 
 def _count(bins: Vector, gram: str) -> None:

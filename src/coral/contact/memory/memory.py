@@ -119,8 +119,7 @@ class MemoryCfg(ScaleLimits):
     """How experiences are retrieved."""
 
     embedder: str = DEFAULT
-    """Embeds instructions: `concepts` (a small lexicon), `words`, `wordllama` (a package), or an entry point of the
-    group `coral.embedders`."""
+    """Embeds instructions: `concepts` (a small lexicon), or an entry point of the group `coral.embedders`."""
     similarity: Signed = -1.0
     """Smallest cosine similarity of the instructions. None is required: goals decide, and the wording ranks, because
     a paraphrase may share no word."""
