@@ -11,7 +11,6 @@ from coral.contact.world_model.force_balance import Balance
 from coral.contact.world_model.history import Window
 from coral.contact.world_model.history_replay import HistoryReplay
 from coral.contact.world_model.identification import (
-    Corrections,
     Fit,
     IdentifyCfg,
     compare,
@@ -28,7 +27,6 @@ def test_a_proposal_equal_to_the_belief_explains_no_better(scene):
     steps = [dataclasses.replace(step, before=one.now, after=one.now) for step in history(6, box=(0.0, 0.0, 0.03))]
     before, after = compare(HistoryReplay(one.world, [Window(tuple(steps))]), "box", one.beliefs, one.beliefs)
     assert before == after
-    assert Corrections().fits == []
 
 
 def test_what_a_history_does_not_tell_stays_as_it_was_believed(scene, monkeypatch):

@@ -224,54 +224,6 @@ def shrink_to_belief(
     )
 
 
-class Corrections:
-    """Successive fits of one object's parameters, averaged by their information.
-
-    The belief before the first fit has no weight in the average: it comes from vision, not from contact.
-    """
-
-    def __init__(self) -> None:
-        self.fits: list[Fit] = []
-
-    def add(
-        self,
-        replay: HistoryReplay,
-        name: str,
-        believed: Mapping[str, PhysicalParameters],
-        cfg: IdentifyCfg,
-        rng: np.random.Generator,
-    ) -> Fit:
-        """Fit the new history, average with earlier fits, and accept if the replay explains it better.
-
-        Args:
-            replay: Replay of the history since the last fit.
-            name: Name of the object.
-            believed: Present beliefs.
-            cfg: Settings of the fit.
-            rng: Draws the refinements.
-        """
-        self.fits.append(identify(replay, name, believed, cfg, rng))
-        newest = self.fits[-1]
-        if len(self.fits) == 1:
-            return newest
-        mass, mass_sd = _average([(fit.after.mass_kg, fit.mass_sd) for fit in self.fits])
-        friction, friction_sd = _average([(fit.after.friction, fit.friction_sd) for fit in self.fits])
-        _, product_sd = _average([(1.0, fit.product_sd) for fit in self.fits])
-        after = PhysicalParameters(mass, friction)
-        before_error, after_error = compare(replay, name, believed, {**believed, name: after})
-        return replace(
-            newest,
-            before=believed[name],
-            after=after,
-            error_before=before_error,
-            error_after=after_error,
-            accepted=_is_accepted(before_error, after_error, (mass_sd, friction_sd, product_sd), cfg),
-            mass_sd=mass_sd,
-            friction_sd=friction_sd,
-            product_sd=product_sd,
-        )
-
-
 def _is_accepted(before: float, after: float, sd: tuple[float, float, float], cfg: IdentifyCfg) -> bool:
     """Decide whether a drop of the error is large enough, given how well the history determines the parameters."""
     return after < (1.0 - (cfg.better if min(sd) <= cfg.known else cfg.much)) * before
@@ -306,13 +258,6 @@ def compare(
     found = replay.parts([believed, proposed], name)
     before, after = replay.score(found, found.min(axis=0)).mean(axis=1)
     return float(before), float(after)
-
-
-def _average(values: list[tuple[float, float]]) -> tuple[float, float]:
-    """Compute the geometric mean, weighted by the inverse variances of the logarithms, and its standard deviation."""
-    weight = np.array([1.0 / max(sd, 0.1) ** 2 for _, sd in values])
-    logs = np.log([value for value, _ in values])
-    return float(np.exp((weight * logs).sum() / weight.sum())), float(1.0 / np.sqrt(weight.sum()))
 
 
 def _find_valley(theta: Array, score: Array, low: Array, high: Array) -> tuple[Array, tuple[float, float, float]]:
