@@ -104,6 +104,7 @@ def attempted(name, folder, limit_s):
     return episode.run()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CONTACT)
 def test_recorded_plans_compile_and_pass_the_checks_in_their_scenes(tmp_path, name):
     metrics = attempted(name, tmp_path / "run", 0.1)

@@ -87,6 +87,7 @@ def test_figures_of_each_add_up_to_the_joint_ones(pair):
         assert sum(one[key] for one in each) == pytest.approx(result[key], abs=2e-3)
 
 
+@pytest.mark.slow
 def test_two_robots_share_a_reef(tmp_path):
     result, _ = run(load_world("s1"), tmp_path, 2, time_limit_s=115.0, latency="fixed:10", stop_when_covered=False)
     assert result["inspected"] > 0.99
