@@ -18,7 +18,7 @@ def test_a_prompt_is_shown_whole_and_written_as_it_is_shown(told, tmp_path, kind
 
 
 def test_a_reef_question_comes_with_the_pictures_of_a_mission(told, tmp_path):
-    code, result, _ = told("advisor", "show", "reef-waypoint", "--out", tmp_path, "--json")
+    code, result, _ = told("advisor", "show", "reef-centroid", "--out", tmp_path, "--json")
     assert code == 0
     assert "map" in result["pictures"]
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
