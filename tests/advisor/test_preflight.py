@@ -153,6 +153,7 @@ def test_with_the_preflight_skipped_the_last_line_says_who_decided(dead, stub, t
     )
 
 
+@pytest.mark.slow
 def test_in_a_bench_nobody_decides_for_a_dead_model(dead, stub, tmp_path, capsys):
     words = ["reef", "bench", "--worlds", "l1", "--variants", "full", "--advisors", f"local:{dead}#m", *FLAGS]
     words += ["--no-preflight", "--cfg.latency", "fixed:1", "--cfg.time-limit-s", "4", "--model.max-retries", "0"]

@@ -127,6 +127,7 @@ def test_another_mesh_under_the_same_name_is_another_campaign(tmp_path):
     assert digest(1) != digest(2)
 
 
+@pytest.mark.slow
 def test_a_bench_counts_nothing_for_a_model_that_refuses_and_remembers_nothing(task, refusing, tmp_path, capsys):
     words = ["contact", "bench", "--tasks", task, "--worlds", "hand", "--variants", "full", "--seeds", "0", *COARSE]
     assert main([*words, "--advisors", refusing, *SKIP, "--out", str(tmp_path / "out"), "--json"]) == 0

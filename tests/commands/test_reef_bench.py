@@ -195,6 +195,7 @@ def swept(puddle, tmp_path_factory):
     return words, out, json.loads(told.getvalue())
 
 
+@pytest.mark.slow
 def test_a_sweep_changes_one_key_at_a_time_and_runs_the_nominal_setting_too(swept):
     _, out, result = swept
     assert (result["done"], result["failed"]) == (4, 0)
@@ -210,6 +211,7 @@ def test_a_sweep_changes_one_key_at_a_time_and_runs_the_nominal_setting_too(swep
     assert (out / "sweep.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_run_folder_holds_its_settings_resolved(swept):
     _, out, _ = swept
     found = set()
@@ -220,6 +222,7 @@ def test_a_run_folder_holds_its_settings_resolved(swept):
     assert found == {(0.0, None), (0.2, None), (0.0, 3.0), (0.0, 2.0)}
 
 
+@pytest.mark.slow
 def test_a_sweep_is_taken_up_and_extended(swept, capsys):
     words, _, _ = swept
     assert main([*words, "--sweep", "visibility=1"]) == 0
@@ -255,6 +258,7 @@ def study(puddle, tmp_path_factory):
     return words, out, json.loads(told.getvalue())
 
 
+@pytest.mark.slow
 def test_a_study_runs_in_two_waters_and_writes_its_own_tables(study):
     _, out, result = study
     assert (result["done"], result["failed"]) == (6, 0)
@@ -267,6 +271,7 @@ def test_a_study_runs_in_two_waters_and_writes_its_own_tables(study):
     ]
 
 
+@pytest.mark.slow
 def test_a_study_lets_missions_end_by_themselves_and_flags_win_over_its_waters(study):
     _, out, _ = study
     configs = [yaml.safe_load((folder / "config.yaml").read_text()) for folder in (out / "runs").iterdir()]
@@ -281,6 +286,7 @@ def test_a_study_lets_missions_end_by_themselves_and_flags_win_over_its_waters(s
     assert "--cfg.simulator.noise.depth-sigma 0" in command
 
 
+@pytest.mark.slow
 def test_a_study_goes_on_where_it_stopped(study):
     words, out, _ = study
     victim = next((out / "episodes").glob("*full*"))

@@ -15,7 +15,15 @@ STEP = 30
 
 
 @pytest.mark.parametrize(
-    "fault", ["nan-pose", "stale-pose", "nan-velocity", "blind-camera", "wrong-size", "stale-frame"]
+    "fault",
+    [
+        "nan-pose",
+        "blind-camera",
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("stale-pose", "nan-velocity", "wrong-size", "stale-frame")
+        ),
+    ],
 )
 def test_a_sensor_that_fails_holds_the_vehicle_and_lets_it_go_on(tmp_path, fault):
     voyage = MavlinkVoyage(tmp_path / "run", faults=(f"{fault}@{AT_S:g}:2",), time_limit_s=8.0)
@@ -25,6 +33,7 @@ def test_a_sensor_that_fails_holds_the_vehicle_and_lets_it_go_on(tmp_path, fault
     assert voyage.waters.collisions == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("begin", "state", "cause"),
     [
