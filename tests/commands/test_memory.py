@@ -2,7 +2,7 @@ import pytest
 
 from coral.commands.contact_bench import read_memory
 from coral.commands.memory import MemoryImport
-from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Experience, Memory
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
@@ -31,7 +31,7 @@ def place(tmp_path):
 @pytest.fixture
 def memory(place):
     """A memory of one experience."""
-    memory = Memory(place("m"), embedder=HashedWords())
+    memory = Memory(place("m"), embedder=HashedConcepts())
     memory.add(experience())
     return memory
 

@@ -12,7 +12,7 @@ from stub_foundationpose import Oracle, serving
 from coral.contact.episode import episode as module
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.resolution import with_tracker
-from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Memory
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.tracked_cfg import TrackedCfg
@@ -64,7 +64,7 @@ def test_a_failed_tracker_is_no_result(tmp_path, monkeypatch):
 @pytest.fixture
 def practice(scene, tmp_path):
     """A memory with one experience of another task, exported."""
-    memory = Memory(tmp_path / "practice.sqlite", embedder=HashedWords())
+    memory = Memory(tmp_path / "practice.sqlite", embedder=HashedConcepts())
     memory.add(experience(scene("flip-box"), run="practice"))
     return memory.export()
 

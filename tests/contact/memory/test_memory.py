@@ -7,14 +7,14 @@ import sys
 import pytest
 from experiences import experience
 
-from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import FORMAT, Memory, MemoryCfg
 from coral.errors import InputError
 
 
 @pytest.fixture
 def memory(place):
-    return Memory(place("m"), embedder=HashedWords())
+    return Memory(place("m"), embedder=HashedConcepts())
 
 
 def test_what_succeeded_is_found_again(scene, memory):
@@ -89,9 +89,9 @@ def test_what_the_plan_cannot_do_is_not_offered(scene, memory, change):
 def test_the_limits_are_configurable(scene, memory):
     one = scene("pick-box")
     memory.add(experience(one))
-    strict = Memory(memory.where, MemoryCfg(size_factor=1.35), HashedWords())
+    strict = Memory(memory.where, MemoryCfg(size_factor=1.35), HashedConcepts())
     assert strict.find(differing(one.facts, scale_size(0.6))) == []
-    deaf = Memory(memory.where, MemoryCfg(similarity=0.9), HashedWords())
+    deaf = Memory(memory.where, MemoryCfg(similarity=0.9), HashedConcepts())
     assert deaf.find(differing(one.facts, say_otherwise)) == []
 
 
@@ -148,7 +148,7 @@ def test_the_rate_of_success_counts_the_success_that_was_stored(scene, memory):
     assert rates == pytest.approx([2 / 3, 3 / 4, 3 / 5, 3 / 6])
 
 
-class Counting(HashedWords):
+class Counting(HashedConcepts):
     """Hashed words under a name of their own, that remember what they were asked for."""
 
     def __init__(self, name="hashed-words"):
@@ -174,17 +174,17 @@ def test_texts_are_embedded_once_unless_another_embedder_asks(scene, memory, nam
 def test_a_vector_of_another_length_is_made_anew(scene, memory):
     one = scene("pick-box")
     memory.add(experience(one))
-    shorter = Memory(memory.where, embedder=HashedWords(size=64))
+    shorter = Memory(memory.where, embedder=HashedConcepts(size=64))
     assert [match.similarity for match in shorter.find(one.facts)] == pytest.approx([1.0], abs=1e-5)
 
 
 def test_export_import_and_forget(scene, memory, place):
     number = memory.add(experience(scene("pick-box")))
-    copy = Memory(place("copy"), embedder=HashedWords())
+    copy = Memory(place("copy"), embedder=HashedConcepts())
     assert copy.load(memory.export(), "x") == 1
     assert copy.load(memory.export(), "x") == 0
     twice = memory.export()["experiences"] * 2
-    assert Memory(place("third"), embedder=HashedWords()).load({"format": FORMAT, "experiences": twice}, "x") == 1
+    assert Memory(place("third"), embedder=HashedConcepts()).load({"format": FORMAT, "experiences": twice}, "x") == 1
     memory.forget(number)
     assert memory.all() == []
     with pytest.raises(InputError, match="none"):
@@ -197,15 +197,15 @@ def test_a_file_that_is_no_memory_is_refused(tmp_path):
     path = tmp_path / "x.sqlite"
     path.write_text("not a database, but long enough to be looked at as one" * 20)
     with pytest.raises(InputError, match="SQLite"):
-        Memory(path, embedder=HashedWords()).all()
+        Memory(path, embedder=HashedConcepts()).all()
 
 
 WRITER = """
 import sys, json
 from pathlib import Path
-from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Experience, Memory
-memory = Memory(sys.argv[1], embedder=HashedWords())
+memory = Memory(sys.argv[1], embedder=HashedConcepts())
 one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
 while True:
     print(memory.add(one), flush=True)
@@ -257,9 +257,9 @@ def test_a_stored_row_that_says_nonsense_is_passed_over(scene, memory):
 ADDER = """
 import sys
 from pathlib import Path
-from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Experience, Memory
-memory = Memory(sys.argv[1], embedder=HashedWords())
+memory = Memory(sys.argv[1], embedder=HashedConcepts())
 one = Experience.model_validate_json(Path(sys.argv[2]).read_text())
 print("ready", flush=True)
 sys.stdin.readline()
@@ -304,7 +304,7 @@ def test_many_processes_write_into_a_new_memory_at_once_and_nothing_is_lost(scen
 
 
 def test_a_file_that_another_process_is_just_making_is_waited_for(scene, tmp_path, monkeypatch):
-    memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
     other = sqlite3.connect(tmp_path / "m.sqlite", isolation_level=None)
     other.execute("BEGIN IMMEDIATE")
     waited = []

@@ -10,7 +10,7 @@ from recorded import RULES
 
 from coral.advisor.question import Rejection
 from coral.advisor.rules import RuleAdvisor
-from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Memory, MemoryCfg
 from coral.contact.plan.cost_plan import in_process
 from coral.contact.plan.imagined_outcome import ImaginedOutcome
@@ -26,7 +26,7 @@ GOOD, THROUGH = ImaginedOutcome(True, 1.0, 1.0, 1.0), ImaginedOutcome(False, 1.0
 
 @pytest.fixture
 def memory(tmp_path):
-    return Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    return Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
 
 
 def choose(one, memory, outcomes=(), **cfg):

@@ -12,7 +12,7 @@ from coral.contact.control.hand_plan import HandPlan
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress
 from coral.contact.cost_program import CostError, CostWorker
-from coral.contact.memory.embedding import HashedWords
+from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Memory, MemoryCfg
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process
 from coral.contact.scene.observation import HandTarget, Transition
@@ -147,7 +147,7 @@ def test_without_an_answer_nobody_takes_over_who_was_not_chosen(scene, policy, r
 def test_what_others_decided_is_not_remembered_as_the_advisors(scene, tmp_path):
     one = scene("pick-box")
     for advisor, kept in ((PlansOnly(), 0), (None, 1)):
-        memory = Memory(tmp_path / f"{kept}.sqlite", embedder=HashedWords())
+        memory = Memory(tmp_path / f"{kept}.sqlite", embedder=HashedConcepts())
         strategist, _ = thinker(one, advisor, memory)
         strategist.begin(one.trial, one.now, one.world)
         strategist.on_end("success")
@@ -181,7 +181,7 @@ def test_a_models_refused_cost_is_mended_by_the_reason(scene):
 
 
 def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
-    memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
     one = scene("pick-box")
     strategist, _ = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
@@ -201,7 +201,7 @@ def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
 
 @pytest.mark.parametrize("task", shipped_tasks())
 def test_what_succeeded_in_a_shipped_task_is_used_when_the_same_trial_comes_again(scene, tmp_path, task):
-    memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
     one = scene(task)
     strategist, _ = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
@@ -217,7 +217,7 @@ def test_what_succeeded_in_a_shipped_task_is_used_when_the_same_trial_comes_agai
 def remembering(scene, tmp_path):
     """A scene, and a memory in which the rules' own plan for it is."""
     one = scene("pick-box")
-    memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
     strategist, _ = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
     strategist.on_end("success")
@@ -297,7 +297,7 @@ def test_a_remembered_plan_that_was_replaced_did_not_help_and_the_one_that_did_i
 
 def test_a_success_without_regions_is_not_kept(scene, tmp_path):
     one = scene("pick-box")
-    memory = Memory(tmp_path / "m.sqlite", embedder=HashedWords())
+    memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
     strategist, _ = thinker(one, memory=memory, regions=False)
     strategist.begin(one.trial, one.now, one.world)
     strategist.on_end("success")
@@ -306,7 +306,7 @@ def test_a_success_without_regions_is_not_kept(scene, tmp_path):
 
 def test_without_a_hit_no_process_is_started(scene, tmp_path):
     one = scene("pick-box")
-    strategist, loaded, worker = confining(one, Memory(tmp_path / "none.sqlite", embedder=HashedWords()))
+    strategist, loaded, worker = confining(one, Memory(tmp_path / "none.sqlite", embedder=HashedConcepts()))
     strategist.begin(one.trial, one.now, one.world)
     assert loaded
     assert worker.starts == 0
