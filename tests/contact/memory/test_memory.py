@@ -149,9 +149,9 @@ def test_the_rate_of_success_counts_the_success_that_was_stored(scene, memory):
 
 
 class Counting(HashedConcepts):
-    """Hashed words under a name of their own, that remember what they were asked for."""
+    """Hashed concepts under a name of their own, that remember what they were asked for."""
 
-    def __init__(self, name="hashed-words"):
+    def __init__(self, name="hashed-concepts"):
         super().__init__()
         self.name, self.texts = name, []
 
@@ -160,7 +160,7 @@ class Counting(HashedConcepts):
         return super().embed(text)
 
 
-@pytest.mark.parametrize(("name", "times"), [("hashed-words", 1), ("another", 3)])
+@pytest.mark.parametrize(("name", "times"), [("hashed-concepts", 1), ("another", 3)])
 def test_texts_are_embedded_once_unless_another_embedder_asks(scene, memory, name, times):
     one = scene("pick-box")
     for seed in range(2):
@@ -248,7 +248,7 @@ def test_a_stored_row_that_says_nonsense_is_passed_over(scene, memory):
     memory.store.insert(
         "now",
         json.dumps({**made, "goals": [{"kind": "lifted"}]}),
-        "hashed-words",
+        "hashed-concepts",
         memory.embedder.embed(one.facts["instruction"]),
     )
     assert memory.find(one.facts) == []
