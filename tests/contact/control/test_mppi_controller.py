@@ -170,7 +170,7 @@ def test_stages_follow_each_other_and_fall_back():
             "two",
             (
                 Stage("first", REACH.cost, until=lambda now: said["done"]),
-                Stage("second", REACH.cost, until=lambda now: True, back=("first", lambda now: said["lost"])),
+                Stage("second", REACH.cost, until=lambda now: True, next=(("first", lambda now: said["lost"]),)),
             ),
         )
     )

@@ -23,7 +23,7 @@ def progress():
             "walk",
             (
                 Stage("near", free, until=beyond(1.0)),
-                Stage("far", free, until=beyond(2.0), back=("near", lambda now: bool(now.x[0, 0] < 0.5))),
+                Stage("far", free, until=beyond(2.0), next=(("near", lambda now: bool(now.x[0, 0] < 0.5)),)),
                 Stage("there", free),
             ),
         )
@@ -46,7 +46,7 @@ def test_the_last_stage_has_no_next_one(progress):
 
 def test_what_was_lost_leads_back_before_what_is_reached_leads_on():
     both = lambda now: True  # noqa: E731
-    strategy = Strategy("x", (Stage("a", both), Stage("b", both, until=both, back=("a", both)), Stage("c", both)))
+    strategy = Strategy("x", (Stage("a", both), Stage("b", both, until=both, next=(("a", both),)), Stage("c", both)))
     progress = Progress(strategy)
     progress.index = 1
     assert progress.update(at(0))
@@ -57,3 +57,8 @@ def test_a_stage_is_found_by_its_name(progress):
     assert progress.strategy.stage("there") == 2
     with pytest.raises(StopIteration):
         progress.strategy.stage("nowhere")
+
+
+def test_a_strategy_may_begin_with_another_stage_than_the_first(progress):
+    strategy = Strategy("later", progress.strategy.stages, begin="far")
+    assert Progress(strategy).stage.name == "far"

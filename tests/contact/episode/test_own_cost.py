@@ -57,7 +57,7 @@ def test_a_program_that_asks_for_files_is_refused_with_its_line(tmp_path):
         ([], "found list"),
         ("no-such-cost", "an entry point of the group coral.costs"),
         ([Stage("a", reach), Stage("a", reach)], "two named 'a'"),
-        ([Stage("a", reach, back=("b", lambda now: False))], "back to 'b'"),
+        ([Stage("a", reach, next=(("b", lambda now: False),))], "next 'b'"),
         ([Stage("a", reach, until=lambda now: now.bocks)], "bocks"),
     ],
 )

@@ -57,7 +57,7 @@ def test_a_task_may_ask_for_a_rest_above_the_object(numbers, first):
     task = load_task("pick-box")
     stages = fsm(task.model_copy(update={"numbers": {**task.numbers, **numbers}})).stages
     assert stages[0].name == first
-    assert {stage.back[0] for stage in stages if stage.back} == {first}
+    assert {stage.next[0][0] for stage in stages if stage.next} == {first}
 
 
 @pytest.mark.parametrize(

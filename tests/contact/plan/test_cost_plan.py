@@ -29,7 +29,7 @@ def test_the_first_stage_of_a_cut_off_reply_does_not_pass_for_a_plan():
 def test_the_text_of_a_plan_has_each_stage_with_its_conditions():
     plan = PlanAnswer(stages=[stage(done="self.time > 1"), stage(name="b", back_to="a", lost="self.time > 2")])
     assert plan.text() == (
-        f"# stage 'a'\n#   done: self.time > 1\n{CODE}\n\n# stage 'b'\n#   back_to: a\n#   lost: self.time > 2\n{CODE}"
+        f"# stage 'a'\n#   done: self.time > 1\n{CODE}\n\n# stage 'b'\n#   next 'a' when: self.time > 2\n{CODE}"
     )
     assert PlanAnswer(code=CODE).text() == CODE
 
@@ -41,10 +41,13 @@ def test_a_condition_may_have_comments_and_several_lines():
     """).endswith("return 1.0 * (self.time > 1 and self.box_pos[2] > 0.1)")
 
 
-@pytest.mark.parametrize("field", ["done", "lost", "toward"])
-def test_a_program_that_does_not_compile_is_named_by_stage_and_field(scene, field):
+@pytest.mark.parametrize(
+    ("field", "given"), [("done", "self.box_pos["), ("next.b", {"b": "self.box_pos["}), ("toward", "self.box_pos[")]
+)
+def test_a_program_that_does_not_compile_is_named_by_stage_and_field(scene, field, given):
+    plan = PlanAnswer(stages=[stage(**{field.partition(".")[0]: given})])
     with pytest.raises(CostError, match=f"{field} of stage 'a': "):
-        compile_plan(PlanAnswer(stages=[stage(**{field: "self.box_pos["})]), scene("pick-box").world.schema)
+        compile_plan(plan, scene("pick-box").world.schema)
 
 
 def test_the_conditions_of_a_stage_are_tested_in_the_present_state(scene):
@@ -58,9 +61,9 @@ def test_the_conditions_of_a_stage_are_tested_in_the_present_state(scene):
     first, last = make_strategy("x", plan, None, one.world.schema, one.sizes).stages
     now = one.world.present(one.now)
     assert first.until(now)
-    back_to, lost = first.back
-    assert (back_to, lost(now)) == ("b", False)
-    assert (last.until, last.back, last.stiffness_n_m, last.sigma) == (None, None, 300.0, 0.5)
+    ((to, lost),) = first.next
+    assert (to, lost(now)) == ("b", False)
+    assert (last.until, last.next, last.stiffness_n_m, last.sigma) == (None, (), 300.0, 0.5)
 
 
 def test_a_region_guides_the_stages_it_is_for(scene):

@@ -26,8 +26,8 @@ def stage(**more):
         (PlanAnswer(code="def state_cost(self):\n    return 1.0"), "constant", "same"),
         (PlanAnswer(stages=[stage(done="1 > 0"), stage()]), "stages", "same name"),
         (PlanAnswer(stages=[stage(), stage(name="b")]), "stages", "never ends"),
-        (PlanAnswer(stages=[stage(back_to="z", lost="1 > 0")]), "stages", "back_to"),
-        (PlanAnswer(stages=[stage(back_to="a")]), "stages", "go together"),
+        (PlanAnswer(stages=[stage(next={"z": "1 > 0"})]), "stages", "next leads to 'z'"),
+        (PlanAnswer(stages=[stage()], begin="z"), "stages", "begins with 'z'"),
         (PlanAnswer(stages=[stage(stiffness=49.0)]), "stages", "lies within 50 and 3000 N/m"),
         (PlanAnswer(stages=[stage(noise=3.1)]), "stages", "noise is 3.1; it lies within 0.05 and 3"),
         (PlanAnswer(stages=[stage(done="self.nothing > 1"), stage(name="b")]), "unknown_state", "nothing"),
@@ -42,7 +42,7 @@ def test_unusable_plans_are_refused_with_a_reason(scene, plan, code, words):
 
 def test_a_usable_plan_of_stages_is_accepted(scene):
     one = scene("pick-box")
-    plan = PlanAnswer(stages=[stage(done="self.box_pos[2] > 0.1"), stage(name="b", back_to="a", lost="self.time > 9")])
+    plan = PlanAnswer(stages=[stage(done="self.box_pos[2] > 0.1"), stage(name="b", next={"a": "self.time > 9"})])
     assert verify_plan(plan, one.world.schema, one.samples) is None
 
 
@@ -54,13 +54,13 @@ def test_all_faults_are_told_at_once_beside_their_lines(scene):
             stage(
                 name="b",
                 code="def state_cost(self):\n    x = 1.0\n    return x * self.cup_pos[0]",
-                lost="self.time > 9",
+                next={"c": "self.time > 9"},
             ),
         ]
     )
     found = verify_plan(plan, one.world.schema, one.samples)
     assert found.details["faults"] == ["stages", "stages", "barrier", "unknown_state"]
-    for words in ("it lies within 50", "back_to and lost go together", "cup_pos", "stage 'a': line 5"):
+    for words in ("it lies within 50", "next leads to 'c'", "cup_pos", "stage 'a': line 5"):
         assert words in found.reason
     assert "  5 |         cost += 3.0  # close\n    ^ barrier" in found.listing
     assert "  3 |     return x * self.cup_pos[0]\n    ^ unknown_state" in found.listing

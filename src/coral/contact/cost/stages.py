@@ -41,8 +41,9 @@ class Stage:
     """Stiffness of the hand; low for stages that control a force."""
     until: Test | None = None
     """Ends the stage if true for the present state; None: never."""
-    back: tuple[str, Test] | None = None
-    """Another stage, and the condition for returning to it, for example after a lost grasp."""
+    next: tuple[tuple[str, Test], ...] = ()
+    """Ways to other stages, each with the condition for going there, such as back after a lost grasp: the first that
+    holds, before `until`."""
     sigma: float | tuple[float, float, float, float, float, float, float] = 1.0
     """Factor on the sampling noise, or one for each of the target's x, y, z, its rotation about x, y, z of the hand,
     and the opening."""
@@ -57,6 +58,8 @@ class Strategy:
     name: str
     stages: tuple[Stage, ...]
     notes: str = field(default="", compare=False)
+    begin: str = ""
+    """The stage that it begins with; "" for the first."""
 
     def stage(self, name: str) -> int:
         """Return the index of a stage by its name."""
@@ -67,7 +70,7 @@ class Progress:
     """The active stage of a strategy."""
 
     def __init__(self, strategy: Strategy) -> None:
-        self.strategy, self.index = strategy, 0
+        self.strategy, self.index = strategy, strategy.stage(strategy.begin) if strategy.begin else 0
 
     @property
     def stage(self) -> Stage:
@@ -77,9 +80,10 @@ class Progress:
     def update(self, now: Context) -> bool:
         """Update the active stage from the present state, a batch of one; return True if it changed."""
         stage = self.stage
-        if stage.back is not None and stage.back[1](now):
-            self.index = self.strategy.stage(stage.back[0])
-            return True
+        for name, test in stage.next:
+            if test(now):
+                self.index = self.strategy.stage(name)
+                return True
         if stage.until is not None and self.index + 1 < len(self.strategy.stages) and stage.until(now):
             self.index += 1
             return True

@@ -108,8 +108,9 @@ def _to_strategy(given: Any, name: str, where: str) -> Strategy:
     for stage in strategy.stages:
         if names.count(stage.name) > 1:
             raise InputError(where, "stages", f"two named {stage.name!r}", "a name for each stage")
-        if stage.back is not None and stage.back[0] not in names:
-            raise InputError(where, f"stage {stage.name!r}", f"back to {stage.back[0]!r}", f"one of {', '.join(names)}")
+        for to, _ in stage.next:
+            if to not in names:
+                raise InputError(where, f"stage {stage.name!r}", f"next {to!r}", f"one of {', '.join(names)}")
     stages = tuple(dataclasses.replace(stage, cost=NumpyCost(stage.cost, stage.name)) for stage in strategy.stages)
     return dataclasses.replace(strategy, stages=stages)
 
@@ -130,7 +131,7 @@ def _sample(trial: Trial, cfg: EpisodeCfg) -> list[Context]:
 
 
 def _read_tests(stage: Stage, now: Context) -> None:
-    for test in (stage.until, stage.back and stage.back[1]):
+    for test in (stage.until, *(test for _, test in stage.next)):
         if test is not None:
             bool(test(now))
     for guide in stage.guides:

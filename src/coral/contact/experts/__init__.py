@@ -84,7 +84,7 @@ def _try_out(strategy: Strategy, task: Task) -> None:
     }
     state = Context(anywhere, (1, 1))
     for stage in strategy.stages:
-        tests = (stage.until, stage.back and stage.back[1], *(guide.points for guide in stage.guides))
+        tests = (stage.until, *(test for _, test in stage.next), *(guide.points for guide in stage.guides))
         for read in (stage.cost, *tests):
             if read is not None:
                 read(state)

@@ -190,7 +190,7 @@ def fsm(task: Task) -> Strategy:
                 "turn",
                 turn,
                 to(lambda s: beside(s, 0.12, 0.17), PINCH, 0.07),
-                back=("approach", short),
+                next=(("approach", short),),
                 until=lambda now: at(beside(now, 0.12, 0.17), PINCH, now, 0.03),
             ),
             Stage(
@@ -212,7 +212,7 @@ def fsm(task: Task) -> Strategy:
                 pinch,
                 to(grip, PINCH, -0.04),
                 sigma=0.4,
-                back=("turn", lost),
+                next=(("turn", lost),),
                 until=lambda now: bool(
                     (now.board_left_contact * now.board_right_contact)[0, 0] > 0 and now.gripper_target[0, 0] < -0.01
                 ),
@@ -222,7 +222,7 @@ def fsm(task: Task) -> Strategy:
                 lift,
                 to(lambda s: s.ee_pos + np.array([0, 0, 0.15]), None, -0.04),
                 sigma=0.5,
-                back=("turn", lost),
+                next=(("turn", lost),),
             ),
         ),
     )

@@ -105,7 +105,7 @@ def fsm(task: Task) -> Strategy:
             (Guide(lambda now: ahead(place, now), lambda now: DOWN, 0.0),),
             stiffness_n_m=SOFT_N_M,
             until=lambda now: arrived(place, now),
-            back=("reach", lost) if place == places[0] else None,
+            next=(("reach", lost),) if place == places[0] else (),
             sigma=0.4,
         )
 

@@ -84,8 +84,10 @@ def opening(task: Task) -> Strategy:
         "open the drawer",
         (
             Stage("reach", reach, (Guide(above, lambda now: DOWN, 0.08),), until=lambda now: off(now) < 0.012),
-            Stage("grip", grip, until=held, back=lost, sigma=0.5),
-            Stage("pull", pull, (Guide(lambda now: now.ee_pos[0] - [0.1, 0, 0], opening_m=0.0),), back=lost, sigma=0.6),
+            Stage("grip", grip, until=held, next=(lost,), sigma=0.5),
+            Stage(
+                "pull", pull, (Guide(lambda now: now.ee_pos[0] - [0.1, 0, 0], opening_m=0.0),), next=(lost,), sigma=0.6
+            ),
         ),
     )
 

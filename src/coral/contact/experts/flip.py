@@ -134,8 +134,8 @@ def fsm(task: Task) -> Strategy:
                 ),
                 until=in_place,
             ),
-            Stage("tip", tip, (beyond,), until=falling, back=("reach", strayed), sigma=0.6),
-            Stage("draw back", draw_back, back=("reach", standing), sigma=0.6),
+            Stage("tip", tip, (beyond,), until=falling, next=(("reach", strayed),), sigma=0.6),
+            Stage("draw back", draw_back, next=(("reach", standing),), sigma=0.6),
         ),
     )
 

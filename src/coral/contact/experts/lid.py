@@ -80,6 +80,6 @@ def fsm(task: Task) -> Strategy:
                 "reach", reach, (Guide(lambda now: outer(now, name, 0.02)[0], lambda now: DOWN, 0.02),), until=arrived
             ),
             Stage("push", push, (ahead,), until=shut, sigma=0.6),
-            Stage("let go", let_go, back=("reach", open_again), sigma=0.6),
+            Stage("let go", let_go, next=(("reach", open_again),), sigma=0.6),
         ),
     )

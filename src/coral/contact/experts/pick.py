@@ -197,8 +197,8 @@ def fsm(task: Task) -> Strategy:
         (
             *first,
             Stage("reach", reach, (over(name, 0.08, others), over(name, 0.0, others)), until=reached),
-            Stage("close", close, until=held, back=(again, lost), sigma=0.5),
-            Stage("lift", lift, (up,), back=(again, lost), sigma=0.7),
+            Stage("close", close, until=held, next=((again, lost),), sigma=0.5),
+            Stage("lift", lift, (up,), next=((again, lost),), sigma=0.7),
         ),
     )
 

@@ -112,7 +112,7 @@ def fsm(task: Task) -> Strategy:
         def cost(state: Context) -> Terms:
             return {**stage.cost(state), "leave others alone": 3.0 * _other_motion(state, task)}
 
-        return Stage(stage.name, cost, stage.guides, stage.stiffness_n_m, stage.until, stage.back, stage.sigma)
+        return Stage(stage.name, cost, stage.guides, stage.stiffness_n_m, stage.until, stage.next, stage.sigma)
 
     def holding(state: Context) -> Terms:
         return {
@@ -188,7 +188,7 @@ def fsm(task: Task) -> Strategy:
                 raise_,
                 (guide("up"),),
                 sigma=0.7,
-                back=back,
+                next=(back,),
                 until=lambda now: bool(now[f"{name}_pos"][0, 0, 2] > carry_m - 0.03),
             ),
             Stage(
@@ -196,7 +196,7 @@ def fsm(task: Task) -> Strategy:
                 carry,
                 (guide("over"),),
                 sigma=0.7,
-                back=back,
+                next=(back,),
                 until=lambda now: bool(aside(now)[0, 0] < aside_m),
             ),
             Stage(
@@ -204,7 +204,7 @@ def fsm(task: Task) -> Strategy:
                 lower,
                 (guide("down"),),
                 sigma=0.7,
-                back=back,
+                next=(back,),
                 until=landed,
             ),
             Stage(

@@ -254,11 +254,11 @@ def fsm(task: Task) -> Strategy:
                 (Guide(lambda now: ahead_of(now, name)),),
                 stiffness_n_m=SOFT_N_M,
                 until=arrived,
-                back=("reach", lost),
+                next=(("reach", lost),),
                 sigma=STEADY,
             ),
             # Equally soft: the target still leads by 5 cm, and a stiffer spring would hit the block (53 N, measured).
             # Guided, because the plan that ends the push leads on over the block.
-            Stage("let go", let_go, (gone,), stiffness_n_m=SOFT_N_M, back=("reach", short), sigma=0.6),
+            Stage("let go", let_go, (gone,), stiffness_n_m=SOFT_N_M, next=(("reach", short),), sigma=0.6),
         ),
     )

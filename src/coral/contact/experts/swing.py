@@ -107,7 +107,7 @@ def fsm(task: Task, to_deg: float, way: Literal[1, -1]) -> Strategy:
         "push round",
         (
             Stage("reach", reach, (guide(0.015), guide(0.015, 0.1)), until=in_place),
-            Stage("turn", push, (guide(-0.04),), until=turned, back=("reach", lost), sigma=0.6),
+            Stage("turn", push, (guide(-0.04),), until=turned, next=(("reach", lost),), sigma=0.6),
             Stage("draw back", draw_back, (guide(0.05),), sigma=0.6),
         ),
     )

@@ -152,10 +152,10 @@ def fsm(task: Task) -> Strategy:
                 push,
                 (Guide(lambda now: behind(now, name, -0.02)[0], lambda now: facing(now, name), ABREAST_M),),
                 until=at_wall,
-                back=("reach", lost),
+                next=(("reach", lost),),
                 sigma=0.6,
             ),
-            Stage("lift", lift, (press,), until=standing, back=("reach", lost), sigma=0.6),
-            Stage("let go", let_go, back=("reach", fallen), sigma=0.6),
+            Stage("lift", lift, (press,), until=standing, next=(("reach", lost),), sigma=0.6),
+            Stage("let go", let_go, next=(("reach", fallen),), sigma=0.6),
         ),
     )

@@ -90,8 +90,7 @@ def _lift_early(
     wrong = copy.deepcopy(right)
     gone = wrong["stages"].pop(closing[0])["name"]
     for stage in wrong["stages"]:
-        if stage["back_to"] == gone:
-            stage["back_to"] = stage["lost"] = ""
+        stage["next"].pop(gone, None)
     return wrong
 
 

@@ -17,20 +17,30 @@ from coral.contact.cost_program import CostError, CostProgram
 from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.contact_regions import Array, RegionsAnswer, guide
 from coral.contact.plan.last_good_cost import LastGoodCost
+from coral.contact.plan.plan_language import MOST_NAMES, MOST_STAGES, write_out
 
 Loader = Callable[[str, Schema, str], Cost]
 """Makes a cost from source, schema and name: in this process, or in the confined one."""
+
+
+def with_loops(schema: dict[str, Any]) -> None:
+    """Let the schema of a list of stages allow loops, which are gone once the answer is read."""
+    turns = {"type": "array", "items": {"type": "object", "additionalProperties": {"type": "string"}}}
+    stage = schema["items"]
+    inner = {"type": "array", "items": stage}
+    loop = {"type": "object", "properties": {"for": turns, "stages": inner}, "required": ["for", "stages"]}
+    schema["items"] = {"anyOf": [stage, loop]}
 
 
 class StageAnswer(BaseModel):
     """One phase.
 
     Args:
-        name: For logs, and for `back_to`.
+        name: For logs, and for `next`.
         code: `def state_cost(self)`.
         done: Condition on the state now on which the next stage begins, as `self.box_pos[2] > 0.1`; "" for never.
-        back_to: Stage to return to when `lost` holds.
-        lost: Condition for that.
+        next: Ways to other stages, which begin anew, by name, with the condition for each; tested in order before
+            `done`. `back_to` with `lost`, the stage and the condition of one such way, means the same.
         toward: Where some samples lead the tool, as `self.ee_pos + np.array([0.0, 0.0, 0.1])`; "" for nowhere.
         opening: Distance between the fingers on that way, m.
         stiffness: Of the hand, N/m.
@@ -40,12 +50,22 @@ class StageAnswer(BaseModel):
     name: str = Field(min_length=1, max_length=40)
     code: str
     done: str = ""
-    back_to: str = ""
-    lost: str = ""
+    next: dict[str, str] = Field(default_factory=dict, max_length=8)
     toward: str = ""
     opening: float | None = None
     stiffness: float = 600.0
     noise: float = 1.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_way(cls, given: Any) -> Any:
+        if not isinstance(given, dict) or not {"back_to", "lost"} & set(given):
+            return given
+        rest = {key: value for key, value in given.items() if key not in ("back_to", "lost")}
+        to, lost = given.get("back_to") or "", given.get("lost") or ""
+        if bool(to) != bool(lost):
+            raise ValueError("`back_to` and `lost` go together")
+        return {**rest, "next": {to: lost, **(given.get("next") or {})}} if to else rest
 
     def settings(self) -> list[tuple[str, str]]:
         """Return the names and values of what its author set besides programs and conditions."""
@@ -59,12 +79,16 @@ class PlanAnswer(BaseModel):
 
     Args:
         code: `def state_cost(self)` of a plan without stages.
-        stages: In order.
+        let: Names for expressions, written `{name}` in the texts of its stages; empty once they are written out.
+        stages: In order. In what is given, an entry may also be a loop; see `plan_language`.
+        begin: The stage that a repair goes on with; "" for the first.
         explanation: What it does, and in a repair why the one before failed.
     """
 
     code: str = ""
-    stages: list[StageAnswer] = Field(default_factory=list, max_length=16)
+    let: dict[str, str] = Field(default_factory=dict, max_length=MOST_NAMES)
+    stages: list[StageAnswer] = Field(default_factory=list, max_length=MOST_STAGES, json_schema_extra=with_loops)
+    begin: str = ""
     explanation: str = ""
 
     @model_validator(mode="before")
@@ -73,7 +97,7 @@ class PlanAnswer(BaseModel):
         # A truncated reply may parse as its first stage alone, which would pass for a plan of one function.
         if isinstance(given, dict) and "name" in given and "stages" not in given:
             raise ValueError("this is one stage; give the whole plan, with its stages in the list `stages`")
-        return given
+        return write_out(given) if isinstance(given, dict) else given
 
     @model_validator(mode="after")
     def _one_of_both(self) -> PlanAnswer:
@@ -106,9 +130,11 @@ class PlanAnswer(BaseModel):
             return shown(self.code) if numbered else self.code
         parts = []
         for stage in self.stages:
-            conditions = [("done", stage.done), ("back_to", stage.back_to), ("lost", stage.lost)]
+            ways = [(f"next {to!r} when", test) for to, test in stage.next.items()]
             head = [f"# stage {stage.name!r}"] + [
-                f"#   {key}: {value}" for key, value in (*conditions, *(stage.settings() if numbered else ())) if value
+                f"#   {key}: {value}"
+                for key, value in (("done", stage.done), *ways, *(stage.settings() if numbered else ()))
+                if value
             ]
             parts.append("\n".join([*head, shown(stage.code)]))
         return "\n\n".join(parts)
@@ -148,7 +174,7 @@ class Compiled:
     answer: StageAnswer
     cost: Cost
     done: Cost | None
-    lost: Cost | None
+    next: Mapping[str, Cost]
     toward: Cost | None
 
 
@@ -171,7 +197,7 @@ def compile_stage(stage: StageAnswer, schema: Schema, load: Loader = in_process)
     for field, source in (
         ("code", stage.code),
         ("done", stage.done and condition(stage.done)),
-        ("lost", stage.lost and condition(stage.lost)),
+        *((f"next.{to}", condition(test)) for to, test in stage.next.items()),
         ("toward", stage.toward and vector(stage.toward)),
     ):
         try:
@@ -183,7 +209,8 @@ def compile_stage(stage: StageAnswer, schema: Schema, load: Loader = in_process)
     cost = made["code"]
     if cost is None:
         raise CostError("empty", f"stage {stage.name!r} has no code")
-    return Compiled(stage, cost, made["done"], made["lost"], made["toward"])
+    ways = {to: way for to in stage.next if (way := made[f"next.{to}"]) is not None}
+    return Compiled(stage, cost, made["done"], ways, made["toward"])
 
 
 def make_strategy(
@@ -233,12 +260,12 @@ def make_strategy(
                 tuple(guides),
                 said.stiffness,
                 None if stage.done is None else _test(stage.done),
-                None if stage.lost is None else (said.back_to, _test(stage.lost)),
+                tuple((to, _test(way)) for to, way in stage.next.items()),
                 said.noise,
                 keeps_off=not presses_by_design(stage.cost, schema),
             )
         )
-    return Strategy(name, tuple(stages), answer.explanation)
+    return Strategy(name, tuple(stages), answer.explanation, answer.begin)
 
 
 def presses_by_design(cost: Cost, schema: Schema) -> bool:

@@ -110,15 +110,18 @@ def structure_faults(answer: PlanAnswer) -> list[CostFault]:
         faults.append(f"two stages have the same name, {name!r}: give each its own")
     for stage in stages:
         where = f"stage {stage.name!r}"
-        if bool(stage.back_to) != bool(stage.lost) or (stage.back_to and stage.back_to not in names):
-            faults.append(f"{where}: back_to and lost go together, and back_to is one of {', '.join(names)}")
+        for to in stage.next:
+            if to not in names:
+                faults.append(f"{where}: next leads to {to!r}, which is none of {', '.join(names)}")
         if not STIFFNESS_N_M[0] <= stage.stiffness <= STIFFNESS_N_M[1]:
             low, high = STIFFNESS_N_M
             faults.append(f"{where}: stiffness is {stage.stiffness:g}; it lies within {low:g} and {high:g} N/m")
         if not NOISE[0] <= stage.noise <= NOISE[1]:
             faults.append(f"{where}: noise is {stage.noise:g}; it lies within {NOISE[0]:g} and {NOISE[1]:g}")
-        if stage is not stages[-1] and not stage.done and answer.stages:
+        if stage is not stages[-1] and not stage.done and not stage.next and answer.stages:
             faults.append(f"{where} never ends, so that those after it never begin: say when it is done")
+    if answer.begin and answer.begin not in names:
+        faults.append(f"it begins with {answer.begin!r}, which is none of {', '.join(names)}")
     return [CostFault("stages", 0, text) for text in faults]
 
 
@@ -136,7 +139,8 @@ def _compile_each(answer: PlanAnswer, schema: Schema, load: Loader) -> tuple[lis
 def _condition_faults(made: Compiled, samples: Sequence[Context]) -> list[CostFault]:
     """Return the faults of a stage's conditions and of its point on rolled-out states."""
     faults = []
-    for field, program in (("done", made.done), ("lost", made.lost), ("toward", made.toward)):
+    ways = ((f"next.{to}", way) for to, way in made.next.items())
+    for field, program in (("done", made.done), *ways, ("toward", made.toward)):
         if program is None:
             continue
         try:
@@ -183,5 +187,6 @@ def _list_stage(stage: StageAnswer, faults: Sequence[StageFault]) -> str:
     for number, text in enumerate(stage.code.split("\n"), 1):
         lines.append(f"{number:3d} | {text}")
         lines += [f"    ^ {fault.code}" for fault in own if fault.line == number]
-    lines += [f"    {field}: {text}" for field in ("done", "lost", "toward") if (text := getattr(stage, field))]
+    shown = {"done": stage.done, **{f"next {to!r}": test for to, test in stage.next.items()}, "toward": stage.toward}
+    lines += [f"    {field}: {text}" for field, text in shown.items() if text]
     return "\n".join(lines)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from pydantic import BaseModel, Field, model_validator
 
-from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
+from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, with_loops
+from coral.contact.plan.plan_language import MOST_NAMES, MOST_STAGES, write_out
 
 
 class PlanRevision(BaseModel):
@@ -13,14 +16,20 @@ class PlanRevision(BaseModel):
     Args:
         keep: Whether the plan is kept as it is.
         code: `def state_cost(self)` of a new plan without stages.
-        stages: Stages of a new plan, in order.
+        let, stages: Names for expressions, and the stages of a new plan, in order, as in `PlanAnswer`.
         explanation: Why.
     """
 
     keep: bool = False
     code: str = ""
-    stages: list[StageAnswer] = Field(default_factory=list, max_length=16)
+    let: dict[str, str] = Field(default_factory=dict, max_length=MOST_NAMES)
+    stages: list[StageAnswer] = Field(default_factory=list, max_length=MOST_STAGES, json_schema_extra=with_loops)
     explanation: str = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _written_out(cls, given: Any) -> Any:
+        return write_out(given) if isinstance(given, dict) else given
 
     @model_validator(mode="after")
     def _kept_or_new(self) -> PlanRevision:

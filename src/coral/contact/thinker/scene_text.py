@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from coral.contact.control.hand_model import HandCfg
+from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M, HandCfg
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.cost.context import Schema
 from coral.contact.scene.condition import BaseCondition
@@ -33,7 +33,8 @@ HAND = (
     "ends. A finger is 2 cm wide, 1.2 cm thick (along the opening), 4.5 cm long. The palm, 20 cm along the opening, "
     "6 cm across and 7 cm deep, begins 4 cm behind ee_pos; a wrist 10 cm thick follows. "
     f"Fingers rub with friction {FINGER_FRICTION:g} on everything (elsewhere an object's own counts, of two objects "
-    f"the larger); each squeezes with {SQUEEZE.finger_stiffness_n_m / 2:g} N/m of gripper_opening - gripper_target, "
+    f"the larger). gripper_target is {SQUEEZE_M:g} to {MAX_OPENING_M:g} m; each squeezes with "
+    f"{SQUEEZE.finger_stiffness_n_m / 2:g} N/m of gripper_opening - gripper_target, "
     f"{SQUEEZE.finger_force_n:g} N at most."
 )
 

@@ -415,7 +415,7 @@ class Thinker:
             instruction=task.instruction,
             goals=[dict(goal) for goal in self._questions.facts["goals"]],
             numbers=scene_numbers(self._questions.facts),
-            plan=self._plan,
+            plan=self._plan.model_copy(update={"begin": ""}),
             regions=self._regions,
             beliefs={name: (one.mass_kg, one.friction) for name, one in self._questions.beliefs.items()},
             provenance={"success": True, "repairs": self._repairs, **self._provenance},

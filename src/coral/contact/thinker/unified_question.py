@@ -52,7 +52,7 @@ class UnifiedAnswer(PlanAnswer):
     @property
     def plan(self) -> PlanAnswer:
         """Return the plan in the form of its own question."""
-        return PlanAnswer(code=self.code, stages=self.stages, explanation=self.explanation)
+        return PlanAnswer(code=self.code, stages=self.stages, begin=self.begin, explanation=self.explanation)
 
 
 def unified_prompt(shown: Mapping[str, Any], cfg: ThinkCfg, history: Mapping[str, Any] | None = None) -> dict[str, Any]:
