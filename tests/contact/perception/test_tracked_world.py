@@ -112,8 +112,7 @@ def test_the_hand_retreats_for_a_while_from_what_it_may_cover():
 def test_it_retreats_only_from_what_the_goal_is_about(goal, retreats):
     task = load_task("pick-box")
     items = tuple(task.objects[0].model_copy(update={"name": f"box{k}", "y": (0.2 * k, 0.2 * k)}) for k in (0, 1))
-    lifted = task.success.conditions[0].model_copy(update={"object": f"box{goal}"})
-    success = task.success.model_copy(update={"conditions": (lifted,)})
+    success = task.success.model_copy(update={"conditions": (_lifted(task, f"box{goal}"),)})
     world = tracked(
         dataclasses.replace(SMALL, retreat_after_s=0.04),
         task=task.model_copy(update={"objects": items, "success": success}),
@@ -131,6 +130,28 @@ def test_what_is_not_found_at_first_ends_the_episode():
     with pytest.raises(WorldError, match="box \\(not seen\\)") as caught:
         world.reset()
     assert caught.value.code == "not-found"
+
+
+def test_what_is_hidden_at_first_has_a_guessed_pose_until_a_picture_shows_it():
+    task = load_task("pick-box")
+    items = tuple(task.objects[0].model_copy(update={"name": f"box{k}", "y": (0.2 * k, 0.2 * k)}) for k in (0, 1))
+    success = task.success.model_copy(update={"conditions": (_lifted(task, "box1"),)})
+    world = tracked(
+        dataclasses.replace(SMALL, search_s=0.1, retreat_after_s=0.04),
+        task=task.model_copy(update={"objects": items, "success": success}),
+        hidden=("box1", lambda k: k < 12),
+    )
+    now = world.reset()
+    assert now.unseen == {"box1"}
+    assert now.objects["box1"].position[1] == pytest.approx(0.2)
+    for _ in range(30):
+        now = world.step(rest(now))
+    assert now.unseen == frozenset()
+    assert [(one["object"], one["lost"]) for one in world.news()] == [("box1", True), ("box1", False)]
+
+
+def _lifted(task, name):
+    return task.success.conditions[0].model_copy(update={"object": name})
 
 
 def test_the_hand_waits_for_an_object_that_is_found_late():

@@ -301,6 +301,7 @@ class PlanningWorld:
             "last_action": lambda: _action(controls, len(self.models), self.cfg.step_s),
         }
         for name in self._names:
+            makers[f"{name}_seen"] = partial(np.full, (1, 1), float(name not in now.unseen))
             if name in index.pose:
                 pose, speed = index.pose[name].start, index.speed[name].start
                 makers[f"{name}_pos"] = partial(_part, qpos, slice(pose, pose + 3))

@@ -65,4 +65,5 @@ def observation_of(states: Context, like: Observation, index: int = -1) -> Obser
         opening_m=float(np.clip(at("gripper_opening"), 0.0, None)),
         wrench=np.concatenate([at("ee_force"), at("ee_torque")]),
         objects={name: body(name) for name in like.objects},
+        unseen=like.unseen,
     )

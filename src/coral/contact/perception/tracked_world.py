@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Protocol
 
@@ -20,7 +20,7 @@ from coral.contact.perception.tracked_object import TrackedObject
 from coral.contact.perception.tracker import PoseEstimate, TrackerFailed
 from coral.contact.scene.geometry import from_rpy_deg, quaternion_of, rotation_about, rotation_of
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
-from coral.contact.scene.rigid_transform import body_to_matrix, inverse_transform, pose_matrix
+from coral.contact.scene.rigid_transform import body_to_matrix, inverse_transform, matrix_to_body, pose_matrix
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation, WorldError
 from coral.errors import InputError
@@ -76,6 +76,7 @@ class TrackedWorld:
         }
         """Objects that the task's conditions name."""
         self._objects: dict[str, TrackedObject] = {}
+        self._unseen: set[str] = set()
         self._news: list[dict[str, Any]] = []
 
     @property
@@ -84,10 +85,12 @@ class TrackedWorld:
         return self._world.simulation
 
     def reset(self) -> Observation:
-        """See `RobotWorld.reset`; the hand waits until every object is found.
+        """See `RobotWorld.reset`; the hand waits until every object is found, at most `search_s`.
+
+        An object that is hidden then is looked for further; until it is seen its pose is a guess from the task file.
 
         Raises:
-            WorldError: An object was not found ("not-found"), there are no pictures ("camera-off"), or no poses
+            WorldError: No object was found ("not-found"), there are no pictures ("camera-off"), or no poses
                 ("tracker-failed").
         """
         now = self._world.reset()
@@ -99,6 +102,7 @@ class TrackedWorld:
         self._late: deque[tuple[float, Array, dict[str, PoseEstimate]]] = deque()
         self._pictured_s, self._due_s, self._retreated_s = now.time_s, now.time_s, -np.inf
         self._news.clear()
+        self._unseen.clear()
         rest = HandTarget(now.tool.position, now.tool.quaternion, now.opening_m, 600.0)
         taken = 0
         while True:
@@ -108,6 +112,9 @@ class TrackedWorld:
                 continue
             self._due_s = now.time_s + self.cfg.period_s
             if not missing:
+                return self._with_estimates(now)
+            if now.time_s >= self.cfg.search_s - 1e-9 and len(missing) < len(self._objects):
+                self._guess(missing, now.time_s)
                 return self._with_estimates(now)
             if now.time_s >= self.cfg.search_s - 1e-9:
                 what = ", ".join(f"{name} ({reason})" for name, reason in missing.items())
@@ -125,6 +132,8 @@ class TrackedWorld:
         tool = body_to_matrix(now.tool)
         self._deliver(now.time_s)
         for name, one in self._objects.items():
+            if name in self._unseen:
+                continue
             held = is_grasped(
                 self._shapes[name],
                 inverse_transform(tool) @ one.at(tool, now.time_s),
@@ -144,7 +153,11 @@ class TrackedWorld:
                             now.time_s,
                             tool,
                             {
-                                name: one.tracker.track(frame, frame.mask(name), one.at(tool, now.time_s))
+                                name: one.tracker.track(
+                                    frame,
+                                    frame.mask(name),
+                                    None if name in self._unseen else one.at(tool, now.time_s),
+                                )
                                 for name, one in self._objects.items()
                             },
                         )
@@ -181,7 +194,7 @@ class TrackedWorld:
         lost = [
             one.lost_since
             for name, one in self._objects.items()
-            if name in self._wanted and one.lost_since is not None and not one.held
+            if name in self._wanted and one.lost_since is not None and not one.held and name not in self._unseen
         ]
         begun = max(min(lost, default=np.inf), self._retreated_s) + cfg.retreat_after_s
         if not cfg.retreat_after_s or now.time_s < begun:
@@ -200,6 +213,17 @@ class TrackedWorld:
             )
             for name, shape in self._shapes.items()
         }
+
+    def _guess(self, missing: Mapping[str, str], time_s: float) -> None:
+        """Give objects that no picture has shown yet the pose in the middle of the task file's ranges."""
+        for name, reason in missing.items():
+            T = nominal_pose(self._trial, name)
+            z = self._trial.task.object(name).z
+            T[2, 3] = -self._trial.lowest_point(name, matrix_to_body(T)) if z is None else z
+            one = self._objects[name]
+            one.motion, one.lost_since = MotionFilter(self.cfg.motion, T, time_s), time_s
+            self._unseen.add(name)
+            self._news.append({"object": name, "lost": True, "reason": reason, "held": False})
 
     def _find(self, now: Observation, frame: RgbdFrame | None) -> dict[str, str]:
         """Update every object before the clock starts; return those not found yet, with reasons."""
@@ -248,6 +272,7 @@ class TrackedWorld:
             return
         T = inverse_transform(tool) @ estimate.T_world_object if one.held else estimate.T_world_object
         if one.lost_since is not None:
+            self._unseen.discard(name)
             self._news.append({"object": name, "lost": False, "after_s": round(time_s - one.lost_since, 3)})
             one.lost_since = None
             one.motion = MotionFilter(one.in_hand if one.held else self.cfg.motion, T, taken_s)
@@ -257,7 +282,7 @@ class TrackedWorld:
     def _with_estimates(self, now: Observation) -> Observation:
         tool = body_to_matrix(now.tool)
         objects = {name: self._body(one, now.tool, tool, now.time_s) for name, one in self._objects.items()}
-        return Observation(now.time_s, now.tool, now.opening_m, now.wrench, objects)
+        return Observation(now.time_s, now.tool, now.opening_m, now.wrench, objects, frozenset(self._unseen))
 
     def _body(self, one: TrackedObject, hand: BodyState, tool: Array, time_s: float) -> BodyState:
         T = one.at(tool, time_s)

@@ -18,6 +18,7 @@ from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.contact_regions import Array, RegionsAnswer, guide
 from coral.contact.plan.last_good_cost import LastGoodCost
 from coral.contact.plan.plan_language import MOST_NAMES, MOST_STAGES, write_out
+from coral.contact.plan.unseen import objects_read, unseen_of, waiting_cost
 
 Loader = Callable[[str, Schema, str], Cost]
 """Makes a cost from source, schema and name: in this process, or in the confined one."""
@@ -251,16 +252,18 @@ def make_strategy(
                 if region.stage in ("", said.name) and (points is None or len(points))
             ]
             if stage.toward is not None:
-                guides.append(Guide(_points(stage.toward), opening_m=said.opening))
-        cost = stage.cost if keep is None else keep.following(stage.cost)
+                guides.append(Guide(_points(stage.toward, schema), opening_m=said.opening))
+        cost = waiting_cost(
+            stage.cost if keep is None else keep.following(stage.cost), objects_read(stage.cost, schema)
+        )
         stages.append(
             Stage(
                 said.name,
                 cost,
                 tuple(guides),
                 said.stiffness,
-                None if stage.done is None else _test(stage.done),
-                tuple((to, _test(way)) for to, way in stage.next.items()),
+                None if stage.done is None else _test(stage.done, schema),
+                tuple((to, _test(way, schema)) for to, way in stage.next.items()),
                 said.noise,
                 keeps_off=not presses_by_design(stage.cost, schema),
             )
@@ -283,15 +286,23 @@ def presses_by_design(cost: Cost, schema: Schema) -> bool:
     return isinstance(cost, ReadingCost) and any(f"{name}_{kind}" in cost.reads for name in fixed for kind in kinds)
 
 
-def _test(program: Cost) -> Test:
+def _test(program: Cost, schema: Schema) -> Test:
+    objects = objects_read(program, schema)
+
     def holds(now: Context) -> bool:
-        return bool(sum(float(np.asarray(term).flat[0]) for term in program(now).values()) > 0.5)
+        return not unseen_of(now, objects) and bool(
+            sum(float(np.asarray(term).flat[0]) for term in program(now).values()) > 0.5
+        )
 
     return holds
 
 
-def _points(program: Cost) -> Callable[[Context], Array]:
+def _points(program: Cost, schema: Schema) -> Callable[[Context], Array]:
+    objects = objects_read(program, schema)
+
     def points(now: Context) -> Array:
+        if unseen_of(now, objects):
+            return np.asarray(now.ee_pos)[0]
         terms = program(now)
         return np.array([[float(np.asarray(terms[axis]).flat[0]) for axis in "xyz"]])
 

@@ -46,6 +46,7 @@ class ObjectFacts(TypedDict):
         points: Named points in its frame.
         middle_m: Centre of its box in its frame; missing if it is the origin.
         joint: What holds it; missing if it moves freely.
+        unseen: True before a picture has shown it: its pose is a guess.
         mass_kg, friction: Beliefs; missing before the first belief.
     """
 
@@ -60,6 +61,7 @@ class ObjectFacts(TypedDict):
     joint: NotRequired[JointFacts]
     mass_kg: NotRequired[float]
     friction: NotRequired[float]
+    unseen: NotRequired[bool]
 
 
 class FixtureFacts(TypedDict):

@@ -44,6 +44,8 @@ class Observation:
     own weight."""
     objects: Mapping[str, BodyState]
     """Pose of every movable object, from the simulator or a tracker."""
+    unseen: frozenset[str] = frozenset()
+    """Objects that no picture has shown yet: their poses are guesses from the task file."""
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,8 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
                 "now": round(float(np.degrees(at)) if item.joint.kind == "hinge" else at, 4),
                 "friction": item.joint.friction,
             }
+        if name in now.unseen:
+            objects[name]["unseen"] = True
         if beliefs is not None:
             objects[name]["mass_kg"] = round(beliefs[name].mass_kg, 5)
             objects[name]["friction"] = round(beliefs[name].friction, 4)

@@ -97,6 +97,7 @@ def poses_text(facts: SceneFacts | Mapping[str, Any]) -> str:
     """
     objects = facts["objects"]
     poses = {"hand": facts["hand"]["pose"]} | {name: item["pose"] for name, item in objects.items()}
+    poses |= dict.fromkeys(_unseen(facts), "not seen yet")
     poses |= {name: item["position"] for name, item in facts["fixtures"].items()} | facts["places"]
     held = {
         name: {"mass_kg": item["mass_kg"], "friction": item["friction"]}
@@ -122,6 +123,12 @@ def scene_text(facts: SceneFacts | Mapping[str, Any]) -> str:
         "Objects (position and quaternion (w, x, y, z) of its frame; extents along its axes; shape):",
         *(_object_line(name, item) for name, item in facts["objects"].items()),
     ]
+    if _unseen(facts):
+        names = _unseen(facts)
+        lines.append(
+            f"Not seen yet, its pose a guess: {', '.join(names)}. Costs and conditions that read it wait until a "
+            f"picture shows it (self.{names[0]}_seen): first uncover it."
+        )
     if facts["fixtures"]:
         lines.append("Fixed things (centre; full extents):")
         lines += [
@@ -170,14 +177,19 @@ def success_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limi
     return lines
 
 
+def _unseen(facts: SceneFacts | Mapping[str, Any]) -> list[str]:
+    return [name for name, item in facts["objects"].items() if item.get("unseen")]
+
+
 def told_in_scene(facts: SceneFacts | Mapping[str, Any]) -> set[str]:
-    """Return the names that a cost may use and `scene_text` tells with their values.
+    """Return the names that a cost may use and `scene_text` tells with their values, or that all have their only value.
 
     Args:
         facts: The scene as last observed.
     """
     fixed = {f"{name}_{what}" for name in facts["fixtures"] for what in ("pos", "size")}
-    return {"table_min", "table_max"} | fixed | {f"{name}_pos" for name in facts["places"]} | {*facts["numbers"]}
+    seen = {f"{name}_seen" for name in facts["objects"]} if not _unseen(facts) else set()
+    return {"table_min", "table_max"} | seen | fixed | {f"{name}_pos" for name in facts["places"]} | {*facts["numbers"]}
 
 
 def condition_text(goal: Mapping[str, Any], brief: bool = False) -> str:

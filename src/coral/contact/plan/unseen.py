@@ -1,0 +1,50 @@
+"""What waits for an object that was never seen: the costs, conditions and guides that read it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from coral.contact.cost.context import Context, Cost, ReadingCost, Schema, Terms
+from coral.contact.cost_program.state import objects_of
+
+KNOWN = ("_seen", "_size", "_mass", "_friction")
+"""Ends of the quantities of an object that are known or believed before it is seen."""
+
+
+def objects_read(program: Cost, schema: Schema) -> tuple[str, ...]:
+    """Return the objects whose state a program reads; a program that does not tell what it reads waits for nothing.
+
+    Args:
+        program: A compiled program.
+        schema: The quantities of the state.
+    """
+    reads = program.reads if isinstance(program, ReadingCost) else []
+    state = [name for name in reads if not name.endswith(KNOWN)]
+    return tuple(thing for thing in objects_of(schema) if any(f"_{thing}_" in f"_{name}_" for name in state))
+
+
+def unseen_of(state: Context, objects: Sequence[str]) -> list[str]:
+    """Return which of these objects have not been seen yet, by the state's quantities `NAME_seen`."""
+    return [name for name in objects if f"{name}_seen" in state and not np.asarray(state[f"{name}_seen"]).flat[0]]
+
+
+def waiting_cost(cost: Callable[[Context], Terms], objects: Sequence[str]) -> Callable[[Context], Terms]:
+    """Return a cost that keeps the hand where its stage began while an object that it reads was never seen.
+
+    Args:
+        cost: The cost.
+        objects: The objects that it reads.
+    """
+    if not objects:
+        return cost
+
+    def evaluate(state: Context) -> Terms:
+        missing = unseen_of(state, objects)
+        if not missing:
+            return cost(state)
+        off = np.linalg.norm(state.ee_pos - state.ee_stage_pos, axis=-1)
+        return {f"wait for {', '.join(missing)}": 20.0 * off + 2.0 * np.linalg.norm(state.ee_vel, axis=-1)}
+
+    return evaluate
