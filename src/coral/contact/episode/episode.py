@@ -102,8 +102,11 @@ class Episode:
             expected = f"{self.world.control_period_s:g} s, the control period of the world {self.world.name!r}"
             raise InputError("--cfg", "planning.step_s", cfg.planning.step_s, expected)
         self.referee = make_referee(cfg.judged_by, self.world, trial, operator_verdict)
-        self.look = make_advisor_camera(
-            self.world, trial, cfg.tracked, cfg.sight, np.random.default_rng([trial.seed, 5])
+        self.look, self.look_down = (
+            make_advisor_camera(
+                self.world, trial, cfg.tracked, cfg.sight, np.random.default_rng([trial.seed, *key]), above
+            )
+            for key, above in (((5,), False), ((5, 1), True))
         )
         self.tracked: TrackedWorld | None = None
         self.guessed: GuessedWorld | None = None
@@ -464,7 +467,7 @@ class Episode:
         self._write_head()
         self._emit_start()
         self.strategist.attach_log(self.emit)
-        self.strategist.attach_camera(self.look)
+        self.strategist.attach_camera(self.look, self.look_down)
         self.strategist.attach_episode(self)
         self.strategist.attach_planner(self.planner_limits)
         self.now = self.world.reset()

@@ -1,4 +1,4 @@
-"""The advisor's camera: an RGB-D picture of the scene at each question (section 4). No OpenGL."""
+"""The advisor's cameras: RGB-D pictures of the scene at each question (section 4), also from above. No OpenGL."""
 
 from __future__ import annotations
 
@@ -30,7 +30,12 @@ class AdvisorCameraCfg:
 
 
 def make_advisor_camera(
-    world: RobotWorld, trial: Trial, tracked: TrackedCfg, cfg: AdvisorCameraCfg, rng: np.random.Generator
+    world: RobotWorld,
+    trial: Trial,
+    tracked: TrackedCfg,
+    cfg: AdvisorCameraCfg,
+    rng: np.random.Generator,
+    above: bool = False,
 ) -> Look:
     """Make the advisor's camera. It is built for the first picture: many episodes take none.
 
@@ -40,6 +45,7 @@ def make_advisor_camera(
         tracked: Viewpoint and depth noise.
         cfg: Size of the pictures.
         rng: Random numbers of the depth noise; separate, so that taking pictures changes nothing else.
+        above: Whether it stands above the table instead, x up in the picture.
     """
     simulation = simulation_of(world)
     camera: list[RayCamera] = []
@@ -59,7 +65,7 @@ def make_advisor_camera(
                 RayCamera(
                     simulation.model,
                     lens,
-                    look_at(*viewpoint(trial, tracked)),
+                    look_at(*(_above(trial) if above else viewpoint(trial, tracked))),
                     instance_names(simulation.model, trial),
                     noise=tracked.make_noise(),
                     colours="shaded",
@@ -69,6 +75,12 @@ def make_advisor_camera(
         return camera[0].take(simulation.data, rng)
 
     return look
+
+
+def _above(trial: Trial) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Return where the camera above the table stands and looks: a little from the robot's side, so that x points up."""
+    x, y = trial.task.table.center
+    return (x - 0.01, y, 1.3 * max(trial.task.table.size[:2])), (x, y, 0.0)
 
 
 def to_picture(frame: RgbdFrame) -> Picture:

@@ -35,6 +35,7 @@ CAPTION = (
     "The scene as the robot's camera sees it now, cut to it. Drawn in: the names of objects, fixed things (brackets) "
     "and places (crosses), the hand, and the world's axes at the origin, 0.1 m long."
 )
+ABOVE = "The same from above: x points up in the picture, y to the left."
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,7 @@ class PictureLabels:
         )
 
 
-def label_picture(frame: RgbdFrame, labels: PictureLabels) -> Picture:
+def label_picture(frame: RgbdFrame, labels: PictureLabels, name: str = "scene", caption: str = CAPTION) -> Picture:
     """Draw names and axes into the part of a frame that shows the scene, and encode it as a picture for a question."""
     axes = [AXIS_M * axis for axis in (np.zeros(3), *np.eye(3))]
     named = [*labels.places.values(), *labels.fixtures.values(), labels.hand, *labels.objects.values()]
@@ -75,8 +76,8 @@ def label_picture(frame: RgbdFrame, labels: PictureLabels) -> Picture:
         *_marks(frame, labels.objects),
         *_marks(frame, labels.places),
     ]
-    for name in labels.places:
-        for pixel in (at for text, at in marks if text == name):
+    for place in labels.places:
+        for pixel in (at for text, at in marks if text == place):
             cv2.drawMarker(image, pixel, BLACK, cv2.MARKER_TILTED_CROSS, 14, 3, cv2.LINE_AA)
             cv2.drawMarker(image, pixel, WHITE, cv2.MARKER_TILTED_CROSS, 12, 1, cv2.LINE_AA)
     boxes = place_names([(_size(text), at) for text, at in marks], image.shape[1], image.shape[0])
@@ -84,7 +85,7 @@ def label_picture(frame: RgbdFrame, labels: PictureLabels) -> Picture:
         _draw_name(image, text, pixel, box, text not in labels.places)
     done, data = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 6])
     assert done
-    return Picture(name="scene", png=bytes(data), caption=CAPTION)
+    return Picture(name=name, png=bytes(data), caption=caption)
 
 
 def zoomed(frame: RgbdFrame, points: Sequence[Array]) -> RgbdFrame:

@@ -92,8 +92,8 @@ class Strategist(Protocol):
         """Attach the run's log: `emit(event, **fields)` appends an event."""
         ...
 
-    def attach_camera(self, look: Look) -> None:
-        """Attach the camera whose pictures are added to questions."""
+    def attach_camera(self, look: Look, above: Look) -> None:
+        """Attach the camera whose pictures are added to questions, and the one that stands above the table."""
         ...
 
     def attach_episode(self, thinking: Thinking) -> None:
@@ -160,7 +160,7 @@ class FixedStrategist:
     def attach_log(self, emit: Callable[..., None]) -> None:
         """See `Strategist.attach_log`."""
 
-    def attach_camera(self, look: Look) -> None:
+    def attach_camera(self, look: Look, above: Look) -> None:
         """See `Strategist.attach_camera`."""
 
     def attach_episode(self, thinking: Thinking) -> None:

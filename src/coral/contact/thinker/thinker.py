@@ -19,7 +19,7 @@ from coral.contact.cost_program import CostError, CostWorker
 from coral.contact.memory.memory import Experience, Match, Memory
 from coral.contact.memory.scene_numbers import scene_numbers
 from coral.contact.perception.advisor_camera import Look, to_picture
-from coral.contact.perception.scene_labels import PictureLabels, label_picture
+from coral.contact.perception.scene_labels import ABOVE, PictureLabels, label_picture
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
 from coral.contact.plan.last_good_cost import LastGoodCost
@@ -136,7 +136,7 @@ class Thinker:
         """See `Strategist.guesses_poses`."""
         return not self.cfg.tracking
 
-    def attach_camera(self, look: Look) -> None:
+    def attach_camera(self, look: Look, above: Look = lambda: None) -> None:
         """See `Strategist.attach_camera`."""
         self._camera = look
 
@@ -144,7 +144,11 @@ class Thinker:
             frame = look()
             if frame is None:
                 return ()
-            return (to_picture(frame) if labels is None else label_picture(frame, labels),)
+            if labels is None:
+                return (to_picture(frame),)
+            top = above()
+            from_above = () if top is None else (label_picture(top, labels, "above", ABOVE),)
+            return (label_picture(frame, labels), *from_above)
 
         self.asker.pictures = take
 
