@@ -55,3 +55,13 @@ def test_a_question_gets_the_colours_as_they_are(world):
     assert picture.name == "scene"
     pixels = cv2.imdecode(np.frombuffer(picture.png, np.uint8), cv2.IMREAD_COLOR)
     np.testing.assert_array_equal(pixels[..., ::-1], frame.rgb)
+
+
+def test_the_camera_above_sees_what_lies_ahead_higher_in_its_picture(world):
+    look = make_advisor_camera(world, make_trial(), TrackedCfg(), SIZE, np.random.default_rng(0), above=True)
+    before = look()
+    world.simulation.data.qpos[world.simulation.model.joint("box_free").qposadr[0]] += 0.1
+    now = world.truth().tool
+    world.step(HandTarget(now.position, now.quaternion, 0.08, 600.0))
+    rows = [np.nonzero(frame.mask("box"))[0].mean() for frame in (before, look())]
+    assert rows[1] < rows[0] - 3

@@ -103,10 +103,8 @@ class Episode:
             raise InputError("--cfg", "planning.step_s", cfg.planning.step_s, expected)
         self.referee = make_referee(cfg.judged_by, self.world, trial, operator_verdict)
         self.look, self.look_down = (
-            make_advisor_camera(
-                self.world, trial, cfg.tracked, cfg.sight, np.random.default_rng([trial.seed, *key]), above
-            )
-            for key, above in (((5,), False), ((5, 1), True))
+            make_advisor_camera(self.world, trial, cfg.tracked, cfg.sight, np.random.default_rng(key), above)
+            for key, above in (([trial.seed, 5], False), ([trial.seed, 5, 1], True))
         )
         self.tracked: TrackedWorld | None = None
         self.guessed: GuessedWorld | None = None

@@ -55,7 +55,7 @@ class PictureLabels:
     def of(task: Task, now: Observation) -> PictureLabels:
         """Collect what a task names, where it is observed."""
         return PictureLabels(
-            {name: body.position for name, body in now.objects.items()},
+            {name: body.position for name, body in now.objects.items() if name not in now.unseen},
             {item.name: np.asarray(item.position, float) for item in task.fixtures},
             {name: np.asarray(at, float) for name, at in task.places.items()},
             now.tool.position,

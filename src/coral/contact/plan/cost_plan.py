@@ -302,7 +302,7 @@ def _points(program: Cost, schema: Schema) -> Callable[[Context], Array]:
 
     def points(now: Context) -> Array:
         if unseen_of(now, objects):
-            return np.asarray(now.ee_pos)[0]
+            return np.asarray(now.ee_pos[0])
         terms = program(now)
         return np.array([[float(np.asarray(terms[axis]).flat[0]) for axis in "xyz"]])
 
