@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
+from coral.contact.scene.instruction_check import unmatched_words
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import sample_trial
@@ -66,6 +67,8 @@ def described(task: Task) -> dict[str, Any]:
         "fixtures": [item.name for item in task.fixtures],
         "places": {name: list(p) for name, p in task.places.items()},
         "numbers": dict(task.numbers),
+        "marks": [mark.place for mark in task.marks],
+        "unmatched_words": unmatched_words(task),
         "hold_s": task.success.hold_s,
         "success": [condition.model_dump(mode="json", exclude_none=True) for condition in task.success.conditions],
     }
@@ -96,6 +99,7 @@ def _full_text(task: Mapping[str, Any]) -> str:
     for condition in task["success"]:
         details = ", ".join(f"{key} {value}" for key, value in condition.items() if key not in ("kind", "object"))
         lines.append(f"    {condition['object']} {condition['kind']}{f' ({details})' if details else ''}")
+    lines += [f"  instruction: {word}" for word in task["unmatched_words"]]
     return "\n".join(lines)
 
 

@@ -198,6 +198,12 @@ def test_kept_level(angles, holds):
     assert shown(judge, *((0.1 * k, body(rpy_deg=(angle, 0, 90 * k))) for k, angle in enumerate(angles))) is holds
 
 
+@pytest.mark.parametrize(("ways", "holds"), [((0, 0.039, 0), True), ((0, 0.041, 0), False)])
+def test_kept_near(ways, holds):
+    judge = watch(kind="kept-near", distance_m=0.04)
+    assert shown(judge, *((0.1 * k, body((way, 0, 0.03))) for k, way in enumerate(ways))) is holds
+
+
 @pytest.mark.parametrize(("steps", "holds"), [(10, True), (11, False)])
 def test_kept_touching_forgives_a_chatter(steps, holds):
     judge = watch(kind="kept-touching")

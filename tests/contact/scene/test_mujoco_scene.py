@@ -142,3 +142,16 @@ def test_reset_begins_the_same_trial_bit_for_bit():
         for _ in range(30):
             ends.append(world.step(target).objects["box"].position)
     assert np.array_equal(ends[29], ends[59])
+
+
+def test_a_mark_and_the_colour_of_a_part_are_seen_and_touch_nothing():
+    parts = [{**plain()["objects"][0]["parts"][0], "color": [0.8, 0.2, 0.2]}]
+    mark = {"place": "spot", "size": [0.1, 0.05], "color": [0.2, 0.6, 0.2]}
+    trial = make_trial(objects=[plain()["objects"][0] | {"parts": parts}], places={"spot": [0.1, 0, 0]}, marks=[mark])
+    spec = mujoco.MjSpec()
+    add_scene(spec, trial)
+    model = spec.compile()
+    found = model.geom("mark/spot")
+    assert (found.contype[0], found.conaffinity[0], found.group[0]) == (0, 0, 1)
+    assert found.rgba[:3] == pytest.approx([0.2, 0.6, 0.2])
+    assert model.geom("box/0").rgba[:3] == pytest.approx([0.8, 0.2, 0.2])

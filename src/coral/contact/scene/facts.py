@@ -294,6 +294,15 @@ class KeptLevelGoal(TypedDict):
     tolerance_deg: float
 
 
+class KeptNearGoal(TypedDict):
+    """See `history_conditions.KeptNear`."""
+
+    object: str
+    kind: Literal["kept-near"]
+    point: str | None
+    distance_m: float
+
+
 class KeptTouchingGoal(TypedDict):
     """See `history_conditions.KeptTouching`."""
 
@@ -342,6 +351,7 @@ SingleGoal = (
     | PeakForceGoal
     | SpeedLimitGoal
     | KeptLevelGoal
+    | KeptNearGoal
     | KeptTouchingGoal
     | NeverTouchedGoal
     | SlidGoal
@@ -385,6 +395,7 @@ GoalsByKind = TypedDict(
         "peak-force": PeakForceGoal,
         "speed-limit": SpeedLimitGoal,
         "kept-level": KeptLevelGoal,
+        "kept-near": KeptNearGoal,
         "kept-touching": KeptTouchingGoal,
         "never-touched": NeverTouchedGoal,
         "slid": SlidGoal,

@@ -19,7 +19,7 @@ from coral.contact.scene.condition import (
     hand_force,
     touches,
 )
-from coral.contact.scene.observation import Truth
+from coral.contact.scene.observation import Array, BodyState, Truth
 
 
 class TouchedWhileTurning(BaseCondition):
@@ -190,6 +190,31 @@ class KeptLevel(BaseCondition):
             off = degrees_between(before, axis_of(truth.objects[self.object].quaternion, self.axis))
             tilted = tilted or off > self.tolerance_deg
             return not tilted
+
+        return holds
+
+
+class KeptNear(BaseCondition):
+    """The object's centre, or a named point on it, never was farther than `distance_m` from where it began."""
+
+    needs_poses_only: ClassVar[bool] = True
+    breaks_for_good: ClassVar[bool] = True
+    kind: Literal["kept-near"] = "kept-near"
+    point: str | None = None
+    distance_m: float = Field(gt=0, le=5, strict=True)
+
+    def monitor(self, trial: TrialLike) -> Monitor:
+        """See `BaseCondition.monitor`."""
+
+        def at(body: BodyState) -> Array:
+            return body.position if self.point is None else trial.point(self.object, self.point, body)
+
+        before, left = at(trial.objects[self.object].pose), False
+
+        def holds(truth: Truth) -> bool:
+            nonlocal left
+            left = left or bool(np.linalg.norm(at(truth.objects[self.object]) - before) > self.distance_m)
+            return not left
 
         return holds
 

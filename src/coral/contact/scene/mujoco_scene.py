@@ -37,6 +37,8 @@ _GEOMS = {
     "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
     "mesh": mujoco.mjtGeom.mjGEOM_MESH,
 }
+MARK_M, MARK_GROUP = 0.001, 1
+"""Thickness of a mark, and its group: pictures for people and models show it, the tracker's, of depth, do not."""
 
 
 def add_scene(spec: mujoco.MjSpec, trial: Trial, condim: int = 4) -> None:
@@ -70,6 +72,17 @@ def add_scene(spec: mujoco.MjSpec, trial: Trial, condim: int = 4) -> None:
             friction=[fixture.friction, TORSION, ROLLING],
             rgba=[*fixture.color, 1],
         )
+    for mark in task.marks:
+        spec.worldbody.add_geom(
+            name=f"mark/{mark.place}",
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[mark.size[0] / 2, mark.size[1] / 2, MARK_M / 2],
+            pos=[*task.places[mark.place][:2], MARK_M / 2],
+            contype=0,
+            conaffinity=0,
+            group=MARK_GROUP,
+            rgba=[*mark.color, 1],
+        )
     for item in task.objects:
         _add_object(spec, item, trial.objects[item.name], condim)
 
@@ -92,7 +105,7 @@ def _add_object(spec: mujoco.MjSpec, item: Movable, found: TrialObject, condim: 
             condim=condim if part.shape == "box" else ROLLING_CONDIM,
             priority=OBJECT_PRIORITY,
             friction=[found.physical.friction, TORSION, ROLLING if part.shape == "box" else ROUND_ROLLING],
-            rgba=[*item.color, 1],
+            rgba=[*(part.color or item.color), 1],
         )
         if part.shape == "box":
             geom.size = size / 2

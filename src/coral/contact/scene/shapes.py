@@ -62,7 +62,7 @@ class Shape(TaskPart):
 
     `size`: box, full edges (x, y, z); cylinder, (diameter, diameter, length) along z; sphere, three times the diameter;
     mesh, the factors on `file` (STL or OBJ; its path relative to the task file, once loaded absolute). What touches is
-    the hull of a mesh.
+    the hull of a mesh. `color`, if it has its own, is red, green and blue from 0 to 1.
     """
 
     shape: Literal["box", "cylinder", "sphere", "mesh"] = "box"
@@ -70,6 +70,7 @@ class Shape(TaskPart):
     position: Vector = (0.0, 0.0, 0.0)
     rpy_deg: Turn = (0.0, 0.0, 0.0)
     file: str | None = Field(default=None, pattern=r"^[^\x00]+$")
+    color: Color | None = None
 
     @model_validator(mode="after")
     def _round(self) -> Shape:
@@ -166,6 +167,14 @@ class Fixture(TaskPart):
     yaw_deg: Degrees = 0.0
     friction: Friction = 0.6
     color: Color = (0.55, 0.58, 0.62)
+
+
+class Mark(TaskPart):
+    """A coloured rectangle, `size` along x and y, on the table under a place: seen in pictures, felt by nothing."""
+
+    place: Name
+    size: tuple[Metres, Metres] = (0.06, 0.06)
+    color: Color
 
 
 class TableTop(TaskPart):

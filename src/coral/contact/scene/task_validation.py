@@ -43,6 +43,8 @@ def check_task(task: Task, where: str) -> None:
     for index, item in enumerate(task.objects):
         _check_place(task, item, where, f"objects[{index}]")
         _check_meshes(item, where, f"objects[{index}]")
+    for index, mark in enumerate(task.marks):
+        check_known(mark.place, task.places, where, f"marks[{index}].place")
     if task.success.hold_s > task.time_limit_s:
         raise InputError(
             where,
