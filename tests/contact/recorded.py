@@ -6,7 +6,6 @@ from coral.advisor.question import AdvisorUnavailable
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
-from coral.contact.plan.plan_revision import PlanRevision
 from coral.contact.thinker.recorded_answers import recorded_answers
 from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer
@@ -51,7 +50,6 @@ RULES = {
     "physical-parameters": lambda facts, rejections: compose(facts).parameters,
     "cost-function": lambda facts, rejections: compose(facts).plan,
     "contact-regions": places,
-    "plan-revision": lambda facts, rejections: PlanRevision(keep=True, explanation="It does."),
     "cost-repair": repaired,
     "parameter-repair": fitted,
     "unified": everything,

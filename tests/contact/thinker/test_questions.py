@@ -8,13 +8,9 @@ from histories import history as steps_of
 from recorded import RULES
 
 from coral.advisor.question import AdvisorUnavailable, Reply
-from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
-from coral.contact.plan.imagined_run import ImaginedRunCfg
-from coral.contact.plan.plan_revision import PlanRevision
 from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
-from coral.contact.thinker import questions as questioning
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import TEXTS
 from coral.contact.thinker.evidence import collect_evidence
@@ -23,7 +19,6 @@ from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
-from coral.mppi.knots import KnotMppiCfg
 
 
 class Careless:
@@ -250,61 +245,3 @@ def test_a_refused_answer_about_everything_leaves_no_belief_behind(ask):
 
 
 UP = "def state_cost(self):\n    return {{'rise': abs(self.ee_pos[2] - {height})}}"
-
-
-class Reviser(Careless):
-    """The default advisor; after a rehearsal it gives these answers in turn."""
-
-    def __init__(self, *answers):
-        super().__init__()
-        self.answers = list(answers)
-
-    async def answer(self, question, rejections):
-        if question.kind == "plan-revision":
-            self.questions.append(question)
-            return Reply(value=self.answers.pop(0), raw="")
-        return await super().answer(question, rejections)
-
-
-@pytest.fixture
-def short_rehearsals(monkeypatch):
-    """A rehearsal of a few plans."""
-    mppi = dataclasses.replace(KnotMppiCfg(), samples=6)
-    cfg = ImaginedRunCfg(most_s=0.4, controller=ControllerCfg(horizon=10, mppi=mppi))
-    monkeypatch.setattr(questioning, "ImaginedRunCfg", lambda: cfg)
-
-
-def rehearsed(ask, advisor, **cfg):
-    one, questions, told = ask(advisor, **cfg)
-    questions.update_facts(one.now)
-    plan = PlanAnswer(code=UP.format(height=0.35))
-    return plan, questions.revise_plan(plan, one.now), [fields for event, fields in told if event == "rehearsal"]
-
-
-def test_without_rehearsals_a_plan_is_followed_as_it_is(ask):
-    advisor = Reviser()
-    plan, followed, told = rehearsed(ask, advisor)
-    assert (followed, told, advisor.questions) == (plan, [], [])
-
-
-def test_the_author_of_a_plan_sees_its_rehearsal_and_may_replace_it(ask, short_rehearsals):
-    better = UP.format(height=0.3)
-    advisor = Reviser(PlanRevision(code="def state_cost(self):\n    return self.cup_pos[0]"), PlanRevision(code=better))
-    _, followed, (told,) = rehearsed(ask, advisor, rehearsals=1)
-    assert followed.code == better
-    assert (told["kept"], told["source"], len(told["refused"])) == (False, "advisor", 1)
-    assert [row["stage"] for row in told["stages"]] == ["task"]
-    question = advisor.asked("plan-revision")
-    assert "stage | began_s" in question.prompt
-    assert "abs(self.ee_pos[2] - 0.35)" in question.prompt
-    assert "rehearsal" in [picture.name for picture in question.pictures]
-
-
-def test_a_plan_is_revised_until_it_is_kept_and_at_most_so_often(ask, short_rehearsals):
-    plans = [PlanRevision(code=UP.format(height=height)) for height in (0.3, 0.32, 0.33)]
-    advisor = Reviser(*plans)
-    assert rehearsed(ask, advisor, rehearsals=2)[1].code == plans[1].code
-    keeper = Reviser(PlanRevision(keep=True))
-    plan, followed, told = rehearsed(ask, keeper, rehearsals=2)
-    assert followed is plan
-    assert [fields["kept"] for fields in told] == [True]

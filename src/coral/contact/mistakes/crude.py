@@ -24,7 +24,7 @@ def spoil(error: str, question: Question[Any], answer: Answer, rng: np.random.Ge
         rng: Chooses the place of the error.
     """
     spoilt = copy.deepcopy(answer)
-    if question.kind in ("cost-function", "plan-revision", "cost-repair", "unified"):
+    if question.kind in ("cost-function", "cost-repair", "unified"):
         _plan(error, spoilt, rng)
     elif question.kind == "contact-regions":
         _regions(error, spoilt, rng)
@@ -102,7 +102,6 @@ KINDS = (
     "physical-parameters",
     "cost-function",
     "contact-regions",
-    "plan-revision",
     "cost-repair",
     "parameter-repair",
     "object-poses",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from typing import Any, NoReturn, cast
 
 import numpy as np
@@ -18,10 +17,7 @@ from coral.contact.cost.context import Context
 from coral.contact.perception.scene_labels import PictureLabels
 from coral.contact.plan.contact_regions import RegionCfg, RegionsAnswer, region_limits
 from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, make_strategy
-from coral.contact.plan.imagined_run import ImaginedRunCfg, imagine
 from coral.contact.plan.plan_check import judge_plan
-from coral.contact.plan.plan_rehearsal import summarize_rehearsal, unreached_stages
-from coral.contact.plan.plan_revision import PlanRevision
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.rehearsal import sample_states
 from coral.contact.plan.stage_beginnings import stage_beginnings
@@ -32,7 +28,6 @@ from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import Diagnosis
 from coral.contact.thinker.fallback import stand_in
 from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
-from coral.contact.thinker.rehearsal_picture import draw_rehearsal
 from coral.contact.thinker.repair_prompt import fit_prompt
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
@@ -136,71 +131,6 @@ class Questions:
         """Ask for another plan, given the history of the last one; None without an answer."""
         shown = {**self.world_prompt(), **history}
         return self._ask_for_plan("cost-repair", now, fit_prompt("cost-repair", shown))
-
-    def revise_plan(self, plan: PlanAnswer, now: Observation) -> PlanAnswer:
-        """Rehearse a plan in the planning world and let its author revise it, at most `rehearsals` times.
-
-        Args:
-            plan: A verified plan.
-            now: The present state.
-
-        Returns:
-            The plan as last revised; the plan itself if its author keeps it or does not answer.
-        """
-        length = ImaginedRunCfg()
-        for _ in range(self._cfg.rehearsals):
-            now = self.present(now)
-            followed = make_strategy("rehearsal", plan, None, self._world.schema, self.sizes, self.load)
-            moments = list(imagine(self._world, followed, now, length))
-            rows = summarize_rehearsal(moments)
-            if not rows:
-                return plan
-            unreached = unreached_stages(rows, plan.names)
-            outcome = self._asker.ask(
-                "plan-revision",
-                PlanRevision,
-                self._plan_facts(),
-                {
-                    **self.world_prompt(),
-                    "code": plan.text(numbered=True),
-                    "explanation": plan.explanation,
-                    "rehearsal": rows,
-                    "unreached": unreached,
-                    "length_s": length.most_s,
-                    "advice": list(self.advice),
-                },
-                partial(self._check_revision, now=now),
-                with_picture=True,
-                pictures=(draw_rehearsal(self._world, self._trial, moments),),
-                labels=self.labels(now),
-            )
-            answer = outcome.answer
-            self._emit(
-                "rehearsal",
-                stages=rows,
-                unreached=unreached,
-                kept=answer is None or answer.keep,
-                explanation="" if answer is None else answer.explanation,
-                code="" if answer is None or answer.keep else answer.plan_after(plan).text(),
-                failure=outcome.failure,
-                attempts=outcome.attempts,
-                refused=_rejection_reasons(outcome),
-                **({} if answer is None else {"decided": "revision", "source": self._asker.source}),
-            )
-            if answer is None or answer.keep:
-                return plan
-            plan = answer.plan_after(plan)
-            self.facts["refused"] = len(outcome.rejections)
-        return plan
-
-    def _check_revision(self, answer: PlanRevision, now: Observation) -> Rejection | None:
-        if answer.keep:
-            return None
-        kept, self.advice = self.advice, ()
-        refusal = self.check_plan(PlanAnswer(code=answer.code, stages=answer.stages), self.present(now))
-        if refusal is not None:
-            self.advice = kept
-        return refusal
 
     def no_plan(self) -> NoReturn:
         """End the episode, which has no plan to follow.

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal
-
-from pydantic import Field
+from typing import Literal
 
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.registry import asks_person
@@ -42,9 +40,6 @@ class ThinkCfg:
     """Whether to ask for contact regions. Off (`no-regions`): the same plan, but the samples are not guided."""
     refine: bool = True
     """Whether to ask for another plan when stuck. Off: `no-refinement`."""
-    rehearsals: Annotated[int, Field(ge=0, le=2)] = 0
-    """How often a new plan is rehearsed in the planning world and shown to its author, who may revise it, before the
-    robot moves. 0 by default: recordings hold no answer."""
     unified: bool = False
     """Whether to ask one question for everything (the paper's unified VLM)."""
     tracking: bool = True

@@ -181,7 +181,7 @@ class Thinker:
         if strategy is not None:
             return strategy
         asked = questions.ask_plan(first)
-        self._plan = questions.no_plan() if asked is None else questions.revise_plan(asked, first)
+        self._plan = questions.no_plan() if asked is None else asked
         self._regions = questions.ask_regions(self._plan)
         return self._strategy("asked")
 

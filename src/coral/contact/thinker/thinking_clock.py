@@ -26,7 +26,6 @@ PAPER_S = {
     "contact-regions": VLM_S,
     "unified": VLM_S,
     "cost-function": LLM_S,
-    "plan-revision": REFINEMENT_S,
     "cost-repair": REFINEMENT_S,
     "parameter-repair": REFINEMENT_S,
 }

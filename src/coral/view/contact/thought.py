@@ -18,7 +18,6 @@ ASKED = {
     "physical-parameters": "masses and frictions",
     "cost-function": "the cost",
     "contact-regions": "where to touch",
-    "plan-revision": "the plan after its rehearsal",
     "cost-repair": "a better cost",
     "parameter-repair": "corrected parameters",
     "unified": "everything at once",
@@ -237,22 +236,6 @@ def _plan(event: Record) -> ThoughtPart:
     )
 
 
-def _rehearsal(event: Record) -> ThoughtPart:
-    rows: list[tuple[str, ...]] = [("stage", "began (s)", "ended (s)", "mean force (N)", "moved (mm)")]
-    for row in event.get("stages", ()):
-        moved = "; ".join(f"{name} {item['moved_mm']}" for name, item in row["objects"].items())
-        ended = "not" if row["ended_s"] is None else f"{row['ended_s']:.2f}"
-        rows.append((str(row["stage"]), f"{row['began_s']:.2f}", ended, f"{row['force_mean_n']:.1f}", moved))
-    kept = bool(event.get("kept"))
-    return ThoughtPart(
-        title="The plan in rehearsal: kept" if kept else "The plan in rehearsal: revised",
-        text=str(event.get("explanation", "")),
-        refused=_refusals(event),
-        code=str(event.get("code", "")),
-        rows=tuple(rows),
-    )
-
-
 def _regions(event: Record) -> ThoughtPart:
     held: Mapping[str, Any] = event.get("regions", {})
     chips = tuple(
@@ -375,7 +358,6 @@ _PARTS: Mapping[str, Callable[[Record], ThoughtPart | None]] = {
     "poses": _poses,
     "beliefs": _beliefs,
     "recall": _recall,
-    "rehearsal": _rehearsal,
     "plan_answer": _plan,
     "regions": _regions,
     "candidates": _candidates,
