@@ -169,7 +169,7 @@ class Fixture(TaskPart):
     color: Color = (0.55, 0.58, 0.62)
 
 
-class Mark(TaskPart):
+class TableMark(TaskPart):
     """A coloured rectangle, `size` along x and y, on the table under a place: seen in pictures, felt by nothing."""
 
     place: Name

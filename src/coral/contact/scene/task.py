@@ -11,7 +11,7 @@ from typing import Literal
 from pydantic import Field
 
 from coral.contact.scene.conditions import Condition
-from coral.contact.scene.shapes import Fixture, Mark, Movable, Name, Number, TableTop, TaskPart, Vector
+from coral.contact.scene.shapes import Fixture, Movable, Name, Number, TableMark, TableTop, TaskPart, Vector
 
 FORMAT: Literal["coral-contact/1"] = "coral-contact/1"
 
@@ -35,7 +35,7 @@ class Task(TaskPart):
     fixtures: tuple[Fixture, ...] = Field(default=(), max_length=12)
     objects: tuple[Movable, ...] = Field(min_length=1, max_length=8)
     places: dict[Name, Vector] = Field(default_factory=dict)
-    marks: tuple[Mark, ...] = Field(default=(), max_length=12)
+    marks: tuple[TableMark, ...] = Field(default=(), max_length=12)
     numbers: dict[Name, Number] = Field(default_factory=dict)
     success: Success
 
