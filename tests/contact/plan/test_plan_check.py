@@ -107,3 +107,11 @@ def test_one_plan_has_one_verdict_whenever_it_is_checked(scene):
     first = judge_plan(plan, one.world.schema, sample_states(one.world, one.now, sizes))
     for _ in range(3):
         assert judge_plan(plan, one.world.schema, sample_states(one.world, one.now, sizes)) == first
+
+
+def test_the_stage_that_a_repair_goes_on_with_is_judged_in_the_present_state(scene):
+    one = scene("pick-box")
+    stages = [stage(done="self.box_pos[2] > 0.1"), stage(name="b", code=GATE)]
+    assert verify_plan(PlanAnswer(stages=stages), one.world.schema, one.samples) is None
+    found = verify_plan(PlanAnswer(stages=stages, begin="b"), one.world.schema, one.samples)
+    assert found.code == "barrier"

@@ -529,7 +529,7 @@ class Episode:
             stages=[stage.name for stage in strategy.stages],
             beliefs=[{name: parameter_fields(held) for name, held in one.items()} for one in self.planner.beliefs],
         )
-        self.emit("stage", before=None, stage=self.stage, index=0)
+        self.emit("stage", before=None, stage=self.stage, index=self.progress.index)
 
     def _end(self) -> None:
         self.world.stop()  # before anything that takes time: a robot must not wait for its record

@@ -69,10 +69,11 @@ def judge_plan(
     compiled, broken = _compile_each(answer, schema, load)
     found = [StageFault("", fault) for fault in structure] + broken
     unsure: dict[str, list[CostFault]] = {}
-    for index, made in enumerate(compiled):
+    first = answer.begin or answer.names[0]
+    for made in compiled:
         name = made.answer.name
         faults = [*verify_cost(made.cost, samples, cfg), *_condition_faults(made, samples)]
-        if index == 0:
+        if name == first:
             found += [StageFault(name, fault) for fault in faults]
             continue
         found += [StageFault(name, fault) for fault in faults if fault.code not in OF_THE_PLACE]

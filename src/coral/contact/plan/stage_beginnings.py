@@ -29,7 +29,7 @@ def stage_beginnings(
     Returns:
         By name, the state in which a stage first begins; stages that are not reached are missing.
     """
-    found = {strategy.stages[0].name: now}
+    found = {strategy.begin or strategy.stages[0].name: now}
     for moment in imagine(world, strategy, now, cfg):
         found.setdefault(moment.next_stage, moment.now)
         if all(name in found for name in wanted):
