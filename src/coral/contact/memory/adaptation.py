@@ -13,8 +13,8 @@ from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAns
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
 from coral.contact.scene.facts import SceneFacts
 
-PROGRAMS = ("code", "done", "lost", "toward")
-"""Fields of a stage that hold programs."""
+PROGRAMS = ("code", "done", "toward")
+"""Fields of a stage that hold programs, beside the conditions of `next`."""
 
 
 def adapt(experience: Experience, facts: SceneFacts, goals: GoalMatch) -> tuple[PlanAnswer, RegionsAnswer]:
@@ -35,7 +35,13 @@ def adapt(experience: Experience, facts: SceneFacts, goals: GoalMatch) -> tuple[
 
     plan = experience.plan
     stages = [
-        StageAnswer.model_validate({**stage.model_dump(), **{key: rewrite(getattr(stage, key)) for key in PROGRAMS}})
+        StageAnswer.model_validate(
+            {
+                **stage.model_dump(),
+                **{key: rewrite(getattr(stage, key)) for key in PROGRAMS},
+                "next": {to: rewrite(test) for to, test in stage.next.items()},
+            }
+        )
         for stage in plan.stages
     ]
     made = plan.model_copy(update={"code": rewrite(plan.code), "stages": stages})

@@ -140,15 +140,21 @@ def _move_face(
     return wrong
 
 
+def _ways(stage: Answer) -> list[tuple[Answer, str]]:
+    """Return the conditions on which a stage goes on to others, as places to change."""
+    ways = stage.get("next") or {}
+    return [(ways, to) for to in ways]
+
+
 def _change_programs(right: Answer, change: Callable[[str], str | None]) -> Answer | None:
     """Change every program of a plan; None if nothing changes."""
     wrong, changed = copy.deepcopy(right), False
     for stage in wrong["stages"] or [wrong]:
-        for key in ("code", "done", "lost", "toward"):
-            text = stage.get(key)
+        for held, key in [*((stage, key) for key in ("code", "done", "toward")), *_ways(stage)]:
+            text = held.get(key)
             made = change(text) if text else None
             if made is not None:
-                stage[key], changed = made, True
+                held[key], changed = made, True
     return wrong if changed else None
 
 
