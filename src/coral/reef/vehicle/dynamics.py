@@ -120,15 +120,7 @@ def thrust_n(u: NDArray[np.float64] | float) -> NDArray[np.float64]:
     return np.asarray(a * (8.9 + a**2 * (176.0 + a**2 * (-404.1 + a**2 * (389.9 - 140.3 * a**2)))))
 
 
-_INPUTS = np.linspace(0.0, 1.0, 4001)
-_THRUSTS = np.maximum.accumulate(thrust_n(_INPUTS))  # the fit falls by 0.2 N above u = 0.97
 THRUST_MAX_N = float(thrust_n(1.0))
-
-
-def thruster_input(force_n: NDArray[np.float64] | float) -> NDArray[np.float64]:
-    """Compute the normalised input whose static thrust is `force_n` (N): the inverse of `thrust_n`, saturated."""
-    force = np.asarray(force_n, dtype=np.float64)
-    return np.asarray(np.sign(force) * np.interp(np.abs(force), _THRUSTS, _INPUTS))
 
 
 def planar(parameters: Parameters, thrusters: Thrusters, thrust_max_n: float = THRUST_MAX_N) -> Planar:
@@ -149,17 +141,6 @@ def planar(parameters: Parameters, thrusters: Thrusters, thrust_max_n: float = T
         4.0 * cos45,
         4.0 * cos45 * (thrusters.x_m + thrusters.y_m),
     )
-
-
-def allocate_horizontal(wrench: tuple[float, float, float], model: Planar) -> NDArray[np.float64]:
-    """Allocate a planar wrench (N, N, N m) to the four horizontal thrusters.
-
-    Returns:
-        Forces (N) of front left, front right, rear left, rear right, Shape=(4,): the least-squares solution. With a
-        wrench from `limit_wrench` none exceeds `model.thrust_max`.
-    """
-    fx, fy, n = wrench[0] / model.force_arm, wrench[1] / model.force_arm, wrench[2] / model.moment_arm
-    return np.array([fx - fy - n, fx + fy + n, fx + fy - n, fx - fy + n])
 
 
 class SixDof(NamedTuple):
