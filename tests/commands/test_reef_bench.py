@@ -297,6 +297,14 @@ def test_a_study_goes_on_where_it_stopped(study):
     assert (again["ran"], again["found"], again["done"]) == (1, 5, 6)
 
 
+def test_a_study_of_missions_in_words_has_both_halves_in_three_waters():
+    made = ReefBench.from_file(["--study", "words"])
+    assert made.presets == "clear,bay,hard"
+    assert made.worlds == "words:all:0-3,words:all:100-103"
+    with pytest.raises(InputError, match="--study"):
+        dataclasses.replace(made, study=("word",))()
+
+
 def test_a_study_has_its_own_defaults_and_flags_change_them():
     made = ReefBench.from_file(["--study"])
     assert made.presets == "clear,hard"

@@ -24,6 +24,7 @@ from coral.campaign.study_tables import study_csv, study_tables
 from coral.campaign.sweep import parse_sweeps
 from coral.campaign.table import document
 from coral.campaign.version import code_version
+from coral.campaign.word_table import word_tables
 from coral.commands.campaigns import (
     CampaignFlags,
     check_finished,
@@ -103,9 +104,10 @@ class ReefBench(CampaignFlags):
     """Numbers and ranges, such as 0-4 or 0,3,7-9."""
     advisors: Annotated[str, Option(help=advisor_help("Separated by commas"))] = "heuristic"
     presets: Annotated[str, Option(help=preset_help("Water and sensors, separated by commas"))] = CLEAR
-    study: bool = False
+    study: Annotated[tuple[str, ...] | None, Option(metavar="[words]")] = None
     """The study: all variants of Tables I and II and the references, with the rules and two sloppy advisors, in clear
-    and hard water, each mission to its own end; writes study.md and study.csv too. Flags change these defaults."""
+    and hard water, each mission to its own end; writes study.md and study.csv too. words:
+    missions in words, both halves, in three waters. Flags change these defaults."""
     sweep: Annotated[tuple[str, ...], Option(repeated=True)] = ()
     """KEY=V1,V2,...: repeat the whole grid for each value. KEY: current, visibility, mask_errors, depth_noise,
     pose_drift, or a key of the configuration. If given several times, each key is swept separately."""
@@ -130,13 +132,16 @@ class ReefBench(CampaignFlags):
         if "--study" in words:
             cfg = cfg or mission_alone()
             own_end = cfg if "stop_when_covered" in given else replace(cfg, stop_when_covered=False)
-            return cls(**STUDY, cfg=own_end, given=given)
+            in_words = list(words[words.index("--study") + 1 :][:1]) == ["words"]
+            return cls(**(STUDY_IN_WORDS if in_words else STUDY), cfg=own_end, given=given)
         return cls(cfg=cfg or mission_alone(), given=given) if given or cfg is not None else None
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the missing missions, then make the tables."""
         if self.fallback is not None:
             return replace(self, cfg=with_fallback(self.cfg, self.fallback), fallback=None)()
+        if self.study not in (None, (), ("words",)):
+            raise InputError("--study", "", " ".join(self.study or ()), "words, or nothing")
         store = Store(self.out)
         if self.collect:
             store.manifest()
@@ -158,7 +163,7 @@ class ReefBench(CampaignFlags):
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the tables and where everything is."""
-        files = ("data", "tables", "figure", "sweep", *(("study", "numbers") if self.study else ()))
+        files = ("data", "tables", "figure", "sweep", *(("study", "numbers") if self.study == () else ()))
         several = len(parse_names(self.variants, "--variants")) > 1
         return describe_campaign(self.out, result, "mission", files, SHOWN if several else SHOWN_OF_ONE)
 
@@ -216,9 +221,9 @@ class ReefBench(CampaignFlags):
 
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
         results = read_results(store, "mission", "coral reef bench")
-        tables = reef_tables(results.rows, results.about, results.command)
+        tables = word_tables(results.rows) or reef_tables(results.rows, results.about, results.command)
         study = {}
-        if self.study:
+        if self.study == ():
             made = study_tables(results.rows, results.about, results.command)
             study = {"study": str(self.out / "study.md"), "numbers": str(self.out / "study.csv")}
             write_whole(self.out / "study.md", document(made, "md", "Study of the reef survey").encode())
@@ -289,7 +294,7 @@ class ReefBench(CampaignFlags):
             "--advisors",
             self.advisors,
         ]
-        words += ["--study"] if self.study else []
+        words += [] if self.study is None else ["--study", *self.study]
         words += ["--presets", self.presets] if self.presets != CLEAR else []
         words += [word for text in self.sweep for word in ("--sweep", text)]
         words += config_words(self.cfg, mission_alone(), self.config)
@@ -311,7 +316,7 @@ class ReefBench(CampaignFlags):
 
 
 SHOWN = ("Sweep", "All variants", "Table I, differences", "Table II, differences")
-SHOWN_OF_ONE = ("Sweep", "By world", "All variants")
+SHOWN_OF_ONE = ("Missions in words", "Sweep", "By world", "All variants")
 """Tables that the terminal shows, two at most, of several variants and of one."""
 STUDY: dict[str, Any] = {
     "variants": ",".join(dict.fromkeys((*TABLE_I, *TABLE_II, *BASELINES))),
@@ -320,6 +325,13 @@ STUDY: dict[str, Any] = {
     "out": Path("runs/study"),
 }
 """Defaults of the flags with `--study`."""
+STUDY_IN_WORDS: dict[str, Any] = {
+    "variants": "full,geometry,keywords,blind-sweep,random,oracle",
+    "worlds": "words:all:0-3,words:all:100-103",
+    "presets": "clear,bay,hard",
+    "out": Path("runs/words"),
+}
+"""Defaults of the flags with `--study words`."""
 
 
 def preset_of(spec: Spec) -> str:

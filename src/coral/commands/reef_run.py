@@ -32,6 +32,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, PRESETS, preset_help
 from coral.reef.mission.resolution import resolve_mission, with_sonar
 from coral.reef.mission.variants import VARIANTS
+from coral.reef.mission.word_judge import with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.generated import find_world
 from coral.reef.world.world_names import shipped_worlds
@@ -137,8 +138,7 @@ class ReefRun:
         if self.live:
             cfg = dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, keep_rollouts=True))
         if self.instruction is not None:
-            told = dataclasses.replace(cfg.planner.instruction, text=self.instruction)
-            cfg = dataclasses.replace(cfg, planner=dataclasses.replace(cfg.planner, instruction=told))
+            cfg = with_instruction(cfg, self.instruction, world.mission)
         folder = self.out or new_run_folder(Path("runs"), world.name)
         rng = np.random.default_rng([self.seed, 7])
         inbox = self.inbox or folder / "inbox"

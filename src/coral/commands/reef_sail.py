@@ -37,6 +37,7 @@ from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_camera, with_sonar
+from coral.reef.mission.word_judge import with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.live_view import LiveView, resized
@@ -90,6 +91,8 @@ class ReefSail:
     truth: str = ""
     """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
     advisor: Annotated[str, Option(help=advisor_help("Who decides"))] = "heuristic"
+    instruction: Annotated[str | None, Option(metavar="TEXT")] = None
+    """What to do, in plain words, in place of a survey of everything; nobody judges it at sea."""
     seed: int = 0
     """Seed of the controller's samples."""
     depth: Positive | None = None
@@ -272,6 +275,8 @@ class ReefSail:
         if self.safety.on_time != "none" and cfg.time_limit_s <= self.safety.reserve_s:
             kept = f"more than the {self.safety.reserve_s:g} s kept back for the way home (--safety.reserve-s)"
             raise InputError("--cfg.time-limit-s", "", f"{cfg.time_limit_s:g} s", kept)
+        if self.instruction is not None:
+            cfg = with_instruction(cfg, self.instruction)
         budget = cfg.pilot.budget.within(PERSON_DEADLINE_S if asks_person(self.advisor) else DEADLINE_S)
         return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
 

@@ -6,11 +6,12 @@ import json
 import pytest
 
 from coral.advisor.rules import RuleAdvisor
+from coral.errors import InputError
 from coral.reef.decide.mission_answer import MissionAnswer
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.variants import apply_variant
-from coral.reef.mission.word_judge import INSPECT_M, instructed
+from coral.reef.mission.word_judge import INSPECT_M, instructed, with_instruction
 from coral.reef.world.world import ReefWorld, load_world
 
 WORLD = ReefWorld.model_validate(
@@ -70,13 +71,15 @@ def test_the_oracle_fulfils_it(tmp_path):
 
 
 def test_a_mission_sets_time_and_distance_and_other_worlds_change_nothing():
-    cfg = instructed(MissionCfg(), WORLD)
+    cfg = instructed(MissionCfg(), WORLD.mission)
     assert (cfg.time_limit_s, cfg.planner.instruction.time_s) == (60.0, 60.0)
     assert cfg.belief.inspect.pixel_m * cfg.simulator.camera.intrinsics[0] == pytest.approx(INSPECT_M)
-    assert instructed(MissionCfg(), load_world("s1")) == MissionCfg()
+    assert instructed(MissionCfg(), load_world("s1").mission) == MissionCfg()
 
 
 def test_words_of_ones_own_replace_those_of_the_world():
-    told = dataclasses.replace(MissionCfg().planner.instruction, text="Look at the wheel.")
-    cfg = dataclasses.replace(MissionCfg(), planner=dataclasses.replace(MissionCfg().planner, instruction=told))
-    assert instructed(cfg, WORLD).planner.instruction.text == "Look at the wheel."
+    cfg = with_instruction(MissionCfg(), "Look at the wheel.", WORLD.mission)
+    assert instructed(cfg, WORLD.mission).planner.instruction.text == "Look at the wheel."
+    assert with_instruction(MissionCfg(), "Find it.").planner.instruction.time_s == MissionCfg().time_limit_s
+    with pytest.raises(InputError, match="--instruction"):
+        with_instruction(MissionCfg(), " ")

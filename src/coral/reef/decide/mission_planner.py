@@ -74,6 +74,7 @@ class MissionPlanner:
             arrival,
             closed=frozenset(goals | skipped),
             last_look=True,
+            colours=True,
             under_way=bool(route.goals),
             latency_s=route.latency_s,
         )

@@ -26,6 +26,8 @@ class Outlook:
     """Whether doubtful clusters are goals too: nothing else is left."""
     under_way: bool = False
     """Whether it is on its way to a goal."""
+    colours: bool = False
+    """Whether the question shows colour pictures of what was seen: for missions in words."""
     latency_s: float = 0.0
     """How long the answer is expected to take (s)."""
     guesses: GuessRecord = field(default_factory=GuessRecord)

@@ -89,7 +89,7 @@ class Mission:
         cfg = checked(cfg, "--cfg")
         if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
             raise InputError("--seed", "", repr(seed), "a number from 0 on")
-        cfg = instructed(cfg, world)
+        cfg = instructed(cfg, world.mission)
         make_driver = controller_maker(cfg.driver if controller is None else controller)
         make_trigger: MakeTrigger = SmartTrigger if trigger is None else trigger_maker(trigger)
         verify = None if verifier is None else find_verifier(verifier)

@@ -8,12 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from coral.errors import InputError
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.simulation.simulator import ReefSimulator
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.geometry import Frame, Pose
-from coral.reef.world.instruction import Deeds, Fulfilment, KeptOff, MissionText
+from coral.reef.world.instruction import MOST_CHARACTERS, Deeds, Fulfilment, KeptOff, MissionText
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld
 
@@ -96,9 +97,27 @@ class WordJudge:
         return self.text.judge(self.deeds())
 
 
-def instructed(cfg: MissionCfg, world: ReefWorld) -> MissionCfg:
+def with_instruction(cfg: MissionCfg, words: str, text: MissionText | None = None) -> MissionCfg:
+    """Return the configuration of a mission in words of one's own.
+
+    Args:
+        cfg: Configuration so far.
+        words: The instruction.
+        text: Mission of the world, whose time stays.
+
+    Raises:
+        InputError: The instruction is empty or too long.
+    """
+    if not words.strip() or len(words) > MOST_CHARACTERS:
+        found = f"{len(words)} characters"
+        raise InputError("--instruction", "", found, f"some words, at most {MOST_CHARACTERS} characters")
+    told = replace(cfg.planner.instruction, text=words)
+    return instructed(replace(cfg, planner=replace(cfg.planner, instruction=told)), text)
+
+
+def instructed(cfg: MissionCfg, text: MissionText | None) -> MissionCfg:
     """Return the configuration of a mission in words: its instruction, its time, what counts as inspected, stills."""
-    text, told = world.mission, cfg.planner.instruction
+    told = cfg.planner.instruction
     if text is None and not told.text:
         return cfg
     limit_s = cfg.time_limit_s if text is None else min(cfg.time_limit_s, text.time_s)

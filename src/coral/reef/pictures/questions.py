@@ -39,7 +39,7 @@ def map_scene(outlook: Outlook) -> MapScene:
 
 
 def question_pictures(outlook: Outlook) -> tuple[Picture, ...]:
-    """Draw map, segmentation and depth, as PNG; where full colour pictures are taken, also those."""
+    """Draw map, segmentation and depth, as PNG; for a mission in words, what was seen in colour, too."""
     drawn = draw_map(map_scene(outlook))
     belief = outlook.belief
     pictures = [
@@ -61,8 +61,10 @@ def question_pictures(outlook: Outlook) -> tuple[Picture, ...]:
                 name="depth", png=png(camera_picture(belief.frame, "depth")), caption="front camera, depth in metres"
             ),
         ]
-    if belief.frame is not None and belief.frame.still is not None:
-        colour = cv2.resize(belief.frame.still(), (800, 600), interpolation=cv2.INTER_AREA)
+    frame = belief.frame
+    if outlook.colours and frame is not None and (frame.still is not None or frame.rgb is not None):
+        whole = frame.rgb if frame.still is None else frame.still()
+        colour = cv2.resize(np.asarray(whole, np.uint8), (800, 600), interpolation=cv2.INTER_AREA)
         pictures.append(
             Picture(name="colour", png=png(np.asarray(colour, np.uint8)), caption="front camera, in colour")
         )

@@ -17,6 +17,8 @@ from coral.reef.world.structures import Metres, WorldPart
 
 APART_RAD = math.radians(60.0)
 """Two pictures are of different sides when they were taken from directions this far apart."""
+MOST_CHARACTERS = 1000
+"""Of an instruction."""
 NUMBERS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 
 
@@ -186,7 +188,7 @@ Clause = Annotated[
 class MissionText(WorldPart):
     """What a mission is to do, in plain words, and when that is done in truth."""
 
-    instruction: str = Field(min_length=1, max_length=1000)
+    instruction: str = Field(min_length=1, max_length=MOST_CHARACTERS)
     time_s: float = Field(default=150.0, gt=0, le=3600)
     """Time after which the mission ends."""
     conditions: tuple[Clause, ...] = Field(min_length=1, max_length=10)
