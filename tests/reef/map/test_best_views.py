@@ -22,12 +22,12 @@ def frame(colour, depth=12.0):
     )
 
 
-def test_a_nearer_picture_replaces_the_old_one_and_a_farther_one_does_not():
+def test_a_nearer_picture_replaces_the_old_one_but_none_that_shows_only_a_part():
     thing, views = Cluster(10.0, 5.0), BestViews(CAMERA)
-    for tick, (x, colour) in enumerate([(4.0, 10), (7.0, 20), (5.0, 30)]):
+    for tick, (x, colour) in enumerate([(4.0, 10), (7.0, 20), (5.0, 30), (9.2, 40)]):
         views.update(frame(colour), Pose(x, 5.0, 0.0), [thing], tick)
     ((_, view, age_s),) = views.of([thing])
-    assert (view.distance_m, round(age_s, 1), int(view.crop[0, 0, 0])) == (3.0, 0.1, 20)
+    assert (view.distance_m, round(age_s, 1), int(view.crop[0, 0, 0])) == (3.0, 0.2, 20)
 
 
 def test_what_is_behind_hidden_or_at_the_edge_has_no_picture():

@@ -18,6 +18,8 @@ SAME_M = 1.0
 """A view within this of a cluster is of it."""
 BETTER = 0.85
 """A new picture replaces the old one from this share of its distance."""
+NEAR_M = 1.2
+"""From nearer, a picture shows only a part."""
 HEIGHT_M = 0.15
 """Middle of a cluster above the floor."""
 HALF_M = 0.95
@@ -80,7 +82,7 @@ class BestViews:
                 continue
             distance = math.dist((pose.x, pose.y), (track.x, track.y))
             old = next((view for view in self.views if _same(view, track)), None)
-            if old is not None and distance > BETTER * old.distance_m:
+            if old is not None and not NEAR_M <= distance <= BETTER * old.distance_m:
                 continue
             at = float(u) / camera.width, float(v) / camera.width, min(fx * HALF_M / float(z) / camera.width, 0.5)
             view = View(track.x, track.y, distance, tick, take, at)

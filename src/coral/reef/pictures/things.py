@@ -14,8 +14,9 @@ from coral.reef.map.best_views import HALF_M
 
 TILE_PX, COLUMNS, MOST = 240, 4, 12
 """Edge of a tile, tiles in a row, and most tiles: those of the clusters that lie nearest."""
-MOST_GAIN = 5.0
-"""Contrast is stretched by no more than this."""
+MOST_GAIN, MOST_TINT = 5.0, 2.0
+"""Contrast is stretched by no more than this, and that of one colour by no more than this over another: what far water
+leaves of red is noise."""
 
 
 def things_picture(belief: Belief) -> Image | None:
@@ -54,6 +55,7 @@ def stretched(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Stretch the contrast of each colour, as an operator does with a murky picture."""
     low, high = np.percentile(picture, (1.0, 99.0), axis=(0, 1))
     gain = np.minimum(235.0 / np.maximum(high - low, 1.0), MOST_GAIN)
+    gain = np.minimum(gain, MOST_TINT * gain.min())
     middle = 0.5 * (low + high)
     grown = (picture - middle) * gain + np.clip(middle, 0.5 * 235.0 * 0.8, 150.0)
     return np.asarray(np.clip(grown, 0, 255), np.uint8)
