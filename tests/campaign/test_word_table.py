@@ -2,6 +2,7 @@
 
 from coral.campaign.spec import NO_ADVISOR
 from coral.campaign.word_table import word_tables
+from coral.reef.world.word_missions import half_of
 
 
 def row(world, variant, success, time_s=60.0, spared=True, advisor=NO_ADVISOR):
@@ -26,11 +27,11 @@ def test_halves_are_apart_and_times_are_over_the_oracle():
         row("words:net:100", "oracle", True),
         row("s1", "full", None),
     ]
-    development, test = word_tables(rows)
+    development, test = word_tables(rows, half_of)
     assert development.rows[0][0] == "oracle"
     assert development.rows[1][1:5] == ("2", "50 [9, 91]", "2.00", "50")
     assert len(test.rows) == 1
 
 
 def test_there_is_none_without_missions_in_words():
-    assert word_tables([row("s1", "full", None)]) == []
+    assert word_tables([row("s1", "full", None)], half_of) == []

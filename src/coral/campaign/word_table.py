@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from coral.campaign.presets import by_preset
 from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.stats import wilson
 from coral.campaign.table import Table
-from coral.reef.world.word_missions import PREFIX, TEST_FROM
 
 HALVES = ("development", "test")
 HEADER = ("method", "missions", "fulfilled (%)", "time × oracle", "spared (%)", "kept off (%)", "contacts")
@@ -23,18 +22,19 @@ NOTES = (
 )
 
 
-def word_tables(rows: Sequence[Row]) -> list[Table]:
-    """Make a table for each half and each water; none without missions in words."""
-    own = [row for row in rows if row.get("success") is not None and str(row["world"]).startswith(PREFIX)]
+def word_tables(rows: Sequence[Row], half_of: Callable[[str], str]) -> list[Table]:
+    """Make a table for each half and each water; none without missions in words.
+
+    Args:
+        rows: Of the data set.
+        half_of: Returns the half that a world is of, "" for none.
+    """
+    own = [row for row in rows if row.get("success") is not None and half_of(str(row["world"]))]
     return [
         Table("Missions in words", f"The {half} half, {preset} water.", HEADER, tuple(_lines(group)), NOTES)
         for half in HALVES
-        for preset, group in by_preset([row for row in own if _half(row) == half]).items()
+        for preset, group in by_preset([row for row in own if half_of(str(row["world"])) == half]).items()
     ]
-
-
-def _half(row: Row) -> str:
-    return HALVES[int(str(row["world"]).rpartition(":")[2]) >= TEST_FROM]
 
 
 def _lines(rows: Sequence[Row]) -> Iterator[tuple[str, ...]]:

@@ -51,6 +51,7 @@ from coral.reef.mission.sweep import apply_setting
 from coral.reef.mission.variants import apply_variant
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.generated import expand_names, find_world
+from coral.reef.world.word_missions import half_of
 from coral.reef.world.world import ReefWorld
 from coral.runs import provenance
 
@@ -221,7 +222,7 @@ class ReefBench(CampaignFlags):
 
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
         results = read_results(store, "mission", "coral reef bench")
-        tables = word_tables(results.rows) or reef_tables(results.rows, results.about, results.command)
+        tables = word_tables(results.rows, half_of) or reef_tables(results.rows, results.about, results.command)
         study = {}
         if self.study == ():
             made = study_tables(results.rows, results.about, results.command)

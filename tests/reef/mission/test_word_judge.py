@@ -8,6 +8,7 @@ import pytest
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.decide.mission_answer import MissionAnswer
+from coral.reef.decide.trigger import TriggerCfg
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.variants import apply_variant
@@ -36,8 +37,11 @@ WORLD = ReefWorld.model_validate(
 )
 
 
-def run(folder, variant="full", rules=None):
-    cfg = apply_variant(variant, dataclasses.replace(MissionCfg(), latency="0"))
+def run(folder, variant="full", rules=None, margin_s=2.0):
+    planner = MissionCfg().planner
+    planner = dataclasses.replace(planner, route=dataclasses.replace(planner.route, margin_s=margin_s))
+    pilot = dataclasses.replace(MissionCfg().pilot, trigger=TriggerCfg(cooldown_s=0.0))
+    cfg = apply_variant(variant, dataclasses.replace(MissionCfg(), latency="0", planner=planner, pilot=pilot))
     advisor = RuleAdvisor({"reef-mission": rules or (lambda facts, rejections: MissionAnswer(done=True))})
     return Mission(WORLD, cfg, advisor, folder, variant=variant).run()
 
@@ -64,6 +68,19 @@ def test_to_end_at_once_fails_by_what_was_not_done(tmp_path):
     result = run(tmp_path / "run")
     assert [one["met"] for one in result["conditions"]] == [False, True, False]
     assert not result["success"]
+
+
+def test_done_said_on_the_way_ends_the_mission_where_the_way_ends(tmp_path):
+    def rules(facts, rejections):
+        dots = [dot for dot in facts["centroids"] if dot["path_m"] is not None]
+        tyre = min(dots, key=lambda dot: dot["path_m"], default={"index": 0, "visited": False})
+        if tyre["visited"]:  # or will be, when the answer is needed
+            return MissionAnswer(done=True, answer="black")
+        return MissionAnswer(selected_centroid_index=tyre["index"])
+
+    result = run(tmp_path / "run", rules=rules, margin_s=8.0)  # asked long before the tyre
+    assert result["success"], result["conditions"]
+    assert result["end_reason"] == "the advisor ended the survey"
 
 
 def test_the_oracle_fulfils_it(tmp_path):

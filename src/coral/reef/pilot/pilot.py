@@ -260,6 +260,8 @@ class Pilot:
                 violates=False,
             )
         self._advance(t)
+        if self._ended and not self.route.goals:
+            self.end_reason = SURVEY_ENDED
         if (turn := self._look_round.command()) is not None and not (self._blind or self.homing):
             self.trigger.new_goal()  # to look round is not to be stuck
             return turn
@@ -495,8 +497,12 @@ class Pilot:
     def _adopt(self, asked: AskedState, answer: Any, source: Source) -> None:
         """Put a decision behind the goals that were under way when it was asked for; without `ahead` there are none."""
         if getattr(answer, "end_survey", False):
-            self.end_reason, self._ended = SURVEY_ENDED, True
             said = {"answer": answer.answer} if hasattr(answer, "answer") else {}
+            # A mission in words ends where the robot was to be when the answer was needed.
+            before = [g for g in self.route.goals if said and g in asked.outlook.arrival.goals]
+            self.end_reason, self._ended = "" if before else SURVEY_ENDED, True
+            if before:
+                self.route.follow(before, self._now)
             self._emit("held", source=source, decision=self._decision, reason=SURVEY_ENDED, **said)
             return
         goal = self.planner.locate(asked, answer)

@@ -39,9 +39,11 @@ TEST_FROM = 100
 """Numbers from here on are of the test half."""
 SIZE_M = (26.0, 20.0)
 START = (2.5, 10.0)
-TIME_S = 180.0
+TIME_S = 300.0
 APART_M, FROM_START_M, EDGE_M = 4.6, 4.5, 2.5
 """Least distance between things, from the start, and from the edge."""
+AHEAD_M, AHEAD_HALF_M = 9.0, 2.0
+"""Water ahead of the start that stays empty: length, and half of the width."""
 POSTS, FROM_POST_M = 3, 2.4
 LIKE_OYSTERS = ("dead-shell", "mussels", "sponge", "shell-bags", "reef-ball", "crab-pot", "tyre")
 
@@ -146,6 +148,13 @@ def instructions() -> dict[str, dict[str, list[str]]]:
     return load_mapping(read_text(TEXTS, where), where, expected="families")
 
 
+def half_of(name: str) -> str:
+    """Return the half that a mission is of, "development" or "test"; "" for a world without words."""
+    if not name.startswith(PREFIX):
+        return ""
+    return "test" if int(name.rpartition(":")[2]) >= TEST_FROM else "development"
+
+
 @lru_cache(maxsize=64)
 def word_mission(name: str) -> ReefWorld:
     """Make a mission; it is the same every time.
@@ -165,7 +174,7 @@ def word_mission(name: str) -> ReefWorld:
     draft, number = FAMILIES[match[1]], int(match[2])
     rng = np.random.default_rng([crc32(match[1].encode()), number])
     things, conditions = draft(rng)
-    said = instructions()[match[1]]["test" if number >= TEST_FROM else "development"]
+    said = instructions()[match[1]][half_of(name)]
     text = MissionText(instruction=said[number % len(said)], time_s=TIME_S, conditions=conditions)
     placed = _place(things, rng)
     posts = _posts(placed, rng)
@@ -217,7 +226,8 @@ def _spot(name: str, spots: Sequence[tuple[float, float]], rng: np.random.Genera
             "east": x > (20.0 if name == "east" else 15.0),
             "west": x < 11.0,
         }.get(side, True)
-        far = math.dist((x, y), START) >= FROM_START_M
+        first = x < START[0] + AHEAD_M and abs(y - START[1]) < AHEAD_HALF_M  # where the robot goes unasked
+        far = math.dist((x, y), START) >= FROM_START_M and not first
         if there and far and all(math.dist((x, y), spot) >= APART_M for spot in spots):
             return x, y
     return None
