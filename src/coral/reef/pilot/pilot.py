@@ -499,10 +499,12 @@ class Pilot:
         if getattr(answer, "end_survey", False):
             said = {"answer": answer.answer} if hasattr(answer, "answer") else {}
             # A mission in words ends where the robot was to be when the answer was needed.
-            before = [g for g in self.route.goals if said and g in asked.outlook.arrival.goals]
-            self.end_reason, self._ended = "" if before else SURVEY_ENDED, True
-            if before:
-                self.route.follow(before, self._now)
+            arrival = asked.outlook.arrival
+            before = [g for g in self.route.goals if g in arrival.goals]
+            way = [*before, Goal(x=arrival.pose.x, y=arrival.pose.y)] if said and arrival.in_s > 0.0 else []
+            self.end_reason, self._ended = "" if way else SURVEY_ENDED, True
+            if way:
+                self.route.follow(way, self._now)
             self._emit("held", source=source, decision=self._decision, reason=SURVEY_ENDED, **said)
             return
         goal = self.planner.locate(asked, answer)
