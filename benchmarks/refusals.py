@@ -228,6 +228,7 @@ CASES = [
     Case("metrics of other types", REPORT, text("run/metrics.json", '{"coverage": [], "sim_time_s": "x", "collisions": 1e300}'), read=True),
     Case("metrics of 1 000 000 levels", REPORT, text("run/metrics.json", "[" * 1_000_000), read=True),
     Case("a broken gzip part", REPORT, text("run/events.0001.jsonl.gz", b"\x1f\x8b\x08\0broken"), read=True),
+    Case("maps and classes of a run in colours", REPORT, lambda f: colours(f), read=True),
     Case("a world of a run with a huge area", REPORT, changed("run/world.yaml", "size_m:", "size_m: [1.0e+300, 1.0e+300]\nold:"), read=True),
     Case("a bag's table of contents of 30 000 levels", BAG, text("bag/metadata.yaml", "[" * 30_000)),
     Case("a bag whose file is no MCAP", BAG, lambda f: [p.write_bytes(b"no") for p in (f / "bag").glob("*.mcap")]),
@@ -247,6 +248,12 @@ def poses(f: Path, change: Callable[[list[list[str]]], list[list[str]]]) -> None
     path = f / "pictures/poses.csv"
     rows = change([row.split(",") for row in path.read_text(encoding="utf-8").splitlines()])
     path.write_text("".join(",".join(row) + "\n" for row in rows), encoding="utf-8")
+
+
+def colours(f: Path) -> None:
+    """Put colour pictures in place of those that hold a class for every pixel."""
+    for path in (f / "run/frames").glob("*.png"):
+        path.write_bytes(png(240, 240))
 
 
 def recode(f: Path, change: Callable[[bytes], bytes]) -> None:

@@ -169,6 +169,14 @@ def test_a_picture_is_decoded_as_opencv_does(tmp_path):
     assert read_picture_file(tmp_path / "missing.png") is None
 
 
+def test_a_picture_of_colours_has_no_values(tmp_path):
+    cv2.imwrite(str(tmp_path / "map.png"), np.zeros((4, 5, 3), np.uint8))
+    cv2.imwrite(str(tmp_path / "depth.png"), np.zeros((4, 5), np.uint16))
+    assert read_picture_file(tmp_path / "map.png", channels=1) is None
+    assert read_picture_file(tmp_path / "map.png", channels=3).shape == (4, 5, 3)
+    assert read_picture_file(tmp_path / "depth.png", channels=1).dtype == np.uint16
+
+
 def test_damaged_tags_of_a_picture_are_passed_over_in_silence(recwarn):
     whole = cv2.imencode(".tiff", np.zeros((24, 32, 3), np.uint8))[1].tobytes()
     assert picture_size(whole) == (32, 24)

@@ -250,13 +250,21 @@ def decode_picture(content: bytes, mode: int | None = None) -> NDArray[Any] | No
     return None if found is None else np.asarray(found)
 
 
-def read_picture_file(path: Path, mode: int | None = None) -> NDArray[Any] | None:
-    """Read a picture file; None if it is missing, or no picture that may be decoded. See `decode_picture`."""
+def read_picture_file(path: Path, mode: int | None = None, *, channels: int | None = None) -> NDArray[Any] | None:
+    """Read a picture file; None if it is missing, or no picture that may be decoded. See `decode_picture`.
+
+    Args:
+        path: The file.
+        mode: OpenCV's, by default as stored.
+        channels: A picture with another number of values a pixel counts as none: a map with colours has no classes.
+    """
     try:
         content = regular_bytes(path, limits.PICTURE_BYTES)
-        return decode_picture(content, mode) if len(content) <= limits.PICTURE_BYTES else None
+        found = decode_picture(content, mode) if len(content) <= limits.PICTURE_BYTES else None
     except (OSError, ValueError):
         return None
+    fits = found is None or channels is None or channels == (1 if found.ndim == 2 else found.shape[2])
+    return found if fits else None
 
 
 def read_archive(path: Path, most_bytes: int = limits.ARCHIVE_BYTES) -> zipfile.ZipFile:

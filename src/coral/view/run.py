@@ -82,7 +82,7 @@ class RunFolder:
         Shape=(H, W); of "rgb" Shape=(H, W, 3), in OpenCV's order of colours.
         """
         path = self.path / "frames" / f"{step:06d}_{kind}.{'jpg' if kind == 'rgb' else 'png'}"
-        return read_picture_file(path)
+        return read_picture_file(path, channels=3 if kind == "rgb" else 1)
 
     def camera_frame(self, step: int) -> Frame | None:
         """Read what the camera saw: depth and classes, and the colours if they were kept; None if unreadable."""

@@ -116,5 +116,5 @@ def _world(path: Path, config: dict[str, Any]) -> tuple[str, tuple[float, float]
 
 def _final_map(path: Path) -> NDArray[np.uint8] | None:
     maps = sorted((path / "frames").glob("*_map.png"))
-    cells = read_picture_file(maps[-1]) if maps else None
+    cells = read_picture_file(maps[-1], channels=1) if maps else None
     return None if cells is None or cells.dtype != np.uint8 else np.asarray(cells)

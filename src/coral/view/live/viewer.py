@@ -224,7 +224,7 @@ def frame_picture(folder: Path, step: int, kind: str) -> Image | None:
 
     def stored(name: str) -> Any:
         path = folder / "frames" / f"{step:06d}_{name}.{'jpg' if name == 'rgb' else 'png'}"
-        return read_picture_file(path)
+        return read_picture_file(path, channels=3 if name == "rgb" else 1)
 
     if kind == "map":
         cells = stored("map")
