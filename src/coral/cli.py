@@ -106,6 +106,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(words: Sequence[str]) -> int:
     try:
+        if not words and sys.stdout.isatty():
+            from coral.commands.front_page import front_page
+
+            print(fitted(front_page(), sys.stdout))
+            return 0
         if not words or words[0] in HELP:
             print(_overview(""))
             return 0

@@ -1,4 +1,4 @@
-"""What the front page says of each recorded run: a few numbers, read from two small files."""
+"""The recorded runs of a folder, and what a front page says of each: a few numbers, read from two small files."""
 
 from __future__ import annotations
 
