@@ -1,3 +1,5 @@
+import dataclasses
+
 import pytest
 
 from coral.view.decisions import Try, decisions
@@ -46,3 +48,14 @@ def test_a_fallback_is_told_of_the_decision_that_failed(fresh):
     with (fresh / "events.jsonl").open("a") as out:
         out.write('{"step": 390, "t": 39.0, "event": "fallback", "policy": "rules", "failure": "deadline"}\n')
     assert [one.fallback for one in decisions(RunFolder.read(fresh))] == ["", "", "rules (deadline)"]
+
+
+def test_a_question_that_was_withdrawn_is_no_failure(finished):
+    made = decisions(RunFolder.read(finished))
+    assert [one.state for one in made] == ["good", "again", "idle"]
+
+    def last(verdict):
+        only = dataclasses.replace(made[0].tries[0], verdict=verdict)
+        return dataclasses.replace(made[0], tries=(only,)).state
+
+    assert [last(v) for v in ("withdrawn", "rejected", "unavailable")] == ["idle", "bad", "bad"]

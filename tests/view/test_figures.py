@@ -85,6 +85,14 @@ def test_each_bar_of_the_histogram_tells_its_ticks(run):
     assert {"median 1.20 ms", "99th percentile 4.00 ms"} <= set(texts)
 
 
+def test_a_slow_tick_takes_one_bar_and_not_the_whole_axis():
+    histogram = {"counts": [200, 180, 20, 0, 1], "edges": [0.0, 1.0, 2.0, 3.0, 4.0, 424.0]}
+    root, texts, titles = drawn(control_histogram({"control_ms_histogram": histogram}))
+    assert titles[-1] == "4.00–424.00 ms: 1 ticks"
+    assert "up to 424 ms" in texts
+    assert len({e.get("width") for e in root.iter("rect")}) == 1
+
+
 @pytest.mark.parametrize(
     "histogram", [None, 3, {}, {"counts": [0, 0], "edges": [0, 1, 2]}, {"counts": [1, 2], "edges": [0, 1]}]
 )

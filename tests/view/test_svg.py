@@ -18,7 +18,9 @@ def test_ticks_are_round_and_inside():
     assert Span(0.0, 95.0, 0, 1).ticks(5) == [0.0, 20.0, 40.0, 60.0, 80.0]
 
 
-@pytest.mark.parametrize(("seconds", "said"), [(0.0, "0:00"), (59.9, "0:59"), (60.0, "1:00"), (3725.0, "62:05")])
+@pytest.mark.parametrize(
+    ("seconds", "said"), [(0.0, "0:00"), (59.4, "0:59"), (70.6, "1:11"), (60.0, "1:00"), (3725.0, "62:05")]
+)
 def test_time_in_minutes_and_seconds(seconds, said):
     assert clock(seconds) == said
 

@@ -28,6 +28,15 @@ def run_alone(coroutine: Coroutine[Any, Any, R]) -> R:
         return runner.run(coroutine)
 
 
+def cancel_pending(loop: asyncio.AbstractEventLoop) -> None:
+    """Cancel the tasks that wait on a loop, as after Ctrl-C, and let them end."""
+    left = asyncio.all_tasks(loop)
+    for task in left:
+        task.cancel()
+    if left:
+        run_on(loop, asyncio.gather(*left, return_exceptions=True))
+
+
 @contextlib.contextmanager
 def _suspend_outer_loop() -> Iterator[None]:
     """Detach the running loop and its task from the thread temporarily.

@@ -9,6 +9,7 @@ from collections.abc import Callable, Coroutine
 from concurrent.futures import Future
 from typing import Any
 
+from coral.advisor.inner_loop import cancel_pending
 from coral.advisor.question import trait
 
 
@@ -26,11 +27,7 @@ class AdvisorThread:
         try:
             self._loop.run_forever()
         finally:
-            left = asyncio.all_tasks(self._loop)
-            for task in left:
-                task.cancel()
-            if left:
-                self._loop.run_until_complete(asyncio.gather(*left, return_exceptions=True))
+            cancel_pending(self._loop)
             for close in self._to_close:
                 with contextlib.suppress(OSError, RuntimeError):
                     self._loop.run_until_complete(close())

@@ -94,6 +94,13 @@ class Decision:
         return self.tries[-1].verdict
 
     @property
+    def state(self) -> str:
+        """Return "good" if the first answer was accepted, "again" if a later one, "idle" if none is due, else "bad"."""
+        if self.outcome == "accepted":
+            return "good" if len(self.tries) == 1 else "again"
+        return "idle" if self.outcome in ("open", "withdrawn") else "bad"
+
+    @property
     def end_s(self) -> float:
         """Return the time of the decision's last event (s)."""
         last = self.tries[-1]

@@ -242,7 +242,8 @@ def control_histogram(timing: Record) -> str:
     if not sum(counts) or len(edges) != len(counts) + 1:
         return ""
     last = max(k for k, count in enumerate(counts) if count) + 1
-    x = Span(0.0, edges[max(last, 4)] if len(edges) > 4 else edges[-1], LEFT, WIDTH - RIGHT)
+    width = edges[1] - edges[0]
+    x = Span(0.0, edges[max(last, 4) - 1] + width if len(edges) > 4 else edges[-1], LEFT, WIDTH - RIGHT)
     top, bottom = 12.0, 150.0
     decades = max(1, math.ceil(math.log10(max(counts) + 1)))
     y = Span(-0.3, decades, bottom, top)
@@ -259,9 +260,11 @@ def control_histogram(timing: Record) -> str:
             height = bottom - y(math.log10(count))
             body.append(
                 f'<rect x="{x(edges[k]) + 0.5:.1f}" y="{bottom - height:.1f}" '
-                f'width="{max(1.0, x(edges[k + 1]) - x(edges[k]) - 1):.1f}" height="{height:.1f}" class="bar">'
+                f'width="{max(1.0, x(edges[k] + width) - x(edges[k]) - 1):.1f}" height="{height:.1f}" class="bar">'
                 f"<title>{edges[k]:.2f}–{edges[k + 1]:.2f} ms: {count} ticks</title></rect>"
             )
+    if edges[last] - edges[last - 1] > 1.5 * width:
+        body.append(text(x.end_px, bottom - 10 - height, f"up to {edges[last]:.0f} ms", "mark", "end"))
     for key, name in (("control_ms_median", "median"), ("control_ms_p99", "99th percentile")):
         value = timing.get(key)
         if isinstance(value, int | float) and value <= x.high:

@@ -164,10 +164,9 @@ class MapSvg:
             x = min(max(x, PAD[0] + 11), self.width - PAD[2] - 11)
             y = min(max(y, PAD[1] + 11), self.height - PAD[3] - 11)
             placed.append((x, y))
-            state = ("good" if len(d.tries) == 1 else "again") if d.outcome == "accepted" else "bad"
             lead = line(x0, y0, x, y, "lead") if math.hypot(x - x0, y - y0) > 4 else ""
             parts.append(
-                f'<g class="decision {state}" data-decision="{d.number}" tabindex="0" role="button">{lead}'
+                f'<g class="decision {d.state}" data-decision="{d.number}" tabindex="0" role="button">{lead}'
                 f'<circle cx="{x:.1f}" cy="{y:.1f}" r="9.5"/>{text(x, y + 3.8, str(d.number), "")}'
                 f"<title>decision {d.number} at {clock(d.t)}: {escape(d.tries[-1].said)}</title></g>"
             )

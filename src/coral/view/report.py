@@ -128,7 +128,7 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     safe = "without touching anything" if not touched else f"with {many(touched, 'collision')}"
     verb = "had covered" if not run.complete else "covered"
     asked = many(int(metrics.get("advisor_calls", 0)), "question")
-    minutes, seconds = divmod(int(float(metrics.get("sim_time_s", 0.0))), 60)
+    minutes, seconds = divmod(round(float(metrics.get("sim_time_s", 0.0))), 60)
     distance = float(metrics.get("distance_m", 0.0))
     who, whose = (f"the {metrics['robots']} robots", "their") if metrics.get("robots") else ("the robot", "its")
     deciding = who_decided(metrics, things="goals", fallback=_fallback(run), advisor="The advisor")

@@ -46,7 +46,7 @@ def time_axis(duration_s: float) -> Span:
 
 def clock(t: float) -> str:
     """Format simulated time as m:ss."""
-    seconds = int(t + 1e-6)
+    seconds = round(t)
     return f"{seconds // 60}:{seconds % 60:02d}"
 
 

@@ -1,3 +1,6 @@
+import asyncio
+import gc
+
 import pytest
 from written_facts import brick, written
 
@@ -154,6 +157,24 @@ class Recorded:
 
     async def answer(self, question, rejections):
         raise AdvisorUnavailable("used-up", "nothing is left", final=True)
+
+
+def test_ctrl_c_while_the_advisor_thinks_leaves_no_task_behind(made, caplog):
+    class Interrupted(Scripted):
+        async def answer(self, question, rejections):
+            asyncio.get_running_loop().call_soon(ctrl_c)
+            await asyncio.Future()
+
+    def ctrl_c():
+        raise KeyboardInterrupt
+
+    asker = made(Interrupted())
+    with pytest.raises(KeyboardInterrupt):
+        ask(asker)
+    asker.close()
+    del asker
+    gc.collect()
+    assert "Task was destroyed" not in caplog.text
 
 
 def test_its_answers_belong_to_whom_the_advisor_says(made):

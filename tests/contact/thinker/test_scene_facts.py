@@ -95,3 +95,9 @@ def test_a_joint_is_told_with_where_it_stands():
     assert found.pop("now") == pytest.approx(30)
     assert found == {"kind": "hinge", "axis": [0, 0, 1], "point": [-0.03, 0, 0], "range": [0, 90], "friction": 0.02}
     assert "joint" not in box_facts()
+
+
+def test_fingers_pressed_together_are_not_open_by_less_than_nothing():
+    trial = make_trial()
+    pressed = dataclasses.replace(seen(trial), opening_m=-0.011)
+    assert scene_facts(trial, pressed)["hand"]["opening_m"] == 0.0

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from coral.advisor.attribution import Source, source_of, spent
 from coral.advisor.consult import DEADLINE_S, Attempt, BudgetCfg, Outcome, consult
-from coral.advisor.inner_loop import run_on
+from coral.advisor.inner_loop import cancel_pending, run_on
 from coral.advisor.latency import LatencyCfg
 from coral.advisor.prompt import render
 from coral.advisor.question import Advisor, Picture, Question, Rejection, trait
@@ -145,6 +145,7 @@ class Asker:
         """Close the advisor and the loop."""
         if self._loop is None:
             return
+        cancel_pending(self._loop)
         if (aclose := trait(self.advisor, "aclose")) is not None:
             run_on(self._loop, aclose())
         self._loop.close()

@@ -74,7 +74,11 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
             "x": [table.center[0] - table.size[0] / 2, table.center[0] + table.size[0] / 2],
             "y": [table.center[1] - table.size[1] / 2, table.center[1] + table.size[1] / 2],
         },
-        "hand": {"pose": pose(now.tool), "opening_m": round(now.opening_m, 3), "widest_opening_m": MAX_OPENING_M},
+        "hand": {
+            "pose": pose(now.tool),
+            "opening_m": max(0.0, round(now.opening_m, 3)),
+            "widest_opening_m": MAX_OPENING_M,
+        },
     }
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.consult import DEADLINE_S
@@ -389,7 +390,7 @@ class Mission:
         )
         metrics = compute_metrics(self.writer.folder)
         self.writer.json("metrics.json", metrics)
-        histogram, edges = np.histogram(control, bins=np.linspace(0.0, max(10.0, math.ceil(control.max())), 41))
+        histogram, edges = np.histogram(control, bins=tick_edges(control))
         self.writer.json(
             "timing.json",
             {
@@ -398,3 +399,15 @@ class Mission:
             },
         )
         return {**metrics, **timing}
+
+
+def tick_edges(control_ms: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the edges of 40 bins for times of ticks (ms), of which the last one reaches to the slowest tick.
+
+    Args:
+        control_ms: Shape=(N,), N >= 1.
+    """
+    usual = max(10.0, math.ceil(1.2 * float(np.percentile(control_ms, 99, method="lower"))))
+    edges = np.linspace(0.0, usual, 41)
+    edges[-1] = max(usual, math.ceil(control_ms.max()))
+    return edges

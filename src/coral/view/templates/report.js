@@ -3,7 +3,7 @@
   const map = $("map"), slider = $("time"), T = RUN.t;
   const scale = +map.dataset.scale, x0 = +map.dataset.x0, y0 = +map.dataset.y0;
   const px = (x, y) => [x0 + scale * x, y0 - scale * y];
-  const mmss = (t) => { const s = Math.floor(t + 1e-6); return `${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")}`; };
+  const mmss = (t) => { const s = Math.round(t); return `${Math.floor(s / 60)}:${String(s % 60).padStart(2, "0")}`; };
   const all = (query) => [...document.querySelectorAll(query)];
   const track = ["track", "track-edge"].map($).filter(Boolean);
 
