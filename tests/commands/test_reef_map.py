@@ -101,7 +101,7 @@ def test_a_run_seen_by_a_network_is_compared_with_the_truth(colour_run, network,
     assert code == 0
     assert "its errors are not in the interval" in out
     assert "classes: 0 water: water; 1 oyster: oyster; 2 obstacle: obstacle; 3 seabed: seabed" in out
-    assert "the true area of the simulated reef is" in out
+    assert "in truth oysters cover" in out
     assert "Oysters were recognized by a network" in (tmp_path / "m/products.html").read_text()
 
 

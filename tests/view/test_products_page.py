@@ -15,18 +15,23 @@ from coral.reef.products.cover import CoverCfg
 from coral.reef.products.placement import Datum, EarthPlacement
 from coral.reef.products.qgis_styles import COVER_STOPS
 from coral.reef.products.survey_products import ProductsCfg, measure
-from coral.reef.products.truth import TrueOysters
 from coral.reef.recordings.run_recording import read_run
+from coral.reef.world.world import load_world
 from coral.view.products_page import UNSEEN, TruthComparison, ramp, write_products_page
 
 pytest.importorskip("pyproj")
 
 
 @pytest.fixture(scope="module")
-def products(tmp_path_factory):
+def survey_run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("survey") / "patch-001"
     write_run(folder)
-    return measure(read_run(folder), ProductsCfg())
+    return folder
+
+
+@pytest.fixture(scope="module")
+def products(survey_run):
+    return measure(read_run(survey_run), ProductsCfg())
 
 
 def test_the_page_tells_area_interval_and_what_it_means_and_loads_nothing(products, tmp_path):
@@ -42,11 +47,18 @@ def test_the_page_tells_area_interval_and_what_it_means_and_loads_nothing(produc
     assert "Compared with the truth" not in page
 
 
-def test_the_truth_has_a_section_of_its_own(products, tmp_path):
-    truth = TruthComparison.of(products, TrueOysters(products.area.m2 / 1.05, 60, 0.2))
+def test_the_truth_of_what_was_seen_has_a_section_of_its_own(products, survey_run, tmp_path):
+    reef = load_world(survey_run / "world.yaml")
+    seen = TruthComparison.of(products, reef)
+    assert seen.inside
+    assert 0.0 < seen.m2 < seen.whole_m2
+    nothing = replace(products, seen=np.zeros_like(products.seen))
+    assert TruthComparison.of(nothing, reef).error is None
+    truth = replace(seen, error=0.05)
     placement = EarthPlacement(products.recording.start)
     page = write_products_page(products, placement, tmp_path, [], CoverCfg(), truth).read_text()
-    assert "The survey is +5.0 % off" in page
+    assert "The survey is +5.0 % off what it saw" in page
+    assert f"{seen.whole_m2:.2f} m² of the whole reef" in page
     assert "no datum was given" in page
 
 

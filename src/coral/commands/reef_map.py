@@ -17,7 +17,6 @@ from coral.reef.eyes.doubt import DoubtCfg
 from coral.reef.eyes.perception import RgbPerception
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.products.survey_products import ProductsCfg
-from coral.reef.products.truth import true_reef
 from coral.reef.recordings.bag_recording import BagTopics
 from coral.reef.recordings.find_recording import find_recording
 from coral.reef.recordings.lens_check import check_lens
@@ -97,7 +96,7 @@ class ReefMap:
                 raise InputError("--datum", "", datum, f"none: {self.recording / TABLE} has lat and lon")
             datum = f"{own[0]!r},{own[1]!r}"
         world = self.recording / "world.yaml"
-        truth = true_reef(load_world(world)) if is_run(self.recording) and world.is_file() else None
+        truth = load_world(world) if is_run(self.recording) and world.is_file() else None
         made = make_products(recording, self.cfg, datum, self.out, truth)
         lens = check_lens(recording)
         about = [] if eyes is None else list(eyes.about)

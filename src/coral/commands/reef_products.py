@@ -14,10 +14,9 @@ from coral.reef.products.files import summary, write_products
 from coral.reef.products.picture_labels import write_labels
 from coral.reef.products.placement import EarthPlacement, parse_datum
 from coral.reef.products.survey_products import ProductsCfg, measure
-from coral.reef.products.truth import TrueOysters, true_reef
 from coral.reef.recordings.recording import EXACT, RECORDED, Recording
 from coral.reef.recordings.run_recording import read_run
-from coral.reef.world.world import load_world
+from coral.reef.world.world import ReefWorld, load_world
 from coral.view.products_page import TruthComparison, write_products_page
 from coral.words import many
 
@@ -41,11 +40,11 @@ class ReefProducts:
     def __call__(self) -> Mapping[str, Any]:
         """Make them."""
         world = self.run / "world.yaml"
-        truth = true_reef(load_world(world)) if world.is_file() else None
         out = self.out or self.run / "products"
         if self.out is None and out.is_symlink():  # whoever made the run chose where it leads
             raise InputError(str(out), "", "a link to another folder", "no such file, or --out FOLDER")
-        return make_products(read_run(self.run), self.cfg, self.datum, out, truth)
+        true = load_world(world) if world.is_file() else None
+        return make_products(read_run(self.run), self.cfg, self.datum, out, true)
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was found, and list the main files."""
@@ -53,7 +52,7 @@ class ReefProducts:
 
 
 def make_products(
-    recording: Recording, cfg: ProductsCfg, datum: str | None, out: Path, true: TrueOysters | None = None
+    recording: Recording, cfg: ProductsCfg, datum: str | None, out: Path, true: ReefWorld | None = None
 ) -> dict[str, Any]:
     """Measure a recording, write all files, and return the main numbers.
 
@@ -78,12 +77,20 @@ def make_products(
     files = sorted([*files, *(f"labels/{name}" for name in labels)])
     truth = None if true is None else TruthComparison.of(products, true)
     page = write_products_page(products, placement, out, files, cfg.cover, truth)
-    compared = {} if truth is None else {
-        "true_area_m2": round(truth.m2, 3), "area_error": round(truth.error, 4), "truth_in_interval": truth.inside,
-        "true_oysters": truth.oysters, "oysters_error": truth.oysters_error and round(truth.oysters_error, 4),
-        "true_shell_length_mm": round(1000.0 * truth.length_m),
-    }  # fmt: skip
+    compared = {} if truth is None else _compared(truth)
     return {**summary(products, placement), **compared, "products": str(out), "page": str(page), "files": files}
+
+
+def _compared(truth: TruthComparison) -> dict[str, Any]:
+    return {
+        "true_area_m2": round(truth.m2, 3),
+        "true_area_of_reef_m2": round(truth.whole_m2, 3),
+        "area_error": truth.error and round(truth.error, 4),
+        "truth_in_interval": truth.inside,
+        "true_oysters": truth.oysters,
+        "oysters_error": truth.oysters_error and round(truth.oysters_error, 4),
+        "true_shell_length_mm": round(1000.0 * truth.length_m),
+    }
 
 
 def describe_products(result: Mapping[str, Any]) -> str:
@@ -110,10 +117,11 @@ def describe_products(result: Mapping[str, Any]) -> str:
         )
     if "true_area_m2" in result:
         inside = "inside" if result["truth_in_interval"] else "outside"
+        off = "" if result["area_error"] is None else f" ({100 * result['area_error']:+.1f} %)"
         lines.append(
-            f"the true area of the simulated reef is {result['true_area_m2']:.2f} m²: "
-            f"{100 * result['area_error']:+.1f} %, {inside} the interval; it has {result['true_oysters']} oysters of "
-            f"{result['true_shell_length_mm']} mm"
+            f"in truth oysters cover {result['true_area_m2']:.2f} m² of what was seen{off}, {inside} the interval, "
+            f"and {result['true_area_of_reef_m2']:.2f} m² of the whole simulated reef; "
+            f"{result['true_oysters']} oysters of {result['true_shell_length_mm']} mm were in sight"
         )
     if result["perception"] not in (RECORDED, EXACT):
         reefs = result["calibrated_reefs"]

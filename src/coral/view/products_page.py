@@ -18,8 +18,9 @@ from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, Stop
 from coral.reef.products.survey_products import SurveyProducts
-from coral.reef.products.truth import TrueOysters
+from coral.reef.products.truth import true_oysters
 from coral.reef.recordings.recording import EXACT, RECORDED
+from coral.reef.world.world_model import ReefWorld
 from coral.view.page import render_page, write_page
 from coral.view.svg import clock
 
@@ -29,11 +30,13 @@ UNSEEN = (214, 218, 222)
 
 @dataclass(frozen=True)
 class TruthComparison:
-    """What a simulated reef adds: the true area, and how far the survey is from it."""
+    """What a simulated reef adds: the true area on the floor that was seen, and how far the survey is from it."""
 
     m2: float
-    error: float
-    """Estimate over truth, minus 1."""
+    whole_m2: float
+    """True area on the whole reef."""
+    error: float | None
+    """Estimate over truth, minus 1; None where no oyster was in sight."""
     inside: bool
     """Whether the truth lies in the interval."""
     oysters: int
@@ -42,12 +45,18 @@ class TruthComparison:
     length_m: float
 
     @classmethod
-    def of(cls, products: SurveyProducts, true: TrueOysters) -> TruthComparison:
-        """Compare."""
-        area, count = products.area, products.shells.oysters
-        error = None if count is None else count.value / true.oysters - 1.0
-        inside = area.low_m2 <= true.m2 <= area.high_m2
-        return cls(true.m2, area.m2 / true.m2 - 1.0, inside, true.oysters, error, true.length_m)
+    def of(cls, products: SurveyProducts, world: ReefWorld) -> TruthComparison:
+        """Compare with a reef."""
+        area, count, true = products.area, products.shells.oysters, true_oysters(world, products.seen, products.fine_m)
+        return cls(
+            m2=true.m2,
+            whole_m2=true.whole_m2,
+            error=area.m2 / true.m2 - 1.0 if true.m2 else None,
+            inside=area.low_m2 <= true.m2 <= area.high_m2,
+            oysters=true.oysters,
+            oysters_error=count.value / true.oysters - 1.0 if count is not None and true.oysters else None,
+            length_m=true.length_m,
+        )
 
 
 def write_products_page(

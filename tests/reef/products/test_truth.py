@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.products.truth import true_area_m2, true_cover, true_reef
+from coral.reef.products.truth import true_area_m2, true_cover, true_oysters
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 
@@ -46,11 +46,19 @@ def test_what_lies_under_an_obstacle_does_not_count():
 
 def test_number_and_length_of_the_oysters_that_no_obstacle_covers():
     shells = [Oyster(x=x, y=2.0, z=0.03, radii=(half, 0.05, 0.04), rpy=(0.0, 0.0, 0.0)) for x, half in SHELLS]
-    found = true_reef(
-        world(*shells, obstacles=(Obstacle(shape="cylinder", x=5.0, y=2.0, z=0.5, size=(0.2, 0.2, 0.5)),))
-    )
+    reef = world(*shells, obstacles=(Obstacle(shape="cylinder", x=5.0, y=2.0, z=0.5, size=(0.2, 0.2, 0.5)),))
+    found = true_oysters(reef, np.ones((300, 300), np.bool_), 0.02)
     assert (found.oysters, found.length_m) == (2, pytest.approx(0.2))
-    assert found.m2 == pytest.approx(math.pi * 0.05 * (0.08 + 0.12), rel=0.05)
+    assert found.m2 == found.whole_m2 == pytest.approx(math.pi * 0.05 * (0.08 + 0.12), rel=0.05)
+
+
+def test_what_the_survey_did_not_see_is_told_apart():
+    reef = world(shell(2.0), shell(4.0))
+    west = np.zeros((300, 300), np.bool_)
+    west[:, :150] = True
+    found = true_oysters(reef, west, 0.02)
+    assert (found.oysters, found.m2) == (1, pytest.approx(found.whole_m2 / 2, rel=0.01))
+    assert true_oysters(reef, np.zeros((300, 300), np.bool_), 0.02).m2 == 0.0
 
 
 SHELLS = ((1.0, 0.08), (3.0, 0.12), (5.0, 0.05))

@@ -55,13 +55,20 @@ class SurveyProducts:
     density: NDArray[np.float32]
     """Oysters per sea floor seen, in coarse cells (m²/m²); nan where less than a fifth was seen. Shape=(DY, DX)."""
     density_cell_m: float
-    seen_m2: float
-    """Sea floor seen near enough to count (m²)."""
+    seen: NDArray[np.bool_]
+    """Sea floor seen near enough to count, in fine cells. Shape=(FY, FX)."""
+    fine_m: float
+    """Edge of a fine cell (m)."""
     quality: ViewQuality
     mosaic: Mosaic
     pictures: tuple[ClusterPicture, ...]
     track: NDArray[np.float64]
     """Where pictures were taken (m). Shape=(K, 2)."""
+
+    @property
+    def seen_m2(self) -> float:
+        """Return the area of sea floor seen near enough to count (m²)."""
+        return float(np.count_nonzero(self.seen)) * self.fine_m**2
 
 
 def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
@@ -101,7 +108,8 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
             share, cover.known, cfg.cover.fine_m, cfg.density_cell_m, _shape(recording, cfg.density_cell_m), 0.2
         ),
         density_cell_m=cfg.density_cell_m,
-        seen_m2=float(np.count_nonzero(cover.known)) * cfg.cover.fine_m**2,
+        seen=cover.known,
+        fine_m=cfg.cover.fine_m,
         quality=quality,
         mosaic=make_mosaic(recording, cfg.mosaic),
         pictures=tuple(best_pictures(recording, group)),

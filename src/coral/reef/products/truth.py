@@ -18,7 +18,10 @@ RASTER_M = 0.01
 
 @dataclass(frozen=True)
 class TrueOysters:
-    """What a survey of a simulated reef is compared with. What lies under an obstacle is left out."""
+    """What a survey of a simulated reef is compared with: the oysters on the floor that it saw near enough.
+
+    What lies under an obstacle is left out.
+    """
 
     m2: float
     """Area that oysters cover."""
@@ -26,14 +29,33 @@ class TrueOysters:
     """Number, those that lie beneath others included."""
     length_m: float
     """Mean of their longest axis."""
+    whole_m2: float
+    """Area that oysters cover on the whole reef, seen or not."""
 
 
-def true_reef(world: ReefWorld) -> TrueOysters:
-    """Return the true area, number and length of a reef's oysters."""
-    hiders = Scene.from_world(world).footprints()
+def true_oysters(world: ReefWorld, seen: NDArray[np.bool_], fine_m: float) -> TrueOysters:
+    """Return the true area, number and length of a reef's oysters where a survey saw the floor.
+
+    Args:
+        world: The reef.
+        seen: Whether each fine cell was seen near enough to count. Shape=(FY, FX).
+        fine_m: Edge of a fine cell (m).
+    """
+
+    def was_seen(xy: NDArray[np.float64]) -> NDArray[np.bool_]:
+        column, row = (np.clip(xy[:, k] / fine_m, 0, seen.shape[1 - k] - 1).astype(np.intp) for k in (0, 1))
+        return seen[row, column]
+
+    hiders, covered = Scene.from_world(world).footprints(), _covered(world)
     shells = [one for group in world.clusters for one in group.oysters if clearance(hiders, one.x, one.y) > 0.0]
-    length = 2.0 * float(np.mean([max(one.radii) for one in shells])) if shells else 0.0
-    return TrueOysters(true_area_m2(world), len(shells), length)
+    found = was_seen(np.array([(one.x, one.y) for one in shells]).reshape(-1, 2))
+    lengths = np.array([2.0 * max(one.radii) for one in shells])[found]
+    return TrueOysters(
+        m2=int(was_seen((covered + 0.5) * RASTER_M).sum()) * RASTER_M**2,
+        oysters=len(lengths),
+        length_m=float(lengths.mean()) if len(lengths) else 0.0,
+        whole_m2=len(covered) * RASTER_M**2,
+    )
 
 
 def true_area_m2(world: ReefWorld) -> float:
