@@ -37,7 +37,7 @@ def test_it_is_told_in_a_few_lines(survey_run, tmp_path, told):
     assert code == 0
     assert out.startswith("patch: oysters cover ")
     assert "in truth oysters cover" in out
-    assert "it has 60 oysters of 200 mm" in out
+    assert "60 oysters of 200 mm were in sight" in out
     assert "told apart from above" in out or "too few lie apart" in out
     assert "--datum LAT,LON gives the latitude" in out
 
