@@ -27,7 +27,7 @@ ARG EMAIL="coral@example.org"
 ARG SOURCE="https://example.org/coral"
 
 LABEL org.opencontainers.image.title="CORAL"
-LABEL version="0.1.0"
+LABEL version="0.2.0"
 LABEL type="tool"
 LABEL requirements="core >= 1.1"
 LABEL tags='["navigation", "survey", "autonomy"]'

@@ -81,7 +81,7 @@ test-ros2: setup-dev  ## a survey over ROS 2, with a vehicle in another process 
 	$(call requirements,ros2)
 	$(BIN)/python -m pytest -m ros2 tests/reef/ros
 
-test-warp: setup-dev  ## rehearsals by MuJoCo Warp against MuJoCo's (a download of 150 MB; kernels compile for a minute)
+test-warp: setup-dev  ## rollouts by MuJoCo Warp against MuJoCo's (a download of 150 MB; kernels compile for a minute)
 	$(call requirements,warp)
 	$(BIN)/python -m pytest -m warp tests/contact/control/test_warp_rollouts.py
 

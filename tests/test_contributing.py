@@ -2,6 +2,7 @@
 
 import importlib
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -42,3 +43,14 @@ def test_every_room_of_contact_is_in_the_table():
     rooms = {path.parent.name for path in (ROOT / "src/coral/contact").glob("*/__init__.py")}
     table = PAGE.split("## The rooms of contact")[1].split("## ")[0]
     assert rooms == set(re.findall(r"^\| `(\w+)`(?: \(wing\))? \|", table, re.MULTILINE))
+
+
+def test_every_file_of_a_release_names_the_same_version():
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    assert re.search(
+        rf"^## {re.escape(version)} - \d{{4}}-\d\d-\d\d$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE
+    )
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
+    readme = (ROOT / "README.md").read_text()
+    assert f"version-{version}-" in readme
+    assert f"version = {{{version}}}" in readme

@@ -108,7 +108,7 @@ def run_task(
         world: Evaluation world: "panda", which needs robosuite, or "hand".
         conditions: Conditions of success in place of the task's own; any subclass of `BaseCondition`.
         seed: Seed of all random numbers.
-        samples: Rehearsals per plan; None as configured.
+        samples: Rollouts per plan; None as configured.
         poses: Source of the objects' poses; None as configured.
         tracker: The tracker.
         believe: Initial masses and frictions, NAME=MASS,FRICTION[;...], instead of the advisor's estimates.

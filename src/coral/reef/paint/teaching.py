@@ -141,7 +141,7 @@ def teach(
 
 
 def draw_titles(seed: int, count: int, size: tuple[int, int]) -> NDArray[np.uint8]:
-    """Draw lines of letters as films have them, and the boxes behind them. Shape=(count, 2, H, W)."""
+    """Draw lines of letters as videos have them, and the boxes behind them. Shape=(count, 2, H, W)."""
     rng = np.random.default_rng([seed, 0x71])
     letters = np.array(list("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789.,:-   "))
     out = np.zeros((count, 2, size[1], size[0]), np.uint8)

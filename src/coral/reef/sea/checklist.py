@@ -149,9 +149,9 @@ def _pose(now: float, report: VehicleReport, rates: StampRates, equipment: Equip
     if report.position_std_m is not None:
         spread = f"standard deviation {report.position_std_m:.2g} m"
     elif report.position_test_ratio is not None:
-        spread = f"covariance not told, innovation {report.position_test_ratio:.2f} of its limit"
+        spread = f"no covariance reported, innovation {report.position_test_ratio:.2f} of its limit"
     else:
-        spread = "covariance not told"
+        spread = "no covariance reported"
     age = now - report.pose_stamp_s
     if age > safety.pose_timeout_s:
         return CheckLine("pose", f"{source}, {age:.1f} s old - nothing arms on an old position", "blocking")
@@ -172,7 +172,7 @@ def _velocity(report: VehicleReport, rates: StampRates) -> CheckLine:
     if report.velocity is None:
         return CheckLine("velocity", "none - the controller needs it; nothing arms", "blocking")
     std = report.velocity_std_m_s
-    spread = "covariance not told" if std is None else f"standard deviation {std:.2g} m/s"
+    spread = "no covariance reported" if std is None else f"standard deviation {std:.2g} m/s"
     return CheckLine("velocity", f"{rate_told(rates.rate_hz('velocity'))}, {spread}")
 
 
