@@ -41,6 +41,11 @@ def test_the_page_loads_nothing(fresh):
         assert address.startswith(("data:", "#")) or address == "mission.mp4"
 
 
+def test_the_keys_of_charts_have_their_colours_in_the_dark_too(fresh):
+    inverted = re.search(r"([^{}]*)\{filter:invert\(1\)", page(fresh))[1].split(",")
+    assert {".chart", ".plot .key i"} <= set(inverted)
+
+
 def test_text_from_the_run_is_never_markup(fresh):
     html = page(fresh)
     assert "<reef>" not in html
