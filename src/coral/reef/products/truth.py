@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +43,7 @@ def true_oysters(world: ReefWorld, seen: NDArray[np.bool_], fine_m: float) -> Tr
         fine_m: Edge of a fine cell (m).
     """
 
-    def was_seen(xy: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def was_seen(xy: NDArray[Any]) -> NDArray[np.bool_]:
         column, row = (np.clip(xy[:, k] / fine_m, 0, seen.shape[1 - k] - 1).astype(np.intp) for k in (0, 1))
         return seen[row, column]
 
