@@ -122,8 +122,8 @@ def test_whoever_sits_at_the_desk_sees_what_the_camera_sees(task, tmp_path, pers
     shown = {question["kind"]: question["images"] for question in heard.values()}
     assert shown == {
         "physical-parameters": ["scene.png"],
-        "cost-function": ["scene.png"],
-        "contact-regions": ["scene.png"],
+        "cost-function": ["scene.png", "above.png"],
+        "contact-regions": ["scene.png", "above.png"],
     }
     first = next(folder for folder, question in heard.items() if question["images"])
     data = (inbox / first / "scene.png").read_bytes()
