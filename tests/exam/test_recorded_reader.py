@@ -77,6 +77,7 @@ def test_every_recorded_answer_still_parses_to_what_it_was():
 def test_the_prompts_have_changed_since():
     recorded = {(entry["kind"], entry["prompt_version"]) for name in NAMES for entry in attempts(name)}
     assert {kind for kind, of in recorded if of != version(kind)} == {
+        "cost-repair",
         "contact-regions",
         "cost-function",
         "physical-parameters",
