@@ -33,7 +33,21 @@ CAMPAIGNS = {
         "--seeds", "0-1", "--samples", "8", "--cfg.planning.threads", "1",
     ],
 }  # fmt: skip
-OF_THE_MACHINE = ("wall", "ms", "realtime", "factor", "date", "cpu", "rss", "late", "hz", "duration", "latency", "pid", "attempts")
+OF_THE_MACHINE = (
+    "wall",
+    "ms",
+    "realtime",
+    "factor",
+    "date",
+    "cpu",
+    "rss",
+    "late",
+    "hz",
+    "duration",
+    "latency",
+    "pid",
+    "attempts",
+)
 """Columns with one of these words tell of the machine and not of what was done."""
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP)
 LONGEST_S = 900.0

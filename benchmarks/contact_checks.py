@@ -149,7 +149,8 @@ def prompt_example(trial: Trial) -> PlanAnswer:
     found = re.search(r"```json\n(.*?)\n```", text, re.DOTALL)
     assert found is not None
     name = next(iter(trial.objects))
-    plan = found[1].replace("puck", name)
+    plan = found[1].removeprefix("{% raw %}").removesuffix("{% endraw %}")
+    plan = plan.replace('{"puck": "red"}, {"puck": "blue"}', f'{{"puck": "{name}"}}')
     if "goal" not in trial.task.places:
         plan = plan.replace("self.goal_pos", f"(self.{name}_init_pos + np.array([0.1, 0.0, 0.0]))")
     return PlanAnswer.model_validate_json(plan)

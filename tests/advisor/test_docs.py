@@ -5,12 +5,6 @@ from pathlib import Path
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "advisors.md").read_text()
 
 
-def test_program_on_the_page_prints_what_the_page_says(capsys):
-    code = re.search(r"```python\n(.*?)```", PAGE, re.DOTALL).group(1)
-    exec(compile(code, "advisors.md", "exec"), {})
-    assert capsys.readouterr().out.strip() == code.rsplit("# ", 1)[1].strip()
-
-
 def test_the_advisor_on_the_page_drives_a_mission(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (code,) = [code for code in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL) if "Mission(" in code]

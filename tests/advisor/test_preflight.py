@@ -139,7 +139,7 @@ def test_variants_that_ask_nobody_need_no_model(dead, tmp_path, capsys):
 
 def test_with_the_preflight_skipped_the_last_line_says_who_decided(dead, stub, tmp_path, capsys):
     words = ["reef", "run", "l1", "--advisor", f"local:{dead}#m", *FLAGS, "--no-preflight", "--cfg.latency", "fixed:1"]
-    words += ["--cfg.time-limit-s", "4", "--cfg.record.no-frames", "--model.max-retries", "0"]
+    words += ["--cfg.time-limit-s", "8", "--cfg.record.no-frames", "--model.max-retries", "0"]
     assert main([*words, "--out", str(tmp_path / "run")]) == 0
     out, err = capsys.readouterr()
     metrics = json.loads((tmp_path / "run" / "metrics.json").read_text())

@@ -5,7 +5,6 @@ import sys
 from pathlib import Path
 
 from coral.commands.reef_bench import ReefBench
-from coral.reef.mission.variants import VARIANTS
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -23,8 +22,3 @@ def test_flags_on_the_pages_exist():
     told |= set(re.findall(r"coral reef bench (--[a-z]+)", (DOCS / "guide/cluster.md").read_text()))
     assert {flag.replace("--no-", "--") for flag in told} - fields == set()
     assert len(told) > 10
-
-
-def test_variants_on_the_page_exist():
-    row = re.search(r"^\| `--variants` \|(.*)$", (DOCS / "reference/campaigns.md").read_text(), re.MULTILINE).group(1)
-    assert set(re.findall(r"`([a-z-]+)`", row)) <= set(VARIANTS)

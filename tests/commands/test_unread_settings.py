@@ -44,6 +44,7 @@ RARE = {
     "pilot.trigger": "decide/trigger.py",
     "planner.checks": "decide/tour_planner.py",
     "planner.guesses": "decide/guesses.py",
+    "planner.instruction": "decide/mission_planner.py",
     "planner.provable": "decide/provable.py",
     "planner.separation_m": "decide/tour_planner.py",
     "planner.route": "decide/route.py",

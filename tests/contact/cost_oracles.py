@@ -83,7 +83,9 @@ def make_states(rng, k=4, h=5):
     values = {}
     for name, quantity in SCHEMA.items():
         shape = (1, 1) if quantity.constant else (k, h)
-        if quantity.truth:
+        if name.endswith("_seen"):
+            found = np.ones(shape)
+        elif quantity.truth:
             found = (rng.random(shape) < 0.5).astype(float)
         elif quantity.size:
             found = rng.normal(size=(*shape, quantity.size)) * 0.3

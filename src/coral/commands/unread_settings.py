@@ -16,6 +16,7 @@ UNREAD: dict[str, dict[str, str]] = {
     "reef sail": {
         "lane_m": "nothing: no blind sweep is driven in real time",
         "pilot.traffic": "nothing: one robot surveys",
+        "simulator.stills": "nothing: a camera at sea has its own pictures",
     },
 }
 """By command: key or group of keys, and what the command does instead."""

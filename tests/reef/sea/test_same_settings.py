@@ -19,6 +19,7 @@ from coral.reef.sea.safety import SafetyCfg
 
 NOT_AT_SEA = {
     ("SimulatorCfg", "water_depth_m"): "the vehicle tells its depth; a rehearsal has that of --depth",
+    ("SimulatorCfg", "stills"): "a camera at sea has its own pictures",
 }
 """Fields that only a mission in simulated time reads, and why."""
 COPIERS = ("dataclasses", "copy", "coral.config", "pydantic.type_adapter", __name__)
