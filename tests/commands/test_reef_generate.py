@@ -36,6 +36,12 @@ def test_a_reef_grows_along_a_polyline_and_is_drawn(told, tmp_path):
         (("--polyline", "[[1,2]"), "--polyline: found '[[1,2]', expected JSON like"),
         (("--polyline", "[[1,2,3]]"), "--polyline"),
         (("--polyline", "5"), "--polyline"),
+        (("--polyline", "[[3,3]]"), "--polyline: found 1 point"),
+        (
+            ("--polyline", "[[3,3],[25,4]]"),
+            "--polyline: point 2: found (25, 4), expected a point at least 0.5 m inside --size-m, 22 x 22 m",
+        ),
+        (("--size-m", "2", "2"), "--size-m: found (2.0, 2.0), expected edges from 8 to 100 m"),
     ],
 )
 def test_a_line_that_is_none_is_refused(refused, tmp_path, words, said):

@@ -123,7 +123,7 @@ class ContactBench(CampaignFlags):
     """Initial memory of variants with memory: a memory (an SQLite file), or an export of one
     (such as the memory.json of a campaign). Every trial has its own copy. By default it is empty."""
     samples: int | None = None
-    """Rehearsals per plan, instead of the configuration's; the variant paper has 200."""
+    """Rollouts per plan, instead of the configuration's; the variant paper has 200."""
     fallback: StandIn | None = None
     """Fallback when an advisor does not decide: hold (the default: nothing else decides, and the episode ends),
     fail, or prior, whose rows are marked."""

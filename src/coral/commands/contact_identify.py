@@ -41,7 +41,7 @@ class ContactIdentify:
     poses: Literal["tracked", "ground-truth"] | None = None
     """Source of the object's poses; tracked by default."""
     samples: int | None = None
-    """Rehearsals per plan, instead of the configuration's."""
+    """Rollouts per plan, instead of the configuration's."""
     out: Path | None = None
     """Keep the run folder here."""
     figure: Path | None = None

@@ -107,7 +107,7 @@ class ContactRun:
     """Source of the objects' poses: tracked, a simulated depth camera's pictures (the default); ground-truth."""
     tracker: Annotated[str | None, Option(help=TRACKER_HELP)] = None
     samples: int | None = None
-    """Rehearsals per plan, instead of the configuration's."""
+    """Rollouts per plan, instead of the configuration's."""
     believe: str | None = None
     """Initial beliefs of masses (kg) and frictions, NAME=MASS,FRICTION[;...], instead of the advisor's estimates."""
     memory: str | None = None

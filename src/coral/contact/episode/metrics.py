@@ -42,7 +42,7 @@ DEFINITIONS = {
     "plan_cost_jump": "Mean change of that cost from one plan to the next within a stage: how erratic planning was.",
     "plan_late_ms_median": "Median time (ms) between a plan's state and its use, with `planning.latency`; 0 without.",
     "effective_samples": "Mean effective sample size of the plans.",
-    "diverged_rehearsals": "Number of rehearsals in the planning world excluded because they diverged.",
+    "diverged_rehearsals": "Number of rollouts in the planning world excluded because they diverged.",
     "track_lost": "Number of times that the tracker lost an object.",
     "track_recovered": "Number of times that it found one again.",
     "track_lost_s": "Time (s) during which an object was lost.",

@@ -82,7 +82,7 @@ def choose_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCho
     place = places[best]
     why = (
         f"Cluster {place.index} has most to show for the way: it lies {place.forward_m:.1f} m ahead and "
-        f"{place.left_m:+.1f} m to the left of where the robot will be."
+        f"{abs(place.left_m):.1f} m to the {'left' if place.left_m >= 0 else 'right'} of where the robot will be."
     )
     return CentroidChoice(selected_centroid_index=place.index, then=then, reason=why)
 

@@ -37,15 +37,17 @@ class GeneratorCfg:
     size_m: tuple[float, float] = (22.0, 22.0)
     """Width and height. The paper's range is 20 to 30."""
     clusters: int = 7
-    """The paper's percentages are those of 70 clusters in 10 environments.
+    """Number of oyster clusters. The paper has 70 in 10 environments.
     0: one for every 6 m of the spine, 4 m in patches."""
     oysters: tuple[int, int] = (48, 88)
     """Range of the number of oysters in a cluster."""
     dense_obstacles: int = 20
-    """Obstacles within `dense_radius_m` ahead of the start. Fewer if they would close passages, but at least half."""
+    """Number of obstacles within `dense_radius_m` ahead of the start. Fewer if they would close passages, but
+    at least half."""
     dense_radius_m: float = 6.5
     obstacles: int = 34
-    """Obstacles beyond it, most of them along the spine; the same holds."""
+    """Number of obstacles farther from the start than `dense_radius_m`, most of them along the spine. Fewer if they
+    would close passages, but at least half."""
     barriers: int = 0
     """Rows of posts across the reef, with gaps of `passage_m` to 0.1 m more. The paper has none."""
     passage_m: float = 1.0
@@ -133,11 +135,17 @@ def _check(cfg: GeneratorCfg) -> None:
     demand("passage_m", 0.8 <= cfg.passage_m <= 5.0, cfg.passage_m, "0.8 to 5 m")
     demand("current_max_m_s", 0.0 <= cfg.current_max_m_s <= 0.5, cfg.current_max_m_s, "0 to 0.5 m/s")
     demand("seed", 0 <= cfg.seed < 2**63, cfg.seed, "a number from 0 on")
+    wide, high = cfg.size_m
     for i, line in enumerate(cfg.spine):
         demand(f"spine[{i}]", len(line) >= 2, f"{len(line)} points", "at least 2 points")
         for j, (x, y) in enumerate(line):
-            inside = 0.5 <= x <= cfg.size_m[0] - 0.5 and 0.5 <= y <= cfg.size_m[1] - 0.5
-            demand(f"spine[{i}][{j}]", inside, f"({x:g}, {y:g})", "a point at least 0.5 m inside size_m")
+            inside = 0.5 <= x <= wide - 0.5 and 0.5 <= y <= high - 0.5
+            demand(
+                f"spine[{i}][{j}]",
+                inside,
+                f"({x:g}, {y:g})",
+                f"a point at least 0.5 m inside size_m, {wide:g} x {high:g} m",
+            )
 
 
 def _beds(cfg: GeneratorCfg, lines: Sequence[Line], rng: np.random.Generator) -> list[_Bed]:
