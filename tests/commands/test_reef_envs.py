@@ -37,6 +37,13 @@ def test_a_reef_is_described_in_numbers(told):
     assert found["oysters"] == sum(len(cluster.oysters) for cluster in world.clusters)
 
 
+def test_a_net_is_not_counted_as_oysters(told, puddle):
+    path = puddle("pond")
+    path.write_text(path.read_text() + "things:\n  - {name: net, kind: ghost-net, x: 4, y: 1.5}\n")
+    (found,) = told("reef", "envs", path, "--json")[1]["worlds"]
+    assert (found["clusters"], found["oysters"]) == (1, 1)
+
+
 def test_the_list_from_the_cache_is_the_same(told, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     first, second = told("reef", "envs", "--json"), told("reef", "envs", "--json")

@@ -110,7 +110,7 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         contacts = len(self._simulator.act(command, self._period_s))
         self._steps, self._collisions = self._steps + 1, self._collisions + contacts
         before, self._covered = self._covered, self._coverage()
-        done = bool(self._simulator.coverage.covered().all())
+        done = self._simulator.coverage.coverage == 1.0
         reward = self._covered - before - COLLISION_COST * contacts
         return self._observe(self._period_s), reward, done, self._steps >= self._limit, self._info()
 
@@ -125,7 +125,7 @@ class ReefEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """Return the mean of the clusters' shares seen, of what counts as covered; 0 to 1."""
         meter = self._simulator.coverage
         shares = np.where(meter.covered(), 1.0, np.minimum(meter.fractions / meter.cfg.threshold, 1.0))
-        return float(shares.mean())
+        return float(shares.sum()) / max(len(shares), 1)
 
     def _observe(self, dt: float) -> Observation:
         sensed = self._sensed = self._simulator.sense(dt)

@@ -103,6 +103,8 @@ def _draw(axes: Any, world: ReefWorld, *, size: float, numbers: bool = True) -> 
         for o in cluster.oysters
     ]
     axes.add_collection(PatchCollection(oysters, facecolor=OYSTER, edgecolor="none", zorder=2))
+    if others := [(o.x, o.y) for group in (*world.alike, *world.lying) for o in group.oysters]:
+        axes.scatter(*np.array(others).T, s=2, color="#a06a3a", zorder=2)
     axes.add_collection(
         PatchCollection([_outline(o) for o in world.solids], facecolor=ROCK, edgecolor="none", zorder=3)
     )

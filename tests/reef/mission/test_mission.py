@@ -53,6 +53,14 @@ def test_metrics_can_be_computed_again_from_the_folder(finished):
     assert {k: result[k] for k in stored} == stored
 
 
+def test_a_net_is_on_no_list_of_true_oysters(pond, tmp_path):
+    net = {"name": "net", "kind": "ghost-net", "x": pond.start.x + 2.0, "y": pond.start.y}
+    world = type(pond).model_validate(pond.model_dump() | {"things": [net]})
+    result = run(world, tmp_path / "run", cfg=dataclasses.replace(QUIET, time_limit_s=3.0))
+    assert result["clusters_total"] == len(pond.clusters)
+    assert "net" not in [one["name"] for one in events(tmp_path / "run", "judged")[-1]["clusters"]]
+
+
 def test_metrics_hold_no_wall_clock(finished):
     _, folder = finished
     assert not [k for k in json.loads((folder / "metrics.json").read_text()) if "wall" in k or k.endswith("_ms")]

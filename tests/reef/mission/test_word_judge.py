@@ -46,6 +46,11 @@ def run(folder, variant="full", rules=None, margin_s=2.0):
     return Mission(WORLD, cfg, advisor, folder, variant=variant).run()
 
 
+def test_a_reef_without_oysters_has_none_to_cover(tmp_path):
+    found = run(tmp_path / "run")
+    assert (found["clusters_total"], found["clusters_covered"], found["coverage"]) == (0, 0, 0.0)
+
+
 def test_an_advisor_that_does_it_fulfils_the_mission(tmp_path):
     def rules(facts, rejections):
         left = sorted((dot["path_m"], dot["index"]) for dot in facts["centroids"] if dot["path_m"] is not None)

@@ -62,3 +62,9 @@ def test_what_the_survey_did_not_see_is_told_apart():
 
 
 SHELLS = ((1.0, 0.08), (3.0, 0.12), (5.0, 0.05))
+
+
+def test_a_net_is_no_oyster():
+    reef = world(shell(2.0))
+    net = {"name": "net", "kind": "ghost-net", "x": 4.0, "y": 3.0}
+    assert true_area_m2(ReefWorld.model_validate(reef.model_dump() | {"things": [net]})) == true_area_m2(reef)

@@ -97,6 +97,7 @@ def test_parts_of_things_have_the_class_of_their_kind_and_know_their_thing():
     ]
     scene = Scene.from_world(ReefWorld.model_validate(content))
     assert set(scene.label[scene.thing == 0]) == {Label.OYSTER}
+    assert set(scene.cluster[scene.thing == 0]) == {-1}
     assert set(scene.label[scene.thing == 1]) == {Label.SEABED}
     assert scene.thing[0] == -1
     assert [scene.looks[0], scene.looks[-1]] == [None, "sheath"]

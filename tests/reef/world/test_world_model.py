@@ -34,9 +34,23 @@ def test_a_thing_adds_its_solids_by_its_class_and_is_saved_with_them(tmp_path):
     assert load_world(tmp_path / "w.yaml") == world
 
 
+def test_only_living_oysters_of_a_thing_are_true_ones(tmp_path):
+    kinds = ("ghost-net", "dead-shell", "plot-young")
+    things = [{"name": kind, "kind": kind, "x": 3.0 + 2 * k, "y": 3.0} for k, kind in enumerate(kinds)]
+    content = {"name": "w", "size_m": [10.0, 6.0], "start": {"x": 1.0, "y": 3.0}, "clusters": [], "things": things}
+    world = ReefWorld.model_validate(content)
+    assert [(group.name, {one.look for one in group.oysters}) for group in world.clusters] == [("plot-young", {"spat"})]
+    assert [group.name for group in world.alike] == list(kinds)
+    assert {one.look for one in world.alike[-1].oysters} == {"pipe"}
+    bare = ReefWorld.model_validate(content | {"things": things[:1]})
+    save_world(bare, tmp_path / "w.yaml")
+    assert load_world(tmp_path / "w.yaml") == bare
+    assert bare.clusters == ()
+
+
 def test_a_world_without_things_is_written_as_before():
     world = load_world("l1")
-    assert not {"things", "lying", "mission"} & set(world.model_dump(mode="json"))
+    assert not {"things", "alike", "lying", "mission"} & set(world.model_dump(mode="json"))
     assert not {"kind", "look", "shape"} & set(world.model_dump(mode="json")["clusters"][0]["oysters"][0])
 
 

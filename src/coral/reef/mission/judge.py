@@ -37,7 +37,7 @@ class MissionJudge:
         width, height = (math.ceil(edge / CELL_M) for edge in world.size_m)
         there = np.zeros((height, width), np.bool_)
         there[_cells(reef[:, 1], height), _cells(reef[:, 0], width)] = True
-        self._away = distance_to(there, CELL_M)
+        self._away = distance_to(there, CELL_M) if len(reef) else np.full(there.shape, np.nan, np.float32)
         self._file: IO[str] = open_log(folder / JUDGE_FILE)
         self._file.write(",".join(COLUMNS) + "\n")
 
@@ -48,7 +48,7 @@ class MissionJudge:
         self._file.write(f"{step},{t:.6g},{meter.imaged:.6g},{meter.inspected:.6g},{reef_m:.4g}\n")
 
     def reef_m(self, x: float, y: float) -> float:
-        """Return the distance (m) from a point to the reef, its oysters or its spine, accurate to a decimetre."""
+        """Return the distance (m) from a point to the reef, its oysters or spine, to a decimetre; nan without one."""
         height, width = self._away.shape
         j, i = min(max(int(y / CELL_M), 0), height - 1), min(max(int(x / CELL_M), 0), width - 1)
         return float(self._away[j, i])

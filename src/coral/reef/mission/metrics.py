@@ -127,7 +127,9 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
             counts[kind] += 1
         if kind == "start":
             clusters_total, preset = int(event["clusters_total"]), event.get("preset")
-        elif kind == "judged" and not clusters_total:  # in real water: those on the vehicle's own map
+        elif (
+            kind == "judged" and not clusters_total and "clusters" not in event
+        ):  # in real water: those on the vehicle's own map
             clusters_total = int(event["tracks"])
         elif kind == "question":
             requeries += event["attempt"] > 0

@@ -268,7 +268,7 @@ class Mission:
             self.words.note(self.t, [vehicle.simulator for vehicle in self.vehicles])
         for number in range(len(self.robots)):
             self._row(number)
-        if self.cfg.stop_when_covered and len(self._covered) == len(self.world.clusters):
+        if self.cfg.stop_when_covered and self.coverage == 1.0:
             return "coverage complete"
         return self._given_up() or ("time limit" if self.t >= self.cfg.time_limit_s - 1e-9 else "")
 
@@ -311,7 +311,7 @@ class Mission:
     @property
     def coverage(self) -> float:
         """Share of the true clusters covered so far."""
-        return len(self._covered) / len(self.world.clusters)
+        return len(self._covered) / max(len(self.world.clusters), 1)
 
     def _begin(self) -> None:
         save_world(self.world, self.writer.folder / "world.yaml")

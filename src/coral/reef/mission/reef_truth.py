@@ -40,7 +40,7 @@ class ReefTruth:
     @property
     def coverage(self) -> float:
         """Share of the true clusters covered so far."""
-        return len(self.covered) / len(self.world.clusters)
+        return len(self.covered) / max(len(self.world.clusters), 1)
 
     def clearance_m(self, pose: Pose) -> float:
         """Return the true distance from the hull to the nearest obstacle (m)."""

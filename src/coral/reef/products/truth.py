@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from coral.reef.simulation.coverage import rasterise
 from coral.reef.vehicle.collision import clearance
-from coral.reef.world.geometry import Label
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld
 
@@ -88,7 +87,7 @@ def _covered(world: ReefWorld) -> NDArray[np.intp]:
     scene = Scene.from_world(world)
     hiders = scene.footprints()
     points: set[tuple[int, int]] = set()
-    for member in np.flatnonzero(scene.label == Label.OYSTER):
+    for member in np.flatnonzero(scene.cluster >= 0):
         cells = rasterise(scene.outlines(np.array([member])), RASTER_M, 0.0)
         points.update(map(tuple, np.floor(cells / RASTER_M).astype(int).tolist()))
     free = [(i, j) for i, j in sorted(points) if clearance(hiders, (i + 0.5) * RASTER_M, (j + 0.5) * RASTER_M) > 0.0]

@@ -65,8 +65,8 @@ class CoverageMeter:
             areas.append(cells[free] if free.any() else cells)
         self._size = np.array([len(area) for area in areas], np.int64)
         self._start = np.cumsum(self._size) - self._size
-        self._cells = np.concatenate(areas)
-        self._circle = np.array([_circle(area) for area in areas])
+        self._cells = np.concatenate([np.empty((0, 2)), *areas])
+        self._circle = np.array([_circle(area) for area in areas]).reshape(-1, 3)
         self._order = np.arange(len(self._cells), dtype=np.int64)
         self._left = self._size.copy()
         self._scratch = np.empty((len(hiders), 7))
@@ -103,7 +103,7 @@ class CoverageMeter:
     @property
     def coverage(self) -> float:
         """Coverage rate, N_cov / N_total, between 0 and 1 (paper IV-E)."""
-        return float(self.covered().mean())
+        return float(self.covered().sum()) / max(len(self.names), 1)
 
     def area(self, cluster: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """Return the cells of a cluster's true area, for pictures.

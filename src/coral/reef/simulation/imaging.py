@@ -171,12 +171,12 @@ class ImagingMeter:
     @property
     def imaged(self) -> float:
         """Mean over the clusters of the share seen within the detection range, 0 to 1."""
-        return float(self.fractions("imaged").mean())
+        return float(self.fractions("imaged").mean()) if self.names else 0.0
 
     @property
     def inspected(self) -> float:
         """Mean over the clusters of the share seen from close enough to count oysters, 0 to 1."""
-        return float(self.fractions("inspected").mean())
+        return float(self.fractions("inspected").mean()) if self.names else 0.0
 
 
 def _points(scene: Scene, cell_m: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

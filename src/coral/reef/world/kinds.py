@@ -27,6 +27,8 @@ class Look(WorldPart):
 
     surface: Literal["shell", "rock", "pile", "block", "buoy", "card"]
     colours: tuple[Colour, ...] = Field(min_length=1)
+    oyster: bool = False
+    """Whether it is that of living oysters: what the truth of a reef counts."""
 
 
 class Part(WorldPart):

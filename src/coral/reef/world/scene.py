@@ -37,7 +37,7 @@ class Footprints:
 
 @dataclass(frozen=True)
 class Scene:
-    """N solids of a world: oysters cluster by cluster, obstacles, then what lies unseen. World frame, metres."""
+    """N solids of a world: oysters by cluster, what is like them, obstacles, what lies unseen. World frame, metres."""
 
     kind: NDArray[np.int8]
     """ELLIPSOID, BOX or CYLINDER. Shape=(N,), int8."""
@@ -50,7 +50,7 @@ class Scene:
     label: NDArray[np.uint8]
     """`Label` of each solid. Shape=(N,), uint8."""
     cluster: NDArray[np.int32]
-    """Index into `cluster_names`, -1 for obstacles. Shape=(N,), int32."""
+    """Index into `cluster_names` of true oysters, -1 for others. Shape=(N,), int32."""
     seabed_z: float
     """Height of the flat sea floor (m)."""
     cluster_names: tuple[str, ...]
@@ -64,12 +64,13 @@ class Scene:
         """Make the arrays of a world, in the order of its file."""
         oysters = [oyster for cluster in world.clusters for oyster in cluster.oysters]
         cluster = [i for i, group in enumerate(world.clusters) for _ in group.oysters]
+        alike = [part for group in world.alike for part in group.oysters]
         lying = [part for group in world.lying for part in group.oysters]
         obstacles = world.solids
-        solids: list[Oyster | Obstacle] = [*oysters, *obstacles, *lying]
-        rpy = [*(o.rpy for o in oysters), *((0.0, 0.0, o.yaw) for o in obstacles), *(o.rpy for o in lying)]
-        names = [world.clusters[i].name for i in cluster] + [o.thing for o in obstacles]
-        names += [group.name for group in world.lying for _ in group.oysters]
+        solids: list[Oyster | Obstacle] = [*oysters, *alike, *obstacles, *lying]
+        rpy = [o.rpy if isinstance(o, Oyster) else (0.0, 0.0, o.yaw) for o in solids]
+        names: list[str | None] = [group.name for group in (*world.clusters, *world.alike) for _ in group.oysters]
+        names += [o.thing for o in obstacles] + [group.name for group in world.lying for _ in group.oysters]
         number = {thing.name: i for i, thing in enumerate(world.things)}
         return cls(
             kind=np.array([_KINDS[o.shape or "ellipsoid"] for o in solids], np.int8),
@@ -78,7 +79,7 @@ class Scene:
             rotation=rotations(rpy),
             label=np.repeat(
                 np.array([Label.OYSTER, Label.OBSTACLE, Label.SEABED], np.uint8),
-                (len(oysters), len(obstacles), len(lying)),
+                (len(oysters) + len(alike), len(obstacles), len(lying)),
             ),
             cluster=np.array(cluster + [-1] * (len(solids) - len(oysters)), np.int32),
             seabed_z=world.seabed.z_m,

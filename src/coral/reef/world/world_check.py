@@ -49,7 +49,10 @@ def _check_size(world: ReefWorld, where: str) -> None:
     for i, edge in enumerate(world.size_m):
         if not MIN_EDGE_M <= edge <= MAX_EDGE_M:
             raise InputError(where, f"size_m[{i}]", f"{edge:g}", f"between {MIN_EDGE_M:g} and {MAX_EDGE_M:g} m")
-    count = len(world.obstacles) + sum(len(cluster.oysters) for cluster in (*world.clusters, *world.lying))
+    if not world.clusters and not world.things:
+        raise InputError(where, "clusters", "none", "at least 1, or things")
+    groups = (*world.clusters, *world.alike, *world.lying)
+    count = len(world.obstacles) + sum(len(group.oysters) for group in groups)
     if count > MAX_OBJECTS:
         raise InputError(where, "", f"{count} oysters and obstacles", f"at most {MAX_OBJECTS}")
     for part, named in (("clusters", world.clusters), ("things", world.things)):
@@ -63,7 +66,7 @@ def _check_size(world: ReefWorld, where: str) -> None:
 def _check_places(world: ReefWorld, where: str) -> None:
     _inside(world, where, "start", world.start.x, world.start.y)
     floor = world.seabed.z_m
-    for i, cluster in enumerate((*world.clusters, *world.lying)):
+    for i, cluster in enumerate((*world.clusters, *world.alike, *world.lying)):
         for j, oyster in enumerate(cluster.oysters):
             field = f"clusters[{i}].oysters[{j}]" if cluster.kind is None else f"the thing {cluster.name!r}"
             _inside(world, where, field, oyster.x, oyster.y)

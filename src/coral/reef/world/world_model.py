@@ -11,7 +11,7 @@ from typing import Any, Literal
 from pydantic import Field, model_validator
 
 from coral.reef.world.instruction import MissionText
-from coral.reef.world.kinds import find_kind, grow
+from coral.reef.world.kinds import catalogue, find_kind, grow
 from coral.reef.world.structures import (
     Angle,
     Coordinate,
@@ -65,7 +65,7 @@ class Oyster(WorldPart):
 
 
 class Cluster(WorldPart):
-    """Oysters that settled together; what coverage is counted in."""
+    """Oysters that settled together, what coverage is counted in; or the solids of a thing that is none."""
 
     name: str = Field(min_length=1, max_length=40)
     oysters: tuple[Oyster, ...] = Field(min_length=1)
@@ -108,7 +108,8 @@ class ReefWorld(WorldPart):
     seabed: Seabed = Seabed()
     start: Start
     current: Current = Current()
-    clusters: tuple[Cluster, ...] = Field(min_length=1)
+    clusters: tuple[Cluster, ...]
+    """The true oysters, those of things too. Empty only where there are things."""
     obstacles: tuple[Obstacle, ...] = ()
     seed: int = Field(default=0, ge=0, lt=2**63, strict=True)
     water_depth_m: Metres | None = None
@@ -118,7 +119,9 @@ class ReefWorld(WorldPart):
     spine: tuple[tuple[tuple[Coordinate, Coordinate], ...], ...] = ()
     """Polylines (m) that the reef was grown along; for drawings only, no decision reads them."""
     things: tuple[Thing, ...] = Field(default=(), max_length=200, exclude_if=is_empty)
-    """What else lies there, by kind. By its class each adds its solids to clusters, obstacles or `lying`."""
+    """What else lies there. Its oysters go to `clusters`, the rest by class to `alike`, `obstacles` or `lying`."""
+    alike: tuple[Cluster, ...] = Field(default=(), exclude_if=is_empty)
+    """Things that the robot's classes do not tell from oysters. They are none: nothing true counts them."""
     lying: tuple[Cluster, ...] = Field(default=(), exclude_if=is_empty)
     """Things that the robot's classes do not tell from the sea floor."""
 
@@ -133,9 +136,10 @@ class ReefWorld(WorldPart):
             return content
         seabed = content.get("seabed")
         floor = seabed.get("z_m", 0.0) if isinstance(seabed, dict) else 0.0
-        lists = {key: list(content.get(key) or ()) for key in ("clusters", "obstacles", "lying")}
+        lists = {key: list(content.get(key) or ()) for key in ("clusters", "alike", "obstacles", "lying")}
         parts = [one for each in lists.values() for one in each if isinstance(one, dict)]
         grown = {one["name"] for one in parts if "kind" in one and "name" in one} | {one.get("thing") for one in parts}
+        looks = catalogue().looks
         for thing in (Thing.model_validate(each) for each in things):
             if thing.name in grown:
                 continue
@@ -144,8 +148,12 @@ class ReefWorld(WorldPart):
             if class_ == "obstacle":
                 lists["obstacles"] += [_upright_part(solid, thing.name) for solid in solids]
             else:
-                group = {"name": thing.name, "kind": thing.kind, "oysters": [_part(solid) for solid in solids]}
-                lists["clusters" if class_ == "oyster" else "lying"].append(group)
+                groups: dict[str, list[dict[str, Any]]] = {}
+                for solid in solids:
+                    key = "clusters" if looks[solid["look"]].oyster else "alike" if class_ == "oyster" else "lying"
+                    groups.setdefault(key, []).append(_part(solid))
+                for key, found in groups.items():
+                    lists[key].append({"name": thing.name, "kind": thing.kind, "oysters": found})
         return {**content, **lists}
 
     @property

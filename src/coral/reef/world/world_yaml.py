@@ -10,7 +10,7 @@ from coral.errors import InputError
 from coral.foreign_file import read_text
 from coral.yaml_file import load_mapping, to_yaml
 
-_LONG = ("spine", "things", "clusters", "lying", "obstacles")
+_LONG = ("spine", "things", "clusters", "alike", "lying", "obstacles")
 """Keys whose entries are written line by line, in this order at the end of the file."""
 _RARE = ("walls",)
 """Keys that are left out where they hold nothing."""
@@ -45,7 +45,7 @@ def to_text(world: Mapping[str, Any], header: Sequence[str] = ()) -> str:
             continue
         lines.append(f"{key}:" if world[key] else f"{key}: []")
         for item in world[key]:
-            if key in ("clusters", "lying"):
+            if key in ("clusters", "alike", "lying"):
                 lines += [f"  - name: {_flow(item['name'])}"]
                 lines += [f"    kind: {item['kind']}"] if "kind" in item else []
                 lines += ["    oysters:"]
