@@ -131,6 +131,12 @@ def test_a_model_that_refuses_is_refused_before_anything_is_written(stub, tmp_pa
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_dead_address_is_known_without_the_client_library(dead, monkeypatch):
+    monkeypatch.setattr(ModelAdvisor, "answer", None)
+    with pytest.raises(InputError, match="nothing answers at that address"):
+        preflight(advisor(dead), pictures=False)
+
+
 def test_variants_that_ask_nobody_need_no_model(dead, tmp_path, capsys):
     words = ["reef", "run", "l1", "--variant", "rule-based", "--advisor", f"local:{dead}#m", *FLAGS, "--json"]
     short = ["--cfg.time-limit-s", "0.3", "--cfg.record.no-report", "--cfg.record.no-frames"]

@@ -10,9 +10,10 @@ from urllib.parse import urlsplit
 import httpx2
 from pydantic_ai import exceptions as wrong
 
+from coral.advisor.connect import CONNECT_S, NOBODY
 from coral.advisor.question import AdvisorUnavailable, BadAnswer
 from coral.advisor.scrub import scrub
-from coral.advisor.wire import CONNECT_S, ReplyTooLarge, caused_by
+from coral.advisor.wire import ReplyTooLarge, caused_by
 
 RETRIED = (408, 409, 425, 429)
 """HTTP statuses below 500 after which the same request may succeed."""
@@ -56,7 +57,7 @@ def diagnose(error: BaseException, who: str, limit_bytes: int) -> Failure:
         return _http(error, who)
     if isinstance(error, wrong.ModelAPIError):
         dead = caused_by(error, httpx2.ConnectError) or caused_by(error, httpx2.ConnectTimeout)
-        reason = f"{who} cannot be reached: {'nothing answers at that address' if dead else said}"
+        reason = f"{who} cannot be reached: {NOBODY if dead else said}"
         return Failure(AdvisorUnavailable("connection", reason), retry=True, patience_s=CONNECT_S if dead else math.inf)
     return Failure(
         AdvisorUnavailable("client-error", f"{type(error).__name__}: {said}", final=isinstance(error, wrong.UserError))

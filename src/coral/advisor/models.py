@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import re
+import socket
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
+from urllib.parse import urlsplit
 
 from pydantic import BaseModel
 
-from coral.advisor.connect import LOCAL_KEY, connect, require_key
+from coral.advisor.connect import CONNECT_S, LOCAL_KEY, connect, require_key
 from coral.advisor.ledger import Ledger
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.parse import parse_answer
@@ -90,6 +93,20 @@ class ModelAdvisor:
     def with_cfg(self, cfg: ModelCfg) -> ModelAdvisor:
         """Return the same model with another configuration and its own accounts."""
         return ModelAdvisor(self._provider, self._model_name, cfg, self._url)
+
+    def is_dead(self) -> bool:
+        """Check whether nothing listens at the address of a local server; the client library alone takes seconds."""
+        if self._provider != "local" or any(name.lower().endswith("_proxy") for name in os.environ):
+            return False
+        place = urlsplit(self._url)
+        try:
+            port = place.port or (443 if place.scheme == "https" else 80)
+            with socket.create_connection(
+                (place.hostname or "", port), timeout=min(CONNECT_S, self.cfg.attempt_timeout_s)
+            ):
+                return False
+        except (OSError, ValueError):
+            return True
 
     async def warm_up(self) -> None:
         """Import the client library and make the connection pool before a control loop runs."""

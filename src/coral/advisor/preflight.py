@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from pydantic import BaseModel, Field
 
+from coral.advisor.connect import NOBODY
 from coral.advisor.inner_loop import run_alone
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question
@@ -78,7 +79,10 @@ def preflight(advisor: Any, *, pictures: bool, where: str = "--advisor", quiet: 
         print(f"asking {model.name} one small question first ({SKIP})", file=sys.stderr, flush=True)
     seeing = pictures and model.cfg.pictures
     cfg = replace(model.cfg, max_retries=min(1, model.cfg.max_retries), pictures=seeing, facts=False)
-    wrong = run_alone(_ask(model.with_cfg(cfg), seeing))
+    if model.is_dead():
+        wrong = f"connection: {model.name} cannot be reached: {NOBODY}"
+    else:
+        wrong = run_alone(_ask(model.with_cfg(cfg), seeing))
     if wrong:
         raise InputError(where, "", f"{model.name}, which cannot be used ({wrong})", f"a model that answers; {SKIP}")
 

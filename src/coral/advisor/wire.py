@@ -6,8 +6,7 @@ from collections.abc import AsyncIterator
 
 import httpx2
 
-CONNECT_S = 3.0
-"""Time in which a server that is there accepts a connection, over a satellite too (s)."""
+from coral.advisor.connect import CONNECT_S
 
 
 class ReplyTooLarge(httpx2.TransportError):
