@@ -46,7 +46,7 @@ def test_a_notebook_runs_and_shows_what_it_showed(path: Path, tmp_path: Path) ->
 
 def _kinds(cell: Any) -> list[str]:
     """Return what a cell shows: streams by name, and the forms of its values."""
-    return [kind for output in cell.get("outputs", ()) for kind in output.get("data", {output.get("name"): ""})]
+    return [kind for output in cell.get("outputs", ()) for kind in sorted(output.get("data", {output.get("name"): ""}))]
 
 
 def test_every_example_is_in_the_table() -> None:

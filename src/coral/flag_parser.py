@@ -53,7 +53,8 @@ def scan(words: Sequence[str], described: Described, command: str) -> Given:
             values.append(left.pop(0))
             if found.optional and values == ["None"]:
                 break
-        if not values or (len(values) < found.words and values != ["None"]):
+        may_be_alone = found.words == MANY and found.metavar.startswith("[")
+        if (not values and not may_be_alone) or (len(values) < found.words and values != ["None"]):
             missing = " ".join(values) or "nothing"
             raise InputError(where, found.name, missing, f"{_amount(found)}: {help_}")
         given[found.field] = [*given.get(found.field, []), *values] if found.repeated else values

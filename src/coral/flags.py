@@ -25,7 +25,7 @@ class Option:
     """How a field appears on the command line; stands in `Annotated[...]`."""
 
     metavar: str = ""
-    """What stands for the value in the help; by default its type."""
+    """What stands for the value in the help; by default its type. In brackets, any number of words may be none."""
     help: str = ""
     """Text instead of the docstring below the field."""
     name: str | None = None

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from coral.campaign.dataset import read_parquet
-from coral.cli import main
+from coral.cli import _parse, main
 from coral.commands.reef_bench import ReefBench
 from coral.errors import InputError
 from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start, save_world
@@ -314,3 +314,8 @@ def test_a_study_has_its_own_defaults_and_flags_change_them():
     )
     assert made.cfg.stop_when_covered is False
     assert ReefBench.from_file(["--study", "--cfg.stop-when-covered"]).cfg.stop_when_covered is True
+
+
+def test_the_study_may_stand_alone_or_name_the_missions_in_words():
+    assert _parse("reef bench", ["--study", "--worlds", "s1"]).study == ()
+    assert _parse("reef bench", ["--study", "words"]).study == ("words",)
