@@ -41,7 +41,7 @@ def test_a_notebook_runs_and_shows_what_it_showed(path: Path, tmp_path: Path) ->
     client = nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}})
     client.execute()
     assert [_kinds(cell) for cell in notebook.cells] == shown
-    assert {"text/html", "image/png"} <= {kind for kinds in shown for kind in kinds}
+    assert "text/html" in {kind for kinds in shown for kind in kinds}
 
 
 def _kinds(cell: Any) -> list[str]:

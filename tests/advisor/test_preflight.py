@@ -162,7 +162,7 @@ def test_with_the_preflight_skipped_the_last_line_says_who_decided(dead, stub, t
 @pytest.mark.slow
 def test_in_a_bench_nobody_decides_for_a_dead_model(dead, stub, tmp_path, capsys):
     words = ["reef", "bench", "--worlds", "l1", "--variants", "full", "--advisors", f"local:{dead}#m", *FLAGS]
-    words += ["--no-preflight", "--cfg.latency", "fixed:1", "--cfg.time-limit-s", "4", "--model.max-retries", "0"]
+    words += ["--no-preflight", "--cfg.latency", "fixed:1", "--cfg.time-limit-s", "8", "--model.max-retries", "0"]
     assert main([*words, "--out", str(tmp_path / "out"), "--json"]) == 0
     tables = {table["name"]: table["rows"] for table in json.loads(capsys.readouterr().out)["results"]}
     row = tables["Who decided"][0]
