@@ -20,9 +20,6 @@ KEYS = {
 }
 """Supported providers, and the environment variables that may hold their key (any one)."""
 
-NOBODY = "nothing answers at that address"
-CONNECT_S = 3.0
-"""Time in which a server that is there accepts a connection, over a satellite too (s)."""
 LOCAL_KEY = "CORAL_LOCAL_API_KEY"
 """Environment variable with the key of an OpenAI-compatible server, for servers that require one."""
 

@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 import httpx2
 from pydantic_ai import exceptions as wrong
 
-from coral.advisor.connect import CONNECT_S, NOBODY
+from coral.advisor.model_cfg import CONNECT_S, NOBODY
 from coral.advisor.question import AdvisorUnavailable, BadAnswer
 from coral.advisor.scrub import scrub
 from coral.advisor.wire import ReplyTooLarge, caused_by

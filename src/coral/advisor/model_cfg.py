@@ -8,6 +8,11 @@ from typing import Literal
 OutputMode = Literal["auto", "native", "tool", "prompted", "plain"]
 
 
+NOBODY = "nothing answers at that address"
+CONNECT_S = 3.0
+"""Time in which a server that is there accepts a connection, over a satellite too (s)."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class SpendCfg:
     """Limits of one run, over all its decisions; reaching one ends asking with a clear message."""

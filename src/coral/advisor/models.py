@@ -13,9 +13,9 @@ from urllib.parse import urlsplit
 
 from pydantic import BaseModel
 
-from coral.advisor.connect import CONNECT_S, LOCAL_KEY, connect, require_key
+from coral.advisor.connect import LOCAL_KEY, connect, require_key
 from coral.advisor.ledger import Ledger
-from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.model_cfg import CONNECT_S, ModelCfg
 from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render_rejections
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage

@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 from pydantic import BaseModel, Field
 
-from coral.advisor.connect import NOBODY
 from coral.advisor.inner_loop import run_alone
+from coral.advisor.model_cfg import NOBODY
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Picture, Question
 from coral.errors import InputError

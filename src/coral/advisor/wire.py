@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator
 
 import httpx2
 
-from coral.advisor.connect import CONNECT_S
+from coral.advisor.model_cfg import CONNECT_S
 
 
 class ReplyTooLarge(httpx2.TransportError):
