@@ -1,5 +1,6 @@
 """The examples run, scripts and notebooks, and are all in their table."""
 
+import re
 import runpy
 import sys
 from pathlib import Path
@@ -47,6 +48,10 @@ def test_a_notebook_runs_and_shows_what_it_showed(path: Path, tmp_path: Path) ->
 def _kinds(cell: Any) -> list[str]:
     """Return what a cell shows: streams by name, and the forms of its values."""
     return [kind for output in cell.get("outputs", ()) for kind in sorted(output.get("data", {output.get("name"): ""}))]
+
+
+def test_no_output_tells_where_a_notebook_was_run() -> None:
+    assert [path.name for path in NOTEBOOKS if re.search(r"/(tmp|home|root)/", path.read_text(encoding="utf-8"))] == []
 
 
 def test_every_example_is_in_the_table() -> None:

@@ -29,3 +29,4 @@ def test_a_notebook_shows_values_and_plot(finished):
     html = MissionResult(ResultFolder(finished), {"end_reason": "time <limit>", "coverage": 0.5})._repr_html_()
     assert "time &lt;limit&gt;" in html
     assert "data:image/png;base64," in html
+    assert str(finished.parent) not in html  # a notebook is shown to others

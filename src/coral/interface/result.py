@@ -124,7 +124,7 @@ class RunResult:
 
     def _repr_html_(self) -> str:
         shown = {key: self.metrics[key] for key in self._shown if key in self.metrics}
-        page: str = our_part("plot", "page", "plot")(str(self.folder), shown, self.plot())
+        page: str = our_part("plot", "page", "plot")(Path(str(self.folder)).name, shown, self.plot())
         return page
 
     def __repr__(self) -> str:
