@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from coral.reef.map.mapping import MapCfg
+
 pytestmark = pytest.mark.ros2
 SAIL = ["-m", "coral", "reef", "sail", "s1", "--camera", "ros2:/rov/camera/image_raw", "--perception", "rgb"]
 
@@ -73,19 +75,29 @@ def sail(*words):
     return [sys.executable, *SAIL, "--vehicle", "ros2:/rov", *words]
 
 
+@contextmanager
+def started(command):
+    """Start a survey; it is gone at the end, whatever the test found."""
+    process = subprocess.Popen(command, stdin=subprocess.PIPE)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
 def test_a_survey_by_topics_alone_begins_and_ends_by_service(tmp_path):
     words = ["--out", str(tmp_path / "run"), "--no-preflight", "--cfg.record.no-report"]
-    with vehicle(), operator() as node:
-        process = subprocess.Popen(sail(*words), stdin=subprocess.PIPE)
+    with vehicle(), operator() as node, started(sail(*words)) as process:
         call(node, "start")
-        spin(node, lambda: any(event["event"] == "decision" for event in node.events), 60.0)
+        spin(node, lambda: any(event["event"] == "goal" for event in node.events), 60.0)
         spin(node, lambda: node.grids and {0, 100} <= set(node.grids[-1].data), 60.0)
         call(node, "stop")
         assert process.wait(60.0) == 0
     metrics = json.loads((tmp_path / "run/metrics.json").read_text())
     assert metrics["end_reason"] == "stopped by the operator (ROS 2)"
     assert metrics["collisions"] == 0
-    assert node.grids[-1].info.resolution == pytest.approx(0.1)
+    assert node.grids[-1].info.resolution == pytest.approx(MapCfg().cell_m)
 
 
 def checked():
