@@ -87,6 +87,9 @@ def test_sets_of_reefs_have_names():
     assert expand_names(["s1", "gen:3-5", "gen:4"]) == ("s1", "gen:3", "gen:4", "gen:5")
     assert expand_names(["generated"]) == tuple(GENERATED)
     assert len(expand_names(["all", "generated"])) == 50
+    assert expand_names(["words:net:1-2", "words:all:1"])[:3] == ("words:net:1", "words:net:2", "words:living:1")
+    with pytest.raises(InputError, match="words:net:1-3"):
+        expand_names(["words:net:3-1"])
     for name in ("gen:7-40", "gen:5-3"):
         with pytest.raises(InputError, match="within gen:0-39"):
             expand_names([name])

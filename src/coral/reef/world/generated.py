@@ -102,16 +102,19 @@ def find_world(name: str | Path) -> ReefWorld:
 def expand_names(names: Iterable[str]) -> tuple[str, ...]:
     """Replace the names of sets of reefs by those of the reefs.
 
-    Sets: `all`, the ten shipped ones; `generated`; `gen:0-9`; missions, `words:FAMILY:0-9`, `words:all:0-9`.
+    Sets: `all`, the ten shipped ones; `generated`; `gen:0-9`; missions, `words:FAMILY:0-9`, `words:all:0`.
 
     Raises:
         InputError: A range of generated reefs that does not exist.
     """
     found: list[str] = []
     for name in names:
-        if words := re.fullmatch(rf"{WORDS}([a-z]+):(\d+)-(\d+)", name, re.ASCII):
+        if words := re.fullmatch(rf"{WORDS}([a-z]+):(\d{{1,4}})(?:-(\d{{1,4}}))?", name, re.ASCII):
             families = FAMILIES if words[1] == "all" else (words[1],)
-            found += (f"{WORDS}{one}:{k}" for k in range(int(words[2]), int(words[3]) + 1) for one in families)
+            first, last = int(words[2]), int(words[3] or words[2])
+            if last < first:
+                raise InputError("world", "", repr(name), f"{WORDS}{words[1]}:{last}-{first}")
+            found += (f"{WORDS}{one}:{k}" for k in range(first, last + 1) for one in families)
             continue
         span = re.fullmatch(rf"{PREFIX}(\d+)-(\d+)", name, re.ASCII)
         if name == "all":
