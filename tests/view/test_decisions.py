@@ -28,6 +28,14 @@ def test_decisions_tell_cause_tries_and_goal(finished):
     [
         ({"selected_centroid_index": 4, "reason": "near"}, "accepted", "centroid 4"),
         ({"selected_centroid_index": None}, "accepted", "no centroid"),
+        ({"selected_centroid_index": None, "waypoint": {"forward_m": 2, "left_m": 0}}, "accepted", "2 m ahead"),
+        (
+            {"selected_centroid_index": None, "look": {"dot": 3, "side": "left", "distance_m": 2.0}},
+            "accepted",
+            "look at 3 from 2.0 m, left side",
+        ),
+        ({"selected_centroid_index": None, "done": True, "answer": "two"}, "accepted", "done: two"),
+        ({"selected_centroid_index": None, "home": True, "done": False}, "accepted", "back to the start"),
         ({"forward_m": -2, "left_m": 3}, "accepted", "2 m back, 3 m left"),
         ({"forward_m": 0, "left_m": -1}, "rejected", "1 m right"),
         ({"forward_m": 0, "left_m": 0}, "rejected", "stay here"),

@@ -188,3 +188,42 @@ def test_what_the_robot_left_is_listed_with_its_reason(fresh):
     html = page(fresh)
     assert "7 at (1.5, 2.0) m" in html
     assert "seen from afar only" in html
+
+
+def with_events(folder, *events):
+    with (folder / "events.jsonl").open("a") as file:
+        file.writelines(json.dumps({"step": 400, "t": 40.0, **event}) + "\n" for event in events)
+
+
+def test_a_mission_in_words_has_its_instruction_its_answer_and_what_the_judge_found(fresh):
+    said = [{"dot": 1, "x": 9.0, "y": 9.0, "label": "<tyre>", "skip": True, "why": "A black ring."}]
+    condition = {"condition": "kept_off", "met": False, "found": "1.20 m, 2 m wanted"}
+    verdict = {"text": "Find the net.", "met": False, "answer": "one net", "conditions": [condition]}
+    told = {"event": "instruction", "text": "Find the net.", "by": "start"}
+    with_events(fresh, told, {"event": "held", "said": said}, {"event": "judged", "instruction": verdict})
+    html = page(fresh)
+    for words in (
+        "Mission: not fulfilled",
+        "<b>one net</b>",
+        "1.20 m, 2 m wanted",
+        "A black ring.",
+        "not &lt;tyre&gt;",
+    ):
+        assert words in html
+    assert "was changed under way" not in html
+    assert 'data-layer="marks"' in html
+
+
+def test_words_that_were_changed_are_listed_and_said_to_be_judged_by_nobody(fresh):
+    first, second = (
+        {"event": "instruction", "text": f"Find {n} nets.", "by": by} for n, by in ((1, "start"), (2, "page"))
+    )
+    verdict = {"text": "Find 2 nets.", "met": None, "answer": None, "conditions": []}
+    with_events(fresh, first, second, {"event": "judged", "instruction": verdict})
+    html = page(fresh)
+    for words in ("Mission: not judged", "<blockquote>Find 2 nets.", "was changed under way", "Find 1 nets."):
+        assert words in html
+
+
+def test_another_mission_has_no_section_of_its_own(fresh):
+    assert 'id="mission"' not in page(fresh)

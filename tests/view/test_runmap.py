@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
+from coral.reef.pictures.mapview import draw_map
 from coral.view.decisions import decisions
 from coral.view.run import RunFolder
 from coral.view.runmap import scene_at, snapshot, step_at, write_map
@@ -61,3 +62,12 @@ def test_a_map_that_cannot_be_written_is_one_line(fresh):
     (fresh / "map.png").mkdir()
     with pytest.raises(InputError, match=r"map\.png: found .*, expected a file that can be written"):
         write_map(fresh)
+
+
+def test_the_map_says_what_things_were_taken_for(fresh):
+    run = RunFolder.read(fresh)
+    said = [{"dot": 1, "x": 9.0, "y": 9.0, "label": "tyre", "skip": True, "why": ""}]
+    run = replace(run, events=[*run.events, {"event": "goal", "t": 12.0, "said": said}])
+    early, late = (scene_at(run, decisions(run), t) for t in (10.0, 40.0))
+    assert (early.marks, late.marks) == ([], [(9.0, 9.0, "not tyre")])
+    assert (draw_map(late).rgb != draw_map(replace(late, marks=())).rgb).any()

@@ -224,10 +224,13 @@ def fulfilled(result: Mapping[str, Any]) -> list[str]:
     """Return the verdict on a mission in words, and what the advisor answered; nothing for other missions."""
     if "success" not in result:
         return []
+    answer = f"; answer: {result['answer'] or 'none'}"
+    if result["success"] is None:
+        return [f"mission not judged: words without known conditions{answer}"]
     missed = [f"{one['condition']} ({one['found']})" for one in result["conditions"] if not one["met"]]
     missed += ["contact"] if result["collisions"] else []
     verdict = "mission fulfilled" if result["success"] else f"mission not fulfilled: {', '.join(missed)}"
-    return [f"{verdict}; answer: {result['answer'] or 'none'}"]
+    return [f"{verdict}{answer}"]
 
 
 def still_left(result: Mapping[str, Any]) -> list[str]:

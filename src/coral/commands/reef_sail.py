@@ -345,7 +345,9 @@ class ReefSail:
         from coral.view.live.viewer import Viewer
         from coral.view.live.watching import WatchedSurvey, reef_sketch
 
-        controls = SurveyControls(mission.crew.words, mission.alignment)
+        controls = SurveyControls(
+            mission.crew.words, mission.alignment, mission.instruct if mission.instruction else None
+        )
         viewer = opened.enter_context(Viewer(mission.record.folder, controls, port=self.live_port, flag="--live-port"))
         self._say(f"watch and steer the survey at {viewer.url}")
         opened.callback(lambda: viewer.stay() if viewer.watched else None)

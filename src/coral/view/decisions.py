@@ -38,19 +38,9 @@ class Try:
     def said(self) -> str:
         """Return the answer in words, without its reasoning."""
         if "selected_centroid_index" in self.answer:
-            index = self.answer["selected_centroid_index"]
-            return "no centroid" if index is None else f"centroid {index}"
+            return _chosen(self.answer)
         if {"forward_m", "left_m"} <= set(self.answer):
-            forward, left = self.answer["forward_m"], self.answer["left_m"]
-            moves = [
-                f"{abs(metres)} m {where}"
-                for metres, where in (
-                    (forward, "ahead" if forward > 0 else "back"),
-                    (left, "left" if left > 0 else "right"),
-                )
-                if metres
-            ]
-            return ", ".join(moves) or "stay here"
+            return _moves(self.answer["forward_m"], self.answer["left_m"])
         parts = [
             f"{key.replace('_', ' ')} {value}"
             for key, value in self.answer.items()
@@ -64,6 +54,25 @@ class Try:
     def why(self) -> str:
         """Return the advisor's own reasoning."""
         return str(self.answer.get("reason") or self.answer.get("reasoning") or "")
+
+
+def _chosen(answer: Mapping[str, Any]) -> str:
+    """Return in words what an answer about clusters chose: one of them, or what it may name instead."""
+    index, waypoint, look = (answer.get(key) for key in ("selected_centroid_index", "waypoint", "look"))
+    if index is not None:
+        return f"centroid {index}"
+    if isinstance(waypoint, Mapping):
+        return _moves(waypoint.get("forward_m", 0), waypoint.get("left_m", 0))
+    if isinstance(look, Mapping):
+        return f"look at {look.get('dot')} from {look.get('distance_m')} m, {look.get('side')} side"
+    if answer.get("done"):
+        return f"done: {answer.get('answer') or 'no answer'}"
+    return "back to the start" if answer.get("home") else "no centroid"
+
+
+def _moves(forward: float, left: float) -> str:
+    ways = ((forward, "ahead" if forward > 0 else "back"), (left, "left" if left > 0 else "right"))
+    return ", ".join(f"{abs(metres)} m {where}" for metres, where in ways if metres) or "stay here"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -132,6 +132,7 @@ LANES = (
     ("failure", "planner failed"),
     ("deviation", "off the path"),
     ("own", "own trigger"),
+    ("instruction", "new instruction"),
 )
 
 

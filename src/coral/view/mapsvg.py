@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.drawing import palette_png
+from coral.reef.decide.said import said_by
 from coral.reef.pictures.companions import COLORS
 from coral.reef.pictures.mapframe import CELL_COLORS, nice_step
 from coral.reef.world.structures import solid_records
@@ -65,6 +66,7 @@ class MapSvg:
                 '<g id="goalmark" class="goal" visibility="hidden"><circle r="11"/>'
                 '<path d="M-16,0h9M7,0h9M0,-16v9M0,7v9"/></g>',
                 self._decisions(made),
+                self._marks(),
                 self._collisions(),
                 self._others(),
                 self._robot(),
@@ -171,6 +173,15 @@ class MapSvg:
                 f"<title>decision {d.number} at {clock(d.t)}: {escape(d.tries[-1].said)}</title></g>"
             )
         return f'<g id="layer-decisions">{"".join(parts)}</g>'
+
+    def _marks(self) -> str:
+        """Write beside things what the advisor of a mission in words said of them."""
+        parts = []
+        for one in said_by(self.run.events):
+            x, y = self.at(one.x, one.y)
+            name = text(x, y + 20, one.name, "markname skipped" if one.skip else "markname")
+            parts.append(f"<g>{name}<title>{escape(one.why)}</title></g>")
+        return f'<g id="layer-marks">{"".join(parts)}</g>'
 
     def _collisions(self) -> str:
         parts = []

@@ -13,6 +13,7 @@ from markupsafe import Markup
 from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.foreign_file import read_text
+from coral.reef.decide.said import said_by
 from coral.reef.mission.metrics import DEFINITIONS, fleet_metrics, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
 from coral.view.decisions import Decision, decisions
@@ -256,23 +257,30 @@ def _truth_counts(run: RunFolder) -> tuple[int, int]:
 
 def _mission(run: RunFolder) -> dict[str, Any]:
     """Return instruction, answer, marks and verdict of a mission in words; empty for another mission."""
-    told = next((e["instruction"] for e in run.select("judged") if isinstance(e.get("instruction"), dict)), None)
-    if told is None:
+    told = run.select("instruction")
+    judged: Record = next(
+        (e["instruction"] for e in run.select("judged") if isinstance(e.get("instruction"), dict)), {}
+    )
+    if not told and not judged:
         return {}
-    answers = [e.get("answer") for e in run.select("verdict") if e.get("verdict") == "accepted"]
-    marks = {
-        str(mark.get("dot")): str(mark.get("label"))
-        for answer in answers
-        if isinstance(answer, dict)
-        for mark in answer.get("marks") or ()
-        if isinstance(mark, dict)
-    }
     rows = [
         (str(one.get("condition", "")).replace("_", " "), "met" if one.get("met") else "not met", str(one.get("found")))
-        for one in told.get("conditions") or ()
+        for one in judged.get("conditions") or ()
         if isinstance(one, dict)
     ]
-    return {**told, "rows": rows, "marks": list(marks.items())}
+    met = judged.get("met")
+    changes = [(clock(float(e["t"])), str(e.get("by", "")), str(e.get("text", ""))) for e in told]
+    return {
+        "text": changes[-1][-1] if changes else str(judged.get("text", "")),
+        "changes": changes if len(changes) > 1 else [],
+        "verdict": "not judged" if met is None else "fulfilled" if met else "not fulfilled",
+        "answer": judged.get("answer"),
+        "rows": rows,
+        "marks": [
+            (str(one.dot), f"({one.x:.1f}, {one.y:.1f}) m", one.label or "–", "yes" if one.skip else "", one.why)
+            for one in said_by(run.events)
+        ],
+    }
 
 
 def _states(run: RunFolder) -> list[tuple[str, str, str, str]]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from coral.drawing import Image, png
 from coral.file_writer import write_whole, writing
+from coral.reef.decide.said import said_by
 from coral.reef.pictures.companions import COLORS, Companion
 from coral.reef.pictures.mapview import MapScene, draw_map
 from coral.reef.world.geometry import Pose
@@ -57,6 +58,7 @@ def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[
         visited=[bool(c.get("visited")) for c in offered],
         goal=goal,
         others=tuple(_companion(run, number, t) for number in range(1, len(run.fleet) + 1)),
+        marks=[(one.x, one.y, one.name) for one in said_by(run.events, t)],
         named=bool(run.fleet),
     )
 

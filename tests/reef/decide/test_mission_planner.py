@@ -85,3 +85,17 @@ def test_home_is_where_it_set_out():
     asked = planner.ask(planner.outlook())
     x, y = belief.trajectory[0]
     assert planner.locate(asked, MissionAnswer(home=True)) == Goal(x=x, y=y)
+
+
+def test_other_words_are_told_next_and_what_was_ruled_out_is_open_again():
+    planner = planner_for(belief_with([(14.0, 10.0), (6.0, 10.0)]))
+    asked = planner.ask(planner.outlook())
+    answer = MissionAnswer(selected_centroid_index=0, marks=(Mark(dot=1, label="tyre"),), skip=(1,), reason="a ring")
+    told = planner.adopt(asked, answer, planner.locate(asked, answer))
+    assert [(s["dot"], s["label"], s["skip"], s["why"]) for s in told["said"]] == [(1, "tyre", True, "a ring")]
+    planner.instruct("Inspect the tyre.")
+    later = planner.ask(planner.outlook())
+    assert "Inspect the tyre." in later.question.prompt
+    assert "Dot 1: tyre." in later.question.prompt
+    assert "Ruled out" not in later.question.prompt
+    assert not later.question.facts["centroids"][1]["visited"]

@@ -7,7 +7,7 @@ import pytest
 
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
-from coral.reef.decide.mission_answer import MissionAnswer
+from coral.reef.decide.mission_answer import Mark, MissionAnswer
 from coral.reef.decide.trigger import TriggerCfg
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -106,3 +106,43 @@ def test_words_of_ones_own_replace_those_of_the_world():
     assert with_instruction(MissionCfg(), "Find it.").planner.instruction.time_s == MissionCfg().time_limit_s
     with pytest.raises(InputError, match="--instruction"):
         with_instruction(MissionCfg(), " ")
+
+
+def changing(folder, words):
+    """A mission whose instruction is changed at its second question."""
+
+    def rules(facts, rejections):
+        told.append(facts["mission"]["instruction"])
+        if len(told) == 1:
+            mission.instruct(words, "page")
+            return MissionAnswer(waypoint={"forward_m": 2, "left_m": 0})
+        return MissionAnswer(done=True, answer="black", marks=(Mark(dot=0, label="tyre"),))
+
+    told = []
+    cfg = dataclasses.replace(MissionCfg(), latency="0", pilot=dataclasses.replace(MissionCfg().pilot))
+    mission = Mission(WORLD, cfg, RuleAdvisor({"reef-mission": rules}), folder)
+    result = mission.run()
+    return told, result, [json.loads(line) for line in (folder / "events.jsonl").read_text().splitlines()]
+
+
+def test_a_changed_instruction_is_in_the_next_question_and_nobody_judges_it(tmp_path):
+    told, result, events = changing(tmp_path / "run", " Say what colour the tyre is. ")
+    assert told == [WORLD.mission.instruction, "Say what colour the tyre is."]
+    changes = [(e["text"], e["by"]) for e in events if e["event"] == "instruction"]
+    assert changes == [(WORLD.mission.instruction, "start"), ("Say what colour the tyre is.", "page")]
+    assert (result["success"], result["answer"], result["conditions"]) == (None, "black", [])
+    assert [e["cause"] for e in events if e["event"] == "trigger" and e["fired"]][-1] == "instruction"
+    assert [s["label"] for s in events[[e["event"] for e in events].index("held")]["said"]] == ["tyre"]
+
+
+def test_the_words_of_the_mission_are_judged_again(tmp_path):
+    _, result, _ = changing(tmp_path / "run", WORLD.mission.instruction)
+    assert result["success"] is not None
+    assert len(result["conditions"]) == 3
+
+
+def test_words_of_ones_own_have_no_judge(tmp_path):
+    cfg = with_instruction(MissionCfg(), "Look at the net.", WORLD.mission)
+    rules = {"reef-mission": lambda facts, rejections: MissionAnswer(done=True)}
+    result = Mission(WORLD, dataclasses.replace(cfg, latency="0"), RuleAdvisor(rules), tmp_path / "run").run()
+    assert result["success"] is None

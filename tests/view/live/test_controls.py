@@ -3,6 +3,7 @@ from types import SimpleNamespace
 import pytest
 
 from coral.contact.control.term_weights import TermWeights
+from coral.reef.world.instruction import checked_words
 from coral.view.live.controls import RunControls, SurveyControls
 from coral.view.live.pace import STOPPED, Pace
 
@@ -68,3 +69,22 @@ def test_an_alignment_is_used_when_it_is_proposed():
     assert not by_name(controls.panel("surveying"))["align"]["disabled"]
     search.outcome = "used"
     assert by_name(controls.panel("surveying"))["unaligned"]["disabled"]
+
+
+@pytest.mark.parametrize("made", [lambda f: RunControls(Pace(), instruct=f), lambda f: SurveyControls(None, None, f)])
+def test_the_instruction_of_a_mission_in_words_is_changed_on_the_page(made):
+    told = []
+
+    def instruct(words, by):
+        told.append((checked_words(words), by))
+        return True
+
+    controls = made(instruct)
+    assert by_name(controls.panel("running"))["instruct"]["asks"]
+    assert controls.press("instruct", "Find the net.")
+    assert not controls.press("instruct", " ")
+    assert not controls.press("instruct", None)
+    assert told == [("Find the net.", "page")]
+    without = made(None)
+    assert "instruct" not in by_name(without.panel("running"))
+    assert not without.press("instruct", "Find the net.")

@@ -54,3 +54,12 @@ def test_the_robot_is_where_it_believes_it_is(subject):
     row = {"t": 1.0, "x": 5.0, "y": 5.0, "theta": 0.0, "est_x": 5.2, "est_y": 5.1, "est_theta": 0.1}
     assert subject.row(row)[: COLUMNS.index("goal_x")] == [1.0, 5.2, 5.1, 0.1]
     assert subject.row({**row, "est_x": float("nan")})[1] == 5.0
+
+
+def test_a_mission_in_words_tells_its_instruction_and_its_marks(subject):
+    told = subject.tell({"event": "instruction", "t": 0, "text": "Find the net.", "by": "page"})
+    assert told["instruction"] == "Find the net."
+    said = [{"dot": 1, "x": 4.0, "y": 5.0, "label": "net", "skip": False, "why": "meshes"}]
+    assert subject.tell({"event": "goal", "t": 1, "source": "advisor", "said": said})["marks"] == [["net", 4.0, 5.0]]
+    ended = subject.tell({"event": "held", "t": 2, "answer": "one net", "said": said})
+    assert (ended["line"], ended["marks"]) == ("answered: one net", [["net", 4.0, 5.0]])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from coral.advisor.question import Rejection
@@ -22,27 +22,15 @@ from coral.reef.decide.planner import Answer, Draw, PlannerCfg, Prompts
 from coral.reef.decide.provable import finished_dot, hazard
 from coral.reef.decide.questions import goal_of_dot, goal_of_step, make_question, outside, surroundings
 from coral.reef.decide.route import Goal, Route, here
+from coral.reef.decide.said import WHY_CHARACTERS, Said, of_place, records_of, with_said
 from coral.reef.decide.survey import survey
 from coral.reef.decide.trigger import separated
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.world.geometry import to_robot
 
-SAME_M = 1.0
-"""Clusters this near to each other are one and the same, under whatever label."""
 RING_M, STEP_RAD = 2.0, math.radians(45.0)
 """The way round something keeps this much farther from it than the look, and turns by so much from goal to goal."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Said:
-    """What the advisor said of a cluster."""
-
-    x: float
-    y: float
-    label: str
-    """What it is; empty: only that it is ruled out."""
-    skip: bool = False
 
 
 class MissionPlanner:
@@ -63,12 +51,17 @@ class MissionPlanner:
         self.route = Route(belief, self.cfg.route)
         self.said: tuple[Said, ...] = ()
 
+    def instruct(self, words: str) -> None:
+        """Follow other words. What was ruled out was so under the old ones, and is open again."""
+        self.cfg = replace(self.cfg, instruction=replace(self.cfg.instruction, text=words))
+        self.said = tuple(replace(one, skip=False) for one in self.said if one.label)
+
     def outlook(self, way: CostField | None = None) -> Outlook:
         """Freeze what the robot knows now, and where it will be when the answer comes."""
         snapshot, route = self.belief.snapshot(), self.route
         arrival = route.arrival(way) if self.cfg.route.ahead else here(snapshot)
         goals = {goal.index for goal in arrival.goals if goal.index is not None}
-        skipped = {t.index for t in snapshot.tracks if any(s.skip for s in self._of(t.x, t.y))}
+        skipped = {t.index for t in snapshot.tracks if (s := of_place(self.said, t.x, t.y)) is not None and s.skip}
         return Outlook(
             snapshot,
             arrival,
@@ -78,9 +71,6 @@ class MissionPlanner:
             under_way=bool(route.goals),
             latency_s=route.latency_s,
         )
-
-    def _of(self, x: float, y: float) -> list[Said]:
-        return [said for said in self.said if math.dist((said.x, said.y), (x, y)) <= SAME_M]
 
     def ask(self, outlook: Outlook, rejections: Sequence[Rejection] = ()) -> AskedState:
         """Make the question: there always is one, for only the advisor knows when the mission is done."""
@@ -103,18 +93,14 @@ class MissionPlanner:
         """Return what a question tells of the mission."""
         belief, pose = outlook.belief, outlook.arrival.pose
         forward, left = to_robot(pose, *belief.trajectory[0])
-        found, ruled_out = [], []
-        for track in belief.tracks:
-            said = self._of(track.x, track.y)
-            found += [{"dot": track.index, "label": one.label} for one in said if one.label]
-            ruled_out += [track.index] if any(one.skip for one in said) else []
+        said = [(track.index, one) for track in belief.tracks if (one := of_place(self.said, track.x, track.y))]
         return {
             "instruction": self.cfg.instruction.text,
             "time_s": self.cfg.instruction.time_s,
             "at_s": round(self.route.t + outlook.arrival.in_s, 1),
             "home": {"forward_m": round(forward, 1), "left_m": round(left, 1)},
-            "found": found,
-            "ruled_out": ruled_out,
+            "found": [{"dot": index, "label": one.label} for index, one in said if one.label],
+            "ruled_out": [index for index, one in said if one.skip],
             "pictures": [
                 {"dot": track.index, "distance_m": round(view.distance_m, 1), "age_s": round(age_s)}
                 for track, view, age_s in belief.best_views.of(belief.tracks)
@@ -199,15 +185,18 @@ class MissionPlanner:
         return [goal for goal in open_ if goal not in goals]
 
     def adopt(self, asked: AskedState, answer: Answer, goal: Goal) -> dict[str, Any]:
-        """Keep what the advisor said of clusters."""
+        """Keep what the advisor said of clusters, and return all that it has said."""
         assert isinstance(answer, MissionAnswer)
         known = {track.index: track for track in asked.outlook.belief.tracks}
-        new = [(mark.dot, mark.label, False) for mark in answer.marks] + [(dot, "", True) for dot in answer.skip]
-        for index, label, skip in new:
+        labels = {mark.dot: mark.label for mark in answer.marks}
+        why = answer.reason[:WHY_CHARACTERS]
+        for index in (*labels, *(dot for dot in answer.skip if dot not in labels)):
             if (track := known.get(index)) is not None:
-                kept = [s for s in self.said if s not in self._of(track.x, track.y) or s.skip != skip]
-                self.said = (*kept, Said(x=track.x, y=track.y, label=label, skip=skip))
-        return {"violates": False, **({"look": answer.look.side} if answer.look is not None else {})}
+                skip = index in answer.skip
+                new = Said(dot=index, x=track.x, y=track.y, label=labels.get(index, ""), skip=skip, why=why)
+                self.said = with_said(self.said, new)
+        told = {"look": answer.look.side} if answer.look is not None else {}
+        return {"violates": False, **told, **({"said": records_of(self.said)} if answer.marks or answer.skip else {})}
 
     def settle(self) -> list[Guess]:
         """Return no guesses: none are stated."""

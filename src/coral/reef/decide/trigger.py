@@ -7,8 +7,8 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Literal
 
-Cause = Literal["first", "distance", "stuck", "failure", "deviation", "own"]
-"""Predicates of Eq. 12; "own" is that of a trigger brought by the user."""
+Cause = Literal["first", "distance", "stuck", "failure", "deviation", "own", "instruction"]
+"""Predicates of Eq. 12; "own" is that of a trigger brought by the user, "instruction" that a person changed it."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -57,7 +57,8 @@ DEFINITIONS = {
     "them has seen.",
     "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
     "min_separation_m": "Smallest true distance between the discs of two robots (m).",
-    "success": "Whether the conditions of a mission in words were all met in truth, without a contact.",
+    "success": "Whether the conditions of a mission in words were all met in truth, without a contact; none "
+    "for words without known conditions, which nobody judges.",
     "answer": "What the advisor answered when it said that such a mission was done; none if it did not.",
     "conditions": "Its conditions, each with what was found.",
     **outcome.DEFINITIONS,

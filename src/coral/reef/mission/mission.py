@@ -35,7 +35,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import COLUMNS, FrameRecorder
 from coral.reef.mission.robot import naming
 from coral.reef.mission.tours import planned
-from coral.reef.mission.word_judge import WordJudge, instructed
+from coral.reef.mission.word_judge import WordJudge, instructed, told_verdict
 from coral.reef.mission.word_oracle import true_answer
 from coral.reef.pilot.leftover import what_is_left
 from coral.reef.pilot.pilot import NOTHING_LEFT, SURVEY_ENDED
@@ -180,6 +180,8 @@ class Mission:
         """Parts of the first robot."""
         self.loop = MissionLoop(self.robots, SimulatedTicks(cfg.control_period_s), self)
         self.collisions = self.calls = 0
+        self.answer: str | None = None
+        """What the advisor answered when it said that a mission in words was done."""
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
         """Functions called with every event, as written to events.jsonl."""
         self._covered: set[int] = set()
@@ -189,8 +191,10 @@ class Mission:
         """Append an event at the present tick."""
         self.calls += event == "question"
         self.collisions += event in ("collision", "robot_collision")
-        if self.words is not None and event == "held" and fields.get("reason") == SURVEY_ENDED:
-            self.words.hear(str(fields.get("answer", "")))
+        if event == "held" and "answer" in fields:
+            self.answer = str(fields["answer"])
+            if self.words is not None:
+                self.words.hear(self.answer)
         self.writer.event(self.step, self.t, event, **fields)
         for hear in self.listeners:
             hear({"step": self.step, "t": self.t, "event": event, **fields})
@@ -265,7 +269,8 @@ class Mission:
         self._cover()
         self.judge.note(self.step, self.t, [vehicle.position for vehicle in self.vehicles])
         if self.words is not None:
-            self.words.note(self.t, [vehicle.simulator for vehicle in self.vehicles])
+            simulators = [vehicle.simulator for vehicle in self.vehicles]
+            self.words.note(self.t, [one.pose for one in simulators], [one.taken for one in simulators])
         for number in range(len(self.robots)):
             self._row(number)
         if self.cfg.stop_when_covered and self.coverage == 1.0:
@@ -340,6 +345,8 @@ class Mission:
             **({"own_parts": self.exchanged} if self.exchanged else {}),
             **self._fleet(),
         )
+        if text := self.cfg.planner.instruction.text:
+            self.emit("instruction", text=text, by="start")
         self._cover()
         self.judge.note(0, 0.0, [vehicle.position for vehicle in self.vehicles])
 
@@ -369,19 +376,14 @@ class Mission:
 
     def _fulfilled(self) -> dict[str, Any]:
         """Return the verdict on a mission in words."""
-        if self.words is None:
-            return {}
-        if self.cfg.decider == "oracle":
-            self.words.hear(true_answer(self.world))
-        verdict = self.words.verdict()
-        return {
-            "instruction": {
-                "text": self.cfg.planner.instruction.text,
-                "met": all(one.met for one in verdict) and not self.collisions,
-                "answer": self.words.answer,
-                "conditions": [one.model_dump() for one in verdict],
-            }
-        }
+        if self.cfg.decider == "oracle" and self.words is not None:
+            self.answer = true_answer(self.world)
+            self.words.hear(self.answer)
+        return told_verdict(self.pilot.planner.cfg.instruction.text, self.answer, self.words, self.collisions)
+
+    def instruct(self, words: str, by: str) -> bool:
+        """Change the instruction of a mission in words, from any thread. Return whether there is one to change."""
+        return all(robot.pilot.instruct(words, by) for robot in self.robots)
 
     def _finish(self) -> dict[str, Any]:
         control = np.array(self.loop.control_ms) if self.loop.control_ms else np.zeros(1)

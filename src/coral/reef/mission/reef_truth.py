@@ -10,9 +10,11 @@ import numpy as np
 
 from coral.reef.map.chain import Track
 from coral.reef.mission.judge import MissionJudge
+from coral.reef.mission.word_judge import WordJudge, told_verdict
 from coral.reef.simulation.coverage import CoverageMeter
 from coral.reef.simulation.imaging import ImagingMeter
 from coral.reef.simulation.simulator import SimulatorCfg, seen_through_water
+from coral.reef.vehicle.camera import Camera
 from coral.reef.vehicle.collision import ContactCounter
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
@@ -33,6 +35,9 @@ class ReefTruth:
         self._imaging = ImagingMeter(scene, cfg.camera, cfg.imaging, visibility_m=cfg.noise.visibility_m)
         self._contacts = ContactCounter(scene.footprints(), cfg.vehicle.hull_radius_m)
         self._judge = MissionJudge(world, self._imaging, folder)
+        self._camera = Camera(scene, cfg.camera)
+        self._words = None if world.mission is None else WordJudge(world, scene, world.mission, cfg.camera)
+        self._contacts_made = 0
         self._last: Pose | None = None
         self.covered: set[int] = set()
         """Indices of the clusters that have been covered."""
@@ -52,6 +57,7 @@ class ReefTruth:
         count = max(1, int(np.hypot(pose.x - before.x, pose.y - before.y) / PATH_M))
         track = np.linspace(before[:2], pose[:2], count + 1)[1:]
         for x, y, obstacle in self._contacts.follow(track):
+            self._contacts_made += 1
             self._emit("collision", x=round(x, 3), y=round(y, 3), obstacle=obstacle)
         self._last = pose
         self._coverage.update(pose)
@@ -63,14 +69,25 @@ class ReefTruth:
                 name = self.world.clusters[k].name
                 self._emit("cluster_covered", name=name, fraction=round(float(fractions[k]), 4))
         self._judge.note(step, t, [pose[:2]])
+        if self._words is not None:
+            self._words.note(t, [pose], [(pose, self._camera.render(pose))])
 
-    def verdict(self, tracks: list[Track]) -> dict[str, Any]:
-        """Return the fields of the `judged` event."""
+    def verdict(self, tracks: list[Track], instruction: str = "", answer: str | None = None) -> dict[str, Any]:
+        """Return the fields of the `judged` event.
+
+        Args:
+            tracks: The clusters on the vehicle's map.
+            instruction: The last one of a mission in words.
+            answer: What its advisor answered; None if it did not say that it was done.
+        """
+        if self._words is not None and answer is not None:
+            self._words.hear(answer)
         return {
             "clusters": self._judge.clusters(),
             "tracks": len(tracks),
             "phantoms": self._judge.phantoms(tracks),
             "oracle_time_to_90_s": None,
+            **told_verdict(instruction, answer, self._words, self._contacts_made),
         }
 
     def close(self) -> None:

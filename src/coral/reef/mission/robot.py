@@ -82,8 +82,9 @@ class Robot:
         """Go on with another map: a new pilot keeps the vehicle's state alone."""
         self.clock.withdraw()
         self.belief, self.localizer, states = belief, localizer, self.pilot.safety.states
+        told = self.pilot.planner.cfg
         self.pilot = self._build(self)
-        self.pilot.safety.states = states
+        self.pilot.planner.cfg, self.pilot.safety.states = told, states
         self.driver.reset()
 
     def sense(self, t: float) -> VehicleObservation:

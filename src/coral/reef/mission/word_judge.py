@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from coral.errors import InputError
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.simulation.simulator import ReefSimulator
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.geometry import Frame, Pose
-from coral.reef.world.instruction import MOST_CHARACTERS, Deeds, Fulfilment, KeptOff, MissionText
+from coral.reef.world.instruction import Deeds, Fulfilment, KeptOff, MissionText, checked_words
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld
 
@@ -53,16 +52,15 @@ class WordJudge:
         """Take the advisor's word that the mission is done."""
         self.done, self.answer = True, answer
 
-    def note(self, t: float, simulators: Sequence[ReefSimulator]) -> None:
-        """Watch one tick."""
-        for simulator in simulators:
-            x, y, _ = simulator.pose
+    def note(self, t: float, poses: Iterable[Pose], pictures: Iterable[tuple[Pose, Frame] | None]) -> None:
+        """Watch one tick: where the vehicles are, and what the last pictures show in truth, from where."""
+        for (x, y, _), taken in zip(poses, pictures, strict=True):
             self._end_s, self._at = t, (x, y)
             for k, outline in self._outlines.items():
                 name = self._things[k].name
                 self._nearest[name] = min(self._nearest.get(name, math.inf), clearance(outline, x, y))
-            if simulator.taken is not None:
-                self._look(t, *simulator.taken)
+            if taken is not None:
+                self._look(t, *taken)
 
     def _look(self, t: float, pose: Pose, frame: Frame) -> None:
         owner = self._thing[frame.instances]
@@ -97,6 +95,29 @@ class WordJudge:
         return self.text.judge(self.deeds())
 
 
+def told_verdict(text: str, answer: str | None, judge: WordJudge | None, contacts: int) -> dict[str, Any]:
+    """Return what the event `judged` tells of a mission in words; empty for another mission.
+
+    Args:
+        text: The instruction at the end. Only that of the judge has known conditions; of other words nobody judges.
+        answer: The advisor's; None if it did not say that the mission was done.
+        judge: Who knows the conditions; None if there are none.
+        contacts: Of the vehicle, with which no mission is fulfilled.
+    """
+    if not text:
+        return {}
+    known = judge is not None and judge.text.instruction.strip() == text.strip()
+    verdict = judge.verdict() if judge is not None and known else []
+    return {
+        "instruction": {
+            "text": text,
+            "met": all(one.met for one in verdict) and not contacts if known else None,
+            "answer": answer,
+            "conditions": [one.model_dump() for one in verdict],
+        }
+    }
+
+
 def with_instruction(cfg: MissionCfg, words: str, text: MissionText | None = None) -> MissionCfg:
     """Return the configuration of a mission in words of one's own.
 
@@ -108,10 +129,7 @@ def with_instruction(cfg: MissionCfg, words: str, text: MissionText | None = Non
     Raises:
         InputError: The instruction is empty or too long.
     """
-    if not words.strip() or len(words) > MOST_CHARACTERS:
-        found = f"{len(words)} characters"
-        raise InputError("--instruction", "", found, f"some words, at most {MOST_CHARACTERS} characters")
-    told = replace(cfg.planner.instruction, text=words)
+    told = replace(cfg.planner.instruction, text=checked_words(words))
     return instructed(replace(cfg, planner=replace(cfg.planner, instruction=told)), text)
 
 

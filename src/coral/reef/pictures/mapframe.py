@@ -26,6 +26,8 @@ RED: RGB = (220, 20, 40)
 YELLOW: RGB = (255, 217, 0)
 YELLOW_EDGE: RGB = (92, 74, 0)
 MAGENTA: RGB = (190, 0, 170)
+MARK: RGB = (0, 92, 105)
+"""Of what the advisor took something for."""
 INK: RGB = (40, 44, 52)
 
 

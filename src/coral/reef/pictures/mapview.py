@@ -19,6 +19,7 @@ from coral.reef.pictures.mapframe import (
     FAR,
     LEGEND_PX,
     MAGENTA,
+    MARK,
     OBSTACLE,
     ORANGE,
     OYSTER,
@@ -77,6 +78,8 @@ class MapScene:
     goal: tuple[float, float] | None = None
     others: tuple[Companion, ...] = ()
     """The other robots of the mission."""
+    marks: Sequence[tuple[float, float, str]] = ()
+    """Places (m) and words of what the advisor of a mission in words said of things."""
     named: bool = False
     """Whether a key shows the colours of several robots."""
 
@@ -253,6 +256,9 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
             for index, share, done in zip(scene.indices or range(len(dots)), shares, visited, strict=True)
         ]
         _draw_labels(rgb, dots, names, robot)
+    for x, y, words in scene.marks if cfg.labels else ():
+        column, row = view.to_pixels(np.array((x, y)))
+        draw_text(rgb, words, column, row + 17, size=14, color=MARK, weight=700, halo=3, anchor="mm")
     if scene.named:
         draw_key(view, scene.others)
 

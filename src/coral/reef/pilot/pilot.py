@@ -17,6 +17,7 @@ from coral.advisor.fallback import FOR_RUNS, Fallback, failed
 from coral.advisor.question import Advisor, Question, Rejection
 from coral.config import Count, NonNegative, Positive
 from coral.reef.decide.asked import AskedState
+from coral.reef.decide.mission_planner import MissionPlanner
 from coral.reef.decide.own_trigger import MakeTrigger
 from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.decide.route import Goal
@@ -35,6 +36,7 @@ from coral.reef.vehicle.sensing import VehicleObservation, Velocity
 from coral.reef.vehicle.states import Mover
 from coral.reef.vehicle.vehicle import VehicleState
 from coral.reef.world.geometry import Pose, to_world
+from coral.reef.world.instruction import checked_words
 
 Command = tuple[float, float]
 """Forward speed (m/s) and yaw rate (rad/s)."""
@@ -183,6 +185,9 @@ class Pilot:
         self._asked: AskedState | None = None
         """The last question, in whose state its answer is judged."""
         self._ended = False
+        self._told: tuple[str, str] | None = None
+        self._reasks = False
+        """Whether the instruction was changed since the last question."""
         self._by_rules = False
         """Whether the decision under way is the fallback's."""
 
@@ -201,6 +206,7 @@ class Pilot:
 
     def drive(self, reading: Reading) -> Command:
         """Take in a checked reading, whose poses a robot may have corrected; return the command until the next."""
+        self._take_words()
         if reading.frame is not None and reading.frame_pose is not None:
             self.belief.update(reading.frame, reading.frame_pose, reading.attitude)
             self.belief.pose = reading.pose or reading.frame_pose
@@ -218,6 +224,37 @@ class Pilot:
             self.trigger.new_goal()  # to be held is not to be stuck
         command = self._steer(reading.t, self.belief.pose, reading.velocity)
         return (0.0, 0.0) if reading.overdue else command
+
+    def instruct(self, words: str, by: str) -> bool:
+        """Change the instruction of a mission in words from the next tick on; from any thread.
+
+        A question that is open is withdrawn, and the next one, which carries the new words, asked at once.
+
+        Args:
+            words: The new instruction.
+            by: Who changed it, for the record.
+
+        Returns:
+            Whether there is an instruction to change.
+
+        Raises:
+            InputError: It is empty or too long.
+        """
+        if not isinstance(self.planner, MissionPlanner):
+            return False
+        self._told = checked_words(words, by), by
+        return True
+
+    def _take_words(self) -> None:
+        """Take over an instruction that was changed."""
+        if self._told is None or not isinstance(self.planner, MissionPlanner):
+            return
+        (words, by), self._told = self._told, None
+        self.planner.instruct(words)
+        self._emit("instruction", text=words, by=by)
+        self.clock.withdraw()
+        self._collect()
+        self._reasks, self._ended = True, False
 
     def go_home(self, x: float, y: float) -> None:
         """Drive to a point (m) around what is on the map, and ask nothing more."""
@@ -339,6 +376,8 @@ class Pilot:
         if ahead and not self.route.goals:
             self.trigger.new_goal()  # to wait for an answer is not to be stuck
         firing = self.trigger.update(t, pose.x, pose.y, speed, target, self.pending, soon)
+        if firing is not None and firing.cause == "distance" and self._reasks:
+            firing = dataclasses.replace(firing, cause="instruction")
         if firing is not None and firing != self._last_firing:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
         self._last_firing = firing
@@ -352,7 +391,7 @@ class Pilot:
             self.route.drop(t)
         self.end_reason = ""
         self.trigger.asked(t, waits=not (ahead and self.route.goals))
-        self._attempts, self._decision = 0, next(self._numbers)
+        self._attempts, self._decision, self._reasks = 0, next(self._numbers), False
         self._known |= {track.index for track in self.belief.tracks}
         self._task = self.clock.start(
             consult(
@@ -368,9 +407,9 @@ class Pilot:
         self._collect()
 
     def _asks_ahead(self) -> bool:
-        """Check whether the goals will be done before an answer can come, or the map shows a new cluster."""
+        """Check whether the goals will be done before an answer can come, or there is a new cluster or instruction."""
         news = any(track.index not in self._known for track in self.belief.unvisited())
-        return news or self.route.to_go_s(self.field) <= self.route.lead_s
+        return news or self._reasks or self.route.to_go_s(self.field) <= self.route.lead_s
 
     async def _observe(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
         """Have the next question prepared, from the belief as it is now."""
@@ -494,10 +533,15 @@ class Pilot:
         """Keep the present goal, which also is a decision, and not the advisor's."""
         self._emit("held", source="fallback", decision=self._decision, reason=reason)
 
+    def _heard(self, asked: AskedState, answer: Any) -> dict[str, Any]:
+        """Keep what an answer in a mission in words says of things, where no goal comes of it."""
+        pose = asked.outlook.arrival.pose
+        return self.planner.adopt(asked, answer, Goal(x=pose.x, y=pose.y)) if hasattr(answer, "answer") else {}
+
     def _adopt(self, asked: AskedState, answer: Any, source: Source) -> None:
         """Put a decision behind the goals that were under way when it was asked for; without `ahead` there are none."""
         if getattr(answer, "end_survey", False):
-            said = {"answer": answer.answer} if hasattr(answer, "answer") else {}
+            said = {"answer": answer.answer, **self._heard(asked, answer)} if hasattr(answer, "answer") else {}
             # A mission in words ends where the robot was to be when the answer was needed.
             arrival = asked.outlook.arrival
             before = [g for g in self.route.goals if g in arrival.goals]
@@ -511,7 +555,8 @@ class Pilot:
         if goal is None or isinstance(goal, Rejection):
             label = getattr(answer, "selected_centroid_index", getattr(answer, "dot", None))
             self.belief.last_failure = (label, GONE)
-            self._emit("held", source=source, decision=self._decision, reason=f"dot {label}: {GONE}")
+            reason = f"dot {label}: {GONE}"
+            self._emit("held", source=source, decision=self._decision, reason=reason, **self._heard(asked, answer))
             return
         onward = self.planner.onward(asked, answer)
         before = [g for g in self.route.goals if g in asked.outlook.arrival.goals]

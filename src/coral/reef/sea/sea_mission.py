@@ -25,6 +25,7 @@ from coral.reef.map.mapping import OccupancyMap
 from coral.reef.mission.assembly import Deciding, decider_of, latency_in_real_time, make_robot, with_response
 from coral.reef.mission.loop import MissionLoop
 from coral.reef.mission.metrics import compute_metrics
+from coral.reef.mission.word_judge import told_verdict
 from coral.reef.pilot.leftover import what_is_left
 from coral.reef.pilot.pilot import Pilot
 from coral.reef.sea.link import VehicleLink, VehicleReport
@@ -114,6 +115,8 @@ class SeaMission:
         self._forbidden = area.forbidden(mission.map.cell_m, belief.map.target.shape)
         belief.map.close_off(self._forbidden)
         self.calls = self.collisions = 0
+        self.answer: str | None = None
+        """What the advisor answered when it said that a mission in words was done."""
         self.record = SeaRecord(folder, mission.record, crew.world, sim, threaded=threaded)
         self.record.listeners.append(self._count)
         advisor = decider_of(mission, crew.advisor, seed)
@@ -200,6 +203,15 @@ class SeaMission:
         """Share of the clusters: of the true ones in a simulated reef, else of those on the vehicle's own map."""
         return self._own()[1] if self.record.truth is None else self.record.truth.coverage
 
+    @property
+    def instruction(self) -> str:
+        """The instruction of a mission in words, as it is now; "" without one."""
+        return self.pilot.planner.cfg.instruction.text
+
+    def instruct(self, words: str, by: str) -> bool:
+        """Change the instruction of a mission in words, from any thread. Return whether there is one to change."""
+        return self.pilot.instruct(words, by)
+
     def align(self, start: Pose | None = None, *, trust_heading: bool) -> None:
         """Take what the vehicle reports now as the survey's start."""
         report = self.crew.link.report()
@@ -273,6 +285,8 @@ class SeaMission:
         write_head(self.record.writer, self.area, crew.world, about, self.cfg, self.response, self.vehicle.frame)
         total = 0 if crew.world is None else len(crew.world.clusters)
         self.emit("start", **about, clusters_total=total, judged_by=OWN_MAP if crew.world is None else TRUTH)
+        if self.instruction:
+            self.emit("instruction", text=self.instruction, by="start")
         report = crew.link.report()
         self.safety.accept(report)
         self._tell_texts(report)
@@ -348,6 +362,7 @@ class SeaMission:
     def _count(self, event: dict[str, Any]) -> None:
         self.calls += event["event"] == "question"
         self.collisions += event["event"] == "collision"
+        self.answer = event["answer"] if event["event"] == "held" and "answer" in event else self.answer
 
     def _finish(self) -> dict[str, Any]:
         """Leave the vehicle as the end asks for, write the results, and return them."""
@@ -365,10 +380,10 @@ class SeaMission:
         record, tracks = self.record, self.belief.tracks
         near = sum(not track.far for track in tracks)
         if record.truth is not None:
-            judge, emit, step, t = record.truth, record.writer.event, self.step, self.t
-            record.work.offer(lambda: emit(step, t, "judged", **judge.verdict(tracks)))
+            judge, emit, step, t, words = record.truth, record.writer.event, self.step, self.t, self.instruction
+            record.work.offer(lambda: emit(step, t, "judged", **judge.verdict(tracks, words, self.answer)))
         else:
-            self.emit("judged", tracks=near)
+            self.emit("judged", tracks=near, **told_verdict(self.instruction, self.answer, None, self.collisions))
         self.emit("end", reason=self.end_reason)
         record.offer_survey(self.t, self.belief, last=True)
         self.clock.close()

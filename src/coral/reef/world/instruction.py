@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from coral.errors import InputError
 from coral.reef.world.kinds import find_kind
 from coral.reef.world.structures import Metres, WorldPart
 
@@ -209,6 +210,17 @@ def apart(angles: Collection[float]) -> int:
                 last, count = offset, count + 1
         best = max(best, count)
     return best
+
+
+def checked_words(words: str, where: str = "--instruction") -> str:
+    """Return an instruction that a person gives.
+
+    Raises:
+        InputError: It is empty or too long.
+    """
+    if not words.strip() or len(words) > MOST_CHARACTERS:
+        raise InputError(where, "", f"{len(words)} characters", f"some words, at most {MOST_CHARACTERS} characters")
+    return words.strip()
 
 
 def spoken(text: str) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
 
+from coral.errors import InputError
 from coral.view.live.pace import Pace
 
 if TYPE_CHECKING:
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 MOST = 4.0
 """Largest factor on a term of a cost."""
 Panel = dict[str, Any]
+Instruct = Callable[[str, str], bool]
+"""instruct(words, by) changes the instruction of a mission in words; whether there is one."""
 
 
 class Controls(Protocol):
@@ -37,6 +40,7 @@ class RunControls:
         what: What is stopped: mission or task.
         weights: Takes the factors; None for a run without such a cost.
         stop_now: Called by the stop button besides, at once and from its own thread: it stops an arm.
+        instruct: Changes the instruction; None for a run without one.
     """
 
     def __init__(
@@ -45,8 +49,10 @@ class RunControls:
         what: str = "mission",
         weights: TermWeights | None = None,
         stop_now: Callable[[], None] | None = None,
+        instruct: Instruct | None = None,
     ) -> None:
         self.pace, self._what, self._weights, self._stop_now = pace, what, weights, stop_now
+        self._instruct = instruct
 
     def panel(self, status: str) -> Panel:
         """Return the buttons."""
@@ -54,7 +60,8 @@ class RunControls:
         pause = {"name": "pause", "label": "Resume" if self.pace.paused else "Pause", "disabled": ended}
         stop = {"name": "stop", "label": f"Stop the {self._what}", "tone": "bad", "disabled": ended}
         weighs = self._weights is not None and not ended
-        return {"buttons": [pause, stop], "speed": None if ended else self.pace.speed, "weights": weighs}
+        buttons = [pause, stop, *([] if self._instruct is None else [_instruction_button(ended)])]
+        return {"buttons": buttons, "speed": None if ended else self.pace.speed, "weights": weighs}
 
     def press(self, name: str, value: Any) -> bool:
         """Act on a button."""
@@ -64,6 +71,8 @@ class RunControls:
             if self._stop_now is not None:
                 self._stop_now()
             self.pace.end()
+        elif name == INSTRUCT:
+            return _instructed(self._instruct, value)
         elif name == "speed" and _is_number(value) and 0 <= value <= 1000:
             self.pace.speed = float(value)
         elif name == "weight" and isinstance(value, list) and len(value) == 3 and self._weights is not None:
@@ -74,6 +83,23 @@ class RunControls:
         else:
             return False
         return True
+
+
+INSTRUCT = "instruct"
+
+
+def _instruction_button(disabled: bool) -> Panel:
+    hint = "The next question carries the new words; nobody judges words without known conditions."
+    asks = "What the robot is to do"
+    return {"name": INSTRUCT, "label": "Change the instruction", "hint": hint, "asks": asks, "disabled": disabled}
+
+
+def _instructed(instruct: Instruct | None, words: object) -> bool:
+    """Change the instruction; whether that could be done."""
+    try:
+        return instruct is not None and isinstance(words, str) and instruct(words, "page")
+    except InputError:
+        return False
 
 
 BUTTONS: tuple[tuple[Word, str, str, str], ...] = (
@@ -97,10 +123,13 @@ class SurveyControls:
     Args:
         words: Takes them.
         alignment: The search of a resumed survey for its place on the saved map.
+        instruct: Changes the instruction; None for a survey without one.
     """
 
-    def __init__(self, words: OperatorWords, alignment: SurveyAlignment | None = None) -> None:
-        self._words, self._alignment = words, alignment
+    def __init__(
+        self, words: OperatorWords, alignment: SurveyAlignment | None = None, instruct: Instruct | None = None
+    ) -> None:
+        self._words, self._alignment, self._instruct = words, alignment, instruct
         self._buttons = BUTTONS + (RESUME_BUTTONS if alignment is not None else ())
 
     def panel(self, status: str) -> Panel:
@@ -116,6 +145,7 @@ class SurveyControls:
             }
             for word, label, tone, hint in self._buttons
         ]
+        made += [] if self._instruct is None else [_instruction_button(ended)]
         return {"buttons": made, "speed": None, "weights": False}
 
     def _offers(self, word: Word) -> bool:
@@ -126,7 +156,9 @@ class SurveyControls:
         return search is not None and not search.outcome and (word == "unaligned" or search.proposal is not None)
 
     def press(self, name: str, value: Any) -> bool:
-        """Say a word."""
+        """Say a word, or change the instruction."""
+        if name == INSTRUCT:
+            return _instructed(self._instruct, value)
         word = next((word for word, *_ in self._buttons if word == name), None)
         if word is not None:
             self._words.say(word, "page")

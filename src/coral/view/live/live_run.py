@@ -56,8 +56,9 @@ def watching_mission(
     mission: Mission, *, port: int, speed: float, wait: bool
 ) -> AbstractContextManager[list[WatchedRun]]:
     """Give the observer that shows a mission; see `watching_run`."""
-    folder = mission.writer.folder
-    return watching_run(folder, "mission", reef_sketch, RunControls, port=port, speed=speed, wait=wait)
+    instruct = mission.instruct if mission.cfg.planner.instruction.text else None
+    buttons = partial(RunControls, instruct=instruct)
+    return watching_run(mission.writer.folder, "mission", reef_sketch, buttons, port=port, speed=speed, wait=wait)
 
 
 def watching_task(episode: Episode, *, port: int, speed: float, wait: bool) -> AbstractContextManager[list[WatchedRun]]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.reef.decide.said import said_by
 from coral.reef.pictures.companions import COLORS
 from coral.reef.world.scene import RECTANGLE, Scene
 from coral.reef.world.world import ReefWorld
@@ -16,7 +17,11 @@ from coral.view.decisions import Try
 from coral.view.live.stream import Moment
 from coral.view.run import Record, RunFolder
 
-TITLES = {"centroid": "Which cluster next?", "waypoint": "Where to next?"}
+TITLES = {
+    "centroid": "Which cluster next?",
+    "waypoint": "Where to next?",
+    "mission": "What next for this mission?",
+}
 CAUSES = {
     "distance": "the goal is near",
     "stuck": "the robot is stuck",
@@ -24,6 +29,7 @@ CAUSES = {
     "deviation": "the robot left its path",
     "first": "the mission began",
     "own": "the user's own trigger fired",
+    "instruction": "the instruction was changed",
 }
 TEAL, GRAY, BLUE, RED = "#0b6470", "#969fac", "#195ae6", "#d6342c"
 CALM = ("ready", "surveying", "stopped")
@@ -139,8 +145,11 @@ class ReefSubject:
     def _on_goal(self, event: Record) -> Moment | None:
         source = event.get("source")
         if source in ("advisor", "recording"):
-            return None
-        return {"line": f"new goal, chosen by {'the rules' if source == 'fallback' else 'the start'}"}
+            return _marks(event) or None
+        return {"line": f"new goal, chosen by {'the rules' if source == 'fallback' else 'the start'}", **_marks(event)}
+
+    def _on_instruction(self, event: Record) -> Moment:
+        return {"line": f"instruction, by {event.get('by', '')}", "instruction": str(event.get("text", ""))}
 
     def _on_cluster_covered(self, event: Record) -> Moment:
         self._covered += 1
@@ -173,8 +182,8 @@ class ReefSubject:
     def _on_planner_failure(self, event: Record) -> Moment:
         return {"line": f"no way found: {event.get('reason', '')}"}
 
-    def _on_held(self, _: Record) -> Moment:
-        return {"line": "the goal is kept"}
+    def _on_held(self, event: Record) -> Moment:
+        return {"line": f"answered: {event['answer']}" if event.get("answer") else "the goal is kept", **_marks(event)}
 
     def _on_fallback(self, event: Record) -> Moment:
         return {"line": f"the advisor failed ({event.get('failure', '')})", "mark": "bad"}
@@ -185,6 +194,12 @@ class ReefSubject:
     def _on_end(self, event: Record) -> Moment:
         reason = str(event.get("reason", ""))
         return {"line": f"ended: {reason}", "asked": None, "ended": reason}
+
+
+def _marks(event: Record) -> Moment:
+    """Return what an event tells of what the advisor took things for."""
+    said = said_by([event])
+    return {"marks": [[one.name, one.x, one.y] for one in said]} if said else {}
 
 
 def _chart(title: str, series: list[tuple[str, str, str, float]], bounds: list[float] | None = None) -> dict[str, Any]:
