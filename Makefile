@@ -12,6 +12,8 @@ requirements = $(BIN)/python .ci/requirements.py $(1) >$(VENV)/requirements.txt 
 BROWSER := $(shell command -v chromium || command -v google-chrome)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
+# Containers often set it; then every process compiles again all that it imports, which doubles the time of the tests.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: constraints setup setup-dev setup-libero demo kernels test test-slow test-train wings test-ray test-slurm test-ros2 test-warp test-franka test-model test-libero test-ardusub test-wheel check docs site figures bench fuzz fuzz-minute clean help
 

@@ -1,5 +1,6 @@
 """Hypothesis for all tests: the same examples in every run, no limit on wall time; and a browser for the pages."""
 
+import gc
 import shutil
 from importlib.util import find_spec
 
@@ -16,6 +17,12 @@ def pytest_collection_modifyitems(items):
         for mark in item.iter_markers("wing"):
             if find_spec(mark.args[0]) is None:
                 item.add_marker(pytest.mark.skip(reason=f"without {mark.args[0]}"))
+
+
+def pytest_collection_finish():
+    """Keep the garbage collector from walking thousands of collected tests again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 FLAGS = [

@@ -24,3 +24,12 @@ def test_only_developers_install_what_tests_and_checks_need(target, developer, t
     assert "requirements.py contact" in told
     assert ("--group dev" in told) == developer
     assert ("vehicle" in told) == developer
+
+
+def test_modules_are_compiled_once_whatever_a_container_sets(monkeypatch):
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    told = subprocess.run(
+        ["make", "--eval", "told: ; @env", "told"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert "OMP_NUM_THREADS=1\n" in told.stdout
+    assert "PYTHONDONTWRITEBYTECODE" not in told.stdout
