@@ -22,9 +22,11 @@ from pathlib import Path
 
 import numpy as np
 
-from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
-from coral.reef.rehearsal.autopilot_server import AutopilotServer
-from coral.reef.rehearsal.body import Body, OpenWater
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from autopilot.autopilot import AutopilotCfg, SimulatedAutopilot
+from autopilot.body import Body, OpenWater
+from autopilot.server import AutopilotServer
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.ardusub import load_dialect
 from coral.reef.sea.link import LinkRefused, VehicleReport

@@ -3,7 +3,7 @@
 Usage: python benchmarks/sail_faults.py --vehicle mavlink:tcp:HOST:PORT --truth ADDRESS --station ADDRESS [--only WORDS]
 
 Vehicle, truth and station are three lines to one simulation: ArduSub in the loop has a port for each, the simulated
-autopilot (`coral reef autopilot s1 --listen tcp:127.0.0.1:5790`) takes all on one. Each row is a survey of its own in
+autopilot (`python tests/autopilot s1`) takes all on one. Each row is a survey of its own in
 real time; the fault begins under way. *Held*: seconds until the state changed; *stood*: until the true speed was below
 0.1 m/s.
 """

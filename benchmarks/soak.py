@@ -34,6 +34,7 @@ EPISODES = {
 }  # fmt: skip
 """160 missions and 40 episodes."""
 CORAL = [sys.executable, "-m", "coral"]
+AUTOPILOT = Path(__file__).parents[1] / "tests" / "autopilot"
 
 
 def main() -> None:
@@ -70,7 +71,7 @@ def leg(world: Path, folder: Path, earlier: Sequence[str], limit_s: float) -> No
     """Survey until the time is up and kill the program, unless it ends by itself; print what it did."""
     jumps = [word for t in range(JUMP_S, int(limit_s), JUMP_S) for word in ("--fault", f"{t}:clock-jump:3600")]
     autopilot = subprocess.Popen(
-        [*CORAL, "reef", "autopilot", str(world), "--listen", "tcp:127.0.0.1:0", "--ready-s", "1", *jumps],
+        [sys.executable, str(AUTOPILOT), str(world), "--tcp-port", "0", "--ready-s", "1", *jumps],
         stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
     )  # fmt: skip
     try:

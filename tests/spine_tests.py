@@ -26,7 +26,7 @@ def tests_without(name):
         inside = str(path.relative_to(TESTS)).removesuffix(".py").replace("test_", "")
         if any(inside == each or inside.startswith(f"{each}/") for each in off):
             continue
-        if inside.split("/")[0] in ("e2e", "model", "benchmarks") or path.parent == TESTS:
+        if inside.split("/")[0] in ("e2e", "model", "benchmarks", "autopilot") or path.parent == TESTS:
             continue
         if not named.search(path.read_text(encoding="utf-8")):
             kept.append(path)

@@ -26,7 +26,6 @@ from coral.plugins import GROUPS
 from coral.reef.mission import metrics as reef_metrics
 from coral.reef.mission.presets import PRESETS
 from coral.reef.recordings.bag_export import TOPICS
-from coral.reef.rehearsal.autopilot_faults import FAULTS as AUTOPILOT_FAULTS
 from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
 from coral.reef.vehicle.states import CHANGES
 from coral.surface import described
@@ -137,7 +136,6 @@ TABLES: dict[str, Callable[[], str]] = {
     "metrics-task": partial(_named, "key | what", contact_metrics.DEFINITIONS),
     "presets": _presets,
     "sensor-faults": partial(_named, "fault | what", {name: kind.means for name, kind in SENSOR_FAULTS.items()}),
-    "autopilot-faults": partial(_named, "fault | what", AUTOPILOT_FAULTS),
     "states": _states,
     "limits": _limits,
     "advisors": partial(_named, "advisor | who", {entry.form: entry.what for entry in ENTRIES}),

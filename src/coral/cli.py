@@ -28,7 +28,6 @@ COMMANDS = {
     "reef identify": ("coral.commands.reef_identify:ReefIdentify", "measure how a vehicle follows its set-points"),
     "reef bench": ("coral.commands.reef_bench:ReefBench", "compare variants over many missions, with tables"),
     "reef envs": ("coral.commands.reef_envs:ReefEnvs", "list the reefs, and draw previews"),
-    "reef autopilot": ("coral.commands.reef_autopilot:ReefAutopilot", "simulate a BlueROV2 that speaks MAVLink"),
     "reef picture": ("coral.commands.reef_picture:ReefPicture", "take a colour picture of a reef, in any water"),
     "reef eyes": ("coral.commands.reef_eyes:ReefEyes", "train a network for RGB pictures, or measure one"),
     "reef products": ("coral.commands.reef_products:ReefProducts", "make maps and tables for an ecologist from a run"),

@@ -39,7 +39,7 @@ EXTRAS = {
     "vision": ("onnxruntime", "missions by RGB pictures (--perception)"),
     "train": ("torch", "training networks for them (coral reef eyes train)"),
     "gym": ("gymnasium", "reefs and tasks as Gymnasium environments"),
-    "vehicle": ("pymavlink", "a BlueROV2 by MAVLink, and the simulated autopilot"),
+    "vehicle": ("pymavlink", "a BlueROV2 by MAVLink"),
     "geo": ("pyproj", "maps with coordinates: GeoTIFF, GeoJSON, GeoPackage"),
     "bags": ("rosbags", "ROS 2 bags and MCAP files, read and written"),
     "franka": ("franky", "a Franka arm (coral contact run --world franka)"),

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from autopilot_line import AutopilotLine
-from coral.reef.rehearsal.autopilot import SimulatedAutopilot
-from coral.reef.rehearsal.body import Body, OpenWater
+from autopilot.autopilot import SimulatedAutopilot
+from autopilot.body import Body, OpenWater
+from autopilot.line import AutopilotLine
 from coral.reef.rehearsal.truth import TruthFeed
 from coral.reef.world.geometry import Pose
 

@@ -3,14 +3,14 @@
 import numpy as np
 from voyage import WORLD
 
-from autopilot_line import AutopilotLine
+from autopilot.autopilot import AutopilotCfg, SimulatedAutopilot
+from autopilot.body import Body, ReefWaters
+from autopilot.line import AutopilotLine
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
-from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
-from coral.reef.rehearsal.body import Body, ReefWaters
 from coral.reef.sea import ardusub
 from coral.reef.sea.mavlink_link import MavlinkLink
 from coral.reef.sea.picture import Shot

@@ -2,9 +2,9 @@
 
 import time
 
-from autopilot_line import AutopilotLine
-from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
-from coral.reef.rehearsal.body import Body, OpenWater
+from autopilot.autopilot import AutopilotCfg, SimulatedAutopilot
+from autopilot.body import Body, OpenWater
+from autopilot.line import AutopilotLine
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.mavlink_link import MavlinkLink
 from coral.reef.world.geometry import Pose

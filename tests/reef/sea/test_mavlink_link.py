@@ -7,9 +7,9 @@ import pytest
 from messages import mavlink
 from sea_vehicles import START, SimulatedVehicle, set_parameter
 
-from autopilot_line import AutopilotLine
-from coral.reef.rehearsal.autopilot import SimulatedAutopilot
-from coral.reef.rehearsal.body import Body, OpenWater
+from autopilot.autopilot import SimulatedAutopilot
+from autopilot.body import Body, OpenWater
+from autopilot.line import AutopilotLine
 from coral.reef.sea.link import LinkRefused
 from coral.reef.sea.mavlink_link import MavlinkLink
 

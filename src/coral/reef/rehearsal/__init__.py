@@ -1,4 +1,4 @@
-"""What stands in for a vehicle at sea: a simulated one in real time, its autopilot over MAVLink, its sensors.
+"""What stands in for a vehicle at sea: a simulated one in real time, and its sensors.
 
 A wing. It needs `coral.reef.sea`.
 """

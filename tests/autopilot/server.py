@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from autopilot.autopilot import SimulatedAutopilot
+from autopilot.faults import FaultPlan, LineCondition, LinkFault
 from coral.errors import InputError, first_line
-from coral.reef.rehearsal.autopilot import SimulatedAutopilot
-from coral.reef.rehearsal.autopilot_faults import FaultPlan, LineCondition, LinkFault
 
 PEERS = 8
 LAG_S = 0.5

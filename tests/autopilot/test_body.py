@@ -2,7 +2,7 @@
 
 import pytest
 
-from coral.reef.rehearsal.body import Body, OpenWater, ReefWaters
+from autopilot.body import Body, OpenWater, ReefWaters
 from coral.reef.world.geometry import Pose
 
 

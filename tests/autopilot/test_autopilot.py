@@ -5,9 +5,9 @@ import math
 import pytest
 from messages import mavlink
 
-from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
-from coral.reef.rehearsal.autopilot_parameters import ParameterStore
-from coral.reef.rehearsal.body import Body, OpenWater
+from autopilot.autopilot import AutopilotCfg, SimulatedAutopilot
+from autopilot.body import Body, OpenWater
+from autopilot.parameters import ParameterStore
 
 
 class Station:

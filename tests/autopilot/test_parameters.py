@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from coral.reef.rehearsal.autopilot_parameters import DEFAULTS, ParameterStore
+from autopilot.parameters import DEFAULTS, ParameterStore
 
 
 def test_known_parameters_are_set():

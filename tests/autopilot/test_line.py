@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from autopilot_line import AutopilotLine
-from coral.reef.rehearsal.autopilot import SimulatedAutopilot
-from coral.reef.rehearsal.body import Body, OpenWater
+from autopilot.autopilot import SimulatedAutopilot
+from autopilot.body import Body, OpenWater
+from autopilot.line import AutopilotLine
 
 
 def line():

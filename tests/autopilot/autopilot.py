@@ -7,10 +7,10 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
 
+from autopilot.body import Body
+from autopilot.failsafes import Action, Circumstances, Failsafes
+from autopilot.parameters import ParameterStore
 from coral.config import Fraction, Positive, Signed, TimeStep
-from coral.reef.rehearsal.autopilot_parameters import ParameterStore
-from coral.reef.rehearsal.body import Body
-from coral.reef.rehearsal.failsafes import Action, Circumstances, Failsafes
 from coral.reef.sea import ardusub
 from coral.reef.sea.frames import pose_to_ned, velocity_to_ned
 from coral.reef.sea.setpoints import NEUTRAL

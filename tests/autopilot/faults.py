@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from autopilot.autopilot import SimulatedAutopilot
 from coral.errors import InputError, nearest
-from coral.reef.rehearsal.autopilot import SimulatedAutopilot
 
 LONGEST_S = 1e6
 

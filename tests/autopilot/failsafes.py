@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from coral.reef.rehearsal.autopilot_parameters import BATTERY_ACTIONS, GCS_ACTIONS, ParameterStore
+from autopilot.parameters import BATTERY_ACTIONS, GCS_ACTIONS, ParameterStore
 
 Action = Literal["", "disarm", "surface", "hold"]
 

@@ -5,10 +5,10 @@ import socket
 import pytest
 from messages import mavlink
 
+from autopilot.autopilot import SimulatedAutopilot
+from autopilot.body import Body, OpenWater
+from autopilot.server import AutopilotServer
 from coral.errors import InputError
-from coral.reef.rehearsal.autopilot import SimulatedAutopilot
-from coral.reef.rehearsal.autopilot_server import AutopilotServer
-from coral.reef.rehearsal.body import Body, OpenWater
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.transport import open_transport
 

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from coral.reef.rehearsal.autopilot_parameters import ParameterStore
-from coral.reef.rehearsal.failsafes import Circumstances, Failsafes
+from autopilot.failsafes import Circumstances, Failsafes
+from autopilot.parameters import ParameterStore
 
 
 def fired(seen, parameters, until=40.0, step=0.5):

@@ -6,7 +6,7 @@ from collections.abc import Hashable
 
 import numpy as np
 
-from coral.reef.rehearsal.autopilot import SimulatedAutopilot
+from autopilot.autopilot import SimulatedAutopilot
 
 
 class AutopilotLine:

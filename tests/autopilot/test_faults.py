@@ -2,10 +2,10 @@
 
 import pytest
 
+from autopilot.autopilot import AutopilotCfg, SimulatedAutopilot
+from autopilot.body import Body, OpenWater
+from autopilot.faults import FAULTS, FaultPlan, LineCondition, LinkFault, parse_fault
 from coral.errors import InputError
-from coral.reef.rehearsal.autopilot import AutopilotCfg, SimulatedAutopilot
-from coral.reef.rehearsal.autopilot_faults import FAULTS, FaultPlan, LineCondition, LinkFault, parse_fault
-from coral.reef.rehearsal.body import Body, OpenWater
 
 
 def after(text, seconds):
