@@ -327,7 +327,7 @@ STUDY: dict[str, Any] = {
 }
 """Defaults of the flags with `--study`."""
 STUDY_IN_WORDS: dict[str, Any] = {
-    "variants": "full,geometry,keywords,blind-sweep,random,oracle",
+    "variants": "full,geometry,keywords,blind-sweep,random,reader,oracle",
     "worlds": "words:all:0-3,words:all:100-103",
     "presets": "clear,bay,hard",
     "out": Path("runs/words"),

@@ -269,8 +269,8 @@ class ReefSail:
             )
         if cfg.robots != 1:
             raise InputError("--cfg.robots", "", cfg.robots, "1: this command steers one vehicle")
-        if cfg.decider in ("sweep", "oracle"):
-            found = f"{cfg.decider}, which follows commands planned for exact motion"
+        if cfg.decider in ("sweep", "oracle", "reader"):
+            found = f"{cfg.decider}, which only a simulation has"
             raise InputError("--cfg.decider", "", found, "advisor, nearest, frontier, lawnmower or random")
         if self.safety.on_time != "none" and cfg.time_limit_s <= self.safety.reserve_s:
             kept = f"more than the {self.safety.reserve_s:g} s kept back for the way home (--safety.reserve-s)"

@@ -79,6 +79,15 @@ def test_a_look_at_the_left_goes_to_the_left_as_the_robot_sees_it():
     assert goals[-1].y > 10.5
 
 
+def test_a_look_is_refused_from_where_there_is_no_room_to_turn_to_the_thing():
+    planner = planner_for(belief_with([(4.0, 10.0)]))
+    asked = planner.ask(planner.outlook())
+    far = MissionAnswer(look=LookFrom(dot=0, side="far", distance_m=3.0))
+    assert planner.verify(asked, far).code == "blocked"  # 1 m from the edge, and the way there begins outside
+    near = MissionAnswer(look=LookFrom(dot=0, side="far", distance_m=1.5))
+    assert planner.verify(asked, near) is None
+
+
 def test_home_is_where_it_set_out():
     belief = belief_with([(14.0, 10.0)])
     planner = planner_for(belief)

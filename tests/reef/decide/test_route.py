@@ -59,6 +59,18 @@ def test_a_waypoint_is_done_near_it_and_sooner_when_another_goal_follows():
     assert belief.goal == (14.0, 10.0)
 
 
+def test_a_waypoint_of_a_look_is_passed_as_near_as_it_says():
+    belief = belief_with([])
+    route = Route(belief, CFG)
+    belief.pose = Pose(8.5, 10.0, 0.0)
+    route.follow([Goal(x=10.0, y=10.0, pass_m=0.8), Goal(x=14.0, y=10.0)], 0.0)
+    assert route.looking
+    assert not route.update(0.1)
+    belief.pose = Pose(9.3, 10.0, 0.0)
+    assert route.update(0.2)
+    assert not route.looking
+
+
 def test_a_waypoint_that_was_to_show_water_is_done_when_all_of_it_has_been_seen():
     explored = np.ones((400, 400), bool)
     explored[:, 260:] = False

@@ -13,6 +13,7 @@ from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.variants import apply_variant
 from coral.reef.mission.word_judge import INSPECT_M, instructed, with_instruction
+from coral.reef.world.instruction import MissionText
 from coral.reef.world.world import ReefWorld, load_world
 
 WORLD = ReefWorld.model_validate(
@@ -37,13 +38,13 @@ WORLD = ReefWorld.model_validate(
 )
 
 
-def run(folder, variant="full", rules=None, margin_s=2.0):
+def run(folder, variant="full", rules=None, margin_s=2.0, world=WORLD):
     planner = MissionCfg().planner
     planner = dataclasses.replace(planner, route=dataclasses.replace(planner.route, margin_s=margin_s))
     pilot = dataclasses.replace(MissionCfg().pilot, trigger=TriggerCfg(cooldown_s=0.0))
     cfg = apply_variant(variant, dataclasses.replace(MissionCfg(), latency="0", planner=planner, pilot=pilot))
     advisor = RuleAdvisor({"reef-mission": rules or (lambda facts, rejections: MissionAnswer(done=True))})
-    return Mission(WORLD, cfg, advisor, folder, variant=variant).run()
+    return Mission(world, cfg, advisor, folder, variant=variant).run()
 
 
 def test_a_reef_without_oysters_has_none_to_cover(tmp_path):
@@ -87,6 +88,23 @@ def test_done_said_on_the_way_ends_the_mission_where_the_way_ends(tmp_path):
     result = run(tmp_path / "run", rules=rules, margin_s=8.0)  # asked long before the tyre
     assert result["success"], result["conditions"]
     assert result["end_reason"] == "the advisor ended the survey"
+
+
+def test_a_look_shows_a_thing_from_its_side_whatever_else_comes_into_view(tmp_path):
+    def rules(facts, rejections):
+        tyre = min(facts["centroids"], key=lambda dot: dot["path_m"], default=None)
+        if tyre is None:
+            return MissionAnswer(waypoint={"forward_m": 2, "left_m": 0})
+        if not asked:
+            asked.append(tyre["index"])
+            return MissionAnswer(look={"dot": tyre["index"], "side": "left", "distance_m": 2.0})
+        return MissionAnswer(done=True)
+
+    asked = []
+    sides = {"kind": "sides", "of": ["tyre"], "count": 2}
+    text = MissionText.model_validate({"instruction": "Look.", "time_s": 90.0, "conditions": [sides]})
+    result = run(tmp_path / "run", rules=rules, world=WORLD.model_copy(update={"mission": text}))
+    assert result["success"], result["conditions"]
 
 
 def test_the_oracle_fulfils_it(tmp_path):

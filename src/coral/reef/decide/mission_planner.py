@@ -29,8 +29,9 @@ from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.world.geometry import to_robot
 
-RING_M, STEP_RAD = 2.0, math.radians(45.0)
-"""The way round something keeps this much farther from it than the look, and turns by so much from goal to goal."""
+RING_M, STEP_RAD, RING_PASS_M = 2.0, math.radians(45.0), 0.8
+"""The way round something keeps this much farther from it than the look, and turns by so much from goal to goal, each
+of which is passed so near: whoever cuts the ring short arrives with the thing abeam, out of the picture."""
 
 
 class MissionPlanner:
@@ -164,9 +165,11 @@ class MissionPlanner:
             return [goal]
         goals = way_round(answer.look, (goal.x, goal.y), asked.outlook.arrival.pose[:2])
         reach = self.belief.water(self.fields).reach(*self.belief.pose[:2])
-        return [g for g in goals if self.belief.map.contains(g.x, g.y) and reach.reaches(g.x, g.y)] or Rejection(
-            code="blocked", reason="There is no way to that side of it. Choose another side or another distance."
-        )
+        there = [g for g in goals if self.belief.map.contains(g.x, g.y) and reach.reaches(g.x, g.y)]
+        if there[-2:] != goals[-2:]:  # nor room to turn towards it
+            reason = "There is no way to that side of it. Choose another side or another distance."
+            return Rejection(code="blocked", reason=reason)
+        return there
 
     def locate(self, asked: AskedState, answer: Answer) -> Goal | Rejection | None:
         """Return the first place that an answer leads to."""
@@ -214,7 +217,9 @@ def way_round(look: LookFrom, thing: tuple[float, float], robot: tuple[float, fl
     begin = math.atan2(robot[1] - thing[1], robot[0] - thing[0])
     turn = {"near": 0.0, "left": -0.5 * math.pi, "right": 0.5 * math.pi, "far": math.pi}[look.side]
     steps = round(abs(turn) / STEP_RAD)
-    ring = [(begin + turn * (k + 1) / steps, look.distance_m + RING_M) for k in range(steps)]
+    ring = [(begin + turn * (k + 1) / steps, look.distance_m + RING_M, RING_PASS_M) for k in range(steps)]
     # A waypoint is done 1 m before it: the last one lies that much nearer than the look.
-    last = (begin + turn, max(look.distance_m - 0.7, 0.2))
-    return [Goal(x=thing[0] + r * math.cos(a), y=thing[1] + r * math.sin(a)) for a, r in (*ring, last)]
+    last = (begin + turn, max(look.distance_m - 0.7, 0.2), 1.0)
+    return [
+        Goal(x=thing[0] + r * math.cos(a), y=thing[1] + r * math.sin(a), pass_m=near) for a, r, near in (*ring, last)
+    ]

@@ -23,6 +23,8 @@ class Goal:
     x: float
     y: float
     index: int | None = None
+    pass_m: float | None = None
+    """A waypoint of a look, which nothing new breaks off: how near it must be passed (m). None: as `RouteCfg` says."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,6 +98,11 @@ class Route:
         """Learn how long an answer took (s)."""
         self._latencies = [*self._latencies[-4:], seconds]
         self.latency_s = float(np.median(self._latencies))
+
+    @property
+    def looking(self) -> bool:
+        """Whether the robot is on its way round something to look at it."""
+        return any(goal.pass_m is not None for goal in self.goals)
 
     @property
     def lead_s(self) -> float:
@@ -180,7 +187,7 @@ class Route:
     def _done(self, t: float) -> bool:
         goal, cfg, belief = self.goals[0], self.cfg, self.belief
         if goal.index is None or not belief.cfg.inspect.enabled:
-            near = cfg.reach_m if len(self.goals) == 1 else cfg.pass_m
+            near = goal.pass_m or (cfg.reach_m if len(self.goals) == 1 else cfg.pass_m)
             return math.dist((goal.x, goal.y), belief.pose[:2]) < near or self._explored(goal)
         track = belief.track(goal.index)
         if track is None or track.visited or not len(track.left):

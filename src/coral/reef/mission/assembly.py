@@ -15,6 +15,7 @@ from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
 from coral.advisor.prompt import render as render_prompt
 from coral.advisor.question import Advisor
 from coral.advisor.rules import RuleAdvisor
+from coral.errors import InputError
 from coral.reef.decide.baselines import baseline_rules
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.own_trigger import MakeTrigger
@@ -31,6 +32,7 @@ from coral.reef.map.localization import Localizer
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.robot import Robot
 from coral.reef.mission.tour import TourPilot
+from coral.reef.mission.word_reader import WordReader
 from coral.reef.pilot.pilot import Pilot
 from coral.reef.simulation.faults import FaultySensors, parse_fault
 from coral.reef.vehicle.protocol import Vehicle
@@ -140,6 +142,12 @@ def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int, world: ReefWorld | 
     """Return who answers the questions: the advisor, or a baseline in its place, as configured."""
     if cfg.decider == "advisor":
         return advisor
+    if cfg.decider == "reader":
+        if world is None or world.mission is None:
+            raise InputError("--variant", "", "reader", "another one, or a world with a mission in words")
+        return RuleAdvisor(
+            {**REEF_RULES, "reef-mission": WordReader(world, cfg.simulator.noise.visibility_m)}, name=cfg.decider
+        )
     if cfg.decider in ("geometry", "keywords"):
         orders = BlindOrders.of_words(cfg.planner.instruction.text)
         if cfg.decider == "geometry" and world is not None and world.mission is not None:

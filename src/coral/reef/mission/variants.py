@@ -158,6 +158,11 @@ def _keywords(cfg: MissionCfg) -> MissionCfg:
     return _alone(replace(cfg, decider="keywords"))
 
 
+def _reader(cfg: MissionCfg) -> MissionCfg:
+    """Understands a mission in words and sees, in truth, what it has been near: a control, not a method."""
+    return _alone(replace(cfg, decider="reader"))
+
+
 VARIANTS: dict[str, Change] = {
     "full": lambda cfg: cfg,
     "paper": _paper,
@@ -180,6 +185,7 @@ VARIANTS: dict[str, Change] = {
     "oracle": _oracle,
     "geometry": _geometry,
     "keywords": _keywords,
+    "reader": _reader,
 }
 
 

@@ -409,7 +409,7 @@ class Pilot:
     def _asks_ahead(self) -> bool:
         """Check whether the goals will be done before an answer can come, or there is a new cluster or instruction."""
         news = any(track.index not in self._known for track in self.belief.unvisited())
-        return news or self._reasks or self.route.to_go_s(self.field) <= self.route.lead_s
+        return (news and not self.route.looking) or self._reasks or self.route.to_go_s(self.field) <= self.route.lead_s
 
     async def _observe(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
         """Have the next question prepared, from the belief as it is now."""

@@ -1,0 +1,238 @@
+"""A perfect reader: the control of a mission in words, no decision of a robot.
+
+It is told the conditions and, in truth, what a thing is, but only of what has been seen from near enough to tell. What
+it does not fulfil, no reader of the pictures can be asked to.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+from coral.advisor.question import Rejection
+from coral.reef.decide.answers import WaypointStep
+from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
+from coral.reef.decide.wordless import MARGIN_S, SPEED_M_S, Side
+from coral.reef.world.geometry import Pose, to_robot, to_world
+from coral.reef.world.instruction import Answered, DoneBy, EndsAt, InOrder, Inspected, KeptOff, Sides
+from coral.reef.world.kinds import find_kind
+from coral.reef.world.world import ReefWorld
+from coral.reef.world.world_model import Thing
+
+READ_M, READ_SHARE, READ_RAD = 5.0, 0.6, math.radians(50.0)
+"""What a thing is can be told from so far, or so much of the visibility, within so much of the camera's axis."""
+SAME_M = 1.5
+"""A dot this near to a thing is of it."""
+CLEAR_M, LOOK_M = 2.6, 3.4
+"""The way keeps this far from what is to be left alone; something unknown is looked at from so far."""
+NEARER_M, NEAREST_M = 0.4, 2.2
+"""A look that told nothing is repeated from so much nearer."""
+JOINED_M = 2.3
+"""Pieces of a cable this near to each other are one: who sees the end of one sees where it goes on."""
+TURNS: tuple[tuple[Side, float], ...] = (("right", 4.0), ("right", 3.2), ("left", 4.0), ("far", 3.2))
+"""Sides and distances (m) to look from next, until there is a way to one."""
+
+Fact = Mapping[str, Any]
+Point = tuple[float, float]
+
+
+class WordReader:
+    """Answers the questions of one mission as someone who sees kinds and understands the words."""
+
+    def __init__(self, world: ReefWorld, visibility_m: float | None = None) -> None:
+        assert world.mission is not None
+        self._read_m = READ_M if visibility_m is None else min(READ_M, READ_SHARE * visibility_m)
+        self._things, self._conditions = {thing.name: thing for thing in world.things}, world.mission.conditions
+        self._known: set[str] = set()
+        self._reached: set[str] = set()
+        self._turned = 0
+        self._looked: tuple[Point, ...] = ()
+        self._dots: tuple[Point, ...] = ()
+        """Places of all dots so far: a map loses and moves them."""
+
+    def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> MissionAnswer:
+        """Return the next step."""
+        pose, told = Pose(**facts["arrival"]["pose"]), facts["mission"]
+        self._see(facts, pose)
+        if len(rejections) > 3 or self._late(told) or self._enough():
+            return self._end(facts, rejections)
+        refused = {rejection.details.get("index") for rejection in rejections} - {None}
+        open_ = [d for d in facts["centroids"] if d["path_m"] is not None and d["index"] not in refused]
+        thing_of = {dot["index"]: self._thing(_place(pose, dot)) for dot in open_}
+        ahead = self._ahead(pose)
+        for one in self._conditions:
+            if isinstance(one, Sides) and (nets := [d for d in open_ if thing_of[d["index"]] in self._of(one.of)]):
+                turns = TURNS if self._turned else (("near", TURNS[0][1]),)
+                side, distance_m = turns[min(len(rejections), len(turns) - 1)]
+                self._turned += not rejections
+                look = LookFrom(dot=nets[0]["index"], side=side, distance_m=distance_m)
+                return MissionAnswer(look=look, reason=f"side {self._turned} of it")
+        if ahead:
+            goal = self._things[ahead[0]]
+            at = to_robot(pose, goal.x, goal.y)
+            dots = [d["index"] for d in open_ if thing_of[d["index"]] == goal.name and not d["visited"]]
+            direct = MissionAnswer(selected_centroid_index=dots[0], reason=f"a {goal.kind}") if dots else None
+            return self._towards(facts, at, direct, f"to a {goal.kind}", rejections)
+        unknown = [d for d in open_ if thing_of[d["index"]] not in self._known and not self._read(facts, d)]
+        if unknown:
+            # What was looked at is in the pictures only when the robot has come there: something else in between.
+            looks = {d["index"]: sum(math.dist(_place(pose, d), at) <= SAME_M for at in self._looked) for d in unknown}
+            dot = min(unknown, key=lambda d: (looks[d["index"]], d["path_m"]))
+            nearer_m = NEARER_M * looks[dot["index"]]
+            look = LookFrom(
+                dot=dot["index"], side="near", distance_m=max(min(LOOK_M, self._read_m) - nearer_m, NEAREST_M)
+            )
+            at = dot["forward_m"], dot["left_m"]
+            answer = self._towards(facts, at, MissionAnswer(look=look, reason="what is it?"), "to see it", rejections)
+            self._looked = (*self._looked, _place(pose, dot)) if answer.look else self._looked
+            return answer
+        fronts = [f for f in facts["frontiers"] if f["path_m"] is not None]
+        if not fronts:
+            return self._end(facts, rejections)
+        front = min(fronts, key=lambda f: f["path_m"])
+        return self._towards(facts, (front["forward_m"], front["left_m"]), None, "towards unexplored water", rejections)
+
+    def _of(self, of: Collection[str]) -> list[str]:
+        return [name for name, thing in self._things.items() if thing.kind in of or name in of]
+
+    def _thing(self, at: Point) -> str:
+        """Return the name of the thing that a dot at a place is of, "" for none."""
+        name, thing = min(self._things.items(), key=lambda item: math.dist(at, _at(item[1])))
+        return name if math.dist(at, _at(thing)) <= SAME_M else ""
+
+    def _see(self, facts: Fact, pose: Pose) -> None:
+        """Take in what the question's pictures show from near enough, and what has been visited."""
+        dots = {dot["index"]: dot for dot in facts["centroids"]}
+        for place in (_place(pose, dot) for dot in dots.values()):
+            self._dots = (*(old for old in self._dots if math.dist(old, place) > SAME_M), place)
+        near = [shot["dot"] for shot in facts["mission"]["pictures"] if shot["distance_m"] <= self._read_m]
+        self._known |= {self._thing(_place(pose, dots[index])) for index in near if index in dots} - {""}
+        now = Pose(**facts["robot"])
+        ends = [_at(self._things[name]) for name in self._known if self._lies(name)]
+        for name, thing in self._things.items():
+            if self._lies(name) and any(math.dist(_at(thing), end) <= JOINED_M for end in ends):
+                self._known.add(name)
+            forward, left = to_robot(now, *_at(thing))
+            if math.hypot(forward, left) <= self._read_m and abs(math.atan2(left, forward)) <= READ_RAD:
+                self._known.add(name)
+            if self._lies(name) and math.dist(_at(thing), pose[:2]) <= SAME_M:
+                self._reached.add(name)
+        self._reached |= {self._thing(_place(pose, dot)) for dot in dots.values() if dot["visited"]} & self._known
+
+    def _lies(self, name: str) -> bool:
+        """Tell whether a thing lies flat: no dot is of it."""
+        return find_kind(self._things[name].kind).class_ == "floor"
+
+    def _read(self, facts: Fact, dot: Fact) -> bool:
+        """Tell whether a dot has been seen from near: it is of nothing then."""
+        shots = facts["mission"]["pictures"]
+        return any(shot["dot"] == dot["index"] and shot["distance_m"] <= self._read_m for shot in shots)
+
+    def _ahead(self, pose: Pose) -> list[str]:
+        """Return the known things to go to, the next one first."""
+        for one in self._conditions:
+            if isinstance(one, InOrder):
+                left = [kind for kind in one.of if not set(self._of((kind,))) <= self._reached][:1]
+                return [name for name in self._of(left) if name in self._known]
+        names = [name for one in self._conditions if isinstance(one, Inspected) for name in self._of(one.of)]
+        left = sorted(
+            (name for name in names if name in self._known - self._reached),
+            key=lambda name: math.dist(_at(self._things[name]), pose[:2]),
+        )
+        ends = [one.at for one in self._conditions if isinstance(one, EndsAt) and one.at != "start"]
+        return left or [name for name in self._of(ends) if name in self._known - self._reached]
+
+    def _enough(self) -> bool:
+        """Tell whether there is no more to find; without a number in the words there may always be more."""
+        for one in self._conditions:
+            match one:
+                case Inspected():
+                    need = one.count or (len(one.of) if set(one.of) <= set(self._things) else None)
+                    if need is not None and len(self._reached & set(self._of(one.of))) < need:
+                        return False
+                    if need is None and not any(
+                        isinstance(end, EndsAt) and end.at != "start" for end in self._conditions
+                    ):
+                        return False
+                case InOrder():
+                    if not set(self._of(one.of)) <= self._reached:
+                        return False
+                case Sides() if self._turned < one.count:
+                    return False
+                case EndsAt() if one.at != "start" and not set(self._of((one.at,))) <= self._reached:
+                    return False
+                case _:
+                    pass
+        return True
+
+    def _late(self, told: Fact) -> bool:
+        limits = [one.time_s for one in self._conditions if isinstance(one, DoneBy)]
+        home = any(isinstance(one, EndsAt) and one.at == "start" for one in self._conditions)
+        way_s = math.hypot(told["home"]["forward_m"], told["home"]["left_m"]) / SPEED_M_S if home else 0.0
+        return bool(told["at_s"] + way_s + MARGIN_S >= min([*limits, told["time_s"] or math.inf]))
+
+    def _end(self, facts: Fact, rejections: Sequence[Rejection]) -> MissionAnswer:
+        home = facts["mission"]["home"]["forward_m"], facts["mission"]["home"]["left_m"]
+        if any(isinstance(one, EndsAt) and one.at == "start" for one in self._conditions) and math.hypot(*home) > 2.0:
+            return self._towards(facts, home, MissionAnswer(home=True, reason="back to the start"), "back", rejections)
+        answer = ""
+        for one in self._conditions:
+            if isinstance(one, Answered):
+                right = one.right[0]
+                counted = [n for c in self._conditions if isinstance(c, Inspected) for n in self._of(c.of)]
+                found = str(len(set(counted) & self._known))
+                answer = found if right.isdigit() else right if right in self._known else ""
+        return MissionAnswer(done=True, answer=answer, reason="that is all")
+
+    def _towards(
+        self, facts: Fact, at: Point, direct: MissionAnswer | None, why: str, rejections: Sequence[Rejection]
+    ) -> MissionAnswer:
+        """Go to a place (m forward, m left): by `direct`, or by a waypoint round what is to be left alone."""
+        alone = self._alone(Pose(**facts["arrival"]["pose"]), at if direct is not None else None)
+        if direct is not None and _is_clear((0.0, 0.0), at, alone):
+            return direct
+
+        def price(step: Fact) -> float:
+            via = step["forward_m"], step["left_m"]
+            onward = math.dist(via, at)
+            detour = step["path_m"] > 1.3 * math.hypot(*via) or not _is_clear((0.0, 0.0), via, alone)
+            hidden = 0.0 if _is_clear(via, at, alone) else 4.0 + onward
+            return 0.6 * float(step["path_m"]) + onward + hidden + (100.0 if detour else 0.0)
+
+        ordered = sorted(facts["options"], key=price)
+        if not ordered:
+            return direct or MissionAnswer(home=True, reason="no way on")
+        best = ordered[min(len(rejections), len(ordered) - 1)]
+        step = WaypointStep(forward_m=best["forward_m"], left_m=best["left_m"])
+        return MissionAnswer(waypoint=step, reason=why)
+
+    def _alone(self, pose: Pose, at: Point | None) -> list[tuple[float, float, float]]:
+        """Return what to keep clear of (m forward, m left) and how far, without what is gone to (`at`)."""
+        wanted = {n for c in self._conditions if isinstance(c, Inspected) for n in self._of(c.of)}
+        off = {n: c.distance_m for c in self._conditions if isinstance(c, KeptOff) for n in self._of(c.of)}
+        found = []
+        for place in self._dots:
+            name, here = self._thing(place), to_robot(pose, *place)
+            if (at is None or math.dist(here, at) > SAME_M) and name not in wanted & self._known:
+                found.append((*here, max(CLEAR_M, off.get(name, 0.0) + 1.4) if name in self._known else CLEAR_M))
+        return found
+
+
+def _place(pose: Pose, dot: Fact) -> Point:
+    return to_world(pose, dot["forward_m"], dot["left_m"])
+
+
+def _at(thing: Thing) -> Point:
+    return thing.x, thing.y
+
+
+def _is_clear(a: Point, b: Point, alone: Sequence[tuple[float, float, float]]) -> bool:
+    """Tell whether a straight way keeps clear of all that it does not begin beside."""
+    length = math.dist(a, b)
+    for x, y, clear_m in alone:
+        share = ((x - a[0]) * (b[0] - a[0]) + (y - a[1]) * (b[1] - a[1])) / max(length**2, 1e-9)
+        near = a[0] + min(max(share, 0.0), 1.0) * (b[0] - a[0]), a[1] + min(max(share, 0.0), 1.0) * (b[1] - a[1])
+        if math.dist(near, (x, y)) < min(clear_m, math.dist(a, (x, y)) - 0.05):
+            return False
+    return True
