@@ -18,16 +18,16 @@ from coral.reef.world.geometry import Pose, wrap
 class LandmarkMapCfg:
     """How well a picture shows where a body stands, and how wide it is. The order of the fields counts."""
 
-    range_sigma_m: Positive = 0.2
+    range_sigma_m: Positive = 0.1
     """Standard deviation of the distance to a body's centre, for a thin post (m), ..."""
-    range_sigma_radius: NonNegative = 0.6
+    range_sigma_radius: NonNegative = 0.3
     """... and what is added for each metre of radius: the bodies are not round. Along one mission on s1 it was 0.04 m
     for round bodies and 0.18 m for those 1.6 times as long as wide, or longer. This and the next three are twice what
     is measured in one picture: the error stays the same while a body is seen from one side, and a filter that took
     every picture for a new measurement ended farther from the truth, with perfect matches too."""
-    across_sigma_m: Positive = 0.1
+    across_sigma_m: Positive = 0.05
     """The same across the line of sight (m)."""
-    across_sigma_radius: NonNegative = 0.3
+    across_sigma_radius: NonNegative = 0.15
     """Added across the line of sight for each metre of radius."""
     partial_sigma_m: NonNegative = 0.2
     """Added for a body of which one outline is hidden (m)."""
