@@ -116,6 +116,7 @@ MUST_SAY = {
         "tree",
         "To differ from the robot's own plan is no fault",
         "expect",
+        "explore_rest",
         "forward_m",
         "left_m",
         "Example",

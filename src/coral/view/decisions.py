@@ -39,6 +39,8 @@ class Try:
         """Return the answer in words, without its reasoning."""
         if "selected_centroid_index" in self.answer:
             return _chosen(self.answer)
+        if self.answer.get("explore_rest"):
+            return "the rest by the robot's own tour"
         if {"forward_m", "left_m"} <= set(self.answer):
             return _moves(self.answer["forward_m"], self.answer["left_m"])
         parts = [

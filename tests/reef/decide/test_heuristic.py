@@ -141,3 +141,13 @@ def test_after_a_refusal_another_direction_is_named():
     refused = [Rejection(code="deviation", reason="", details={"forward_m": 5, "left_m": 1})]
     answer = choose_waypoint(facts(frontiers=[frontier(5.0, 1.0)], options=GRID), refused)
     assert abs(math.atan2(answer.left_m, answer.forward_m) - math.atan2(1, 5)) >= 0.5
+
+
+@pytest.mark.parametrize(("visited", "rest"), [(True, True), (False, False)])
+def test_the_rest_is_left_to_the_robot_when_no_dot_is_left(visited, rest):
+    known = [centroid(0, 2.0, 0.0, visited=visited)]
+    assert choose_waypoint(facts(known, [frontier(5.0, 0.0)], GRID), []).explore_rest == rest
+
+
+def test_before_anything_is_found_the_rules_choose_themselves():
+    assert not choose_waypoint(facts((), [frontier(5.0, 0.0)], GRID), []).explore_rest

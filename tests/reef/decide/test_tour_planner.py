@@ -167,6 +167,38 @@ def test_the_survey_does_not_end_where_oysters_border_on_unknown_water():
     assert planner.verify(ask(planner), step(0, 0, end_survey=True)) is None
 
 
+def test_the_rest_can_be_left_to_the_robots_own_tour_until_it_finds_something():
+    belief = belief_with([(8.0, 10.0)], explored=half_known())
+    see(belief, 0)
+    planner = planner_for(belief)
+    asked, answer = ask(planner), step(0, 0, explore_rest=True)
+    assert planner.verify(asked, answer) is None
+    first = planner.locate(asked, answer)
+    assert (first.x, first.y) == (asked.tour.best.x, asked.tour.best.y)
+    planner.adopt(asked, answer, first)
+    later = ask(planner)
+    assert later.question is None
+    assert (later.alone.x, later.alone.y) == (later.tour.best.x, later.tour.best.y)
+    assert planner.onward(asked, step(0, 0, explore_rest=True, then=[{"forward_m": 3, "left_m": 0}])) == []
+
+
+def test_the_rest_is_not_left_to_the_robot_while_there_are_dots():
+    planner = planner_for(belief_with([(2.0, 10.0)], explored=half_known()))
+    asked = ask(planner)
+    refusal = planner.verify(asked, step(3, 0, explore_rest=True))
+    assert refusal.code == "not-done"
+    assert "0" in refusal.reason
+    planner.adopt(asked, dot(0), Goal(x=2.0, y=10.0, index=0))
+    assert ask(planner).question is not None
+
+
+def test_who_was_left_alone_asks_when_there_is_a_dot():
+    belief = belief_with([(2.0, 10.0)], explored=half_known())
+    planner = planner_for(belief)
+    seen = replace(planner.outlook(), alone=True)
+    assert planner.ask(seen).question is not None
+
+
 @pytest.mark.parametrize(
     "answer",
     [

@@ -119,6 +119,23 @@ def test_the_robot_drives_on_while_a_question_is_open_and_hears_the_answer_when_
     assert all(v > 0.0 for v, _ in mission.commands[: round(answered / 0.1)])
 
 
+class Leaves(Ahead):
+    """Leaves the rest to the robot."""
+
+    async def answer(self, question, rejections):
+        return Reply(value=WaypointChoice(forward_m=4, left_m=0, explore_rest=True), raw="")
+
+
+def test_who_is_left_alone_explores_without_a_question(drive):
+    mission = drive()
+    mission.pilot.advisor = Leaves()
+    mission.until(45.0)
+    sources = [goal["source"] for goal in mission.told("goal")]
+    assert len(mission.told("question")) == sources.count("advisor") == 1
+    assert sources.count("tour") >= 2
+    assert len(mission.attempts) == 1
+
+
 def test_a_synchronous_robot_stands_still_while_a_question_is_open(drive):
     mission = drive(cfg=PilotCfg(synchronous=True)).until(LATENCY_S + 2.0)
     moving = {False: [], True: []}

@@ -121,11 +121,15 @@ class WaypointAnswer(BaseModel):
 
 
 class WaypointChoice(WaypointAnswer):
-    """The same with what goes beyond the paper: further goals, a dot in place of a waypoint, a guess, the end."""
+    """The same with what goes beyond the paper: further goals, a dot in its place, a guess, the rest, the end."""
 
     then: Annotated[tuple[WaypointStep, ...], keep_first(2)] = Field(
         default=(), max_length=2, description="waypoints to go to after it, in the same frame; may be empty"
     )
     dot: Index | None = Field(default=None, description="label of an orange dot to go to instead of the waypoint")
     expect: Expectation | None = Field(default=None, description="what you expect beyond the map, if you go for that")
+    explore_rest: bool = Field(
+        default=False,
+        description="true: no dot is left, and the robot explores by its own tour until it finds something",
+    )
     end_survey: bool = Field(default=False, description="true: nothing that is left is worth going to")

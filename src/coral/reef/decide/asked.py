@@ -8,6 +8,7 @@ from typing import Any, Literal
 from coral.advisor.question import Question
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.remaining import Remaining
+from coral.reef.decide.route import Goal
 from coral.reef.decide.survey import Survey
 from coral.reef.decide.topology import RemainingTour
 from coral.reef.decide.verify import Surroundings
@@ -31,6 +32,8 @@ class AskedState:
     """What was left, with the known ways, where that is measured."""
     tour: RemainingTour | None = None
     """The tour of all that was left, where one is planned."""
+    alone: Goal | None = None
+    """Where the robot goes on exploring without a question: the advisor has left that to its own tour."""
     finished: bool = False
     """Nothing is left that the robot could visit or explore, and it is on its way to nothing."""
     acceptable: int = 0

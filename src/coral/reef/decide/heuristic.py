@@ -112,11 +112,14 @@ def choose_waypoint(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCho
             break  # the step does not reach its place: what comes after it is for the next question
         if math.dist(_at(step), _at(steps[-1])) >= NEW_M:
             steps.append(step)
+    rest = bool(facts["centroids"]) and all(place.index is None for place in places)
+    why = "Nothing that is known is left: the rest by the robot's own tour." if rest else ""
     return WaypointChoice(
         forward_m=best["forward_m"],
         left_m=best["left_m"],
         then=tuple(WaypointStep(forward_m=o["forward_m"], left_m=o["left_m"]) for o in steps[1:]),
-        reason=f"Towards {aim.name}, {aim.path_m:.1f} m away.",
+        explore_rest=rest,
+        reason=why or f"Towards {aim.name}, {aim.path_m:.1f} m away.",
     )
 
 

@@ -157,9 +157,11 @@ def _dot(right: Answer, dot: Mapping[str, Any]) -> Answer:
 def _step(right: Answer, forward: float, left: float) -> Answer:
     """A waypoint in whole metres within the longest step."""
     steps = [int(np.clip(round(value), -STEP_M, STEP_M)) for value in (forward, left)]
-    return {**right, "forward_m": steps[0], "left_m": steps[1], "then": [], "reason": ""}
+    rest = {"explore_rest": False} if right.get("explore_rest") else {}
+    return {**right, **rest, "forward_m": steps[0], "left_m": steps[1], "then": [], "reason": ""}
 
 
 def _same(a: Answer, b: Answer) -> bool:
     """Whether two answers say the same, whatever their reasons and what they would do next."""
-    return {**a, "then": [], "reason": ""} == {**b, "then": [], "reason": ""}
+    beside = {"then": [], "reason": "", "explore_rest": False}
+    return {**a, **beside} == {**b, **beside}

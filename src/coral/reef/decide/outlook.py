@@ -28,6 +28,8 @@ class Outlook:
     """Whether it is on its way to a goal."""
     colours: bool = False
     """Whether the question shows colour pictures of what was seen: for missions in words."""
+    alone: bool = False
+    """Whether the advisor has left what is unexplored to the robot's own tour."""
     latency_s: float = 0.0
     """How long the answer is expected to take (s)."""
     guesses: GuessRecord = field(default_factory=GuessRecord)

@@ -43,7 +43,7 @@ from coral.reef.decide.questions import (
 from coral.reef.decide.remaining import Dot, what_remains
 from coral.reef.decide.route import Goal, Route, here, passed
 from coral.reef.decide.survey import survey
-from coral.reef.decide.topology import plan_tour
+from coral.reef.decide.topology import RemainingTour, plan_tour
 from coral.reef.decide.trigger import separated
 from coral.reef.decide.verify import verify_waypoint
 from coral.reef.map.belief import Belief
@@ -73,6 +73,8 @@ class TourPlanner:
         self.route = Route(belief, self.cfg.route)
         self.guesses = GuessRecord()
         self._advice: Mapping[str, Any] | None = None
+        self._alone = False
+        """Whether the advisor has left the rest to the robot's own tour."""
         self._reach: tuple[tuple[int, Pose], Reach] | None = None
 
     def outlook(self, way: CostField | None = None) -> Outlook:
@@ -83,6 +85,7 @@ class TourPlanner:
             snapshot,
             arrival,
             under_way=bool(route.goals),
+            alone=self._alone,
             latency_s=route.latency_s,
             guesses=self.guesses,
             advice=self._advice,
@@ -96,6 +99,8 @@ class TourPlanner:
         outlook, left, cfg, dots = asked.outlook, asked.left, self.cfg, _dots(asked)
         if not dots and not left.frontiers:
             return replace(asked, finished=not outlook.under_way)
+        if outlook.alone and not dots and asked.tour is not None:
+            return replace(asked, alone=_first(asked.tour))
         mode = self._mode(asked, bool(dots))
         options = (
             waypoint_options(outlook.belief, left, outlook.arrival.pose, cfg.step_m, cfg.separation_m)
@@ -200,11 +205,18 @@ class TourPlanner:
             return Rejection(code="contradiction", reason=f"The answer contradicts itself. {why}")
         if answer.end_survey:
             return too_early_to_end(asked, cfg.provable)
+        if _leaves_rest(answer) and (dots := _dots(asked)):
+            left = ", ".join(str(track.index) for track in dots)
+            return Rejection(
+                code="not-done", reason=f"The rest cannot be left to the robot yet. Dots that are left: {left}."
+            )
         if goal is None:
             return None
         refusal = outside(goal, self.belief) or hazard(goal, self.belief, self._reach_now())
         if refusal is not None:
             return refusal
+        if _leaves_rest(answer) and asked.tour is not None:
+            return None
         if _names_dot(answer):
             return finished_dot(outlook, _dot_of(answer))
         if not separated((goal.x, goal.y), outlook.arrival.pose[:2], cfg.separation_m):
@@ -247,13 +259,15 @@ class TourPlanner:
             if step is None or answer.selected_centroid_index is not None:
                 return goal_of_dot(asked, answer.selected_centroid_index, self.belief)
             return goal_of_step(asked, step.forward_m, step.left_m)
+        if _leaves_rest(answer) and asked.tour is not None:
+            return _first(asked.tour)
         if isinstance(answer, WaypointChoice) and answer.dot is not None:
             return goal_of_dot(asked, answer.dot, self.belief)
         return goal_of_step(asked, answer.forward_m, answer.left_m)
 
     def onward(self, asked: AskedState, answer: Answer) -> list[Goal]:
         """Return the goals that an answer names after the first one, without those that are done or out of reach."""
-        if not self.cfg.route.ahead or not isinstance(answer, CentroidChoice | WaypointChoice):
+        if not self.cfg.route.ahead or not isinstance(answer, CentroidChoice | WaypointChoice) or _leaves_rest(answer):
             return []
         goals: list[Goal] = []
         for step in answer.then:
@@ -277,7 +291,7 @@ class TourPlanner:
         told: dict[str, Any] = {
             "violates": verify_waypoint((goal.x, goal.y), asked.around, self.cfg.verify) is not None
         }
-        self._advice = None
+        self._advice, self._alone = None, _leaves_rest(answer)
         tour = asked.tour
         price = 0.0 if tour is None else tour.price_s(goal.x, goal.y, goal.index)
         if tour is not None and math.isfinite(price) and price >= self.cfg.topology.told_s:
@@ -340,6 +354,15 @@ def _widened(answer: Answer) -> CentroidChoice | WaypointChoice:
 
 def _dot_of(answer: CentroidChoice | WaypointChoice) -> int | None:
     return answer.selected_centroid_index if isinstance(answer, CentroidChoice) else answer.dot
+
+
+def _leaves_rest(answer: Answer) -> bool:
+    return isinstance(answer, WaypointChoice) and answer.explore_rest
+
+
+def _first(tour: RemainingTour) -> Goal:
+    """Return the place that the robot's own tour begins with."""
+    return Goal(x=tour.best.x, y=tour.best.y, index=tour.best.index)
 
 
 def _names_dot(answer: CentroidChoice | WaypointChoice) -> bool:

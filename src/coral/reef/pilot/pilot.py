@@ -494,6 +494,8 @@ class Pilot:
                 self.end_reason = NOTHING_LEFT
             else:
                 self._emit("doubt", step=step)
+        elif asked is not None and asked.alone is not None:
+            self._explore(asked, asked.alone)
         elif by_rules and outcome.failure not in ("", "withdrawn"):
             self._hold(outcome.failure)
         elif outcome.failure and outcome.failure != "withdrawn":
@@ -579,6 +581,24 @@ class Pilot:
                 if onward
                 else {}
             ),
+        )
+
+    def _explore(self, asked: AskedState, goal: Goal) -> None:
+        """Go on to the next unexplored place of the robot's own tour, as the advisor has said."""
+        before = [g for g in self.route.goals if g in asked.outlook.arrival.goals]
+        if not before:
+            self.trigger.new_goal()
+        self.route.follow([*before, goal], self.clock.now())
+        self._emit(
+            "goal",
+            x=round(goal.x, 3),
+            y=round(goal.y, 3),
+            source="tour",
+            decision=None,
+            index=None,
+            reason="unexplored water comes next in the robot's own tour, to which the advisor left the rest",
+            violates=False,
+            **({"waits": len(before)} if before else {}),
         )
 
     def _overtaken(self, goal: Goal) -> bool:
