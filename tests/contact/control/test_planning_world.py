@@ -80,7 +80,7 @@ def test_what_is_near_an_edge_can_fall(x, falls):
 
 
 def test_nothing_sleeps_in_a_mujoco_that_cannot(monkeypatch):
-    monkeypatch.setattr("coral.contact.control.planning_world.SLEEP", 0)
+    monkeypatch.setattr("coral.contact.control.rollouts.Rollouts.can_sleep", False)
     monkeypatch.delattr("mujoco.MjOption.sleep_tolerance", raising=False)  # neither can it be asked for
     tin = {
         "name": "tin",

@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Literal
 
 import mujoco
 import numpy as np
@@ -24,6 +24,7 @@ from coral.contact.control.planning_model import MOTION, Index, build_model, pai
 from coral.contact.control.quantities import constants, stage_constants, task_schema_of
 from coral.contact.control.rollouts import FULL, SLEEP, Rollouts, RolloutStart
 from coral.contact.control.uncertainty import UncertaintyCfg, sample_beliefs
+from coral.contact.control.warp_rollouts import WarpRollouts
 from coral.contact.cost.context import Context, Lazy, Quantity, Value
 from coral.contact.scene.geometry import multiply, rotate
 from coral.contact.scene.joint_motion import joint_speed
@@ -58,6 +59,10 @@ class PlanningCfg:
     keeps all awake."""
     threads: Annotated[int, Field(ge=0, le=1024)] = 0
     """Number of threads; 0 uses every core."""
+    rollouts: Literal["mujoco", "warp"] = "mujoco"
+    """What computes the rehearsals: MuJoCo on the CPU, or MuJoCo Warp on an NVIDIA GPU (extra `warp`)."""
+    device: str = ""
+    """Device of Warp, such as cuda:0 or cpu; empty takes the first GPU, or the CPU if there is none."""
     hand: HandCfg = field(default_factory=HandCfg)
     """The hand's apparent dynamics."""
     uncertainty: UncertaintyCfg = field(default_factory=UncertaintyCfg)
@@ -108,7 +113,9 @@ class PlanningWorld:
         self.edges = False
         """Whether the table has edges regardless of their distance."""
         self._substeps = whole_steps(cfg.step_s, cfg.physics_dt_s, "--cfg", "planning.physics_dt_s")
-        self._rollouts = Rollouts(cfg.threads)
+        self._rollouts: Rollouts | WarpRollouts = (
+            Rollouts(cfg.threads) if cfg.rollouts == "mujoco" else WarpRollouts(cfg.device)
+        )
         self._names = [item.name for item in trial.task.objects]
         self._corners = {name: trial.corners(name) for name in self._names}
         self.believe(beliefs)
@@ -130,7 +137,7 @@ class PlanningWorld:
             build_model(with_beliefs(self._trial, one), self.cfg.hand, self.cfg.physics_dt_s, endless)
             for one in self.beliefs
         ]
-        if SLEEP and len(self._names) > 1 and self.cfg.rest_m_s > 0:
+        if self._rollouts.can_sleep and len(self._names) > 1 and self.cfg.rest_m_s > 0:
             for model in models:
                 model.opt.enableflags |= SLEEP
                 model.opt.sleep_tolerance = self.cfg.rest_m_s

@@ -101,6 +101,9 @@ class Rollouts:
         threads: Number of threads; 0 uses every core.
     """
 
+    can_sleep = bool(SLEEP)
+    """Whether resting objects may sleep."""
+
     def __init__(self, threads: int) -> None:
         self._threads = threads or os.cpu_count() or 1
         self._rollout = mujoco_rollout.Rollout(nthread=0)  # in the calling thread
