@@ -37,7 +37,7 @@ from coral.contact.experts import Kind, expert
 from coral.contact.plan.cost_check import verify_cost
 from coral.contact.plan.cost_fault import CostFault
 from coral.contact.plan.cost_plan import PlanAnswer, compile_plan
-from coral.contact.plan.rehearsal import sample_states
+from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task_file import unseen_tasks
 from coral.contact.scene.trial import Trial, sample_trial

@@ -1,4 +1,4 @@
-"""Time of a cost program on one batch of rehearsals, and of a change of belief.
+"""Time of a cost program on one batch of rollouts, and of a change of belief.
 
 Usage: python benchmarks/costs.py [--samples K] [--horizon H] [--json]
 
@@ -84,7 +84,7 @@ def waited(call: Callable[[], object], repeats: int) -> float:
     return min(found)
 
 
-def rehearsed(samples: int, horizon: int) -> tuple[Context, PlanningWorld]:
+def rolled_out(samples: int, horizon: int) -> tuple[Context, PlanningWorld]:
     """States of a hand that wanders about the board."""
     trial = sample_trial(load_task("push-pick-board"), 0)
     now = HandWorld(trial, HandWorldCfg()).reset()
@@ -111,7 +111,7 @@ def single(state: Context, k: int, h: int) -> Context:
 
 def cost_rows(samples: int, horizon: int, repeats: int, alone: int) -> dict[str, object]:
     """Times of one batch, and whether the ways of evaluating it agree."""
-    state, world = rehearsed(samples, horizon)
+    state, world = rolled_out(samples, horizon)
     program = CostProgram(PROGRAM, world.schema)
     with CostWorker() as worker:
         confined = worker.load(PROGRAM, world.schema)

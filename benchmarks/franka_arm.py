@@ -58,7 +58,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tasks", default="pick-box,push-gently")
     parser.add_argument("--seeds", default="0-4")
-    parser.add_argument("--samples", type=int, default=60, help="rehearsals per plan")
+    parser.add_argument("--samples", type=int, default=60, help="rollouts per plan")
     parser.add_argument("--latency-s", type=float, default=0.05, help="time of a plan by the arm's clock")
     parser.add_argument("--speed", type=float, default=1.0, help="speed of the arm's clock: see above")
     parser.add_argument("--touch-speed", type=float, help="limit on the speed at touch, m/s; 100: no slow approach")
@@ -228,7 +228,7 @@ def table(
     if rows:
         lines += [
             "",
-            f"Variant `expert-fsm`, {args.samples} rehearsals a plan, ready after {args.latency_s:g} s by the arm's",
+            f"Variant `expert-fsm`, {args.samples} rollouts per plan, ready after {args.latency_s:g} s by the arm's",
             f"clock, which runs at {args.speed:g} of the machine's. Of the joints' friction 80 % are made up for.",
             "",
             "| task | seed | end | arm's clock | wall clock | peak force: true, measured | stream late: p99, worst |",

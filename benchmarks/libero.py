@@ -173,7 +173,7 @@ def main() -> None:
     parser.add_argument("--suites", default=",".join(SUITES))
     parser.add_argument("--tasks", default="0-9")
     parser.add_argument("--states", default="0")
-    parser.add_argument("--samples", type=int, default=40, help="rehearsals of a plan")
+    parser.add_argument("--samples", type=int, default=40, help="rollouts per plan")
     parser.add_argument("--latency", default="fixed:0.04", help="as --cfg.planning.latency")
     parser.add_argument("--world", default="panda")
     parser.add_argument("--wrong-object", action="store_true", help="a control: tell the robot another object")

@@ -333,7 +333,7 @@ def main() -> None:
     parser.add_argument("--suites", default="object", help=f"of {', '.join(SUITES)}")
     parser.add_argument("--tasks", default=f"0-{TASKS - 1}")
     parser.add_argument("--states", default="0")
-    parser.add_argument("--samples", type=int, default=40, help="rehearsals of a plan")
+    parser.add_argument("--samples", type=int, default=40, help="rollouts per plan")
     parser.add_argument("--out", type=Path, default=Path("runs/libero-inside"))
     args = parser.parse_args()
     link = Link(args.python, find_package("libero:object"))

@@ -1,14 +1,14 @@
-"""Time of rehearsals in the planning world beside a plain Python loop and judo; time of a plan against K and H.
+"""Time of rollouts in the planning world beside a plain Python loop and judo; time of a plan against K and H.
 
 Usage: python benchmarks/planner.py [--peer-python /path/to/venv/bin/python] [--out docs/research] [--json]
        python benchmarks/planner.py --fewer 48 [--repeats 15]
 
 All do the same work: K sequences of H control steps (two physics steps each) of the hand near the box of pick-box,
-and all must end in the same place. Ours also looks for rehearsals that diverged, and makes of the quantities that a
+and all must end in the same place. Ours also looks for rollouts that diverged, and makes of the quantities that a
 cost may use those that the cost of picking reads. judo pins an older MuJoCo, so it runs in an environment of its own,
 where MuJoCo's rollout is timed alone too. Then a whole plan of each task on one thread and on two. Medians; CPU time is
 summed over threads. With --out, the curves are written as contact-planner.csv and contact-planner.png. With --fewer
-only whole plans of each task are timed, with --samples rehearsals and with fewer in turn.
+only whole plans of each task are timed, with --samples rollouts and with fewer in turn.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ def plain_loop(world: PlanningWorld, problem: Problem) -> NDArray[np.float64]:
     return states
 
 
-def rehearsed(world: PlanningWorld, problem: Problem) -> list[NDArray[np.float64]]:
+def rolled_out(world: PlanningWorld, problem: Problem) -> list[NDArray[np.float64]]:
     """Ours, and what is read of it."""
     context, _ = world.rollout(replace(problem.now), problem.controls)  # a new measurement, as in every plan
     return [context[name] for name in READ]
@@ -170,8 +170,8 @@ def compare(samples: int, horizon: int, python: str, repeats: int) -> dict[str, 
     assert np.array_equal(plain_loop(one, problem)[..., qpos][..., :3], context.box_pos), "the loop ends elsewhere"
     rows = timed(
         {
-            "ours, 1 thread": lambda: rehearsed(one, problem),
-            "ours, 2 threads": lambda: rehearsed(two, problem),
+            "ours, 1 thread": lambda: rolled_out(one, problem),
+            "ours, 2 threads": lambda: rolled_out(two, problem),
             "plain Python loop": lambda: plain_loop(one, problem),
         },
         repeats,
@@ -229,7 +229,7 @@ def task_row(task: str, samples: int, horizon: int, repeats: int) -> dict[str, A
 
 
 def fewer_row(task: str, samples: int, fewer: int, horizon: int, repeats: int) -> dict[str, Any]:
-    """Time of a whole plan of a task with more rehearsals and with fewer in turn: CPU, and wall on two threads."""
+    """Time of a whole plan of a task with more rollouts and with fewer in turn: CPU, and wall on two threads."""
     trial = sample_trial(load_task(task), 0)
     now = HandWorld(trial, HandWorldCfg()).reset()
     above = now.objects[trial.task.objects[0].name].position + np.array([0, 0, 0.05])
@@ -257,7 +257,7 @@ def draw_curves(curves: dict[str, list[dict[str, float]]], path: Path) -> None:
 
     figure, panes = plt.subplots(1, 2, figsize=(8, 3), sharey=True, layout="constrained")
     for pane, (key, rows), title in zip(
-        panes, curves.items(), ("rehearsals K, H = 50", "control steps H, K = 200"), strict=True
+        panes, curves.items(), ("rollouts K, H = 50", "control steps H, K = 200"), strict=True
     ):
         pane.plot([row[key] for row in rows], [row["plan_cpu_ms"] for row in rows], "o-", color="#2a6f97")
         pane.set_xlabel(title)
@@ -280,7 +280,7 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=15)
     parser.add_argument("--out", type=Path, help="folder for the curves, such as docs/research")
     parser.add_argument("--json", action="store_true")
-    parser.add_argument("--fewer", type=int, help="only time whole plans with so many rehearsals beside --samples")
+    parser.add_argument("--fewer", type=int, help="only time whole plans, with this many rollouts and with --samples")
     args = parser.parse_args()
     if args.fewer:
         print(f"| a whole plan | CPU ms, K = {args.samples} | K = {args.fewer} | ratio | wall ms | wall ms | ratio |")
@@ -314,7 +314,7 @@ def main() -> None:
     if args.json:
         print(json.dumps(result))
         return
-    print(f"| {args.samples} rehearsals of {args.horizon} control steps | wall ms | CPU ms | ratio of CPU |")
+    print(f"| {args.samples} rollouts of {args.horizon} control steps | wall ms | CPU ms | ratio of CPU |")
     print("|---|---:|---:|---:|")
     ours = result["rows"]["ours, 1 thread"]["cpu_ms"]
     for name, row in result["rows"].items():

@@ -1,4 +1,4 @@
-"""What each part of the planning model costs: CPU time of 200 rehearsals of 50 control steps, with one part changed.
+"""What each part of the planning model costs: CPU time of 200 rollouts of 50 control steps, with one part changed.
 
 Usage: python benchmarks/planning_parts.py [--tasks pick-box,pick-clutter] [--repeats 5] [--json]
 
@@ -88,7 +88,7 @@ PARTS = (
 
 
 def trial(task: str, part: Part, samples: int, horizon: int) -> Callable[[], object]:
-    """Rehearsals of a task with a part changed."""
+    """Rollouts of a task with a part changed."""
     trial = sample_trial(load_task(task), 0)
     now = HandWorld(trial, HandWorldCfg()).reset()
     above = now.objects[trial.task.objects[0].name].position + np.array([0, 0, 0.05])
@@ -131,7 +131,7 @@ def main() -> None:
     if args.json:
         print(json.dumps(result))
         return
-    print(f"| CPU ms of {args.samples} rehearsals of {args.horizon} control steps | {' | '.join(result)} |")
+    print(f"| CPU ms of {args.samples} rollouts of {args.horizon} control steps | {' | '.join(result)} |")
     print("|---|" + "---:|" * len(result))
     for part in PARTS:
         print(f"| {part.name} | {' | '.join(f'{rows[part.name]:.0f}' for rows in result.values())} |")

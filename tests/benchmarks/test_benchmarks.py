@@ -71,7 +71,7 @@ def test_the_parts_of_a_tick_add_up_to_the_tick():
     assert parts == pytest.approx(row["tick_ms"])
 
 
-def test_rehearsals_end_where_the_plain_loop_ends_and_plans_take_time(tmp_path):
+def test_rollouts_end_where_the_plain_loop_ends_and_plans_take_time(tmp_path):
     out = result(
         "planner.py",
         "--samples",

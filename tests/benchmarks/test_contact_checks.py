@@ -6,7 +6,7 @@ import pytest
 
 from coral.contact.cost_program import CostProgram
 from coral.contact.plan.plan_check import judge_plan
-from coral.contact.plan.rehearsal import sample_states
+from coral.contact.plan.sampled_states import sample_states
 
 spec = importlib.util.spec_from_file_location(
     "contact_checks", Path(__file__).parents[2] / "benchmarks" / "contact_checks.py"

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
-from coral.contact.plan.rehearsal import sample_states
+from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import sample_trial

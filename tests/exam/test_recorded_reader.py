@@ -18,7 +18,7 @@ from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.plan.plan_check import verify_plan
-from coral.contact.plan.rehearsal import sample_states
+from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task

@@ -18,7 +18,7 @@ from coral.contact.episode.episode import Episode
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
 from coral.contact.plan.plan_check import verify_plan
-from coral.contact.plan.rehearsal import sample_states
+from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters, Trial

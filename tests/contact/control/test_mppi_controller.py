@@ -109,7 +109,7 @@ def test_same_seed_same_plan_bit_for_bit():
     assert first.terms == second.terms
 
 
-def test_where_no_rehearsal_counts_the_plan_is_kept():
+def test_where_no_rollout_counts_the_plan_is_kept():
     planner, now = controller()
     before = planner.plan(now, REACH, 0)
     plan = planner.plan(now, replace(REACH, cost=lambda state: {"x": np.full(state.shape, np.nan)}), 0)
@@ -118,7 +118,7 @@ def test_where_no_rehearsal_counts_the_plan_is_kept():
     assert np.linalg.norm(plan.expected_position[0] - now.tool.position) < 0.02
 
 
-def test_a_cost_without_a_value_somewhere_spoils_only_that_rehearsal():
+def test_a_cost_without_a_value_somewhere_spoils_only_that_rollout():
     def cost(state):
         value = np.linalg.norm(state.ee_pos - GOAL, axis=-1)
         value[5] = np.nan

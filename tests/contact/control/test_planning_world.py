@@ -1,4 +1,4 @@
-"""Rehearsals: each as MuJoCo would step it alone, under what is believed, and safe from each other."""
+"""Rollouts: each as MuJoCo would step it alone, under what is believed, and safe from each other."""
 
 from dataclasses import replace
 
@@ -38,7 +38,7 @@ def beside(trial):
     return seen(trial, tool=(-0.08, 0.0, 0.03), opening_m=0.02)
 
 
-def test_each_rehearsal_is_what_stepping_it_alone_gives():
+def test_each_rollout_is_what_stepping_it_alone_gives():
     trial = make_trial()
     planner, now, plan = world(trial), beside(trial), controls(pushes())
     planner.edges = True  # the same model for both
@@ -176,7 +176,7 @@ def test_a_heavier_box_is_pushed_less_far():
     assert far[1] < far[0] - 0.005
 
 
-def test_several_beliefs_are_rehearsed_side_by_side():
+def test_several_beliefs_are_rolled_out_side_by_side():
     trial = make_trial()
     plan = pushes(3)
     both, sane = world(trial, [LIGHT, HEAVY]).rollout(beside(trial), controls(plan))
@@ -190,7 +190,7 @@ def test_several_beliefs_are_rehearsed_side_by_side():
         assert np.array_equal(both.last_action[rows], alone.last_action)
 
 
-def test_plans_are_rehearsed_under_beliefs_drawn_around_the_believed_one():
+def test_plans_are_rolled_out_under_beliefs_drawn_around_the_believed_one():
     cfg = replace(CFG, uncertainty=UncertaintyCfg(sets=3))
     trial = make_trial()
     planner = PlanningWorld(trial, LIGHT, seen(trial), cfg, np.random.default_rng(1))
@@ -293,7 +293,7 @@ def test_a_light_box_held_still_stays_between_the_fingers():
         assert np.linalg.norm(context.box_pos[0, -1] - context.ee_pos[0, -1]) < 0.02
 
 
-def test_a_drawer_is_rehearsed_along_its_slide_and_sleeps_until_it_is_touched():
+def test_a_drawer_is_rolled_out_along_its_slide_and_sleeps_until_it_is_touched():
     slide = {"kind": "slide", "axis": [1, 0, 0], "range": [-0.1, 0.1], "friction": 0.5}
     drawer = plain()["objects"][0] | {"joint": slide}
     tin = plain()["objects"][0] | {"name": "tin", "y": 0.2}

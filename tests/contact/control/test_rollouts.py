@@ -1,4 +1,4 @@
-"""What rests among several objects sleeps in a rehearsal, and wakes when it is touched; nothing else changes."""
+"""What rests among several objects sleeps in a rollout, and wakes when it is touched; nothing else changes."""
 
 from dataclasses import replace
 
@@ -56,7 +56,7 @@ def keep(now, steps=20):
 
 
 def asleep(planner, now):
-    """Names of the objects that sleep when a rehearsal begins."""
+    """Names of the objects that sleep when a rollout begins."""
     model = planner.models[0]
     start = RolloutStart.at(model, planner._initial(now))
     trees = {name: int(model.body_treeid[model.body(name).id]) for name in BELIEFS}
@@ -136,7 +136,7 @@ def test_what_is_pushed_wakes_what_it_runs_into():
     assert (context.tin_pos[:, -1, 0] > 0.07).all()
 
 
-def test_what_one_rehearsal_wakes_still_sleeps_in_the_next():
+def test_what_one_rollout_wakes_still_sleeps_in_the_next():
     trial, now = two()
     alike = push(4)
     still = keep(now, 15)

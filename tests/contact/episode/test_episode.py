@@ -128,7 +128,7 @@ def test_a_cost_that_cannot_be_evaluated_goes_to_the_strategist_before_the_episo
     assert len(events(folder, "strategy")) == 2
 
 
-def test_without_a_usable_rehearsal_the_episode_ends_long_before_its_time(run):
+def test_without_a_usable_rollout_the_episode_ends_long_before_its_time(run):
     def nothing(state):
         return {"nothing": np.full(state.shape, np.nan)}
 

@@ -97,7 +97,7 @@ def test_success_is_the_origin_in_the_region(installed, place, holds):
 def test_mass_and_friction_spread_about_the_model(installed):
     can, slab = load_task("libero:object/0").objects
     np.testing.assert_allclose(can.friction, [0.7125, 1.1875])
-    for item in (can, slab):  # LIBERO's weigh 23 g and 5 g: no rehearsal holds them
+    for item in (can, slab):  # LIBERO's weigh 23 g and 5 g: no rollout holds them
         assert item.mass_kg == pytest.approx((0.075, 0.125))
 
 

@@ -1,4 +1,4 @@
-"""How far a plan came in its rehearsal."""
+"""How far a plan came in its imagined run."""
 
 from itertools import pairwise
 from types import SimpleNamespace

@@ -3,7 +3,7 @@ import pytest
 
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
 from coral.contact.plan.plan_check import judge_plan, verify_plan
-from coral.contact.plan.rehearsal import sample_states
+from coral.contact.plan.sampled_states import sample_states
 
 CODE = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)"
 GATE = """def state_cost(self):

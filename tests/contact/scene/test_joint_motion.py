@@ -58,7 +58,7 @@ def test_the_simulation_moves_an_object_as_the_joint_does(joint):
 
 
 @pytest.mark.parametrize("joint", [HINGE, SLIDE])
-def test_rehearsals_start_from_the_measured_joint(joint):
+def test_rollouts_start_from_the_measured_joint(joint):
     trial = trial_on(joint)
     model = build_model(trial, HandCfg(), 0.01)
     data = mujoco.MjData(model)

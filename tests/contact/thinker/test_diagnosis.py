@@ -125,17 +125,17 @@ def test_forces_where_nothing_is_believed_to_be_tell_of_a_wrong_pose():
     assert judged(steps, plans(steps, "table", "box")) == "not-moved"
 
 
-def test_a_force_that_no_rehearsal_expects_tells_of_a_wrong_pose_and_a_harder_push_does_not():
+def test_a_force_that_no_rollout_predicts_tells_of_a_wrong_pose_and_a_harder_push_does_not():
     steps = history(110, box=BOX, force=(0.0, 0.0, 15.0), told=AHEAD)
 
-    def rehearsed(newtons, *at_last):
+    def predicted(newtons, *at_last):
         notes = [*plans(steps[:80], "box"), *plans(steps[80:], *at_last)]
         return [replace(note, expected_force=(0.0, 0.0, newtons)) for note in notes]
 
-    assert judged(steps, rehearsed(0.0)) == "pose-wrong"
-    assert judged(steps, rehearsed(0.0, "box")) == "not-moved"  # what is held all the time is heavier than believed
-    assert judged(steps, rehearsed(15.0)) == "not-moved"
-    assert judged(steps, rehearsed(4.5)) == "not-moved"  # what is pushed is heavier than believed
+    assert judged(steps, predicted(0.0)) == "pose-wrong"
+    assert judged(steps, predicted(0.0, "box")) == "not-moved"  # what is held all the time is heavier than believed
+    assert judged(steps, predicted(15.0)) == "not-moved"
+    assert judged(steps, predicted(4.5)) == "not-moved"  # what is pushed is heavier than believed
 
 
 def test_fingers_inside_an_object_tell_of_a_wrong_pose_though_the_grasp_slipped():

@@ -86,15 +86,15 @@ def test_a_hand_that_presses_hard_is_a_little_inside_what_it_presses_on():
     assert evidence(history(100, box=BOX, force=(0.0, 0.0, 30.0)), notes).sunk == 0.0
 
 
-def test_felt_and_rehearsed_forces_are_compared_as_vectors():
+def test_felt_and_predicted_forces_are_compared_as_vectors():
     pushed = history(100, box=BOX, force=(0.0, 0.0, 9.0))
     notes = [
         replace(note(0.4, "box"), expected_force=(3.0, 0.0, 9.0)),
         replace(note(1.4), expected_force=(3.0, 0, 1.0)),
     ]
     found = evidence(pushed, notes)
-    assert (found.rehearsed_n, found.unrehearsed_n) == pytest.approx((np.hypot(3.0, 5.0), np.hypot(3.0, 4.0)))
-    assert "differed from the rehearsed one by 5.0 N" in " ".join(found.sentences())
+    assert (found.predicted_n, found.unpredicted_n) == pytest.approx((np.hypot(3.0, 5.0), np.hypot(3.0, 4.0)))
+    assert "differed from the predicted one by 5.0 N" in " ".join(found.sentences())
 
 
 def test_the_largest_term_of_the_last_plan_is_named():

@@ -7,7 +7,7 @@ from coral.contact.thinker.plan_note import FORCE_STEPS, note_of
 from coral.contact.thinker.strategist import PlanReport
 
 
-def test_a_note_keeps_what_a_diagnosis_reads_and_averages_the_first_rehearsed_forces():
+def test_a_note_keeps_what_a_diagnosis_reads_and_averages_the_first_predicted_forces():
     force = np.zeros((2 * FORCE_STEPS, 3))
     force[:FORCE_STEPS, 2] = np.linspace(0.0, 4.0, FORCE_STEPS)
     plan = SimpleNamespace(terms={"way": 3.0}, expected_force=force, at_edge=0.5)

@@ -149,7 +149,7 @@ def test_prompts_have_fewer_than_3000_tokens(ask, task):
     name = next(iter(one.sizes))
     found = collect_evidence(steps_of(10, **{name: (0.0, 0.0, 0.03)}), (), name, np.ones(3), 0.0)
     everything = dataclasses.replace(
-        found, touched=0.4, others=("table",), felt=0.5, unexplained=0.2, unrehearsed_n=9.0, sunk=0.1, largest_term="a"
+        found, touched=0.4, others=("table",), felt=0.5, unexplained=0.2, unpredicted_n=9.0, sunk=0.1, largest_term="a"
     )
     told = {**FULL, "evidence": everything.sentences(), "object": name}
     questions.diagnoses += ["slipped", "blocked"]

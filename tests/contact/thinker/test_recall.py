@@ -17,7 +17,7 @@ from coral.contact.plan.imagined_outcome import ImaginedOutcome
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.recall import Recall, adaptations
-from coral.contact.thinker.recall_rehearsal import RecallRehearsal
+from coral.contact.thinker.recall_run import RecallRun
 from coral.contact.thinker.think_cfg import ThinkCfg
 
 BAD, BETTER = ImaginedOutcome(False, 0.3, 0.5, 1.0), ImaginedOutcome(False, 0.6, 0.5, 1.0)
@@ -30,23 +30,23 @@ def memory(tmp_path):
 
 
 def choose(one, memory, outcomes=(), **cfg):
-    """The chosen plan, the events, and what was rehearsed; outcomes, if any, take the place of rehearsals."""
+    """The chosen plan, the events, and what was tried; outcomes, if any, take the place of runs."""
     think = ThinkCfg(memory=MemoryCfg(**cfg))
-    told, rehearsed, left = [], [], list(outcomes)
+    told, tried, left = [], [], list(outcomes)
     questions = Questions(Asker(RuleAdvisor(RULES)), one.trial, one.world, think, in_process, lambda *_, **__: None)
     questions.update_facts(one.now)
     recall = Recall(questions, one.trial, one.world, think, np.random.default_rng(0), in_process)
 
-    def rehearse(plan, first):
-        rehearsed.append(plan)
+    def try_it(plan, first):
+        tried.append(plan)
         outcome, refusal = left.pop(0)
-        why = Rejection(code="rehearsal", reason=refusal) if refusal else None
-        return replace(plan, outcome=outcome, refusal=why, rehearsed_s=3.0)
+        why = Rejection(code="imagined-run", reason=refusal) if refusal else None
+        return replace(plan, outcome=outcome, refusal=why, imagined_s=3.0)
 
     if outcomes:
-        recall._rehearse = rehearse
+        recall._try = try_it
     chosen = recall.choose(memory, one.now, lambda event, **fields: told.append(fields))
-    return chosen, told, rehearsed
+    return chosen, told, tried
 
 
 def two_plans(scene, memory):
@@ -69,8 +69,8 @@ def test_equal_plans_are_adapted_once(scene, memory):
 )
 def test_the_one_that_came_further_is_followed_and_the_other_is_told_of(scene, memory, outcomes, first):
     two_plans(scene, memory)
-    chosen, told, rehearsed = choose(scene("pick-box", 2), memory, [(one, "") for one in outcomes])
-    assert len(rehearsed) == 2
+    chosen, told, tried = choose(scene("pick-box", 2), memory, [(one, "") for one in outcomes])
+    assert len(tried) == 2
     assert (chosen.match.stored.id == 2) is first
     assert chosen.outcome == max(outcomes)
     assert [bool(fields["refused"]) for fields in told] == [not first, first]
@@ -78,14 +78,14 @@ def test_the_one_that_came_further_is_followed_and_the_other_is_told_of(scene, m
 
 
 @pytest.mark.parametrize("outcome", [GOOD, THROUGH])
-def test_after_one_that_comes_through_all_stages_nothing_more_is_rehearsed(scene, memory, outcome):
+def test_after_one_that_comes_through_all_stages_nothing_more_is_tried(scene, memory, outcome):
     two_plans(scene, memory)
-    chosen, told, rehearsed = choose(scene("pick-box", 2), memory, [(outcome, "")])
-    assert (chosen.match.stored.id, len(told), len(rehearsed)) == (2, 1, 1)
+    chosen, told, tried = choose(scene("pick-box", 2), memory, [(outcome, "")])
+    assert (chosen.match.stored.id, len(told), len(tried)) == (2, 1, 1)
     assert told[0]["rehearsed_s"] == 3.0
 
 
-def test_a_plan_that_its_rehearsal_refuses_gives_way_to_the_next_however_far_it_came(scene, memory):
+def test_a_plan_that_its_run_refuses_gives_way_to_the_next_however_far_it_came(scene, memory):
     two_plans(scene, memory)
     chosen, told, _ = choose(scene("pick-box", 2), memory, [(BETTER, "it breaks"), (BAD, "")])
     assert chosen.match.stored.id == 1
@@ -96,10 +96,10 @@ def test_a_plan_that_its_rehearsal_refuses_gives_way_to_the_next_however_far_it_
     ("repairs", "outcome", "followed"), [(0, BETTER, True), (2, BETTER, False), (2, THROUGH, True), (2, GOOD, True)]
 )
 def test_a_repair_has_to_come_through_all_its_stages(scene, memory, monkeypatch, repairs, outcome, followed):
-    """A plan that finished a trial was never followed from the beginning; its rehearsal is the only proof."""
+    """A plan that finished a trial was never followed from the beginning; its imagined run is the only proof."""
     one = scene("pick-box", 0)
     number = memory.add(experience(one, repairs=repairs))
-    monkeypatch.setattr("coral.contact.thinker.recall.rehearse_recalled", lambda *_: RecallRehearsal(outcome, 2.5, ""))
+    monkeypatch.setattr("coral.contact.thinker.recall.try_recalled", lambda *_: RecallRun(outcome, 2.5, ""))
     chosen, told, _ = choose(one, memory)
     assert (chosen is not None) is followed
     assert ("from the beginning it came through 60 %" in told[0]["refused"]) is not followed
@@ -115,28 +115,28 @@ def test_if_all_are_refused_none_is_followed(scene, memory):
     assert not any("source" in fields for fields in told)
 
 
-def test_no_more_are_rehearsed_than_allowed(scene, memory):
+def test_no_more_are_tried_than_allowed(scene, memory):
     two_plans(scene, memory)
-    chosen, told, rehearsed = choose(scene("pick-box", 2), memory, [(BAD, "")], rehearsed=1)
-    assert (chosen.match.stored.id, len(told), len(rehearsed)) == (2, 1, 1)
+    chosen, told, tried = choose(scene("pick-box", 2), memory, [(BAD, "")], rehearsed=1)
+    assert (chosen.match.stored.id, len(told), len(tried)) == (2, 1, 1)
 
 
-def test_without_rehearsals_the_first_that_passes_is_followed(scene, memory):
+def test_without_runs_the_first_that_passes_is_followed(scene, memory):
     two_plans(scene, memory)
-    chosen, told, rehearsed = choose(scene("pick-box", 2), memory, rehearsed=0)
-    assert (chosen.match.stored.id, len(told), rehearsed) == (2, 1, [])
+    chosen, told, tried = choose(scene("pick-box", 2), memory, rehearsed=0)
+    assert (chosen.match.stored.id, len(told), tried) == (2, 1, [])
     assert (told[0]["refused"], told[0]["outcome"]) == ("", None)
 
 
-def test_regions_on_a_wrong_face_do_not_refuse_a_plan_whose_rehearsal_succeeds(scene, memory, monkeypatch):
+def test_regions_on_a_wrong_face_do_not_refuse_a_plan_whose_run_succeeds(scene, memory, monkeypatch):
     """Guided there, the first stage gains nothing in a second; the other samples still find the way."""
-    monkeypatch.setattr("coral.contact.thinker.recall.rehearsed_gain", lambda *_: -3.0)
+    monkeypatch.setattr("coral.contact.thinker.recall.best_gain", lambda *_: -3.0)
     one = scene("pick-box", 0)
     memory.add(experience(one))
     assert choose(one, memory, [(GOOD, "")])[0] is not None
     chosen, told, _ = choose(one, memory, rehearsed=0)
     assert chosen is None
-    assert told[0]["refused"] == "rehearsed, it lowers the cost by -300 %"
+    assert told[0]["refused"] == "rolled out, it lowers the cost by -300 %"
 
 
 def test_a_plan_that_cannot_be_used_is_refused_with_the_reason(scene, memory):
@@ -153,15 +153,15 @@ def test_an_empty_memory_offers_nothing(scene, memory):
     assert choose(scene("pick-box"), memory) == (None, [], [])
 
 
-def test_a_rehearsal_follows_the_plan_in_the_planning_world(scene, memory, monkeypatch):
+def test_an_imagined_run_follows_the_plan_in_the_planning_world(scene, memory, monkeypatch):
     two_plans(scene, memory)
     followed = []
 
     def watch(world, trial, strategy, names, first, cfg):
         followed.append([stage.name for stage in strategy.stages])
-        return RecallRehearsal(BAD, 2.5, "")
+        return RecallRun(BAD, 2.5, "")
 
-    monkeypatch.setattr("coral.contact.thinker.recall.rehearse_recalled", watch)
+    monkeypatch.setattr("coral.contact.thinker.recall.try_recalled", watch)
     chosen, told, _ = choose(scene("pick-box", 2), memory)
     assert followed == [["above", "lower", "close", "lift", "hold"]] * 2
     assert chosen.outcome == BAD

@@ -269,7 +269,7 @@ def test_repairs_of_what_is_remembered_are_confined_too(remembering):
     strategist.on_end("timeout")
 
 
-def test_what_is_remembered_is_rehearsed_without_regions_too(remembering):
+def test_what_is_remembered_is_tried_without_regions_too(remembering):
     one, memory = remembering
     strategist, told = thinker(one, memory=memory, regions=False, rehearsed=1)
     strategist.begin(one.trial, one.now, one.world)
@@ -279,7 +279,7 @@ def test_what_is_remembered_is_rehearsed_without_regions_too(remembering):
     strategist.on_end("timeout")
     strategist, told = thinker(one, memory=memory, regions=False, least_gain=0.999)
     strategist.begin(one.trial, one.now, one.world)
-    assert ["rehearsed" in fields["refused"] for event, fields in told if event == "recall"] == [True]
+    assert ["imagined run" in fields["refused"] for event, fields in told if event == "recall"] == [True]
     assert not strategist.counts.memory_hit
     strategist.on_end("timeout")
 

@@ -46,7 +46,7 @@ def test_the_windows_that_tell_most_are_kept_in_the_order_of_time():
     assert firsts(windows(steps, "box", most=3)) == [0, 18, 24]
 
 
-def test_no_window_spans_a_gap_in_time_or_begins_where_no_rehearsal_can():
+def test_no_window_spans_a_gap_in_time_or_begins_where_no_replay_can():
     steps = history(12, box=sliding(1.0)) + history(12, box=sliding(1.0), start_s=1.0)
     assert firsts(windows(steps, "box", length=12)) == [0, 50]
     assert firsts(windows(steps, "box", length=12, usable=lambda start: start.time_s > 0.5)) == [50]

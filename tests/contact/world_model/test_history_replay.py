@@ -36,7 +36,7 @@ def parts(one, command, **beliefs):
     return HistoryReplay(one.world, [window(one, command)]).parts([believed], "box")[0, 0]
 
 
-def test_what_was_measured_as_rehearsed_leaves_little_over(scene):
+def test_what_was_measured_as_replayed_leaves_little_over(scene):
     place, turn, speed, hand, force = parts(scene("pick-box"), {})
     assert max(place, turn, speed, hand, force) < 1.0
 

@@ -46,7 +46,7 @@ def test_what_forces_propose_is_believed_where_replay_and_forces_explain_more(mo
     dragged = np.tile([0.5 * (0.981 + 4.0), 4.0, 0.0], (40, 1))
     before = {"board": FIRST}
     replay = SimpleNamespace(windows=[None] * 3)
-    # The replay alone would rather have it a little otherwise: a rehearsed pinch slips.
+    # The replay alone would rather have it a little otherwise: a rolled-out pinch slips.
     monkeypatch.setattr(module, "compare", lambda *_: (0.8, 1.1))
     fit = fit_by_balance(Balance(dragged, held), replay, "board", before, IdentifyCfg())
     assert fit.accepted

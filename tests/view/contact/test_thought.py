@@ -127,7 +127,7 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
                 "refused": "",
             },
             "Memory 3 was used",
-            "its lengths are computed anew; the best rehearsal lowers the cost by 12 %; rehearsed for 12 s, it "
+            "its lengths are computed anew; the best rollout lowers the cost by 12 %; in an imagined run for 12 s it "
             "came through 50 % of its stages",
         ),
         (

@@ -58,15 +58,15 @@ class HandController(Protocol):
 
 @runtime_checkable
 class AdjustableController(HandController, Protocol):
-    """A controller that can be given more rehearsals when it is stuck, which `probe_effort` tries."""
+    """A controller that can be given more rollouts when it is stuck, which `probe_effort` tries."""
 
     @property
     def samples(self) -> int:
-        """Return the number of rehearsals of a plan."""
+        """Return the number of rollouts per plan."""
         ...
 
     def with_samples(self, samples: int, rng: np.random.Generator) -> AdjustableController:
-        """Copy the controller, its present plan included, with another number of rehearsals."""
+        """Copy the controller, its present plan included, with another number of rollouts."""
         ...
 
     def adopt(self, other: AdjustableController) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.control.rehearsed_paths import RehearsedPaths
+from coral.contact.control.rollout_paths import RolloutPaths
 from coral.contact.cost.context import Context
 from coral.contact.scene.observation import HandTarget
 from coral.mppi.knots import Update
@@ -37,11 +37,11 @@ class HandPlan:
     update: Update | None = None
     """Update of the sampler; None of a controller that does not sample."""
     valid: bool = True
-    """Whether there is a valid rehearsal; if not, the plan before is kept."""
+    """Whether there is a valid rollout; if not, the plan before is kept."""
     diverged: int = 0
-    """Number of excluded rehearsals."""
-    paths: RehearsedPaths | None = None
-    """Paths of rehearsals, for a viewer."""
+    """Number of excluded rollouts."""
+    paths: RolloutPaths | None = None
+    """Paths of rollouts, for a viewer."""
     at_edge: float = 0.0
     """Share of the targets at the edge of the workspace or of the arm's reach."""
 

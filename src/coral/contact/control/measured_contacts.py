@@ -1,6 +1,6 @@
 """What the hand touches in the running episode, from what the robot measures: poses, the wrench, the fingers' opening.
 
-A rehearsal knows contacts from its own simulation, which believes in wrong masses and in poses that are off by
+A rollout knows contacts from its own simulation, which believes in wrong masses and in poses that are off by
 millimetres. In the episode a part of the hand touches what it is next to if a force is felt or the fingers are held
 apart.
 """
@@ -83,7 +83,7 @@ def _gap(model: mujoco.MjModel, data: mujoco.MjData, first: list[int], second: l
 
 
 def with_measured_contacts(state: Context, now: Observation, touched: dict[str, tuple[str, ...]]) -> Context:
-    """Return a state with the measured contacts and forces of the hand in place of the rehearsed ones.
+    """Return a state with the measured contacts and forces of the hand in place of the predicted ones.
 
     Args:
         state: A batch of one.

@@ -1,4 +1,4 @@
-"""MPPI over targets of the hand, rehearsed in the planning world (Eqs. 4-6)."""
+"""MPPI over targets of the hand, rolled out in the planning world (Eqs. 4-6)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from coral.config import Fraction, NonNegative, Positive, Signed
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M, SQUEEZE_M
 from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.planning_world import ControlSequences, PlanningWorld
-from coral.contact.control.rehearsed_paths import keep_paths
+from coral.contact.control.rollout_paths import keep_paths
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage
 from coral.contact.scene.geometry import column_of, conjugate, from_rotvec, multiply, to_rotvec
@@ -89,7 +89,7 @@ class ControllerCfg:
 class Controller:
     """Minimise over hand targets u the risk over beliefs of phi(x_H) + mean_t l(x_t), subject to bounds on u.
 
-    l is the stage's cost and phi its value at the last state (Eq. 4); x follows from u by rehearsals in the planning
+    l is the stage's cost and phi its value at the last state (Eq. 4); x follows from u by rollouts in the planning
     world, contacts included. u starts at the present target, moves no faster than `speed_m_s`, `turn_rad_s` and
     `opening_m_s`, and stays in the workspace and within the arm's reach. MPPI over knots of u solves the problem: a
     knot is a position in the world, a rotation vector about the present target's orientation, and an opening, so that
@@ -108,7 +108,7 @@ class Controller:
 
     @property
     def samples(self) -> int:
-        """Return the number of rehearsals of a plan."""
+        """Return the number of rollouts per plan."""
         return self.cfg.mppi.samples
 
     def reset(self, now: Observation) -> None:
@@ -127,7 +127,7 @@ class Controller:
         target: HandTarget | None = None,
         executed: int = 0,
     ) -> HandPlan:
-        """Shift the plan before by its executed steps, rehearse and improve it; see `HandController.plan`."""
+        """Shift the previous plan by its executed steps, and improve it by rollouts; see `HandController.plan`."""
         if executed:
             self.mppi.advance(executed * self.world.cfg.step_s, self.span_s)
         if self._target is None:
@@ -137,13 +137,13 @@ class Controller:
         start = self._bounded_start(now, self._target, stage.stiffness_n_m)
         self._recentre(start)
         self.mppi.sigma = self._sigma * np.asarray(stage.sigma)
-        rehearsed: list[tuple[Context, NDArray[np.bool_], Terms, ControlSequences]] = []
+        rolled: list[tuple[Context, NDArray[np.bool_], Terms, ControlSequences]] = []
 
         def evaluate(knots: Array) -> Array:
             controls = self._controls(knots, start.quaternion, stage.stiffness_n_m)
             context, sane = self.world.rollout(now, controls, step, since)
             terms = stage.cost(context)
-            rehearsed[:] = [(context, sane, terms, controls)]
+            rolled[:] = [(context, sane, terms, controls)]
             each = self._total(terms, context.shape)
             each[~sane] = np.inf
             costs = risk(each.reshape(len(self.world.models), -1), self.cfg.risk)
@@ -159,8 +159,8 @@ class Controller:
             ]
             propose = lambda sampled: self._guide_samples(sampled, start, aims)  # noqa: E731
         update = self.mppi.improve(evaluate, propose, lambda knots: self._bound_knots(knots, start))
-        context, sane, terms, _ = rehearsed[0]
-        # If every rehearsal is invalid, the previous plan is kept: it is the first of the samples.
+        context, sane, terms, _ = rolled[0]
+        # If every rollout is invalid, the previous plan is kept: it is the first of the samples.
         each = update.weights if update.ok else np.eye(1, len(update.weights))[0]
         weights = np.tile(each, len(self.world.models)) / len(self.world.models)
         counted = weights > 0  # the others may contain nan

@@ -32,7 +32,7 @@ class PlanLatency:
         self._durations: deque[float] = deque(maxlen=REMEMBERED)
         self.fixed_s = _fixed(spec)
         self.effort = 1.0
-        """Rehearsals of a plan, as a multiple of those that the fixed latency stands for."""
+        """Rollouts per plan, as a multiple of the number that the fixed latency was stated for."""
         if self.fixed_s is not None and self.fixed_s >= most * step_s:
             raise InputError("--cfg", "planning.latency", repr(spec), f"less than a plan's {most * step_s:g} s")
 

@@ -17,7 +17,7 @@ class PlannerLimits:
         horizon_s: Time that a plan looks ahead.
         replan_s: Simulated time between two plans; conditions of stages are tested at each.
         late_s: Simulated time that passes while a plan is computed; 0 if the world stands still.
-        samples: Rehearsals of a plan.
+        samples: Rollouts per plan.
         speed_m_s: Maximum speed of the hand.
         turn_rad_s: Maximum angular speed of the hand.
         lead_m: Maximum distance of the hand's target from the hand when a plan begins.
@@ -25,7 +25,7 @@ class PlannerLimits:
         low_m: Lowest corner of the hand's workspace, x, y, z.
         high_m: Its highest corner.
         press_n: The largest force with which the hand presses.
-        free_n: Force on table and fixtures above which rehearsals count as worse; None if none does.
+        free_n: Force on table and fixtures above which rollouts count as worse; None if none does.
     """
 
     step_s: float

@@ -23,7 +23,7 @@ MOTION = {
 """Sensors of an object on a joint."""
 SWING_RAD = 0.8
 """Maximum rotation of a finger on its spring in one step. A finger of 50 g rotates by 1.4 rad in 10 ms: a squeezed
-box of 0.1 kg was thrown out within a second in 22 of 33 rehearsals that only held it (measured), with the limit in
+box of 0.1 kg was thrown out within a second in 22 of 33 rollouts that only held it (measured), with the limit in
 none."""
 
 

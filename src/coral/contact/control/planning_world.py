@@ -1,4 +1,4 @@
-"""The planning world: a reduced model of hand and scene, built from beliefs, for rehearsing control sequences.
+"""The planning world: a reduced model of hand and scene, built from beliefs, for rolling out control sequences.
 
 It is MuJoCo with the floating hand of `hand_model.py`, coarse steps and cheap contacts, rolled out in a batch on all
 cores by `mujoco.rollout`. Sensors read the contacts, since a rollout returns nothing else.
@@ -42,7 +42,7 @@ SANE_SPEED_M_S = 8.0
 
 @dataclass(frozen=True, kw_only=True)
 class PlanningCfg:
-    """Time steps and approximations of rehearsals."""
+    """Time steps and approximations of rollouts."""
 
     step_s: TimeStep = 0.02
     """One control step of the plan."""
@@ -50,11 +50,11 @@ class PlanningCfg:
     """Physics step; a control step is a whole number of them. 10 ms keeps the box within 12 mm of a 1 ms reference over
     a second of pushing (measured), and costs a fifth of 2 ms."""
     inland_m: Positive = 0.12
-    """While the hand and all moving objects are this far from the table's edges, the table is rehearsed as a plane:
+    """While the hand and all moving objects are this far from the table's edges, rollouts take the table as a plane:
     contact between cylinder and box needs a general search, with a plane a formula. This matters for cylinders that do
     not sleep. At full speed a hand crosses this distance in a quarter of the horizon, with six new plans meanwhile."""
     rest_m_s: NonNegative = 0.01
-    """Among several objects, an object at rest sleeps in a rehearsal until something touches it, which halves the time
+    """Among several objects, an object at rest sleeps in a rollout until something touches it, which halves the time
     of pick-clutter (benchmarks/planning_parts.py). At rest means that no point of its rim moves faster than this; 0
     keeps all awake."""
     threads: Annotated[int, Field(ge=0, le=1024)] = 0
@@ -66,7 +66,7 @@ class PlanningCfg:
     hand: HandCfg = field(default_factory=HandCfg)
     """The hand's apparent dynamics."""
     uncertainty: UncertaintyCfg = field(default_factory=UncertaintyCfg)
-    """Further beliefs under which plans are rehearsed, for their risk."""
+    """Further beliefs under which plans are rolled out, for their risk."""
     latency: str = "0"
     """Time that passes in the world while a plan is computed: measured (as long as it takes on this machine),
     fixed:SECONDS, or 0: the world stands still. With latency a plan starts from the state predicted for the moment at
@@ -75,7 +75,7 @@ class PlanningCfg:
 
 @dataclass(frozen=True)
 class ControlSequences:
-    """Hand targets of a batch of rehearsals, one per control step."""
+    """Hand targets of a batch of rollouts, one per control step."""
 
     position: Array
     """Position of the tool's target, Shape=(K, H, 3) m."""
@@ -84,7 +84,7 @@ class ControlSequences:
     opening: Array
     """Opening, Shape=(K, H) m."""
     stiffness: float
-    """Stiffness of all rehearsals, N/m."""
+    """Stiffness of all rollouts, N/m."""
 
 
 class PlanningWorld:
@@ -165,16 +165,16 @@ class PlanningWorld:
     def rollout(
         self, now: Observation, controls: ControlSequences, step: int = 0, since: Observation | None = None
     ) -> tuple[Context, NDArray[np.bool_]]:
-        """Rehearse K sequences from the present state under each belief.
+        """Roll out K sequences from the present state under each belief.
 
         Args:
             now: The measured state.
-            controls: Control sequences of the rehearsals.
+            controls: Control sequences of the rollouts.
             step: Control steps since the episode began.
             since: The observation with which the active stage began; None if it begins now.
 
         Returns:
-            The states after each control step, with K = beliefs x sequences in that order, and which rehearsals are
+            The states after each control step, with K = beliefs x sequences in that order, and which rollouts are
             valid, Shape=(K,): diverged ones are not, and their states repeat the last valid one.
         """
         count, horizon = controls.opening.shape
@@ -239,7 +239,7 @@ class PlanningWorld:
         return all(bool((np.abs(each[:, :2] - center) < half).all()) for each in points)
 
     def _initial(self, now: Observation) -> Array:
-        """Return MuJoCo's full physics state at the start of rehearsals, Shape=(S,)."""
+        """Return MuJoCo's full physics state at the start of rollouts, Shape=(S,)."""
         if self._last is not None and self._last[0] is now:
             return self._last[1]  # a plan needs it twice
         model, data = self.models[0], self._scratch
@@ -381,7 +381,7 @@ def _shift_fingers(model: mujoco.MjModel, data: mujoco.MjData, most_m: float = 0
     """Shift the pair of fingers out of a penetrated object, keeping the opening.
 
     Only the sum of the fingers' positions is measured. An object held off-centre would start deep inside one finger and
-    be thrown out of the rehearsed grasp, so that no lift could be found.
+    be thrown out of the imagined grasp, so that no lift could be found.
     """
     mujoco.mj_fwdPosition(model, data)
     depth = {"left": 0.0, "right": 0.0}

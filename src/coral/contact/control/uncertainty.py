@@ -13,10 +13,10 @@ from coral.contact.scene.trial import PhysicalParameters
 
 @dataclass(frozen=True, kw_only=True)
 class UncertaintyCfg:
-    """Number and spread of the beliefs under which a plan is rehearsed."""
+    """Number and spread of the beliefs under which a plan is rolled out."""
 
     sets: Count = 1
-    """Number of beliefs: the estimate, and samples around it. Each costs a full set of rehearsals. 1: the estimate
+    """Number of beliefs: the estimate, and samples around it. Each costs a full set of rollouts. 1: the estimate
     alone, as in the paper, without an effect of `risk`."""
     mass: NonNegative = 0.3
     """Standard deviation of the logarithm of a mass: about its relative error."""

@@ -26,7 +26,7 @@ class EpisodeCfg:
     """Control steps executed per plan. Departs from the paper: it executes one; two halve the
     time, and feedback runs at every step."""
     patience_plans: Count = 25
-    """The episode ends after this many successive plans without a valid rehearsal."""
+    """The episode ends after this many successive plans without a valid rollout."""
     planning: PlanningCfg = field(default_factory=PlanningCfg)
     """The planning world."""
     controller: ControllerCfg = field(default_factory=ControllerCfg)

@@ -22,7 +22,7 @@ END_REASONS = {
     "no-decision": "the advisor did not decide, and its fallback policy lets nothing else decide",
     "advisor failed": "the advisor did not decide, and the fallback policy ends the run",
     "cost-error": "the strategy's cost could not be evaluated",
-    "no-plan": "many plans in a row had no valid rehearsal, or a plan was not finite",
+    "no-plan": "many plans in a row had no valid rollout, or a plan was not finite",
     "policy": "a served policy gave no valid actions",
     "operator-failure": "the operator said that the task had failed",
     "stopped by the operator": "interrupted",

@@ -162,7 +162,7 @@ class Episode:
 
     @property
     def _samples(self) -> int:
-        """Return the rehearsals of a plan: a controller that can be given more tells how many it has now."""
+        """Return the number of rollouts per plan: an adjustable controller says how many it has now."""
         return int(getattr(self.controller, "samples", self.cfg.controller.mppi.samples))
 
     def run(self, observers: Sequence[Observer[Episode]] = ()) -> dict[str, Any]:
@@ -291,7 +291,7 @@ class Episode:
         self._thinking = True
         while self.t < began + seconds - 1e-9 and not self.end_reason:
             try:
-                plan = self._rehearse() if going else None
+                plan = self._replan() if going else None
             except CostError:  # a repair of this cost is under way
                 plan, going = None, False
             if plan is not None:
@@ -307,7 +307,7 @@ class Episode:
         """Plan, and pass the plan to the strategist; None if there is nothing to execute."""
         stage, since = self.progress.stage, self._since
         try:
-            plan = self._rehearse()
+            plan = self._replan()
         except CostError as error:
             failed = error
             other = self._ask_strategist(lambda: self.strategist.on_cost_error(failed, stage.name, self.now))
@@ -363,7 +363,7 @@ class Episode:
             self.end_reason, self.detail = none.end_reason, str(none)
             return None
 
-    def _rehearse(self) -> HandPlan | None:
+    def _replan(self) -> HandPlan | None:
         """Plan in the active stage; None if the episode ends for lack of a plan.
 
         Raises:
@@ -406,7 +406,7 @@ class Episode:
         self._without_plan = 0 if plan.valid else self._without_plan + 1
         if self._without_plan >= self.cfg.patience_plans:
             self.end_reason = "no-plan"
-            self.detail = f"{self._without_plan} plans in a row had no valid rehearsal"
+            self.detail = f"{self._without_plan} plans in a row had no valid rollout"
             return None
         if changed:
             self._since = self.now

@@ -24,7 +24,7 @@ from coral.contact.plan.cost_file import ENDINGS, read_cost_file
 from coral.contact.plan.cost_plan import make_strategy
 from coral.contact.plan.numpy_cost import NumpyCost
 from coral.contact.plan.plan_check import OF_THE_PLACE, verify_plan
-from coral.contact.plan.rehearsal import sample_states
+from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.registry import make_world

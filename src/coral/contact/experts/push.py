@@ -26,14 +26,14 @@ SOFT_N_M = 150.0
 A sliding block chatters under the fingers, and at each beat they climb its face a little (2 to 3 cm on the way to the
 goal, measured, whatever the height, tilt, opening and speed). A target that stays below then drags the block down,
 which increases its friction; with 200 N/m the force leaves its band for half the way. So the hand is softer, and its
-target follows the climb. (Straight ahead, without rehearsing, 130 N/m kept 10 of 10 blocks in the band.)
+target follows the climb. (Straight ahead, without planning, 130 N/m kept 10 of 10 blocks in the band.)
 """
 SINK_M = 0.004
 """The target stays this far below the hand, which adds 0.6 N of drag: else the Panda's fingers climb over the top."""
 STEADY = (0.2, 0.2, 0.02, 0.02, 0.02, 0.02, 0.0)
 """Sampling noise while pushing: almost none on height, orientation and opening, which are already right.
 
-With noise, their target wanders (3 cm up, measured), because rehearsals hardly distinguish the values.
+With noise, their target wanders (3 cm up, measured), because rollouts hardly distinguish the values.
 """
 BELOW_TOP_M = 0.03
 """Height of the tool below the block's top: as low as the palm, 3.7 cm above the tool, allows, with room to climb."""
@@ -96,9 +96,9 @@ def ahead_of(now: Context, name: str) -> Array:
 
 
 def recent(values: Array) -> Array:
-    """Compute the running mean over the last 0.2 s (10 steps) of a rehearsal, Shape=(K, H, n).
+    """Compute the running mean over the last 0.2 s (10 steps) of a rollout, Shape=(K, H, n).
 
-    A coarse rehearsal of a sliding block chatters: nearly the same motions of the hand end with the block at 0 or at
+    A coarse rollout of a sliding block chatters: nearly the same motions of the hand end with the block at 0 or at
     6 cm/s, and their costs differ by a third (measured). Single instants would select a plan by luck.
     """
     total = np.cumsum(values, axis=1)

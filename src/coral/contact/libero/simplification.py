@@ -1,4 +1,4 @@
-"""Approximation of an object of many boxes by few primitives: each resting box costs four contacts per rehearsal.
+"""Approximation of an object of many boxes by few primitives: each resting box costs four contacts per rollout.
 
 LIBERO approximates a can by about twenty thin boxes. They become one cylinder if it fills the same space, else those
 boxes that fill most of it.
@@ -20,7 +20,7 @@ class SolidCfg:
     """Limits of the simplification."""
 
     most: int = 4
-    """Maximum number of boxes. Twenty rehearsals of half a second of the first scene take 63 ms of one core with one
+    """Maximum number of boxes. Twenty rollouts of half a second of the first scene take 63 ms of one core with one
     box for each object, 65 ms with up to four, 154 ms with up to twelve."""
     covered: float = 0.95
     """Share of the boxes' common volume that the selected boxes must cover."""

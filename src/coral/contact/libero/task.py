@@ -40,7 +40,7 @@ planner."""
 HEAVIEST_FRICTION = 2.0
 LIGHTEST_KG = 0.1
 """Smallest mass. LIBERO's cans weigh 25 g and its butter 5 g, real ones 350 and 250 g. In the coarse steps of a
-rehearsal, fingers that squeeze with 20 N throw what is lighter."""
+rollout, fingers that squeeze with 20 N throw what is lighter."""
 HOVER_M = 0.05
 """Height over the grasp at which the hand comes to rest first: bottles of 25 g fall at a touch, and a can leaves 9 mm
 on each side."""

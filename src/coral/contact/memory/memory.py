@@ -126,7 +126,7 @@ class MemoryCfg(ScaleLimits):
     candidates: Count = 3
     """Maximum number of remembered plans that are adapted and checked."""
     rehearsed: Annotated[int, Field(ge=0)] = 3
-    """Maximum number of plans that are rehearsed. 0 follows the first that passes its checks without a rehearsal."""
+    """Maximum number of plans tried in an imagined run. 0 follows the first that passes its checks, untried."""
     failures: Count = 3
     """A plan that failed so often without ever succeeding again is no longer offered."""
 

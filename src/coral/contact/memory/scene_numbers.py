@@ -28,7 +28,7 @@ class ScaleLimits:
     """How far a scene may differ from the remembered one."""
 
     size_factor: Positive = 2.5
-    """Largest factor between two extents. A plan is adapted to other sizes, and rehearsed before it is used."""
+    """Largest factor between two extents. A plan is adapted to other sizes, and tried before it is used."""
     mass_factor: Positive = 10.0
     """Largest factor between two masses."""
     friction_factor: Positive = 4.0

@@ -1,4 +1,4 @@
-"""How far a plan came in its rehearsal: the task's own conditions, judged on imagined states."""
+"""How far a plan came in its imagined run: the task's own conditions, judged on imagined states."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from coral.contact.scene.trial import Trial
 
 @dataclass(frozen=True, order=True)
 class ImaginedOutcome:
-    """The outcome of a rehearsal; the larger one is the better one."""
+    """The outcome of an imagined run; the larger one is the better one."""
 
     succeeded: bool
     """Whether the conditions of success held long enough."""
@@ -31,7 +31,7 @@ class ImaginedOutcome:
 
 
 class ImaginedJudge:
-    """Judges a rehearsal while it goes on, by the conditions of the task file.
+    """Judges an imagined run while it lasts, by the conditions of the task file.
 
     It sees what the planning world imagines from the perceived scene under believed masses and frictions: nothing true.
 
@@ -85,7 +85,7 @@ class ImaginedJudge:
 
     @property
     def outcome(self) -> ImaginedOutcome:
-        """Return how far the rehearsal has come."""
+        """Return how far the run has come."""
         if self._began_s is None:
             return ImaginedOutcome(False, 0.0, 0.0, 0.0)
         spare_s = self._began_s + self._trial.task.time_limit_s - self._since_s
@@ -106,7 +106,7 @@ def imagined_truths(trial: Trial, moment: ImaginedMoment) -> list[Truth]:
 
     Args:
         trial: The trial as the robot perceives it.
-        moment: A moment of the rehearsal.
+        moment: A moment of the run.
     """
     states = moment.after
     return [] if states is None else [_truth_at(trial, moment, states, k) for k in range(states.shape[1])]

@@ -19,12 +19,12 @@ from coral.contact.scene.observation import Observation
 from coral.mppi.knots import KnotMppiCfg
 
 SEED = 20_261
-"""The same samples at every call: one plan has one rehearsal."""
+"""The same samples at every call: one plan has one imagined run."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImaginedRunCfg:
-    """Length and effort of the rehearsal."""
+    """Length and effort of the run."""
 
     most_s: Positive = 6.0
     """Simulated time."""
@@ -58,7 +58,7 @@ def imagine(
 ) -> Iterator[ImaginedMoment]:
     """Follow a plan in the planning world, under the best belief.
 
-    The run ends after `most_s`, where no rehearsal is valid, and where a cost cannot be evaluated.
+    The run ends after `most_s`, when no rollout is valid, or when a cost cannot be evaluated.
 
     Args:
         world: The planning world with its beliefs.

@@ -165,5 +165,5 @@ def _text(vector: Array) -> str:
 def _graspable(region: Region, item: ObjectFacts) -> bool:
     if closing_axis(np.asarray(region.normal), np.asarray(item["size_m"])) is not None:
         return True
-    # A handle is narrower than its object; the rehearsal decides.
+    # A handle is narrower than its object; the imagined run decides.
     return item["shapes"] != ["box"] or item["solid_share"] < 0.95 or bool(item["points"])

@@ -23,7 +23,7 @@ def stage_beginnings(
         world: The planning world with its beliefs.
         strategy: The plan.
         now: The present state.
-        wanted: Names of the stages; the rehearsal ends once all have begun.
+        wanted: Names of the stages; the run ends once all have begun.
         cfg: Length and effort.
 
     Returns:

@@ -85,7 +85,7 @@ class PolicyEpisode:
         self.referee: Referee = TruthReferee(self.world, trial)
         self._data = self.world.simulation.data
         self.eyes = PolicyCameras(self.world.simulation.model, cfg.policy.eyes)
-        # Without rehearsals there is no feedback; only the limits of the reactive control remain.
+        # Without rollouts there is no feedback; only the limits of the reactive control remain.
         low, high = np.asarray(cfg.controller.workspace_low_m), np.asarray(cfg.controller.workspace_high_m)
         self.reactive = Reactive(replace(cfg.reactive, enabled=False), means.tick_s, low, high)
         objects = [item.name for item in trial.task.objects]

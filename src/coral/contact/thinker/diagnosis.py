@@ -35,7 +35,7 @@ TEXTS: Mapping[Diagnosis, str] = {
     "out-of-reach": "the hand stands at the edge of its workspace, or behind its commands although it feels nothing: "
     "its cost leads it to where the arm does not reach",
     "pose-wrong": "by the believed poses the hand is inside an object, or feels forces where nothing is near or that "
-    "no rehearsal expects: an object is not where it is believed to be",
+    "no rollout predicts: an object is not where it is believed to be",
     "slipped": "contact was made and lost again and again",
     "settled": "the hand stays where it was told to be, and the stage does not end there: its cost leads to a "
     "wrong place",
@@ -46,14 +46,14 @@ TEXTS: Mapping[Diagnosis, str] = {
     "blocked": "the hand presses hard against what does not give way: its cost drives it in a wrong direction, or to a "
     "wrong side or place",
     "not-moved": "the hand pressed and the object hardly moved",
-    "moved-otherwise": "the object moved, but not as rehearsed: the simulation believes in wrong parameters",
+    "moved-otherwise": "the object moved, but not as predicted: the simulation believes in wrong parameters",
     "no-progress": "the cost fell no further, though nothing is visibly wrong: a side or grasp that leads nowhere",
     "planner-weak": "the planner found no way down the cost that more samples did find",
 }
 
 
 REST_S, REST_M = 2.0, 0.015
-"""At rest is what is, in the mean of one half of this time, no further from where it was in the other. Rehearsals are
+"""At rest is what is, in the mean of one half of this time, no further from where it was in the other. Rollouts are
 sampled: hand and object wander by a centimetre and more about where the cost leads them."""
 AHEAD_M = 0.01
 """A command within this distance of the hand counts as reached."""
@@ -73,11 +73,11 @@ BEHIND_M = 0.02
 """A hand at rest that is so far behind its commands is held back."""
 UNEXPLAINED = 0.5
 """Share of the felt forces without anything near from which a pose is doubted; tracked poses are off by millimetres."""
-UNREHEARSED_N = 8.0
-"""A force that differs so much from the rehearsed one comes from something that the rehearsals do not know: more than
+UNPREDICTED_N = 8.0
+"""A force that differs this much from the predicted one comes from something that rollouts do not know: more than
 what the worst beliefs of mass and friction explain of a push (5 N, measured)."""
-OF_REHEARSED = 3.0
-"""It also is so many times what was rehearsed: else the hand pushes what it means to push, and that is heavier."""
+OF_PREDICTED = 3.0
+"""It is also this many times what was predicted: otherwise the hand pushes what it means to push, only heavier."""
 ALWAYS = 0.95
 """Share of the plans from which an object counts as touched all the time."""
 FELT_NOTHING_N = 0.5
@@ -110,7 +110,7 @@ def diagnose(
         return "pose-wrong"
     if returns >= 2:
         return "slipped"
-    if evidence is not None and _meets_the_unrehearsed(evidence):
+    if evidence is not None and _feels_the_unpredicted(evidence):
         return "pose-wrong"
     if evidence is not None and evidence.at_edge >= MOSTLY and not evidence.touched and not evidence.felt:
         return "led-away" if evidence.largest_value < 0.0 else "out-of-reach"
@@ -183,10 +183,10 @@ def _contradicts_the_pose(evidence: Evidence) -> bool:
     return unexplained or evidence.sunk >= SUNK_PLANS
 
 
-def _meets_the_unrehearsed(evidence: Evidence) -> bool:
-    """Check whether the hand feels what no rehearsal expects, and not by holding what is heavier than believed."""
-    unrehearsed = evidence.unrehearsed_n > max(UNREHEARSED_N, OF_REHEARSED * evidence.rehearsed_n)
-    return evidence.felt >= FELT_PLANS and evidence.touched < ALWAYS and unrehearsed
+def _feels_the_unpredicted(evidence: Evidence) -> bool:
+    """Check whether the hand feels what no rollout predicts, other than by holding something heavier than believed."""
+    unpredicted = evidence.unpredicted_n > max(UNPREDICTED_N, OF_PREDICTED * evidence.predicted_n)
+    return evidence.felt >= FELT_PLANS and evidence.touched < ALWAYS and unpredicted
 
 
 def _ends_wrongly(evidence: Evidence) -> bool:

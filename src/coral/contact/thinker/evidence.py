@@ -54,9 +54,9 @@ class Evidence:
     """Mean force on the hand."""
     force_peak_n: float
     """Its peak."""
-    rehearsed_n: float
+    predicted_n: float
     """Magnitude of the mean force that the plans expected."""
-    unrehearsed_n: float
+    unpredicted_n: float
     """Magnitude of the mean difference between felt and expected force."""
     moved_m: float
     """Distance of the object from where it was at the beginning."""
@@ -104,10 +104,10 @@ class Evidence:
                 f"For {100 * self.unexplained:.0f} % of the time that it felt a force, nothing was near it by the "
                 "believed poses."
             )
-        if self.unrehearsed_n > FELT_N:
+        if self.unpredicted_n > FELT_N:
             told.append(
-                f"The force differed from the rehearsed one by {self.unrehearsed_n:.1f} N in the mean; "
-                f"{self.rehearsed_n:.1f} N were rehearsed."
+                f"The force differed from the predicted one by {self.unpredicted_n:.1f} N on average; "
+                f"{self.predicted_n:.1f} N were predicted."
             )
         if self.sunk:
             told.append(
@@ -148,7 +148,7 @@ def collect_evidence(
     first, last = steps[0].before.objects[name], steps[-1].after.objects[name]
     ends = np.array([step.after.time_s for step in steps])
     touched, others, felt, unexplained, sunk = 0, dict[str, int](), 0, 0, 0
-    felt_n, rehearsed_n = np.zeros(3), np.zeros(3)
+    felt_n, predicted_n = np.zeros(3), np.zeros(3)
     late_steps = [step for step in steps if step.after.time_s > ends[-1] - END_S]
     late = [note for note in notes if note.time_s > ends[-1] - END_S]
     for note in notes:
@@ -158,7 +158,7 @@ def collect_evidence(
             others[thing] = others.get(thing, 0) + 1
         index = min(int(np.searchsorted(ends, note.time_s - 1e-9)), len(force) - 1)
         felt_n = felt_n + steps[index].after.wrench[:3] / len(notes)
-        rehearsed_n = rehearsed_n + np.asarray(note.expected_force) / len(notes)
+        predicted_n = predicted_n + np.asarray(note.expected_force) / len(notes)
         sunk += note.sunk_m.get(name, 0.0) > SUNK_M + SUNK_M_N * force[index]
         if force[index] > FELT_N:
             felt += 1
@@ -178,8 +178,8 @@ def collect_evidence(
         unexplained=unexplained / max(felt, 1),
         force_mean_n=float(np.mean(force)),
         force_peak_n=max(force),
-        rehearsed_n=float(np.linalg.norm(rehearsed_n)),
-        unrehearsed_n=float(np.linalg.norm(felt_n - rehearsed_n)),
+        predicted_n=float(np.linalg.norm(predicted_n)),
+        unpredicted_n=float(np.linalg.norm(felt_n - predicted_n)),
         moved_m=float(np.linalg.norm(last.position - first.position)),
         turned_deg=float(np.degrees(np.linalg.norm(to_rotvec(multiply(conjugate(first.quaternion), last.quaternion))))),
         lag_m=float(np.mean([np.linalg.norm(step.command.position - step.after.tool.position) for step in steps])),

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from coral.contact.thinker.strategist import PlanReport
 
 FORCE_STEPS = 5
-"""Control steps over which the rehearsed force is averaged: a contact chatters from step to step."""
+"""Control steps over which the predicted force is averaged: a contact chatters from step to step."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class PlanNote:
     touched: Mapping[str, tuple[str, ...]]
     """What the parts of the hand touched, as measured."""
     expected_force: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Force on the hand (N) that the rehearsals expect, the mean of the first `FORCE_STEPS` control steps."""
+    """Force on the hand (N) that the rollouts predict, the mean of the first `FORCE_STEPS` control steps."""
     sunk_m: Mapping[str, float] = field(default_factory=dict)
     """How deep (m) the hand was inside each object by the believed poses."""
     at_edge: float = 0.0

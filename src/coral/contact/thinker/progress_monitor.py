@@ -38,7 +38,7 @@ class OuterCfg:
     """Time constant of the decay of surprises. The default keeps a share of 0.96 from plan to plan at the default
     interval of 0.04 s."""
     replay_dt_s: Positive = 0.004
-    """Physics step in replays, finer than in rehearsals."""
+    """Physics step in replays, finer than in rollouts."""
     sunk_m: Positive = 0.002
     """Windows in which an object begins deeper in the table than this are not replayed."""
 

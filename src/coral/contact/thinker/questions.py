@@ -19,7 +19,7 @@ from coral.contact.plan.contact_regions import RegionCfg, RegionsAnswer, region_
 from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, make_strategy
 from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.region_validation import verify_regions
-from coral.contact.plan.rehearsal import sample_states
+from coral.contact.plan.sampled_states import sample_states
 from coral.contact.plan.stage_beginnings import stage_beginnings
 from coral.contact.plan.touchable_points import Scenery, candidates_of
 from coral.contact.scene.observation import Observation
@@ -237,7 +237,7 @@ class Questions:
         loader = load or self.load
 
         def beginnings(compiled: Sequence[Compiled]) -> dict[str, list[Context]]:
-            followed = make_strategy("rehearsal", plan, None, self._world.schema, self.sizes, loader)
+            followed = make_strategy("imagined", plan, None, self._world.schema, self.sizes, loader)
             names = [made.answer.name for made in compiled]
             found = stage_beginnings(self._world, followed, now, names)
             return {name: sample_states(self._world, start, self.sizes) for name, start in found.items()}

@@ -1,4 +1,4 @@
-"""Choice of a remembered plan: adapted in two ways, checked like any answer, and rehearsed."""
+"""Choice of a remembered plan: adapted in two ways, checked like any answer, and tried in an imagined run."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from coral.contact.memory.memory import Match, Memory
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, make_strategy
 from coral.contact.plan.imagined_outcome import ImaginedOutcome
-from coral.contact.plan.rehearsal import rehearsed_gain
+from coral.contact.plan.sampled_states import best_gain
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.questions import Questions
-from coral.contact.thinker.recall_rehearsal import rehearse_recalled
+from coral.contact.thinker.recall_run import try_recalled
 from coral.contact.thinker.think_cfg import ThinkCfg
 
 NOTHING = ImaginedOutcome(False, 0.0, 0.0, 0.0)
-"""Outcome of a plan that was not rehearsed."""
+"""Outcome of a plan that was not tried."""
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,11 @@ class RecalledPlan:
     refusal: Rejection | None = None
     """Why it is not followed."""
     gain: float = 0.0
-    """Share by which the best rehearsed motion lowers the cost of its first stage."""
+    """Share by which the best rolled-out motion lowers the cost of its first stage."""
     outcome: ImaginedOutcome | None = None
-    """How far it came in its rehearsal; None if there was none."""
-    rehearsed_s: float = 0.0
-    """Imagined time of its rehearsal."""
+    """How far it came in its imagined run; None if there was none."""
+    imagined_s: float = 0.0
+    """Imagined time of that run."""
     strategy: Strategy | None = field(default=None, compare=False, repr=False)
     """What the planner would follow; None before it passed the checks of its programs."""
 
@@ -75,8 +75,8 @@ class Recall:
     def choose(self, memory: Memory, first: Observation, emit: Callable[..., None]) -> RecalledPlan | None:
         """Return the plan to follow; None if no remembered plan may be followed. Report each as a `recall` event.
 
-        The first that succeeds in its rehearsal, or comes through all its stages there without being refused, is
-        followed: under guessed masses and frictions, a rehearsal tells no more. If none does, it is the one that came
+        The first that succeeds in its imagined run, or comes through all its stages there without being refused, is
+        followed: under guessed masses and frictions, a run tells no more. If none does, it is the one that came
         furthest of those that are not refused.
 
         Args:
@@ -84,14 +84,14 @@ class Recall:
             first: The first observation.
             emit: The run's log.
         """
-        most, rehearsals = self._cfg.memory.rehearsed, 0
+        most, runs = self._cfg.memory.rehearsed, 0
         tried: list[RecalledPlan] = []
         for adapted in adaptations(memory, self._questions.facts):
             one = self._check(adapted, first)
             if one.refusal is None and most:
-                if rehearsals == most:
+                if runs == most:
                     break
-                one, rehearsals = self._rehearse(one, first), rehearsals + 1
+                one, runs = self._try(one, first), runs + 1
             tried.append(one)
             if one.refusal is None and (one.outcome is None or one.outcome.stages == 1.0):
                 break
@@ -105,7 +105,7 @@ class Recall:
     def _report(self, one: RecalledPlan, chosen: bool, memory: Memory, emit: Callable[..., None]) -> None:
         refused = "" if one.refusal is None else one.refusal.reason
         if not refused and not chosen:
-            refused = "another remembered plan came further in its rehearsal"
+            refused = "another remembered plan came further in its imagined run"
         stored = one.match.stored
         emit(
             "recall",
@@ -116,7 +116,7 @@ class Recall:
             used=stored.used,
             helped=stored.helped,
             gain=round(one.gain, 4),
-            rehearsed_s=one.rehearsed_s,
+            rehearsed_s=one.imagined_s,  # the key is older than the word
             outcome=None if one.outcome is None else {key: round(v, 3) for key, v in asdict(one.outcome).items()},
             refused=refused,
             **({"decided": "plan", "source": "memory"} if chosen else {}),
@@ -130,30 +130,30 @@ class Recall:
         if refusal is None:
             try:
                 strategy = self._strategy(one)
-                gain = rehearsed_gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
+                gain = best_gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
             except CostError as error:
                 refusal = Rejection(code=error.code, reason=str(error))
-        # Where regions lead nowhere the samples that they do not guide may still: a whole rehearsal tells more.
+        # Where regions lead nowhere, samples that they do not guide may still get there: a whole run tells more.
         if refusal is None and not self._cfg.memory.rehearsed and gain < self._cfg.least_gain:
-            refusal = Rejection(code="rehearsal", reason=f"rehearsed, it lowers the cost by {100 * gain:.0f} %")
+            refusal = Rejection(code="imagined-run", reason=f"rolled out, it lowers the cost by {100 * gain:.0f} %")
         return replace(one, refusal=refusal, gain=gain, strategy=strategy)
 
-    def _rehearse(self, one: RecalledPlan, first: Observation) -> RecalledPlan:
+    def _try(self, one: RecalledPlan, first: Observation) -> RecalledPlan:
         assert one.strategy is not None
-        found = rehearse_recalled(self._world, self._trial, one.strategy, one.plan.names, first, self._cfg.outer)
+        found = try_recalled(self._world, self._trial, one.strategy, one.plan.names, first, self._cfg.outer)
         reason = found.refusal
         if not reason and found.outcome.stages < 1.0 and not one.match.stored.proven:
-            reason = "it finished a trial that another plan had begun, and rehearsed from the beginning it came " + (
+            reason = "it finished a trial that another plan had begun, and tried from the beginning it came " + (
                 f"through {100 * found.outcome.stages:.0f} % of its stages"
             )
-        refusal = Rejection(code="rehearsal", reason=reason) if reason else None
-        return replace(one, refusal=refusal, outcome=found.outcome, rehearsed_s=found.length_s)
+        refusal = Rejection(code="imagined-run", reason=reason) if reason else None
+        return replace(one, refusal=refusal, outcome=found.outcome, imagined_s=found.length_s)
 
     def _strategy(self, one: RecalledPlan) -> Strategy:
         regions = one.regions if self._cfg.regions else None
         points = None if regions is None else self._questions.touchable_candidates(regions, one.plan)
         sizes = self._questions.sizes
-        return make_strategy("rehearsal", one.plan, regions, self._world.schema, sizes, self._load, candidates=points)
+        return make_strategy("imagined", one.plan, regions, self._world.schema, sizes, self._load, candidates=points)
 
 
 def adaptations(memory: Memory, facts: SceneFacts) -> Iterator[RecalledPlan]:

@@ -45,8 +45,8 @@ class ThinkCfg:
     tracking: bool = True
     """Whether objects are tracked. Off (`no-tracking`): the advisor is asked for their poses once."""
     least_gain: float = 0.05
-    """Without rehearsals (`memory.rehearsed`), a remembered plan is used if its best guided motion of a second lowers
-    the cost of its first stage by at least this share."""
+    """Without imagined runs (`memory.rehearsed` 0), a remembered plan is used if its best guided motion of a second
+    lowers the cost of its first stage by at least this share."""
     correct_every_s: NonNegative = 0.0
     """Simulated time between corrections of the world model while not stuck; 0 corrects only when stuck."""
     corrections: Count = 5

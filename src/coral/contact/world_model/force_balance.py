@@ -4,7 +4,7 @@
     held up:   -F_z   = m (g + a_z)              (Newton)
 
 F is the force on the hand, measured at the wrist; u the direction of the object's motion, a its acceleration. No
-rehearsal is needed, so neither tracking errors of millimetres nor the arm's dynamics change which finger touches what.
+rollout is needed, so neither tracking errors of millimetres nor the arm's dynamics change which finger touches what.
 The replay then decides whether the history is explained better.
 """
 

@@ -37,12 +37,12 @@ def windows(
     Args:
         steps: The history.
         name: Name of the object.
-        length: Steps of a window; few, because a rehearsal of contact diverges from the world within tenths of a
+        length: Steps of a window; few, because a rollout of contact diverges from the world within tenths of a
             second.
         most: Maximum number of windows.
         moved_m: A window in which the object moved less, without contact, is ignored.
         force_n: Force on the hand that counts as contact.
-        usable: Whether a rehearsal can begin at an observation.
+        usable: Whether a replay can begin at an observation.
     """
     found = []
     for first in range(0, len(steps) - length + 1, length // 2):

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayCfg:
-    """Units of a replay's errors: about the error of a correct belief in a coarse rehearsal."""
+    """Units of a replay's errors: about the error of a correct belief in a coarse rollout."""
 
     position_m: Positive = 0.0005
     """Unit of the object's position error."""
@@ -74,7 +74,7 @@ class HistoryReplay:
         Args:
             parts: Errors from `parts`.
             floor: Shape=(windows, kinds), the error that no belief explains. A kind of error with a high floor, from
-                the coarse rehearsal or the arm's dynamics, has less weight. A window that diverges under every belief
+                the coarse rollout or the arm's dynamics, has less weight. A window that diverges under every belief
                 is ignored.
         """
         share = np.full(parts.shape, np.inf)

@@ -239,7 +239,7 @@ def replay_errors(
 ) -> tuple[float, float]:
     """Compute the errors of a belief and a proposal: of the replay and, if it counts, of the balance of forces.
 
-    A rehearsed pinch slips where the real one holds, whatever the mass: with a balance, the replay has less weight.
+    A rolled-out pinch slips where the real one holds, whatever the mass: with a balance, the replay has less weight.
     """
     before, after = compare(replay, name, believed, proposed)
     if found is None or not len(found):

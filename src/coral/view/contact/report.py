@@ -50,7 +50,7 @@ ENDED = {
     "no-strategy": "failed: the advisor had no strategy",
     "no-decision": "failed: the advisor did not decide",
     "advisor failed": "ended: the advisor did not decide",
-    "no-plan": "failed: no usable rehearsal",
+    "no-plan": "failed: the planner found no usable motion",
     "policy": "failed: the served policy gave no actions",
     "failed": "ended by an error in the program",
 }

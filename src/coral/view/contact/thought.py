@@ -195,13 +195,13 @@ def _poses(event: Record) -> ThoughtPart:
 
 def _recall(event: Record) -> ThoughtPart:
     known = f"It is similar by {float(event['similarity']):.2f} and differs by {float(event['distance']):.2f}"
-    gain = f"the best rehearsal lowers the cost by {100 * float(event['gain']):.0f} %"
+    gain = f"the best rollout lowers the cost by {100 * float(event['gain']):.0f} %"
     if "lengths" in event:
         known += f"; its lengths are {event['lengths']}"
     outcome = event.get("outcome")
     if outcome:
         span = f" for {float(event['rehearsed_s']):.0f} s" if "rehearsed_s" in event else ""
-        gain += f"; rehearsed{span}, it " + (
+        gain += f"; in an imagined run{span} it " + (
             "succeeded"
             if outcome["succeeded"]
             else f"came through {100 * float(outcome['stages']):.0f} % of its stages"

@@ -1,12 +1,12 @@
-"""The paths of rehearsals that a viewer gets."""
+"""The paths of rollouts that a viewer gets."""
 
 import numpy as np
 
-from coral.contact.control.rehearsed_paths import DRAWN, keep_paths
+from coral.contact.control.rollout_paths import DRAWN, keep_paths
 from coral.contact.cost.context import Context
 
 
-def test_paths_are_copies_of_valid_rehearsals_and_the_best_is_the_heaviest():
+def test_paths_are_copies_of_valid_rollouts_and_the_best_is_the_heaviest():
     hand = np.arange(100 * 5 * 3, dtype=float).reshape(100, 5, 3)
     box = hand + 0.5
     context = Context({"ee_pos": hand, "box_pos": box}, (100, 5))
@@ -17,6 +17,6 @@ def test_paths_are_copies_of_valid_rehearsals_and_the_best_is_the_heaviest():
     np.testing.assert_array_equal(kept.best, hand[7])
     np.testing.assert_array_equal(kept.objects["box"], box[7])
     assert DRAWN <= len(kept.some) <= 2 * DRAWN
-    assert (kept.some[:, 0, 0] > 0).all()  # the first rehearsal diverged
+    assert (kept.some[:, 0, 0] > 0).all()  # the first rollout diverged
     hand[:] = 0.0
     assert kept.best.any()

@@ -1,4 +1,4 @@
-"""Rehearsal of a remembered plan: followed in the planning world for as long as it gets somewhere."""
+"""The imagined run of a remembered plan: followed in the planning world for as long as it gets somewhere."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ leave their first stage."""
 
 
 @dataclass(frozen=True)
-class RecallRehearsal:
-    """What the rehearsal of a remembered plan showed."""
+class RecallRun:
+    """What the imagined run of a remembered plan showed."""
 
     outcome: ImaginedOutcome
     """How far the plan came."""
@@ -36,9 +36,9 @@ class RecallRehearsal:
     """Why the plan is not to be followed; "" if it may be."""
 
 
-def rehearse_recalled(
+def try_recalled(
     world: PlanningWorld, trial: Trial, strategy: Strategy, names: Sequence[str], first: Observation, cfg: OuterCfg
-) -> RecallRehearsal:
+) -> RecallRun:
     """Follow a remembered plan in the planning world until its fate is clear.
 
     That is when it succeeds, when it breaks something for good, when it has fallen back to an earlier stage twice, when
@@ -63,7 +63,7 @@ def rehearse_recalled(
         stuck = monitor.update(PlanReport(0, moment.now, moment.plan, moment.stage))
         if judge.succeeded or judge.broken or stuck or monitor.returns == MOST_RETURNS:
             break
-    return RecallRehearsal(judge.outcome, round(end_s - first.time_s, 2), _refusal(judge, monitor, len(names)))
+    return RecallRun(judge.outcome, round(end_s - first.time_s, 2), _refusal(judge, monitor, len(names)))
 
 
 def _refusal(judge: ImaginedJudge, monitor: ProgressMonitor, count: int) -> str:
@@ -71,11 +71,11 @@ def _refusal(judge: ImaginedJudge, monitor: ProgressMonitor, count: int) -> str:
     if judge.succeeded:
         return ""
     if judge.broken:
-        return f"rehearsed, it breaks for good: {', '.join(judge.broken)}"
+        return f"in an imagined run, it breaks for good: {', '.join(judge.broken)}"
     if monitor.returns == MOST_RETURNS:
-        return f"rehearsed, it fell back to an earlier stage {MOST_RETURNS} times"
+        return f"in an imagined run, it fell back to an earlier stage {MOST_RETURNS} times"
     if begun == 1 < count:
-        return f"rehearsed, it never left its first stage, {monitor.stage!r}"
+        return f"in an imagined run, it never left its first stage, {monitor.stage!r}"
     if count == 1 and not judge.gained:
-        return "rehearsed, it met no condition of success that was not met before"
+        return "in an imagined run, it met no condition of success that was not met before"
     return ""

@@ -5,7 +5,7 @@ import pytest
 from recorded import compose
 
 from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
-from coral.contact.plan.rehearsal import rehearsed_gain
+from coral.contact.plan.sampled_states import best_gain
 from coral.contact.scene.task_file import shipped_tasks
 
 CLOSER = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)"
@@ -17,7 +17,7 @@ def first_stage(one, plan, regions=None):
 
 
 def gained(one, stage, seed=0):
-    return rehearsed_gain(one.world, stage, one.now, one.sizes, np.random.default_rng(seed))
+    return best_gain(one.world, stage, one.now, one.sizes, np.random.default_rng(seed))
 
 
 @pytest.mark.parametrize("task", ["pick-box", "push-force", "flip-wall"])
@@ -48,7 +48,7 @@ def test_guides_alone_give_the_ways_where_there_are_any(scene):
     made = compose(one.facts)
     stage = first_stage(one, made.plan, made.regions)
     rng = np.random.default_rng(0)
-    found = rehearsed_gain(one.world, stage, one.now, one.sizes, rng)
+    found = best_gain(one.world, stage, one.now, one.sizes, rng)
     assert rng.random() == np.random.default_rng(0).random()
     assert found == gained(one, stage, 1)
     assert found != gained(one, dataclasses.replace(stage, guides=()))

@@ -1,4 +1,4 @@
-"""Rehearsals in the planning world: sampled states for checking costs, and the gain that a stage's cost allows."""
+"""States sampled by rollouts in the planning world: for checking costs, and for the gain that a cost allows."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def _interpolate_rotation(start: Array, end: Array, share: Array) -> Array:
     return multiply(start, from_rotvec(np.minimum(1, 3 * share)[:, None] * turn))
 
 
-def rehearsed_gain(
+def best_gain(
     world: PlanningWorld,
     stage: Stage,
     now: Observation,
@@ -113,12 +113,12 @@ def rehearsed_gain(
     horizon: int = 50,
     count: int = 24,
 ) -> float:
-    """Return the share by which the best rehearsed path lowers a stage's cost, compared with standing still.
+    """Return the share by which the best rolled-out path lowers a stage's cost, compared with standing still.
 
     Args:
         world: The planning world.
         stage: Its guides give the paths; without guides they are those of `sample_states`.
-        now: First state of the rehearsals.
+        now: First state of the rollouts.
         sizes: Full extents of the objects, m.
         rng: Samples the paths if there are no guides, else unused.
         horizon: Control steps.
@@ -153,6 +153,6 @@ def rehearsed_gain(
         total = total + term
     cost = np.where(sane, total.mean(axis=1) + total[:, -1], np.inf).reshape(len(world.models), -1).mean(axis=0)
     still, best = float(cost[-1]), float(cost[:-1].min())
-    if not np.isfinite([still, best]).all():  # diverged rehearsals carry no information
+    if not np.isfinite([still, best]).all():  # diverged rollouts carry no information
         return 0.0
     return (still - best) / max(abs(still), 1e-9)
