@@ -18,7 +18,10 @@ def test_what_is_sent_is_read_and_what_is_there_stays(tmp_path, single_file):
     assert bag.counts == count_messages(path) == {"/told": 1}
     assert [message.data for _, message in read_messages(path, {"/told"})] == ["here"]
     assert list(tmp_path.iterdir()) == [path]
-    with pytest.raises(InputError, match="something there already"), open_bag(path, TOPICS, single_file=single_file):
+    with (
+        pytest.raises(InputError, match="something that exists already"),
+        open_bag(path, TOPICS, single_file=single_file),
+    ):
         pass
 
 

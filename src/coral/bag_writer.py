@@ -94,7 +94,7 @@ def open_bag(path: Path, topics: Mapping[str, str], *, single_file: bool) -> Ite
         InputError: The path exists, or rosbags is not installed.
     """
     if path.exists():
-        raise InputError(str(path), "--out", "something there already", "a new path")
+        raise InputError(str(path), "--out", "something that exists already", "a new path")
     try:
         from rosbags.rosbag2 import StoragePlugin, Writer
     except ImportError:

@@ -107,7 +107,7 @@ def _refuse_odd_numbers(cfg: Any, where: str, prefix: str) -> None:
             and isinstance(value, int | float)
             and not 0 <= value < math.inf
         ):
-            raise InputError(where, name, value, "a finite number from 0 on")
+            raise InputError(where, name, value, "a finite number of 0 or more")
 
 
 def to_mapping(cfg: Any) -> dict[str, Any]:

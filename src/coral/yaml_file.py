@@ -143,7 +143,7 @@ def _check_events(text: str, where: str, most_values: int) -> None:
             opened.append((event.anchor, seen))
             if len(opened) > YAML_DEPTH:
                 raise InputError(
-                    where, _line(event), f"values nested more than {YAML_DEPTH} deep", "a file written by hand"
+                    where, _line(event), f"values nested more than {YAML_DEPTH} deep", "a file with fewer levels"
                 )
         if seen > 3 * most_values:
             raise InputError(where, _line(event), f"more than {most_values} values", "a smaller file")

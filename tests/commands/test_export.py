@@ -26,7 +26,7 @@ def test_a_run_becomes_one_file_beside_it_and_is_not_overwritten(survey_run, tol
     assert result["messages"]["/odometry"] == 41
     code, _, error = told("export", survey_run)
     assert code == 2
-    assert "something there already" in error
+    assert "something that exists already" in error
 
 
 def test_it_is_told_in_a_line(survey_run, tmp_path, told):

@@ -65,7 +65,7 @@ def test_missing_and_malformed_answers_are_worth_nothing(tmp_path):
 def test_refuses_a_folder_that_holds_something(tmp_path):
     items = load_set("public", ["reef-centroid"], 1).items
     export(items, tmp_path, "public")
-    with pytest.raises(InputError, match="holds something"):
+    with pytest.raises(InputError, match="not empty"):
         export(items, tmp_path, "public")
     with pytest.raises(InputError, match="no exported set"):
         answers(items, tmp_path / "elsewhere")

@@ -114,7 +114,7 @@ def test_an_advisor_cannot_pass_for_one_of_ours():
         async def answer(self, question, rejections):
             raise AssertionError
 
-    with pytest.raises(InputError, match="a name that no advisor of ours has"):
+    with pytest.raises(InputError, match="a name that no built-in advisor has"):
         coral.run_mission("s1", advisor=Disguised())
 
 

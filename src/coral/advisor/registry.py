@@ -168,7 +168,7 @@ def check_advisor(advisor: Any, where: str = "advisor") -> Advisor:
     if not isinstance(name, str) or not name or not inspect.iscoroutinefunction(getattr(advisor, "answer", None)):
         raise InputError(where, "", repr(advisor), "a string, or an object with a name and a coroutine `answer`")
     if name.partition(":")[0] in _BY_NAME and not type(advisor).__module__.startswith("coral."):
-        raise InputError(where, "name", repr(name), "a name that no advisor of ours has")
+        raise InputError(where, "name", repr(name), "a name that no built-in advisor has")
     given: Advisor = advisor
     return given
 

@@ -150,6 +150,6 @@ def parse_seeds(text: str, flag: str = "--seeds") -> tuple[int, ...]:
             raise InputError(flag, "", repr(text), "numbers and ranges, such as 0-4 or 0,3,7-9")
         first, last = int(match[1]), int(match[2] or match[1])
         if last < first or last - first >= MOST_EPISODES:
-            raise InputError(flag, "", repr(part.strip()), f"a range upwards of at most {MOST_EPISODES} seeds")
+            raise InputError(flag, "", repr(part.strip()), f"an ascending range of at most {MOST_EPISODES} seeds")
         seeds.update(range(first, last + 1))
     return tuple(sorted(seeds))

@@ -63,7 +63,7 @@ class Store:
                     str(self.folder),
                     "--out",
                     "a campaign that is still running",
-                    "a folder to which no other process writes",
+                    "a folder that no other process writes to",
                 ) from None
             yield
 

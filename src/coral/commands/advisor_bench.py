@@ -78,14 +78,14 @@ class AdvisorBench:
             ("--limit", 1 if self.limit is None else self.limit),
         ):
             if value < 1:
-                raise InputError(flag, "", value, "a number from 1 on")
+                raise InputError(flag, "", value, "a number of 1 or more")
         asking = self.export is None and self.answers is None
         made = {name: self._advisor(name) for name in self._names()} if asking else {}
         items, about = self._items()
         if self.export is not None:
             return {"exported": export(items, self.export, about), "inbox": str(self.export)}
         if self.out is not None and self.out.exists() and any(self.out.iterdir()):
-            raise InputError("--out", str(self.out), "a folder that holds something", "a new or empty folder")
+            raise InputError("--out", str(self.out), "a folder that is not empty", "a new or empty folder")
         grader = Grader(self.jobs)
         if self.answers is not None:
             results = [Result(name=self.name, graded=tuple(grader.grade(answers(items, self.answers))))]

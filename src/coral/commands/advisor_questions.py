@@ -39,7 +39,7 @@ class AdvisorQuestions:
             raise InputError("--share", "", self.share, "a number above 0, at most 1")
         for flag, value in (("--seed", self.seed), ("--reefs", self.reefs)):
             if value < 0:
-                raise InputError(flag, "", value, "a number from 0 on")
+                raise InputError(flag, "", value, "a number of 0 or more")
         if self.out.suffix != ".zip" or self.out.exists():
             found = "an existing file" if self.out.exists() else repr(self.out.name)
             raise InputError("--out", "", found, "a new file whose name ends in .zip")

@@ -72,7 +72,7 @@ def check_jobs(jobs: int) -> None:
         InputError: The number is below 1.
     """
     if jobs < 1:
-        raise InputError("--jobs", "", jobs, "a number from 1 on")
+        raise InputError("--jobs", "", jobs, "a number of 1 or more")
 
 
 def run_specs(flags: CampaignFlags, store: Store, specs: Sequence[Spec], episode: Episode) -> Summary:

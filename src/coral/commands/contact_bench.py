@@ -110,7 +110,7 @@ class ContactBench(CampaignFlags):
     """Served policies to compare, NAME=ws://HOST:PORT, separated by commas."""
     tasks: str = "all"
     """Shipped tasks or task files, separated by commas; all: the six of the paper; unseen: the unseen suite, or
-    unseen:development or unseen:test for half of it. With ~2 behind a name, its second generated variation."""
+    unseen:development or unseen:test for half of it. With ~2 after a name, its second generated variation."""
     worlds: str = "panda"
     """Evaluation worlds, separated by commas: panda, hand."""
     seeds: str = "0-9"

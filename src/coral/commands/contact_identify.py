@@ -63,7 +63,7 @@ class ContactIdentify:
             if not 0.01 <= value <= 20:
                 raise InputError(flag, "", value, "a number from 0.01 to 20")
         if self.seed < 0:
-            raise InputError("--seed", "", self.seed, "a number from 0 on")
+            raise InputError("--seed", "", self.seed, "a number of 0 or more")
         if not 0.2 <= self.every <= 60:
             raise InputError("--every", "", self.every, "a number of seconds from 0.2 to 60")
         trial = sample_trial(load_task(self.task), self.seed)

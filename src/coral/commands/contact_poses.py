@@ -43,7 +43,7 @@ class ContactPoses:
     send: Annotated[str | None, Option(metavar="HOST:PORT")] = None
     """Send the poses of objects that are not lost as UDP datagrams, as coral contact run --world franka takes them."""
     pictures: int = 0
-    """End after so many pictures; 0 for the end of the recording, or Ctrl-C."""
+    """End after this many pictures; 0 for the end of the recording, or Ctrl-C."""
     picture: Annotated[Path | None, Option(metavar="PNG")] = None
     """Write the last picture with the objects' outlines into this file, new."""
     json: bool = False

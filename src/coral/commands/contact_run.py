@@ -75,7 +75,7 @@ class ContactRun:
     dry_run: bool = False
     """Read the arm and show its commands without sending them."""
     yes: bool = False
-    """Move the simulated arm without asking; at an arm a person says the word."""
+    """Move the simulated arm without asking; a real arm always asks."""
     camera: str | None = None
     """Track the objects of --world franka by a camera: sim, for the simulated arm, or one that `coral contact poses`
     takes."""
@@ -89,10 +89,10 @@ class ContactRun:
     no-memory, no-refinement, unguided, no-regions and no-tracking disable one part; unified asks one question for
     everything. expert and expert-fsm follow hand-written costs without an advisor."""
     fallback: StandIn | None = None
-    """What stands where the advisor does not decide: prior beliefs, no regions and the plan before (prior, the
-    default); hold and fail end the episode."""
+    """What happens where the advisor does not decide: prior beliefs, no regions and the previous plan are used
+    (prior, the default); hold and fail end the episode."""
     prompt: Told | None = None
-    """What a question about a plan tells: the sentence, poses and parameters alone (paper), also the scene in words
+    """How much a question about a plan tells: only the sentence, poses and parameters (paper), also the scene in words
     (words), also what success is measured by (full, the default)."""
     preflight: bool = True
     """Ask a model one small question first, and refuse the run if it cannot be used."""

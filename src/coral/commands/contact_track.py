@@ -41,7 +41,7 @@ class ContactTrack:
     noise: bool = True
     """Whether depth and outlines have a real camera's noise."""
     sensor: Sensor = "kinect"
-    """Whose noise it is: a short-range structured-light camera's, or that of a stereo camera as the D435."""
+    """Which camera's noise: of short-range structured light, or of a stereo camera such as the D435."""
     losses: bool = True
     """Also measure loss and recovery."""
     masks: Annotated[str | None, Option(metavar="MASKS", help=MASKS_HELP)] = None
@@ -49,7 +49,7 @@ class ContactTrack:
     """Folder of the models of recorded scenes (obj_000001.ply ...); by default `models_eval` or `models` in the scene's
     folder or above it."""
     every: int = 1
-    """Use every n-th picture of recorded scenes only; from 2 on none is followed from the one before."""
+    """Use only every n-th picture of recorded scenes; with 2 or more, no pose is followed from picture to picture."""
     results: Path | None = None
     """Write the poses that were found afresh into this file, in BOP's format of results (one scene)."""
     export: Path | None = None
@@ -170,5 +170,5 @@ class ContactTrack:
                     f"{r['task']:<16} {r['object']:<10} {r['how']:<12} {noticed:>8} {r['reported']:>9.0%} "
                     f"{recovered:>10} {r['mm']:>5.1f} {r['deg']:>5.1f} {r['slowest_s']:>10.2f}  {r['reason']}"
                 )
-            lines += ["", "noticed, recovered: after so many pictures; reported: share of the second without it"]
+            lines += ["", "noticed, recovered: number of pictures until then; reported: share of the second without it"]
         return "\n".join(lines)

@@ -18,7 +18,7 @@ SUFFIX = {"bag": "_bag", "mcap": ".mcap", "pictures": "_pictures"}
 
 @dataclass(frozen=True, kw_only=True)
 class Export:
-    """Write a run as messages of ROS 2, as of REP-103 and REP-105, or as pictures.
+    """Write a run as messages of ROS 2, following REP-103 and REP-105, or as pictures.
 
     A survey becomes pictures, odometry, transforms, maps and points; a contact run poses, plans, forces and events.
     """
@@ -29,9 +29,9 @@ class Export:
     """mcap: one file, for Foxglove and others. bag: a ROS 2 bag, a folder. pictures: a
     folder of colour pictures with their poses, and nothing else. Or an entry point of the group coral.exporters."""
     only_colour: bool = False
-    """Leave out of a bag or MCAP file all that was made of the colour pictures: classes, depth, points, maps."""
+    """Leave everything computed from the colour pictures out of a bag or MCAP file: classes, depth, points, maps."""
     out: Path | None = None
-    """What is written; it must not exist. By default RUN/RUN.mcap, RUN/RUN_bag and so on."""
+    """What to write; it must not exist. By default RUN/RUN.mcap, RUN/RUN_bag and so on."""
     json: bool = False
     """Print one JSON object."""
 
@@ -41,7 +41,7 @@ class Export:
         write = self._of_attempts() if attempt else named_plugin("coral.exporters", self.to, "--to")
         out = self.out or self.run / f"{self.run.resolve().name}{SUFFIX.get(self.to, f'_{self.to}')}"
         if out.exists():
-            raise InputError(str(out), "--out", "something there already", "a new path")
+            raise InputError(str(out), "--out", "something that exists already", "a new path")
         counts = write(self.run, out) if attempt else write(read_run(self.run).located(), out, self.only_colour)
         size = out.stat().st_size if out.is_file() else sum(p.stat().st_size for p in out.rglob("*") if p.is_file())
         return {"export": str(out), "messages": counts, "bytes": size}

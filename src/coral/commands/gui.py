@@ -38,7 +38,7 @@ FIRST: Mapping[str, str] = {"reef": "s1", "contact": "pick-box"}
 
 @dataclass(frozen=True, kw_only=True)
 class Gui:
-    """Open a page on which to start runs, watch them, answer their questions, read their reports, and compare two."""
+    """Open a page to start runs, watch them, answer their questions, read their reports, and compare two."""
 
     runs: Path = Path("runs")
     """Folder of the runs that the page lists and starts."""

@@ -1,4 +1,4 @@
-"""`--live`: the flags of the page that shows a run while it goes on."""
+"""`--live`: the flags of the page that shows a run under way."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class LiveFlags:
         from coral.web import check_free
 
         if not self.speed >= 0:
-            raise InputError("--live-speed", "", self.speed, "a number from 0 on")
+            raise InputError("--live-speed", "", self.speed, "a number of 0 or more")
         check_free(self.port, "--live-port")
 
 

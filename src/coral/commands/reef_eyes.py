@@ -28,7 +28,7 @@ class ReefEyes:
 
     action: Annotated[Literal["train", "score", "calibrate"], Argument()]
     """train: write --out FILE.onnx; needs the extra `train`. score: overlap of classes and error of depth by range.
-    calibrate: measure on runs what true cover its oysters mean; write --out FILE.cover.json."""
+    calibrate: measure on runs how much true cover its votes stand for; write --out FILE.cover.json."""
     perception: str = "rgb"
     """score, calibrate: rgb or FILE.onnx."""
     runs: tuple[Path, ...] = ()
@@ -71,7 +71,7 @@ class ReefEyes:
     def __call__(self) -> Mapping[str, Any]:
         """Train or score."""
         if self.seed < 0:
-            raise InputError("--seed", "", self.seed, "a number from 0 on")
+            raise InputError("--seed", "", self.seed, "a number of 0 or more")
         actions = {"train": self._train, "score": self._score, "calibrate": self._calibrate}
         return actions[self.action]()
 

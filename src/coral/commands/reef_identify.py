@@ -33,7 +33,7 @@ SETTLE_S = 10.0
 class ReefIdentify:
     """Measure how a vehicle follows set-points: it drives steps of speed and yaw rate for two minutes, within 5 m.
 
-    The result is a file for `coral reef sail --response FILE`. Nothing arms until the operator types arm.
+    The result is a file for `coral reef sail --response FILE`. The vehicle is armed only when the operator types arm.
     """
 
     vehicle: str

@@ -47,7 +47,7 @@ class ReefMap:
     """A relative depth network (Depth Anything V2) whose depth replaces that of --perception, which still gives the
     classes."""
     period_s: NonNegative = 0.2
-    """Least time between two pictures that are used (s); 0 for all."""
+    """Shortest time between two pictures that are used (s); 0 uses all."""
     datum: Annotated[str | None, Option(metavar="LAT,LON[,HEADING]")] = None
     """Latitude and longitude of the first picture (WGS 84, degrees), and the compass heading there if the recording's x
     axis does not point east. A table with lat and lon has its own."""
@@ -57,7 +57,7 @@ class ReefMap:
     """A recording of a Sonar 3D-15 that hung beside the camera: packets as its own page or wlsonar writes them. Its
     tilt is --sonar.pitch-down-deg."""
     sonar_start_s: float | None = None
-    """Time of the recording at which --sonar-file begins (s). By default both tell the same time."""
+    """Time of the recording at which --sonar-file begins (s). By default both clocks agree."""
     sonar: SonarCfg = field(default_factory=SonarCfg)
     """Beams of the sonar whose echoes a bag may have: width, height, hfov_deg, vfov_deg, range_m. Its tilt is the
     bag's."""
@@ -73,7 +73,7 @@ class ReefMap:
         if self.sonar_start_s is not None and not math.isfinite(self.sonar_start_s):
             raise InputError("--sonar-start-s", "", self.sonar_start_s, "a number of seconds")
         if not 0.0 <= self.period_s < math.inf:
-            raise InputError("--period-s", "", self.period_s, "a number of seconds from 0 on")
+            raise InputError("--period-s", "", self.period_s, "0 seconds or more")
         eyes = self._eyes()
         named = self.perception if self.depth is None else f"{self.perception}, {self.depth}"
         recording = find_recording(

@@ -64,7 +64,7 @@ class ReefPicture:
         if self.out.exists():
             raise InputError("--out", "", f"{self.out} exists", "a new file")
         if self.seed < 0:
-            raise InputError("--seed", "", self.seed, "a number from 0 on")
+            raise InputError("--seed", "", self.seed, "a number of 0 or more")
         if not all(map(math.isfinite, (self.t, *(self.at or ())))) or self.t < 0.0:
             raise InputError("--at or --t", "", "no finite number", "metres, degrees and seconds")
         camera = CameraCfg(width=self.size[0], height=self.size[1])

@@ -117,7 +117,7 @@ class ReefRun:
         live.check()
         world = find_world(self.world)
         if self.seed < 0:
-            raise InputError("--seed", "", self.seed, "a number from 0 on")
+            raise InputError("--seed", "", self.seed, "a number of 0 or more")
         asks_people = asks_person(self.advisor)
         cfg, world = resolve_mission(
             dataclasses.replace(

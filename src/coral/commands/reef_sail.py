@@ -75,7 +75,7 @@ class ReefSail:
     mavlink:serial:DEVICE:BAUD: ArduSub, real or in the loop; #ID behind it names the vehicle of that system id. ros2,
     ros2:NAMESPACE or ros2:PARAMETERS.yaml: odometry in, velocities out, with map, events and services as topics."""
     camera: str = "simulated"
-    """simulated: pictures of the simulated reef from where the vehicle is. Else a file, an address (RTSP, HTTP) or a
+    """simulated: pictures of the simulated reef from where the vehicle is. Or a file, an address (RTSP, HTTP) or a
     device for OpenCV, or ros2:TOPIC, whose pictures need `--perception`."""
     perception: Annotated[str | None, Option(metavar="exact|rgb|FILE.onnx")] = None
     """Where classes and depth come from, as for `coral reef run`: exact (the simulated camera alone has them), the
@@ -84,10 +84,10 @@ class ReefSail:
     """Camera file (camera.yaml) of a real camera: size, lens and tilt. Its pictures are rectified."""
     dvl: str = "autopilot"
     """Where position and speed come from: the autopilot, or a Water Linked A50 on the network (a50:HOST). watch:HOST:
-    from the autopilot, but lost as soon as the A50, from which it has them, falls silent."""
+    from the autopilot, but lost as soon as the A50 that feeds it falls silent."""
     sonar: str = "none"
     """none; simulated: of the simulated reef. udp:PORT: a Water Linked Sonar 3D-15, whose own port is 4747
-    (udp:ADDRESS:PORT with this computer's address on the sonar's network). Else the file of a recording (.sonar)."""
+    (udp:ADDRESS:PORT with this computer's address on the sonar's network). Or the file of a recording (.sonar)."""
     truth: str = ""
     """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
     advisor: Annotated[str, Option(help=advisor_help("Who decides"))] = "heuristic"
@@ -98,22 +98,22 @@ class ReefSail:
     depth: Positive | None = None
     """Depth to hold (m), below the surface; by default the survey file's, or 1 m."""
     start: tuple[float, float, float] | None = None
-    """Where the vehicle is when it begins: x, y (m) and heading (rad) in the area; by default as in the file."""
+    """Where the vehicle is when it begins: x, y (m) and heading (rad) in the area; by default the file's start."""
     response: Path | None = None
-    """File of `coral reef identify`: how this vehicle follows its set-points; by default as the simulated one does."""
+    """File of `coral reef identify`: how this vehicle follows its set-points; by default, like the simulated one."""
     resume: Path | None = None
-    """Run folder of an earlier survey of the same area, to go on with its map. `--start` says where the vehicle is now;
-    by default it is at the area's start again."""
+    """Run folder of an earlier survey of the same area, to continue with its map. `--start` says where the vehicle is
+    now; by default it is at the area's start again."""
     place: Literal["map", "stated"] = "map"
     """With --resume. map: the vehicle may be 3 m and 30° off the stated start. It surveys with a new map until that is
     matched with the saved one, shows the alignment, and uses it on your word. stated: it is exactly where stated."""
     put_in: tuple[float, float, float] | None = None
-    """Rehearsals only: x, y (m) and heading (rad) where the vehicle truly begins, which the program is not told."""
+    """Rehearsals only: x, y (m) and heading (rad) where the vehicle truly begins, hidden from the program."""
     fault: Annotated[tuple[str, ...], Option(repeated=True, metavar="NAME@START:DURATION")] = ()
     """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. For rehearsals only,
-    as `--yes`."""
+    like `--yes`."""
     camera_latency: float = 0.0
-    """Time from the light to the picture's arrival (s), as calibrated."""
+    """Time from exposure to the picture's arrival (s), as calibrated."""
     camera_rate: Positive = 10.0
     """Pictures a second of the simulated camera."""
     priority: Literal["high", "normal"] = "high"
@@ -122,7 +122,7 @@ class ReefSail:
     yes: bool = False
     """Arm without asking. For rehearsals only: refused unless the vehicle is a simulation that proves to be one."""
     check: bool = False
-    """Print the preflight list and end; nothing arms."""
+    """Print the checks before arming, and end without arming."""
     preflight: bool = True
     """Ask a model one small question first."""
     out: Path | None = None
@@ -134,7 +134,7 @@ class ReefSail:
     json: bool = False
     """Print one JSON object on standard output; everything else goes to standard error."""
     quiet: bool = False
-    """No preflight list and no progress on the terminal."""
+    """No list of checks and no progress on the terminal."""
     live: bool = False
     """Show the survey in a browser, with the operator's buttons; the address goes to standard error."""
     live_port: int = 0
@@ -229,7 +229,7 @@ class ReefSail:
         lines = look()
         self._print(lines)
         if wrong := blocking(lines):
-            raise RunError(f"nothing arms: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
+            raise RunError(f"will not arm: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
         mission = SeaMission(area, sail, crew, folder, belief=belief, saved=saved, seed=self.seed, about=about)
         write_whole(folder / "preflight.txt", "".join(f"{line}\n" for line in lines).encode())
         inbox = self.inbox or folder / "inbox"
@@ -252,7 +252,7 @@ class ReefSail:
 
     def _config(self) -> MissionCfg:
         if self.seed < 0:
-            raise InputError("--seed", "", self.seed, "a number from 0 on")
+            raise InputError("--seed", "", self.seed, "a number of 0 or more")
         if not 0.0 <= self.camera_latency <= 1.0:
             raise InputError("--camera-latency", "", self.camera_latency, "0 to 1 s")
         checked(self.safety, "--safety")

@@ -18,7 +18,7 @@ class Report:
     run: Annotated[Path, Argument(metavar="RUN")]
     """Run folder."""
     video: bool = False
-    """Also write the film, mission.mp4 or episode.mp4."""
+    """Also write the video, mission.mp4 or episode.mp4."""
     json: bool = False
     """Print one JSON object."""
 

@@ -51,7 +51,10 @@ class RobotFlags:
             raise InputError("--robot", "", "nothing", f"the arm's address, or {SIMULATED!r} for the simulated arm")
         if self.yes and self.robot != SIMULATED and not self.dry_run:
             raise InputError(
-                "--yes", "", f"--robot {self.robot}", f"--robot {SIMULATED}: at an arm a person says the word"
+                "--yes",
+                "",
+                f"--robot {self.robot}",
+                f"--robot {SIMULATED}: a real arm moves only when a person confirms",
             )
         self._check_camera()
         return True

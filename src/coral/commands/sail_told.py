@@ -65,6 +65,9 @@ def lines(event: Mapping[str, Any], asked: str = "") -> list[str]:
         return [f"{at} the vehicle refused {event['order']}: {reason}"]
     if event["status"] == "proposed":
         return [f"{at} {asked}", f"{at}   a: use it   n: go on without"]
-    said = {"used": "the survey goes on with the saved map", "unaligned": "the survey goes on without the saved map"}
+    said = {
+        "used": "the survey continues with the saved map",
+        "unaligned": "the survey continues without the saved map",
+    }
     text = said.get(event["status"], "no place on the saved map yet")
     return [f"{at} {text}: {reason}" if reason else f"{at} {text}"]

@@ -22,7 +22,7 @@ INSTRUCTIONS = (
     "You are the operator of a robot that asks when it needs a decision. Call list_questions, read a question with "
     "get_question, look at its pictures with get_picture, and send your answer with answer_question. An answer that "
     "does not fit its schema comes back with the reasons. A verifier checks accepted answers; if it refuses one, the "
-    "question is asked again, with the reason. The robot goes on while you think."
+    "question is asked again, with the reason. The robot keeps moving while you think."
 )
 
 

@@ -33,7 +33,7 @@ def export(items: Sequence[ExamItem], inbox: Path, about: str) -> int:
     try:
         inbox.mkdir(parents=True, exist_ok=True)
         if any(inbox.iterdir()):
-            raise InputError("--export", str(inbox), "a folder that holds something", "a new or empty folder")
+            raise InputError("--export", str(inbox), "a folder that is not empty", "a new or empty folder")
         for number, item in enumerate(items, start=1):
             question_folder(inbox / folder_name(number, item), item.question(), waiting=False)
         places = {folder_name(number, item): item.id for number, item in enumerate(items, start=1)}

@@ -91,13 +91,13 @@ class ContactEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         """Sample a trial: poses, sizes, masses, frictions. The option `trial` is the seed of a given one.
 
         Raises:
-            InputError: The option is no number from 0 on.
+            InputError: The option is not a number of 0 or more.
         """
         super().reset(seed=seed)
         chosen = (options or {}).get("trial")
         number = int(self.np_random.integers(2**31)) if chosen is None else chosen
         if not isinstance(number, int) or number < 0:
-            raise InputError("options", "trial", repr(number), "a number from 0 on")
+            raise InputError("options", "trial", repr(number), "a number of 0 or more")
         self.close()
         trial = sample_trial(self.task, number)
         world = make_world(self._world_name, trial, self.cfg.planning.step_s)

@@ -91,7 +91,7 @@ class RunResult:
         """
         path = self.folder / trajectory_name(robot)
         if not path.is_file():
-            raise InputError("robot", "", robot, "the number of a robot of this run, from 0 on")
+            raise InputError("robot", "", robot, "the number of a robot of this run, beginning with 0")
         return read_table(path)
 
     def events_of(self, event: str) -> pa.Table:

@@ -73,7 +73,7 @@ def _chosen(answer: Mapping[str, Any]) -> str:
 
 
 def _moves(forward: float, left: float) -> str:
-    ways = ((forward, "ahead" if forward > 0 else "back"), (left, "left" if left > 0 else "right"))
+    ways = ((forward, "ahead" if forward > 0 else "behind"), (left, "left" if left > 0 else "right"))
     return ", ".join(f"{abs(metres)} m {where}" for metres, where in ways if metres) or "stay here"
 
 

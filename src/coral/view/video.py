@@ -1,4 +1,4 @@
-"""A run as a short film: the growing map, the camera pictures, and the decisions."""
+"""A run as a short video: the growing map, the camera pictures, and the decisions."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ STRIP = 72
 EYE = (432, 324)
 FPS = 12
 LONGEST_S = 28.0
-"""Maximum length of the film; a long mission plays faster."""
+"""Maximum length of the video; a long mission plays faster."""
 FINEST_S = 0.5
 """Simulated time between two pictures of a short mission."""
 INK, MUTED, TEAL, RED, PAPER = (27, 39, 51), (93, 107, 122), (11, 100, 112), (200, 53, 43), (255, 255, 255)
@@ -35,7 +35,7 @@ def write_video(run_folder: str | Path) -> Path:
     """Write `mission.mp4` (H.264) into a run folder and return its path.
 
     Raises:
-        InputError: The folder has no run or no snapshots, or the film cannot be written.
+        InputError: The folder has no run or no snapshots, or the video cannot be written.
     """
     run = RunFolder.read(run_folder)
     if not run.frame_steps:
@@ -44,7 +44,7 @@ def write_video(run_folder: str | Path) -> Path:
     import imageio_ffmpeg
 
     with writing(path), scratch_for(path) as scratch:
-        film = imageio_ffmpeg.write_frames(
+        writer = imageio_ffmpeg.write_frames(
             str(scratch),
             (WIDTH, HEIGHT),
             fps=FPS,
@@ -55,21 +55,21 @@ def write_video(run_folder: str | Path) -> Path:
             output_params=["-crf", "27", "-preset", "veryfast", "-movflags", "+faststart"],
             ffmpeg_log_level="error",
         )
-        film.send(None)
+        writer.send(None)
         for picture in pictures(run):
-            film.send(np.ascontiguousarray(picture))
-        film.close()
+            writer.send(np.ascontiguousarray(picture))
+        writer.close()
     return path
 
 
 def moments(duration_s: float) -> list[float]:
-    """Choose the times (s) of the film's pictures, evenly spaced from the start to the end of the run."""
+    """Choose the times (s) of the video's pictures, evenly spaced from the start to the end of the run."""
     count = max(2, min(math.floor(duration_s / FINEST_S) + 1, round(LONGEST_S * FPS)))
     return [float(t) for t in np.linspace(0.0, duration_s, count)]
 
 
 def pictures(run: RunFolder) -> Iterator[Image]:
-    """Draw the film picture by picture, Shape=(HEIGHT, WIDTH, 3) RGB each."""
+    """Draw the video picture by picture, Shape=(HEIGHT, WIDTH, 3) RGB each."""
     made = decisions(run)
     size = run.world.get("size_m") or (20.0, 20.0)
     view = MapViewCfg(size_px=HEIGHT - STRIP, legend=False, window=(0.0, 0.0, float(size[0]), float(size[1])))

@@ -57,7 +57,7 @@ def test_the_shipped_network_is_calibrated():
     [
         ({"cover": [0.1]}, "found 1 numbers"),
         ({"common": "much"}, "ValueError"),
-        ({"patch_m": -1.0}, "from 0 on"),
+        ({"patch_m": -1.0}, "each 0 or more"),
         ({"common": 10**400}, "OverflowError"),
     ],
 )

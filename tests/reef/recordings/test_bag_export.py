@@ -53,5 +53,5 @@ def test_an_mcap_file_is_read_by_the_readers_of_mcap(mcap_file, survey_run):
 
 
 def test_what_is_there_is_not_overwritten(mcap_file, survey_run):
-    with pytest.raises(InputError, match="something there already"):
+    with pytest.raises(InputError, match="something that exists already"):
         write_bag(read_run(survey_run).located(), mcap_file, single_file=True)

@@ -30,5 +30,5 @@ def test_a_run_without_colours_has_nothing_to_write(survey_run, tmp_path):
         write_pictures(read_run(survey_run).located(), tmp_path / "out")
     assert list(tmp_path.iterdir()) == []
     (tmp_path / "out").mkdir()
-    with pytest.raises(InputError, match="something there already"):
+    with pytest.raises(InputError, match="something that exists already"):
         write_pictures(read_run(survey_run).located(), tmp_path / "out")

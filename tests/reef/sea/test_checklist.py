@@ -171,7 +171,7 @@ def test_the_sonar_says_sender_size_rate_age_and_what_was_refused():
 @pytest.mark.parametrize(
     ("sonar", "told"),
     [
-        (listening(), "no image - nothing arms"),
+        (listening(), "no image - will not arm"),
         (listening(echo(16), echo(16)), "wrong size"),
     ],
 )

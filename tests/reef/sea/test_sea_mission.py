@@ -146,7 +146,7 @@ def test_a_lost_link_holds_and_the_survey_goes_on_when_it_is_back(tmp_path):
     assert voyage.states[69] == "holding"
     assert voyage.states[125] == "surveying"
     told = [event["ends_when"] for event in events(tmp_path / "run", "awaited") if event["state"] == "holding"]
-    assert told[-1:] == ["goes on when the cause has been gone for 2 s, or on your word"]
+    assert told[-1:] == ["continues when the cause has been gone for 2 s, or on your word"]
 
 
 def test_the_way_home_leads_back_to_the_start(tmp_path):

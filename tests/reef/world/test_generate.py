@@ -154,7 +154,7 @@ def test_a_reef_grows_along_a_drawn_line():
         ({"dense_obstacles": 400}, "dense_obstacles", "at most"),
         ({"obstacles": 500}, "obstacles", "at most"),
         ({"passage_m": 0.5}, "passage_m", "0.8 to 5 m"),
-        ({"seed": -1}, "seed", "from 0 on"),
+        ({"seed": -1}, "seed", "0 or more"),
         ({"spine": (((3.0, 3.0),),)}, "spine[0]", "at least 2 points"),
         ({"spine": (((3.0, 3.0), (3.0, 3.0)),)}, "spine", "longer than"),
         ({"spine": (((3.0, 3.0), (40.0, 3.0)),)}, "spine[0][1]", "inside size_m"),

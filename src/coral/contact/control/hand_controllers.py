@@ -70,7 +70,7 @@ class AdjustableController(HandController, Protocol):
         ...
 
     def adopt(self, other: AdjustableController) -> None:
-        """Go on as such a copy."""
+        """Continue as such a copy."""
         ...
 
 

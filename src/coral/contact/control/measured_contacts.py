@@ -53,7 +53,7 @@ def touched_by(world: PlanningWorld, now: Observation, commanded_opening_m: floa
     }
     if felt:
         return near
-    # Squeezing alone leaves no net force, and tells of nothing but what both fingers hold.
+    # Squeezing alone leaves no net force, and shows only what both fingers hold.
     both = tuple(name for name in near["left"] if name in near["right"] and name in now.objects)
     return {"left": both, "right": both, "hand": ()}
 

@@ -192,7 +192,7 @@ class Controller:
         return other
 
     def adopt(self, other: Controller) -> None:
-        """Go on with the sampler and the plan of another controller of the same hand."""
+        """Continue with the sampler and the plan of another controller of the same hand."""
         self.cfg, self.mppi, self._rng = other.cfg, other.mppi, other._rng
         self._target, self._centre = other._target, other._centre
 
@@ -214,7 +214,7 @@ class Controller:
     def _bounded_start(self, now: Observation, target: HandTarget, stiffness_n_m: float) -> HandTarget:
         """Return the present target, clipped to the allowed lead over the hand.
 
-        If the stage is stiffer than the one before, the lead shrinks in proportion: the pull goes on as it was, where
+        If the stage is stiffer than the one before, the lead shrinks in proportion: the pull stays as it was, where
         the same lead would be a blow.
         """
         share = min(1.0, target.stiffness / stiffness_n_m)

@@ -70,7 +70,7 @@ def probe_effort(
 ) -> EffortProbe:
     """Plan one moment several times with the present number of samples, and with more; neither changes the controller.
 
-    Both go on from the present plan, so that more samples alone make the difference.
+    Both start from the present plan, so that only the number of samples makes the difference.
 
     Args:
         controller: The planner.

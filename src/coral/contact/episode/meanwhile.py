@@ -1,4 +1,4 @@
-"""What a robot does while its next plan is computed: it goes on, in a thread of its own."""
+"""What a robot does while its next plan is computed: it keeps moving, in its own thread."""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def make_referee(
     if judged_by == "perception":
         return PerceptionReferee(trial)
     if operator_verdict is None:
-        raise InputError("--cfg", "judged-by", "operator", "an operator, whom this command cannot ask")
+        raise InputError("--cfg", "judged-by", "operator", "truth or perception: this command cannot ask an operator")
     return OperatorReferee(operator_verdict)
 
 

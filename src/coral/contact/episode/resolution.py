@@ -47,7 +47,7 @@ def check_combination(
         InputError: They do not; the error names the flags.
     """
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise InputError("--seed", "", repr(seed) if not isinstance(seed, int) else seed, "a number from 0 on")
+        raise InputError("--seed", "", repr(seed) if not isinstance(seed, int) else seed, "a number of 0 or more")
     check_variant(variant)
     for flag, given in (("--policy", policy), ("--cost", cost)):
         if given is not None and variant != DEFAULT_VARIANT:
@@ -115,7 +115,7 @@ def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
     if samples is None:
         return cfg
     if samples < 1:
-        raise InputError("--samples", "", samples, "a number from 1 on")
+        raise InputError("--samples", "", samples, "a number of 1 or more")
     mppi = dataclasses.replace(cfg.controller.mppi, samples=samples)
     return dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, mppi=mppi))
 

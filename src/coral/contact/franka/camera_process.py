@@ -85,7 +85,7 @@ class CameraProcess:
         """Where a simulated camera expects the simulation's state."""
 
     def failure(self) -> str:
-        """Return why tracking has ended; "" while it goes on."""
+        """Return why tracking has ended; "" while it runs."""
         try:
             return str(self._connection.recv()) if self._connection.poll(0.0) else ""
         except (EOFError, OSError):

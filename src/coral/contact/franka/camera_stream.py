@@ -32,7 +32,7 @@ class CameraStream:
         self._stream.start()
 
     def follow(self, target: HandTarget) -> None:
-        """See `StreamHandle.follow`. The camera is told where the hand is, and how far its fingers shall close."""
+        """See `StreamHandle.follow`. The camera process learns where the hand is, and how far its fingers close."""
         self._stream.follow(target)
         now = self._stream.report()
         tool = replace(now.tool, position=now.tool.position + self._base)

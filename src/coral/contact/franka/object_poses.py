@@ -175,7 +175,7 @@ def poses_datagram(poses: Mapping[str, BodyState], held: Collection[str] = ()) -
 
 
 def state_datagram(state: Truth) -> bytes:
-    """Return the datagram by which a simulated arm tells its true state to a simulated camera, and to nobody else."""
+    """Return the datagram with which a simulated arm sends its true state to a simulated camera, and to nobody else."""
     objects = {name: _written(pose) for name, pose in state.objects.items()}
     tool = _written(state.tool)
     return json.dumps({"time_s": state.time_s, "tool": tool, "opening_m": state.opening_m, "objects": objects}).encode()

@@ -19,7 +19,7 @@ from coral.contact.worlds.franka_cfg import FrankaCfg
 HOLDING_N_M = 600.0
 """Stiffness with which the arm holds until the first target."""
 PRESSING_S = 0.15
-"""Time constant with which a contact is told from a blow: a pull that followed the force at once would add to it."""
+"""Time constant that distinguishes a contact from a blow: a pull that followed the force at once would add to it."""
 
 
 class Phase(IntEnum):

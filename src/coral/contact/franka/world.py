@@ -64,7 +64,7 @@ class StreamHandle(Protocol):
 
 
 class FrankaWorld:
-    """An arm, real or simulated, as far as its sensors tell. Its time goes on between steps.
+    """An arm, real or simulated, as its sensors show it. Its time passes between steps.
 
     Args:
         stream: The stream to the arm.
@@ -73,7 +73,7 @@ class FrankaWorld:
         objects: The objects of the task.
         dry_run: Commands are shown and not sent; the arm is only read.
         show: Receives a line for the command that is not sent, five times a second.
-        sleep: Waits for so many seconds; for tests.
+        sleep: Waits for a number of seconds; for tests.
     """
 
     name = "franka"
@@ -157,7 +157,7 @@ class FrankaWorld:
                 return report
             if waited > silence_s:
                 self.stream.stop(StopCause.LINK)
-                raise WorldError("link-lost", f"the arm's clock did not go on for {silence_s:.0f} s")
+                raise WorldError("link-lost", f"the arm's clock stood still for {silence_s:.0f} s")
             self._sleep(POLL_S)
             waited += POLL_S
 

@@ -141,7 +141,7 @@ def _move_face(
 
 
 def _ways(stage: Answer) -> list[tuple[Answer, str]]:
-    """Return the conditions on which a stage goes on to others, as places to change."""
+    """Return the conditions on which a stage leads on to others, as places to change."""
     ways = stage.get("next") or {}
     return [(ways, to) for to in ways]
 

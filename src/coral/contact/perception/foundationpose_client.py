@@ -54,7 +54,7 @@ def parse_url(url: str, where: str = "foundationpose", field: str = "url") -> tu
         or parts.username is not None
         or any(c.isspace() for c in url)
     ):
-        raise InputError(where, field, repr(url), "an address as http://127.0.0.1:5070")
+        raise InputError(where, field, repr(url), "an address such as http://127.0.0.1:5070")
     return parts.hostname, port or 80
 
 

@@ -3,7 +3,7 @@
 A cost is judged by its values alone, so equal costs get equal verdicts however they are written, and no random number
 is drawn, so one cost gets one verdict. Two mistakes make a planner fail although the cost runs: a term that begins
 near the object and penalises coming near, which is refused, and a place inside something solid to which the cost
-leads the hand, which the planner copes with and the author is told of.
+leads the hand, which the planner copes with and which is reported to the author.
 """
 
 from __future__ import annotations

@@ -82,7 +82,7 @@ class PlanAnswer(BaseModel):
         code: `def state_cost(self)` of a plan without stages.
         let: Names for expressions, written `{name}` in the texts of its stages; empty once they are written out.
         stages: In order. In what is given, an entry may also be a loop; see `plan_language`.
-        begin: The stage that a repair goes on with; "" for the first.
+        begin: The stage with which a repair continues; "" for the first.
         explanation: What it does, and in a repair why the one before failed.
     """
 

@@ -1,7 +1,7 @@
 """Check whether the place to which a cost leads the hand lies inside something solid.
 
 The planner copes with such a cost: the hand presses against the surface. A condition that waits for the hand to arrive
-never holds, though, so the author is told how deep the place lies and in what.
+never holds, though, so the author learns how deep the place lies, and in what.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ CONTRARY: Mapping[Operator, Operator] = {
     "fails": "holds",
 }
 TRUTH, UNKNOWN = "truth", "?"
-"""In place of a unit: a truth value such as a contact, and what cannot be told from the text."""
+"""In place of a unit: a truth value such as a contact, and what the text does not reveal."""
 MOST_PARTS = 16
 LONGEST_TEXT = 120
 
@@ -163,7 +163,7 @@ def _split(node: ast.expr, schema: Schema, negated: bool = False) -> Iterator[En
 def _comparison(left: ast.expr, op: ast.cmpop, right: ast.expr, schema: Schema, negated: bool) -> EndPart:
     written = ast.Compare(left, [op], [right])
     operator = OPERATORS.get(type(op))
-    if operator is None:  # `is`, `in`: whether it holds is all that can be told
+    if operator is None:  # `is`, `in`: whether it holds is all that is known
         return _single(written, schema, negated)
     text = ast.unparse(written)
     return EndPart(

@@ -52,7 +52,7 @@ class PolicyClient:
         self.connections = 0
         self._runner = asyncio.Runner()
         self._line: ClientConnection | None = None
-        logging.getLogger("websockets.client").setLevel(logging.CRITICAL)  # what fails is told by PolicyError
+        logging.getLogger("websockets.client").setLevel(logging.CRITICAL)  # PolicyError reports what fails
 
     def connect(self) -> None:
         """Connect, unless connected; the server's metadata is then in `metadata`.

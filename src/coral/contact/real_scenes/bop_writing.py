@@ -39,7 +39,7 @@ class BopWriter:
 
     def __init__(self, folder: Path, models: Mapping[str, ObjectModel]) -> None:
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-            raise InputError(str(folder), "", "something is there", "a new or empty folder")
+            raise InputError(str(folder), "", "a folder that is not empty", "a new or empty folder")
         self._folder = folder
         self._numbers = {name: 1 + k for k, name in enumerate(models)}
         for name, number in self._numbers.items():

@@ -1,4 +1,4 @@
-"""Which pixels show the hand: an arm tells where it is, and its shape is known."""
+"""Which pixels show the hand: an arm reports where it is, and its shape is known."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SWELL_M = 0.003
 
 @dataclass(frozen=True)
 class HandReading:
-    """What an arm tells of its hand at the time of a picture."""
+    """What an arm reports of its hand at the time of a picture."""
 
     T_world_tool: Array
     """Shape=(4, 4)."""

@@ -39,7 +39,7 @@ def vary_task(task: Task, number: int) -> Task:
 
     Args:
         task: The task.
-        number: Number of the variation, from 1 on.
+        number: Number of the variation, 1 or more.
 
     Raises:
         InputError: The variation is no valid task.

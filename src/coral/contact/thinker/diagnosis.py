@@ -41,7 +41,7 @@ TEXTS: Mapping[Diagnosis, str] = {
     "wrong place",
     "stage-never-ends": "the hand stays where it was told to be, about where the stage should end, and the stage does "
     "not end: the condition that ends it asks for what is not reached or cannot be",
-    "not-gripped": "the hand stands round the object with open fingers, which were never told to close on it: if it "
+    "not-gripped": "the hand is around the object with open fingers, which were never told to close on it: if it "
     "has to be held, a term or a stage that closes them is missing",
     "blocked": "the hand presses hard against what does not give way: its cost drives it in a wrong direction, or to a "
     "wrong side or place",

@@ -21,7 +21,7 @@ SUNK_M, SUNK_M_N = 0.006, 0.0003
 be, or the object is not. Tracked poses are off by millimetres, and contacts give way: pressing with 30 to 45 N the hand
 was 6 to 11 mm inside boxes whose poses were right to a millimetre (measured, simulated hand)."""
 MOSTLY = 0.8
-"""Share from which something is told to be so."""
+"""Share from which something is reported as such."""
 AROUND_M = 0.005
 """A tool this far outside the bounding box still counts as inside."""
 END_S = 2.0

@@ -8,9 +8,9 @@ from typing import Literal
 from coral.advisor.fallback import failed
 
 StandIn = Literal["prior", "hold", "fail"]
-"""prior: prior masses and frictions, no contact regions, and the plan before stand; without any plan the episode ends.
-hold: the episode ends, and its reason names the open decision; only a plan without regions goes on. fail: it ends, and
-its reason names the failure."""
+"""prior: prior masses and frictions, no contact regions, and the previous plan are used; without any plan the
+episode ends. hold: the episode ends, and its reason names the open decision; only a plan without regions continues.
+fail: it ends, and its reason names the failure."""
 
 
 class NoDecision(RuntimeError):

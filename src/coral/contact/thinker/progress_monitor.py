@@ -91,7 +91,7 @@ class ProgressMonitor:
         self.returns += stage < self._stage
         if stage != self._stage:
             # Costs of different stages are not comparable; falling back and returning is no progress, nor is a cost
-            # that falls as it did the last time: a grasp that slips would go on for ever.
+            # that falls as it did the last time: a slipping grasp would continue for ever.
             progressed = stage > self._farthest_stage
             self._farthest_stage, self._stage = max(stage, self._farthest_stage), stage
             self._first_cost.setdefault(stage, cost)

@@ -270,7 +270,7 @@ class Questions:
         return getattr(self._asker.clock.thinking, "now", before)
 
     def _without_regions(self, failure: str) -> None:
-        """Go on without regions, which only guide samples; `fail` alone lets no failure pass."""
+        """Continue without regions, which only guide samples; `fail` alone lets no failure pass."""
         self.stood_in.add("regions")
         stand_in(self._emit, "fail" if self._cfg.fallback == "fail" else "prior", "regions", failure, "no regions")
 

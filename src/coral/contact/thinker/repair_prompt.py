@@ -1,4 +1,4 @@
-"""The prompt of a repair: what is told of the plan that failed, less of it where the scene itself is long."""
+"""The prompt of a repair: what it says of the plan that failed, and less of it if the scene itself is long."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ class PlanReport:
     planner: HandController | None = None
     """The planner, which may be given more samples if it is an `AdjustableController`."""
     plan_s: float = 0.0
-    """Simulated time (s) that passes while it plans; 0 if the world stands still, or goes on by itself."""
+    """Simulated time (s) that passes while it plans; 0 if the world stands still, or moves on by itself."""
     since: Observation | None = None
     """The observation with which the planned stage began; None if it begins now."""
     present: Context | None = None
@@ -101,7 +101,7 @@ class Strategist(Protocol):
         ...
 
     def attach_planner(self, limits: Callable[[], PlannerLimits]) -> None:
-        """Attach what tells the present limits of the planner, for questions about a plan."""
+        """Attach the source of the present limits of the planner, for questions about a plan."""
         ...
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:

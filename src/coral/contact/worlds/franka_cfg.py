@@ -45,7 +45,7 @@ class ArmLimitsCfg:
     contact_force_n: Positive = 45.0
     """Largest contact force."""
     stop_share: Annotated[float, Field(gt=0, le=1)] = 0.8
-    """Share of it at which the arm is stopped: until it rests a force that grows slowly goes on rising."""
+    """Share of it at which the arm is stopped: until it rests, a slowly growing force keeps rising."""
     contact_torque_n_m: Positive = 12.0
     """A measured contact torque about the tool above it stops the arm."""
 

@@ -57,5 +57,5 @@ class RobotWorld(Protocol):
 
 
 def in_real_time(world: RobotWorld) -> bool:
-    """Return whether a world's time goes on between steps, as a robot's does; it then has `in_real_time`."""
+    """Return whether a world's time passes between steps, as a robot's does; it then has `in_real_time`."""
     return bool(getattr(world, "in_real_time", False))

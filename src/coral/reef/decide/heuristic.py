@@ -81,8 +81,9 @@ def choose_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCho
     then = tuple(places[k].index for k in after[:MOST_THEN])
     place = places[best]
     why = (
-        f"Cluster {place.index} has most to show for the way: it lies {place.forward_m:.1f} m ahead and "
-        f"{abs(place.left_m):.1f} m to the {'left' if place.left_m >= 0 else 'right'} of where the robot will be."
+        f"Cluster {place.index} is the best next stop: it lies {abs(place.forward_m):.1f} m "
+        f"{'ahead' if place.forward_m >= 0 else 'behind'} and {abs(place.left_m):.1f} m to the "
+        f"{'left' if place.left_m >= 0 else 'right'} of where the robot will be."
     )
     return CentroidChoice(selected_centroid_index=place.index, then=then, reason=why)
 

@@ -28,7 +28,7 @@ class SeenPicture:
     depth_doubt: NDArray[np.float32] | None = None
     """Expected error of the depth as a share of it; None where it is not known. Shape=(H, W)."""
     unlike: float = 0.0
-    """How far the picture is from all that the network was trained on; from 1 on nobody should judge by it."""
+    """How far the picture is from all that the network was trained on; at 1 or more nobody should judge by it."""
     real: bool = False
     """Whether the network takes it for a picture of a real sea, where errors on painted reefs say nothing."""
 

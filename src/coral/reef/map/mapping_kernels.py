@@ -48,7 +48,7 @@ def project(
         obstacles: Shape=(NY, NX), pictures that show obstacles, updated in place.
         ground: Shape=(NY, NX), pictures that show seabed, updated in place.
         counted: Shape=(NY, NX), classes that the last picture of each cell counted: 8 picture + a bit per class.
-        picture: Number of this picture, from 1 on.
+        picture: Number of this picture, 1 or more.
         column_reach: Shape=(W,), farthest horizontal distance (m) with a return in each column, written.
         sharp: Shape=(NY, NX), cells that have been seen from `sharp_m` or nearer, updated in place. What was counted
             from farther away is forgotten then, and nothing more from there is counted.
@@ -128,7 +128,7 @@ def look(
         hint_cell_m: Edge of a cell of the hints (m).
         hints: Shape=(MY, MX), pictures with oysters there, beyond the map's range, updated in place.
         hinted: Shape=(MY, MX), last picture that counted for each cell of the hints.
-        picture: Number of this picture, from 1 on.
+        picture: Number of this picture, 1 or more.
     """
     ny, nx = nearest.shape
     my, mx = hints.shape

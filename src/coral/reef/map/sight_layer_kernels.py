@@ -138,7 +138,7 @@ def trace(
         aspect: Shape=(NY, NX), direction (rad) of the first line that ended there, NaN without any, updated in place.
         sure: Shape=(NY, NX), whether an obstacle there is beyond doubt, updated in place.
         said: Shape=(NY, NX), last picture that told each cell, updated in place.
-        picture: Number of this picture, from 1 on.
+        picture: Number of this picture, 1 or more.
         explored: Shape=(NY, NX), updated in place.
         obstacle: Shape=(NY, NX), updated in place.
 

@@ -89,7 +89,7 @@ class Mission:
             cfg = dataclasses.replace(cfg, driver=part_name(controller))
         cfg = checked(cfg, "--cfg")
         if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-            raise InputError("--seed", "", repr(seed), "a number from 0 on")
+            raise InputError("--seed", "", repr(seed), "a number of 0 or more")
         cfg = instructed(cfg, world.mission)
         make_driver = controller_maker(cfg.driver if controller is None else controller)
         make_trigger: MakeTrigger = SmartTrigger if trigger is None else trigger_maker(trigger)

@@ -99,7 +99,7 @@ def read_calibration(path: Path) -> CoverCalibration:
         raise InputError(str(path), "", f"{type(error).__name__} {error}", expected) from None
     numbers = np.array([*made.cover, made.common, made.patch_m])
     if len(made.cover) != BINS or not (np.isfinite(numbers) & (numbers >= 0.0)).all():
-        raise InputError(str(path), "cover", f"{len(made.cover)} numbers", f"{BINS} from 0 on")
+        raise InputError(str(path), "cover", f"{len(made.cover)} numbers", f"{BINS}, each 0 or more")
     return made
 
 

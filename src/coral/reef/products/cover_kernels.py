@@ -108,7 +108,7 @@ def look(
         nearest: Shape=(NY, NX), smallest distance along the line of sight (m), updated in place.
         looks: Shape=(NY, NX), pictures that show the cell, updated in place.
         last: Shape=(NY, NX), last picture that counted for each cell, updated in place.
-        picture: Number of this picture, from 1 on.
+        picture: Number of this picture, 1 or more.
     """
     nx = nearest.shape[1]
     for v in range(cell.shape[0]):

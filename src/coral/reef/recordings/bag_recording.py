@@ -195,7 +195,8 @@ def _frame(
             frame_of(labels, depth, colours), doubt=doubts.get("doubt"), depth_doubt=doubts.get("depth_doubt")
         )
     if colours is None:
-        raise InputError(where, "", "one picture without its fellow", "colour, or both classes and depth")
+        found = "classes without depth, or depth without classes"
+        raise InputError(where, "", found, "colour, or both classes and depth")
     if perception is None:
         raise refuse_colour_only(where)
     return perception.frame(colours, camera, attitude, where)

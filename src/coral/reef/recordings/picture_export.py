@@ -33,7 +33,7 @@ def write_pictures(recording: Recording, path: Path) -> dict[str, int]:
         InputError: The path exists, or there are no colour pictures.
     """
     if path.exists():
-        raise InputError(str(path), "--out", "something there already", "a new path")
+        raise InputError(str(path), "--out", "something that exists already", "a new path")
     table, count = _row(COLUMNS), 0
     with scratch_for(path) as folder:
         for count, one in enumerate(recording.keyframes(), 1):

@@ -63,7 +63,7 @@ def read_folder(
         if away > FIX_M + FASTEST_M_S * later:
             field = f"line {number}: {'lat, lon' if plane else 'x, y'}"
             found = f"{away:.0f} m from the line before it, {later:g} s later"
-            raise InputError(str(table), field, found, "a way that a vehicle can have gone; leave bad fixes out")
+            raise InputError(str(table), field, found, "a track that a vehicle can have driven; leave bad fixes out")
 
     def keyframes() -> Iterator[PosedFrame]:
         due = -math.inf

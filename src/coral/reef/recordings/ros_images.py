@@ -30,7 +30,7 @@ _TO_RGB = {
 _HEADER = struct.Struct("<iff")
 """Of compressed_depth_image_transport, before the PNG: a number of the format, and A and B of a quantised depth."""
 VIDEO = ("h264", "h265", "hevc", "av1", "vp8", "vp9", "mpeg4")
-"""Formats of CompressedImage that are films, whose pictures need the ones before them."""
+"""Formats of CompressedImage that are videos, whose pictures need the ones before them."""
 
 
 def colours_in(message: Any, where: str) -> NDArray[np.uint8]:
@@ -41,9 +41,7 @@ def colours_in(message: Any, where: str) -> NDArray[np.uint8]:
     """
     if _is_compressed(message):
         if str(message.format).lower() in VIDEO:
-            raise InputError(
-                where, "format", repr(str(message.format)), "JPEG or PNG pictures; a film has to be decoded"
-            )
+            raise InputError(where, "format", repr(str(message.format)), "JPEG or PNG pictures; decode a video first")
         return np.asarray(decode(bytes(message.data), where, "rgb", COLOUR)[:, :, ::-1], np.uint8)
     image, encoding = _plain(message, where), str(message.encoding)
     if encoding == "rgb8":

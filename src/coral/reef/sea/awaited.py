@@ -21,12 +21,12 @@ def awaited(states: StateMachine, *, passing: bool, settle_s: float, recover_s: 
     if state is PilotState.HOLDING:
         if by is Mover.GUARD:
             after = f"; surfaces after {surface_after_s:.0f} s" if surface_after_s != float("inf") else ""
-            return f"goes on when all sensors have been good for {recover_s:g} s{after}, or on your word"
+            return f"continues when all sensors have been good for {recover_s:g} s{after}, or on your word"
         if by is Mover.VEHICLE and passing:
-            return f"goes on when the cause has been gone for {settle_s:g} s, or on your word"
-        return "goes on only on your word"
+            return f"continues when the cause has been gone for {settle_s:g} s, or on your word"
+        return "continues only on your word"
     if state is PilotState.SURFACING:
         return "ends at the surface"
     if state is PilotState.TAKEN_OVER:
-        return "goes on only on your word, when the vehicle is given back"
+        return "continues only on your word, when the vehicle is given back"
     return ""

@@ -30,7 +30,7 @@ class CheckLine:
     subject: str
     text: str
     level: Level = "good"
-    """lacking: the survey can go on without it. blocking: nothing arms."""
+    """lacking: the survey can do without it. blocking: the vehicle is not armed."""
 
     def __str__(self) -> str:
         mark = {"good": "  ", "lacking": "! ", "blocking": "X "}[self.level]
@@ -134,10 +134,10 @@ def _bad(wrong: bool) -> Level:
 
 def _link(report: VehicleReport, equipment: Equipment) -> CheckLine:
     if not math.isfinite(report.heartbeat_age_s):
-        return CheckLine("vehicle", f"{equipment.vehicle}: no heartbeat - nothing arms", "blocking")
+        return CheckLine("vehicle", f"{equipment.vehicle}: no heartbeat - will not arm", "blocking")
     text = f"{report.autopilot or 'version unknown'} at {equipment.vehicle}"
     if report.identity_faults:
-        return CheckLine("vehicle", f"{text}: {'; '.join(report.identity_faults)} - nothing arms", "blocking")
+        return CheckLine("vehicle", f"{text}: {'; '.join(report.identity_faults)} - will not arm", "blocking")
     mode = f"mode {report.mode or 'unknown'}, {'ARMED' if report.armed else 'disarmed'}"
     return CheckLine("vehicle", f"{text}, {mode}")
 
@@ -145,7 +145,7 @@ def _link(report: VehicleReport, equipment: Equipment) -> CheckLine:
 def _pose(now: float, report: VehicleReport, rates: StampRates, equipment: Equipment, safety: SafetyCfg) -> CheckLine:
     source, rate = equipment.pose_source, rates.rate_hz("pose")
     if not report.has_position or report.pose is None:
-        return CheckLine("pose", f"none from the {source} - nothing arms without a position", "blocking")
+        return CheckLine("pose", f"none from the {source} - will not arm without a position", "blocking")
     if report.position_std_m is not None:
         spread = f"standard deviation {report.position_std_m:.2g} m"
     elif report.position_test_ratio is not None:
@@ -154,7 +154,7 @@ def _pose(now: float, report: VehicleReport, rates: StampRates, equipment: Equip
         spread = "no covariance reported"
     age = now - report.pose_stamp_s
     if age > safety.pose_timeout_s:
-        return CheckLine("pose", f"{source}, {age:.1f} s old - nothing arms on an old position", "blocking")
+        return CheckLine("pose", f"{source}, {age:.1f} s old - will not arm on an old position", "blocking")
     slow = " - slow: the map blurs" if rate is not None and rate < SLOW_HZ else ""
     return CheckLine("pose", f"{source}, {rate_told(rate)}, {spread}{slow}", "lacking" if slow else "good")
 
@@ -170,7 +170,7 @@ def _heading(report: VehicleReport, area: SurveyArea) -> CheckLine:
 
 def _velocity(report: VehicleReport, rates: StampRates) -> CheckLine:
     if report.velocity is None:
-        return CheckLine("velocity", "none - the controller needs it; nothing arms", "blocking")
+        return CheckLine("velocity", "none - the controller needs it; will not arm", "blocking")
     std = report.velocity_std_m_s
     spread = "no covariance reported" if std is None else f"standard deviation {std:.2g} m/s"
     return CheckLine("velocity", f"{rate_told(rates.rate_hz('velocity'))}, {spread}")
@@ -178,7 +178,7 @@ def _velocity(report: VehicleReport, rates: StampRates) -> CheckLine:
 
 def _depth(report: VehicleReport, rates: StampRates) -> CheckLine:
     if report.depth_m is None:
-        return CheckLine("depth", "none - the depth cannot be held; nothing arms", "blocking")
+        return CheckLine("depth", "none - the depth cannot be held; will not arm", "blocking")
     return CheckLine("depth", f"{report.depth_m:.1f} m, {rate_told(rates.rate_hz('depth'))}")
 
 
@@ -186,14 +186,14 @@ def _camera(now: float, camera: LatestShot, perception: str) -> list[CheckLine]:
     shot, name = camera.latest, camera.source.name
     if shot is None:
         why = f" ({camera.failure})" if camera.failure else ""
-        return [CheckLine("camera", f"{name}: no picture{why} - nothing arms", "blocking")]
+        return [CheckLine("camera", f"{name}: no picture{why} - will not arm", "blocking")]
     age = now - shot.stamp_s
     lines = [CheckLine("camera", f"{name}, {rate_told(camera.rate_hz)}, last picture {max(age, 0.0):.1f} s old")]
     if camera.eyes is not None and shot.frame is not None:
         return [*lines, CheckLine("labels", f"{perception}, {1e3 * camera.seeing_s:.0f} ms a picture")]
     if camera.eyes is None and camera.source.labelled:
         return [*lines, CheckLine("labels", "exact, from the simulated camera")]
-    told = "none - its pictures have no classes and no depth: add --perception rgb or FILE.onnx; nothing arms"
+    told = "none - its pictures have no classes and no depth: add --perception rgb or FILE.onnx; will not arm"
     return [*lines, CheckLine("labels", told, "blocking")]
 
 
@@ -203,7 +203,7 @@ def _sonar(now: float, sonar: LatestHeard | None, cfg: SonarCfg) -> CheckLine:
     name, heard = sonar.source.name, sonar.latest
     if heard is None:
         why = f" ({sonar.failure})" if sonar.failure else ""
-        return CheckLine("sonar", f"{name}: no image{why} - nothing arms", "blocking")
+        return CheckLine("sonar", f"{name}: no image{why} - will not arm", "blocking")
     image = heard.image
     size = f"{image.ranges.shape[1]}x{image.ranges.shape[0]}, {image.hfov_deg:g} by {image.vfov_deg:g} degrees"
     text = f"{name}, {size}, {rate_told(sonar.rate_hz)}, last image {max(now - heard.stamp_s, 0.0):.1f} s old"
@@ -212,7 +212,7 @@ def _sonar(now: float, sonar: LatestHeard | None, cfg: SonarCfg) -> CheckLine:
     try:
         check_range_image(image, cfg, least_heard=0.0)
     except UnfitMeasurement as unfit:
-        return CheckLine("sonar", f"{text}; {unfit.reason} ({unfit.detail}) - nothing arms", "blocking")
+        return CheckLine("sonar", f"{text}; {unfit.reason} ({unfit.detail}) - will not arm", "blocking")
     if sonar.rate_hz is not None and sonar.rate_hz < SLOW_HZ:
         return CheckLine("sonar", f"{text} - slow: it counts as lost between two images", "lacking")
     return CheckLine("sonar", text)
@@ -220,7 +220,7 @@ def _sonar(now: float, sonar: LatestHeard | None, cfg: SonarCfg) -> CheckLine:
 
 def _battery(report: VehicleReport, safety: SafetyCfg) -> CheckLine:
     if report.battery_fraction is None and report.battery_v is None:
-        return CheckLine("battery", "not told - its limit cannot act", "lacking")
+        return CheckLine("battery", "not reported - its limit cannot act", "lacking")
     told = [] if report.battery_v is None else [f"{report.battery_v:.1f} V"]
     told += [] if report.battery_fraction is None else [f"{report.battery_fraction:.0%}"]
     limit = f"{safety.on_battery} below {safety.battery_min:.0%}"

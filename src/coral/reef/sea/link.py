@@ -46,7 +46,7 @@ class VehicleReport:
     covariance: NDArray[np.float64] | None = None
     """Of the pose: x, y (m), theta (rad); None where the vehicle does not tell it. Shape=(3, 3)."""
     position_test_ratio: float | None = None
-    """The estimator's innovation over its limit: near 0 is good, from 1 on measurements are rejected. No covariance."""
+    """The estimator's innovation over its limit: near 0 is good, at 1 measurements are rejected. No covariance."""
     roll_rad: float | None = None
     """Positive raises the left side."""
     pitch_rad: float | None = None
@@ -76,7 +76,8 @@ class VehicleReport:
     autopilot: str = ""
     """Name and version as reported, such as "ArduSub 4.7.0-dev (547e6101)"; "" while unknown."""
     identity_faults: tuple[str, ...] = ()
-    """Why it is not certain who is on the link, such as a second vehicle of the same name. Nothing arms until then."""
+    """Why it is not certain who is on the link, such as a second vehicle of the same name. While there is
+    a reason, the vehicle is not armed."""
     texts: tuple[StatusText, ...] = ()
     """Messages since the last report, oldest first."""
     heartbeat_age_s: float = math.inf

@@ -108,7 +108,7 @@ class Stations:
         return [station for station in self._others.values() if now - station.heard_s <= RECENT_S]
 
     def faults(self, now: float) -> tuple[str, ...]:
-        """Say what keeps the vehicle from being known for sure, at `now` (s). Nothing arms while there is anything."""
+        """Say why the vehicle is not known for sure, at `now` (s). While there is a reason, it is not armed."""
         vehicle = self.vehicle
         if vehicle is None:
             return ()

@@ -15,7 +15,7 @@ class PilotState(StrEnum):
     SURVEYING = "surveying"
     """The pilot drives."""
     HOLDING = "holding"
-    """It stands still, and goes on by itself only if the reason passes."""
+    """It stands still, and continues by itself only if the reason passes."""
     SURFACING = "surfacing"
     """It gives up the survey and comes up where it is."""
     STOPPED = "stopped"
@@ -67,7 +67,7 @@ CHANGES: tuple[StateChange, ...] = (
     StateChange(_HOLDING, "must surface", _SURFACING, _VEHICLE, "The same, or a fault that has lasted too long."),
     StateChange(_SURVEYING, "hold", _HOLDING, _OPERATOR, "The operator stops the vehicle."),
     StateChange(_HOLDING, "hold", _HOLDING, _OPERATOR, "The operator makes a hold last until his word."),
-    StateChange(_HOLDING, "go on", _SURVEYING, _OPERATOR, "The operator lets the vehicle go on."),
+    StateChange(_HOLDING, "go on", _SURVEYING, _OPERATOR, "The operator lets the vehicle continue."),
     StateChange(_SURFACING, "hold", _HOLDING, _OPERATOR, "The operator stops the ascent."),
     StateChange(_SURVEYING, "surface", _SURFACING, _OPERATOR, "The operator ends the survey."),
     StateChange(_HOLDING, "surface", _SURFACING, _OPERATOR, "The same."),

@@ -134,7 +134,7 @@ def _check(cfg: GeneratorCfg) -> None:
     demand("barriers", 0 <= cfg.barriers <= 50, cfg.barriers, "0 to 50")
     demand("passage_m", 0.8 <= cfg.passage_m <= 5.0, cfg.passage_m, "0.8 to 5 m")
     demand("current_max_m_s", 0.0 <= cfg.current_max_m_s <= 0.5, cfg.current_max_m_s, "0 to 0.5 m/s")
-    demand("seed", 0 <= cfg.seed < 2**63, cfg.seed, "a number from 0 on")
+    demand("seed", 0 <= cfg.seed < 2**63, cfg.seed, "a number of 0 or more")
     wide, high = cfg.size_m
     for i, line in enumerate(cfg.spine):
         demand(f"spine[{i}]", len(line) >= 2, f"{len(line)} points", "at least 2 points")

@@ -101,11 +101,11 @@ def pool_by_name(name: str) -> ReefWorld:
     """Return the pool `pool:SEED`.
 
     Raises:
-        InputError: The seed is no number from 0 on.
+        InputError: The seed is not a number of 0 or more.
     """
     text = name.removeprefix(PREFIX)
     if not (text.isascii() and text.isdigit() and len(text) <= 9):
-        raise InputError("world", "", repr(name), f"{PREFIX}SEED with a number from 0 on, such as {PREFIX}0")
+        raise InputError("world", "", repr(name), f"{PREFIX}SEED with a number of 0 or more, such as {PREFIX}0")
     return pool(int(text))
 
 

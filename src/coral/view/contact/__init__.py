@@ -1,1 +1,1 @@
-"""Pictures, charts, report and film of a contact episode."""
+"""Pictures, charts, report and video of a contact episode."""

@@ -1,4 +1,4 @@
-"""A contact episode as a short film: the scene, the stage, and the force on the objects."""
+"""A contact episode as a short video: the scene, the stage, and the force on the objects."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STRIP = 56
 """Height of the status strip below the scene (px)."""
 FPS = 12.5
 LONGEST_S = 40.0
-"""Maximum length of the film; a longer episode plays faster than real time."""
+"""Maximum length of the video; a longer episode plays faster than real time."""
 INK, MUTED, TEAL, RED = (27, 39, 51), (93, 107, 122), (11, 100, 112), (200, 53, 43)
 
 
@@ -27,7 +27,7 @@ def write_contact_video(run_folder: str | Path) -> Path:
     """Write `episode.mp4` (H.264) into a run folder and return its path.
 
     Raises:
-        InputError: The folder has no contact run or no states, or the film cannot be written.
+        InputError: The folder has no contact run or no states, or the video cannot be written.
         RunError: Its world cannot be built on this machine.
     """
     run = RunFolder.read(run_folder)
@@ -36,7 +36,7 @@ def write_contact_video(run_folder: str | Path) -> Path:
     import imageio_ffmpeg
 
     with writing(path), scratch_for(path) as scratch:
-        film = imageio_ffmpeg.write_frames(
+        writer = imageio_ffmpeg.write_frames(
             str(scratch),
             (WIDTH, HEIGHT + STRIP),
             fps=FPS,
@@ -47,21 +47,21 @@ def write_contact_video(run_folder: str | Path) -> Path:
             output_params=["-crf", "24", "-preset", "veryfast", "-movflags", "+faststart"],
             ffmpeg_log_level="error",
         )
-        film.send(None)
+        writer.send(None)
         for picture in pictures(run, scene):
-            film.send(np.ascontiguousarray(picture))
-        film.close()
+            writer.send(np.ascontiguousarray(picture))
+        writer.close()
     return path
 
 
 def moments(duration_s: float) -> list[float]:
-    """Choose the times (s) of the film's pictures: real time, or faster if that would take too long."""
+    """Choose the times (s) of the video's pictures: real time, or faster if that would take too long."""
     count = max(2, round(min(duration_s, LONGEST_S) * FPS) + 1)
     return [float(t) for t in np.linspace(0.0, duration_s, count)]
 
 
 def pictures(run: RunFolder, scene: ReplayedScene) -> Iterator[Image]:
-    """Draw the film picture by picture, Shape=(HEIGHT + STRIP, WIDTH, 3) RGB each."""
+    """Draw the video picture by picture, Shape=(HEIGHT + STRIP, WIDTH, 3) RGB each."""
     spans = stage_spans(run)
     times = run.column("t")
     forces = np.stack([run.column(f"{name}_hand_force") for name in scene.trial.objects]).max(axis=0)

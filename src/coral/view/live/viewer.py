@@ -1,4 +1,4 @@
-"""The viewer: one page for a run that goes on and for a recorded one, fed by what the run writes into its folder."""
+"""The viewer: one page for a run under way and for a recorded one, fed by what the run writes into its folder."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Stroke:
 
 @dataclass
 class Now:
-    """What only a run that goes on can tell."""
+    """What only a run under way can tell."""
 
     status: str = "waiting"
     note: str = ""

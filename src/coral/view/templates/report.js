@@ -90,7 +90,7 @@
       if (box.dataset.key !== d.n + state) {
         box.dataset.key = d.n + state;
         box.innerHTML = `<b>Decision ${d.n}</b>${d.r == null ? "" : ` of robot ${d.r}`}, asked at ${mmss(d.t)} <span class="chip">${esc(d.cause || "asked")}</span> <span class="chip soft">${esc(d.mode)}</span>` +
-          (open ? "<p>The advisor is thinking; the robot goes on.</p>" : `<p><b>${esc(d.said)}</b> <span class="chip ${esc(d.verdict)}">${esc(d.verdict)}${d.tries > 1 ? ` after ${d.tries} tries` : ""}</span></p><p>${esc(d.why)}</p>`) +
+          (open ? "<p>The advisor is thinking; the robot keeps moving.</p>" : `<p><b>${esc(d.said)}</b> <span class="chip ${esc(d.verdict)}">${esc(d.verdict)}${d.tries > 1 ? ` after ${d.tries} tries` : ""}</span></p><p>${esc(d.why)}</p>`) +
           `<p><a href="#decision-${d.n}" data-open="${d.n}">pictures and verdicts ↓</a></p>`;
       }
     }

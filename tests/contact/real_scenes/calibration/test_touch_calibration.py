@@ -58,7 +58,7 @@ def test_two_swapped_points_are_refused():
     frame, touches = clicked()
     a, b = touches[0], touches[3]
     touches[0], touches[3] = Touch(a.pixel, b.touched_m), Touch(b.pixel, a.touched_m)
-    with pytest.raises(InputError, match=r"touches: found .* mm left over"):
+    with pytest.raises(InputError, match=r"touches: found a residual of .* mm"):
         calibrate_by_touch(frame, touches, "touches.yaml")
 
 

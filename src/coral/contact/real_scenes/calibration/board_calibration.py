@@ -68,7 +68,7 @@ def calibrate_by_placed_board(
     left = _root_mean_square([_reprojection(board, T_camera_board, lens) for board in boards])
     if left > LIMIT_PX:
         expected = f"{LIMIT_PX:g} pixels: a camera and a board that stand still, and its right description"
-        raise InputError("--board", "", f"{left:.1f} pixels left over by the fit", expected)
+        raise InputError("--board", "", f"a residual of {left:.1f} pixels", expected)
     share = _depth_share(boards, frames, [T_camera_board] * len(boards))
     return BoardCalibration(T_world_board @ inverse_transform(T_camera_board), left, share)
 
@@ -110,7 +110,7 @@ def calibrate_by_held_board(
         wrong = find_wrong_entry(lambda chosen: fit(chosen)[2], len(boards), LIMIT_PX) if enough else None
         field = "poses" if wrong is None else f"poses[{wrong}]"
         why = "" if wrong is None else "; without it the others agree: it is of another picture"
-        raise InputError(where, field, f"{left:.1f} pixels left over by the fit{why}", f"{LIMIT_PX:g} pixels")
+        raise InputError(where, field, f"a residual of {left:.1f} pixels{why}", f"{LIMIT_PX:g} pixels")
     return BoardCalibration(T_world_camera, left, _depth_share(boards, frames, placed))
 
 

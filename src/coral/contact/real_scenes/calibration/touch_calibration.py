@@ -85,7 +85,7 @@ def calibrate_by_touch(frame: RgbdFrame, touches: Sequence[Touch], where: str) -
         wrong = find_wrong_entry(residual, len(touches), LIMIT_M) if len(touches) > LEAST else None
         field = "touches" if wrong is None else f"touches[{wrong}]"
         why = "" if wrong is None else "; without it the others agree: another point was clicked or touched"
-        raise InputError(where, field, f"{1e3 * left:.1f} mm left over by the fit{why}", f"{1e3 * LIMIT_M:.0f} mm")
+        raise InputError(where, field, f"a residual of {1e3 * left:.1f} mm{why}", f"{1e3 * LIMIT_M:.0f} mm")
     placed = align_points(seen, touched)
     return TouchCalibration(placed, _distances(placed, seen, touched))
 

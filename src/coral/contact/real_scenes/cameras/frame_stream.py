@@ -21,7 +21,7 @@ def stream_frames(
     Args:
         camera: The camera.
         silence_s: Longest wait for a live picture.
-        sleep: Waits for so many seconds; for tests.
+        sleep: Waits for a number of seconds; for tests.
 
     Raises:
         CameraFailed: A live camera is silent.

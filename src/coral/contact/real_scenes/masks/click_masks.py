@@ -60,7 +60,7 @@ class ClickMasks:
 
     In the first picture a mask is what is connected with the click in depth and colour, above the table, and no larger
     than the object. Afterwards it is what lies near the last drawing of the object and fits it in depth and colour. The
-    tracker says where that drawing is. A lost object that has left its place is searched by its colour in the
+    tracker says where that drawing is. A lost object that has left its place is searched for by its colour in the
     whole picture; without colours, it is not found again if it has moved far.
 
     Args:

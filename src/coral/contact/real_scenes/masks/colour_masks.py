@@ -53,7 +53,7 @@ class ColourRegion:
 class ColourMasks:
     """Takes the pixels of an object's colour; of several patches the largest.
 
-    For simple objects and for tests: two objects of one colour, or a hand of an object's colour, are not told apart.
+    For simple objects and for tests: two objects of one colour, or a hand of an object's colour, are not distinguished.
 
     Args:
         regions: The region of each object.
