@@ -1,4 +1,4 @@
-"""An advisor of your own: always to the nearest new cluster. Where it has no answer, the fallback's rules decide."""
+"""An advisor of your own: it chooses the nearest new cluster. If it has no answer, the fallback's rules decide."""
 
 import coral
 from coral.advisor.question import AdvisorUnavailable, Reply

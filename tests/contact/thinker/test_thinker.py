@@ -279,7 +279,7 @@ def test_what_is_remembered_is_tried_without_regions_too(remembering):
     strategist.on_end("timeout")
     strategist, told = thinker(one, memory=memory, regions=False, least_gain=0.999)
     strategist.begin(one.trial, one.now, one.world)
-    assert ["imagined run" in fields["refused"] for event, fields in told if event == "recall"] == [True]
+    assert ["rolled out" in fields["refused"] for event, fields in told if event == "recall"] == [True]
     assert not strategist.counts.memory_hit
     strategist.on_end("timeout")
 
