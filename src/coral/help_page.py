@@ -12,7 +12,7 @@ from coral.flags import MANY, Described, Flag
 
 WIDTH = 120
 FITS = 45
-"""A command with at most so many flags shows all of them; else `coral config` lists those of its configurations."""
+"""A command with at most this many flags shows all of them; else `coral config` lists those of its configurations."""
 NAMES_WIDTH = 34
 _SENTENCE_END = re.compile(r"(?<=\.)(?<!Eq\.)(?<!Fig\.)(?<!Sec\.)(?<!Tab\.)(?<!e\.g\.)(?<!i\.e\.)\s+(?=[A-Z`\d-])")
 

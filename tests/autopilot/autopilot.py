@@ -20,7 +20,7 @@ RELIABLE = {0: 1.0}
 """Messages sent from the start, by period (s): the heartbeat."""
 GUIDED_TIMEOUT_S = 3.0
 LEAK_S = 3.0
-"""A leak is forgotten so long after its last sign."""
+"""A leak is forgotten this long after its last sign."""
 EARTH_M = 6_378_137.0
 EKF_GOOD, EKF_LOST, EKF_STANDING = 831, 37, 167
 """Flags as ArduSub's filter shows them: all well; the position lost; none yet."""
@@ -43,9 +43,9 @@ class AutopilotCfg:
     step_s: TimeStep = 0.05
     """The body moves in steps of this length."""
     position_after_s: float = 10.0
-    """A position estimate comes so long after the boot (ArduSub in the loop: 20 to 60 s)."""
+    """A position estimate comes this long after the boot (ArduSub in the loop: 20 to 60 s)."""
     dead_reckoning_s: float = 7.5
-    """The estimator goes on so long without measurements before it gives its position up, as ArduSub's does."""
+    """The estimator continues this long without measurements before it gives its position up, like ArduSub's."""
     boot_s: float = 2.0
     """Silence of a restart."""
     guided_share: Fraction = 0.85
@@ -114,7 +114,7 @@ class SimulatedAutopilot:
         self.clock_s += seconds
 
     def leak(self, seconds: float = 0.0) -> None:
-        """Let water in, for so long; it is forgotten a few seconds after its last sign."""
+        """Let water in, for this long; it is forgotten a few seconds after its last sign."""
         self.seen.leak_until_s = self.time_s + max(seconds, LEAK_S)
 
     def choose(self, mode: str) -> None:

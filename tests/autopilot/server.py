@@ -61,7 +61,7 @@ class AutopilotServer:
         self._socket.setblocking(False)
         self.host, self.port = self._socket.getsockname()[:2]
         self.line = LineCondition()
-        """A broken or bad line, while the vehicle goes on."""
+        """A broken or bad line, while the vehicle keeps moving."""
         self.happened: list[tuple[float, str]] = []
         """Faults that began or ended, with the autopilot's time (s)."""
         self._faults = FaultPlan(faults)

@@ -25,7 +25,7 @@ HEADER = (
 LATE = ("refused_late", "overtaken")
 NOTES = (
     "Counts are sums over the missions, standing still and thinking are means. Refused late: for an obstacle or "
-    "another robot that the map showed when the answer came; at most so many became impossible while waiting. "
+    "another robot that the map showed when the answer came; at most this many became impossible while waiting. "
     "Overtaken: chosen clusters that the robot had seen from near by then.",
 )
 

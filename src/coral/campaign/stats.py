@@ -94,6 +94,6 @@ def wilson(won: int, trials: int, z: float = 1.96) -> tuple[float, float]:
 
 
 def sign_test(first: int, second: int) -> float:
-    """Return the two-sided p value of so many pairs for the first and for the second, if either were as likely."""
+    """Return the two-sided p value of these counts of pairs for the first and the second, if either were as likely."""
     pairs, fewer = first + second, min(first, second)
     return min(1.0, 2.0 * sum(math.comb(pairs, k) for k in range(fewer + 1)) / 2.0**pairs)

@@ -24,9 +24,9 @@ from coral.reef.vehicle.response import VehicleResponse
 from coral.yaml_file import to_yaml
 
 POSITION_S = 120.0
-"""A position is waited for so long."""
+"""Longest wait for a position."""
 SETTLE_S = 10.0
-"""The vehicle is given so long to reach its depth."""
+"""Time that the vehicle has to reach its depth."""
 
 
 @dataclass(frozen=True, kw_only=True)

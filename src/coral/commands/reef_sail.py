@@ -57,9 +57,9 @@ from coral.runs import new_run_folder
 from coral.words import many
 
 LOOK_S = 2.0
-"""The preflight list watches the sensors for so long, to measure their rates."""
+"""The checks before arming watch the sensors for this long, to measure their rates."""
 PATIENCE_S = 30.0
-"""Sensors that are not there yet are waited for so long before the list is given up."""
+"""Longest wait for sensors that are not there yet."""
 ARM_S = 20.0
 AWAITED = "vehicle", "pose", "velocity", "depth", "camera", "sonar"
 

@@ -34,7 +34,7 @@ LIMIT_S = 24.0
 believed is a quarter of the true one."""
 SAMPLES = 16
 LATENCY = "fixed:0.02"
-"""What a plan with so many rollouts takes of the world's time while an answer is scored."""
+"""The world's time that a plan with this many rollouts takes while an answer is scored."""
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ ASK_M = 2.5
 REACHED_M = 1.0
 """A waypoint is reached this near to it."""
 SEEN_M = 0.5
-"""To a cluster of which something is left to see the robot goes on until it is this near."""
+"""The robot drives on to a cluster with something left to see until it is this near."""
 LATEST_S = 400.0
 LOST_S = 5.0
 """What a goal costs that leads nowhere."""

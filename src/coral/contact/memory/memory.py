@@ -128,7 +128,7 @@ class MemoryCfg(ScaleLimits):
     rehearsed: Annotated[int, Field(ge=0)] = 3
     """Maximum number of plans tried in an imagined run. 0 follows the first that passes its checks, untried."""
     failures: Count = 3
-    """A plan that failed so often without ever succeeding again is no longer offered."""
+    """A plan that failed this often without ever succeeding again is no longer offered."""
 
 
 class Memory:

@@ -100,9 +100,9 @@ class FrankaCfg:
     poses_timeout_s: Positive = 0.25
     """The poses are lost if one of them is older than this: seven pictures of a camera with 30 Hz."""
     link_timeout_s: Positive = 0.03
-    """The link is lost if the arm's clock stands still for so long."""
+    """The link is lost if the arm's clock stands still for this long."""
     watchdog_s: Positive = 0.3
-    """The stream stops the arm if the program shows no sign of life for so long. Planning and thinking are no
+    """The stream stops the arm if the program shows no sign of life for this long. Planning and thinking are no
     silence: meanwhile the arm holds its last target."""
     limits: ArmLimitsCfg = field(default_factory=ArmLimitsCfg)
     """Limits of the arm."""

@@ -42,7 +42,7 @@ NEW_M = 2.0
 GAP_M = 4.0
 """Frontiers nearer than this to a place already in the tour are part of it."""
 MOST_THEN = 2
-"""Goals that are named besides the first, to go on with until the next answer comes."""
+"""Goals named besides the first, to continue with until the next answer comes."""
 OTHERS_S = 2.0
 """Delay (s) for each metre by which another robot, or its goal, is nearer: what lies on its way is left to it."""
 

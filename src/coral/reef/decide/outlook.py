@@ -18,7 +18,7 @@ class Outlook:
     """A frozen state to make a question from."""
 
     belief: Belief
-    """A snapshot: it stays as it is while the robot goes on."""
+    """A snapshot: it stays as it is while the robot moves on."""
     arrival: Arrival
     closed: frozenset[int] = frozenset()
     """Labels of the clusters that will be done by then, whatever is answered."""

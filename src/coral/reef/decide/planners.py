@@ -28,7 +28,7 @@ def make_planner(
     """Make the planner of one robot.
 
     Args:
-        belief: What the robot knows; it goes on changing.
+        belief: What the robot knows; it keeps changing.
         fields: How obstacles are inflated for distances.
         prompts: Renders prompts.
         draw: Draws the pictures of a question.

@@ -66,7 +66,7 @@ class Arrival:
 
     pose: Pose
     in_s: float
-    """In so many seconds."""
+    """Seconds until then."""
     path: NDArray[np.float64]
     """Poses on the way there, about 0.5 m apart, the last one `pose`. Shape=(N, 3)."""
     goals: tuple[Goal, ...] = ()

@@ -85,7 +85,7 @@ def reject_backward(p: Point, around: Surroundings, cfg: VerifyCfg) -> Rejection
 
 
 def reference(around: Surroundings, cfg: VerifyCfg) -> tuple[Point, Point | None] | None:
-    """Eq. 7: the direction in which the chain goes on, and the forward centroid that it points to.
+    """Eq. 7: the direction in which the chain continues, and the forward centroid that it points to.
 
     That is the farthest unvisited centroid ahead within d_lat or, without one, the direction from the farthest
     centroid behind to the robot, with no centroid to coincide with. None when the chain says nothing.

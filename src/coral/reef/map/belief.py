@@ -81,7 +81,7 @@ class Belief:
         return other
 
     def snapshot(self) -> Belief:
-        """Copy all that decisions read, for another thread to work on while this belief goes on: some milliseconds."""
+        """Copy all that decisions read, for another thread to work on while this belief changes: some milliseconds."""
         copied = copy.copy(self)
         copied.map, copied.tracker = self.map.snapshot(), self.tracker.snapshot()
         copied.best_views = copy.copy(self.best_views)

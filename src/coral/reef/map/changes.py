@@ -27,7 +27,7 @@ class ChangeTracker:
 
 
 def grown(box: Box, cells: int, shape: tuple[int, int]) -> Box:
-    """Return a rectangle with a rim of so many cells, clipped to a grid of `shape`."""
+    """Return a rectangle with a rim of this many cells, clipped to a grid of `shape`."""
     y0, y1, x0, x1 = box
     return max(y0 - cells, 0), min(y1 + cells, shape[0]), max(x0 - cells, 0), min(x1 + cells, shape[1])
 

@@ -123,7 +123,7 @@ class Localizer:
             frame: The present camera picture.
             odometry: The present pose by odometry alone.
             dt: Time since the last call (s).
-            covariance: Of the odometry since the start: x, y (m), theta (rad); None: not told. Shape=(3, 3).
+            covariance: Of the odometry since the start: x, y (m), theta (rad); None: unknown. Shape=(3, 3).
 
         Returns:
             The pose in the map's frame, in which the odometry was exact at the start.

@@ -27,15 +27,15 @@ class SightLayerCfg:
     target_ratio: NonNegative = 0.5
     """A cell seen from so near is no target if fewer pictures show oysters than this share of those with seabed."""
     row_m: Positive = 0.5
-    """Floor counts as explored while a row of pixels covers at most so much of it, 4.8 m away with the default camera:
-    the smallest cluster is about as wide. Farther away networks take oysters for sea floor."""
+    """Floor counts as explored while a row of pixels covers at most this much of it, 4.8 m away with the default
+    camera: the smallest cluster is about as wide. Farther away networks take oysters for sea floor."""
     floor_doubt: Fraction = 0.3
     """Floor with more doubt is not seen: there may be oysters. The limit of `DoubtCfg` for oysters."""
     gap_px: Count = 2
     """A line of sight ends where more rows of floor are missing."""
     back_m: NonNegative = 0.15
     back_share: Fraction = 0.1
-    """Water within `back_m` and this share of its distance in front of an obstacle is not told free."""
+    """Water within `back_m` and this share of its distance in front of an obstacle is not marked free."""
     through: Positive = 0.5
     """Weight of a look through a cell; a look that ends there weighs 1."""
     most: Positive = 2.0

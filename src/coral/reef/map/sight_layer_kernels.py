@@ -126,7 +126,7 @@ def trace(
         reach_m: Greatest distance (m) at which obstacles and free water count.
         explore_m: Greatest distance (m) at which floor counts as explored.
         sharp_m: Up to this distance (m) a look counts fully, beyond it less, as 1 / distance.
-        back_m: Water so near in front of an obstacle (m) is not told free...
+        back_m: Water so near in front of an obstacle (m) is not marked free...
         back_share: ... and this share of its distance in addition: the error of its range.
         through: Weight of a look through a cell; that of an obstacle is 1.
         most: Bounds of the evidence: -most to 2 most.

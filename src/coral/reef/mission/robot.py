@@ -79,7 +79,7 @@ class Robot:
         self.pilot = build(self)
 
     def rebuild(self, belief: Belief, localizer: Localizer) -> None:
-        """Go on with another map: a new pilot keeps the vehicle's state alone."""
+        """Continue with another map: a new pilot keeps only the vehicle's state."""
         self.clock.withdraw()
         self.belief, self.localizer, states = belief, localizer, self.pilot.safety.states
         told = self.pilot.planner.cfg

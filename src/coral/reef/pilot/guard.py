@@ -32,7 +32,7 @@ NEEDED: tuple[Input, ...] = ("pose", "velocity", "camera")
 TINY_S = 1e-9
 """Ticks are multiples of 0.1 s in floating point."""
 AFTER_JUMP_S = 1.0
-"""So long the vehicle may have driven on since a pose jumped: then it stands, and no jump is believed for its age."""
+"""The vehicle may have driven on this long since a pose jumped: then it stands, and no jump is believed for its age."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,10 +50,10 @@ class GuardCfg:
     """Age at which the sonar is lost: at 5 Hz, one image may be missing. A vehicle without a camera, which drives at
     half speed, then stands within 1 s of the loss."""
     hesitate_s: NonNegative = 0.1
-    """So long before camera and sonar are both lost the vehicle brakes already, for it sees no obstacles any more: at
+    """This long before camera and sonar are both lost the vehicle already brakes, since it sees no obstacles: at
     cruise speed it then stands within 1 s of the loss. Two pictures at 10 Hz may be missing before it does."""
     future_s: NonNegative = 0.05
-    """A stamp may be so far ahead of the control loop's clock: half a period."""
+    """A stamp may be this far ahead of the control loop's clock: half a period."""
     gap_s: Positive = 1.0
     """The clock may advance by so much from tick to tick; with more, or backwards, it has jumped."""
     max_speed_m_s: Positive = 1.5
@@ -80,9 +80,9 @@ class GuardCfg:
     min_heard: Fraction = 0.01
     """Share of the sonar's beams that must have an echo. It is mounted so that it always hears the sea floor."""
     recover_s: NonNegative = 1.0
-    """Inputs must have passed for so long before a held vehicle goes on."""
+    """Inputs must have passed for this long before a held vehicle continues."""
     surface_after_s: Positive | None = 60.0
-    """A vehicle that has been held for so long surfaces. None: it holds until someone comes."""
+    """A vehicle that has been held for this long surfaces. None: it holds until someone comes."""
 
 
 @dataclass(frozen=True, kw_only=True)

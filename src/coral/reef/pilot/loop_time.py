@@ -13,7 +13,7 @@ FARTHEST_S = 1e11
 
 
 class LoopTime:
-    """Follows a clock as long as it advances like one; over a jump it goes on by one period."""
+    """Follows a clock as long as it advances like one; over a jump it advances by one period."""
 
     def __init__(self, gap_s: float) -> None:
         """Set up; a step of more than `gap_s` (s), or backwards, is a jump."""

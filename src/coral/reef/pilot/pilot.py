@@ -80,7 +80,7 @@ class PilotCfg:
     blind_m: float = 6.0
     """It may lie up to this far, so that the robot need not stand still until the first answer comes."""
     first_s: float = 1.0
-    """The first question is asked so long after the start. Departs from the paper: a map of one picture shows too
+    """The first question is asked this long after the start. Departs from the paper: a map of one picture shows too
     little."""
     local_m: float = 5.0
     """How far about itself the robot keeps its distances to obstacles up to date; beyond the sensing range."""
@@ -269,7 +269,7 @@ class Pilot:
         self.safety.states.move(self._now, Mover.MISSION, "end", reason)
 
     def _stand(self, t: float) -> Command:
-        """Stand still; an open question goes on."""
+        """Stand still; an open question stays open."""
         self._stood, self.plan = True, None
         self._advance(t)
         return 0.0, 0.0

@@ -10,7 +10,7 @@ from coral.reef.vehicle.states import Mover, PilotState, StateMachine
 
 
 class SafetyWatch:
-    """Stops the vehicle when its sensors are lost, lets it go on when they are back, surfaces if they stay away.
+    """Stops the vehicle when its sensors are lost, lets it continue when they are back, surfaces if they stay away.
 
     Every change of state is the event `state`; what is refused of an input is the event `sensor`, once for each reason,
     and once more when the input is good again.

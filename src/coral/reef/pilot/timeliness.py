@@ -11,7 +11,7 @@ for has one of these codes too, so that the count is an upper bound of what beca
 
 DEFINITIONS = {
     "unanswerable": "Questions in which no choice on offer would have passed the checks.",
-    "refused_late": "Answers refused for an obstacle or another robot that the present map shows: at most so many "
+    "refused_late": "Answers refused for an obstacle or another robot that the present map shows: at most this many "
     "were refused for something that became true while the answer was awaited.",
     "overtaken": "Adopted clusters that the robot had seen from near by the time the answer came.",
 }

@@ -50,7 +50,7 @@ class PictureFolder:
     """A folder of pictures of one camera that grows picture by picture, as `read_folder` reads it."""
 
     def __init__(self, folder: Path, camera: CameraCfg) -> None:
-        """Begin a folder, or go on with one.
+        """Begin a folder, or continue one.
 
         Raises:
             InputError: It has pictures of another camera, or a table of another kind.

@@ -21,7 +21,7 @@ STEP_S = 0.02
 LONGEST_S = 1.0
 """A pause of the process longer than this is not simulated: the vehicle stands still meanwhile."""
 TIMEOUT_S = 3.0
-"""A set-point holds for so long without another, as in ArduSub."""
+"""A set-point holds for this long without another, as in ArduSub."""
 HEARTBEAT_S = 1.0
 ASCENT_M_S = 0.2
 FULL_V, EMPTY_V = 16.4, 13.0

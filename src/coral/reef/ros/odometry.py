@@ -46,7 +46,7 @@ def velocity_of(message: Any) -> tuple[float, float, float] | None:
 
 
 def covariance_of(message: Any) -> NDArray[np.float64] | None:
-    """Return the covariance of x, y (m) and yaw (rad); None where it is not told: all zero, or -1. Shape=(3, 3)."""
+    """Return the covariance of x, y (m) and yaw (rad); None if it is unknown: all zero, or -1. Shape=(3, 3)."""
     full = np.asarray(message.pose.covariance, float).reshape(6, 6)
     planar = full[np.ix_(PLANAR, PLANAR)]
     told = bool(np.isfinite(planar).all() and planar[0, 0] > 0.0 and planar[1, 1] > 0.0)

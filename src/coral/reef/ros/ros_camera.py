@@ -18,7 +18,7 @@ from coral.reef.sea.picture import Shot
 from coral.reef.vehicle.camera import CameraCfg
 
 FIRST_S, NEXT_S = 10.0, 1.0
-"""The first picture is waited for so long, any other so long at a time."""
+"""Longest wait for the first picture, and for any other at a time."""
 OFF_DEG = 3.0
 """A lens that differs by more from the configured one is told."""
 OLD_S = 60.0

@@ -24,11 +24,11 @@ from coral.reef.sea.link import LinkRefused, VehicleReport
 
 PERIOD_S = 0.1
 SILENT_S = 0.5
-"""Without a set-point of the program for so long, the vehicle is told to stand still."""
+"""Without a set-point of the program for this long, the vehicle is told to stand still."""
 DEPTH_GAIN, CLIMB_M_S = 0.5, 0.2
 """Vertical speed per metre of depth error (1/s), and its limit; also the speed of an ascent."""
 ANSWER_S = 5.0
-"""The service that arms is waited for so long."""
+"""Longest wait for the service that arms."""
 Mode = Literal["idle", "driven", "hold", "surface"]
 
 
@@ -129,7 +129,7 @@ class RosLink:
             self._commanded_s = time.monotonic()
 
     def _keep(self) -> None:
-        """Go on sending where nobody else does: a hold, an ascent, and a stop when the program falls silent."""
+        """Keep sending if nobody else does: a hold, an ascent, and a stop when the program falls silent."""
         with self._lock:
             mode, command = self._mode, self._command
             silent = time.monotonic() - self._commanded_s > SILENT_S

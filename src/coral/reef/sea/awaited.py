@@ -11,9 +11,9 @@ def awaited(states: StateMachine, *, passing: bool, settle_s: float, recover_s: 
     Args:
         states: The vehicle's states.
         passing: Whether the fault for which it holds may pass by itself.
-        settle_s: A fault must be over for so long (s).
-        recover_s: Sensors must be good for so long (s).
-        surface_after_s: After so long without sensors it comes up (s); inf for never.
+        settle_s: A fault must be over for this long (s).
+        recover_s: Sensors must be good for this long (s).
+        surface_after_s: After this long without sensors it comes up (s); inf for never.
     """
     state, by = states.state, states.by
     if state is PilotState.READY:

@@ -16,7 +16,7 @@ class BackgroundWork:
     """Does pieces of work in order, on a thread of its own. The caller never waits.
 
     When a piece fails, because the disk is full for instance, the work stops for good and `failure` says why: the
-    vehicle goes on. When too much waits, new pieces are dropped and counted.
+    vehicle keeps moving. When too much waits, new pieces are dropped and counted.
     """
 
     def __init__(self, most_waiting: int = MOST_WAITING, *, threaded: bool = True) -> None:

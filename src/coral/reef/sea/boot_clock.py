@@ -11,7 +11,7 @@ JUMP_S = 1.0
 ROUND_TRIP_S = 0.1
 """TIMESYNC replies that took longer are not used."""
 CONFIRM = 3
-"""A restart is believed after so many messages in a row from the past; fewer are late packets."""
+"""A restart is believed after this many messages in a row from the past; fewer are late packets."""
 
 
 class BootClock:

@@ -21,7 +21,7 @@ from coral.reef.world.geometry import Pose, wrap
 
 PORT = 16171
 TIMEOUT_S = 2.0
-"""Without a line for so long the connection is made anew; the slowest rate of the device is 2 Hz."""
+"""Without a line for this long the connection is made anew; the slowest rate of the device is 2 Hz."""
 SILENT_S = 0.6
 """A velocity older than this is none: the device sends 4 to 15 a second, 2 at its slowest."""
 MAX_LINE = 65_536
@@ -175,7 +175,7 @@ class LinkWithDvl:
 class LinkWatchedByDvl:
     """A vehicle whose autopilot makes the position from a DVL, and whose silence is seen at the DVL itself.
 
-    An estimator goes on by dead reckoning (7.5 s in ArduSub) with fresh stamps; nothing in its messages tells.
+    An estimator continues by dead reckoning (7.5 s in ArduSub) with fresh stamps; its messages do not show it.
     """
 
     def __init__(self, link: VehicleLink, dvl: DvlA50, clock: Callable[[], float] = time.monotonic) -> None:

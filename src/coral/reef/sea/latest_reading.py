@@ -13,7 +13,7 @@ from coral.errors import first_line
 PAUSE_S = 0.2
 """A sensor that fails is asked again after this time."""
 KEPT = 200
-"""The rate is that of so many measurements at most."""
+"""The rate is that of at most this many measurements."""
 RATE_S = 1.0
 """Over a shorter time no rate is told: sensors send bursts after a pause, a link after a gap."""
 T = TypeVar("T")

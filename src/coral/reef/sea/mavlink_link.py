@@ -23,12 +23,12 @@ from coral.reef.world.geometry import Pose
 STREAMS = {30: 20.0, 32: 20.0, 74: 10.0, 193: 5.0, 1: 2.0, 65: 10.0}
 """Messages asked for, per second: ATTITUDE, LOCAL_POSITION_NED, VFR_HUD, EKF_STATUS_REPORT, SYS_STATUS, RC_CHANNELS."""
 POLL_S = 0.02
-"""The line is read for so long at a time."""
+"""The line is read for this long at a time."""
 SET_MESSAGE_INTERVAL, REQUEST_MESSAGE, SET_MODE, ARM_DISARM = 511, 512, 176, 400
 AUTOPILOT_VERSION = 148
 ACCEPTED, IN_PROGRESS = 0, 5
 STREAMS_KEPT = MOST + 1
-"""So many senders have a decoder."""
+"""This many senders have a decoder."""
 RESULTS = {
     1: "temporarily rejected",
     2: "denied",
@@ -54,16 +54,16 @@ class MavlinkCfg:
     neutral_s: Positive = 0.5
     """Period of neutral joystick axes in other modes, so that the failsafe of the pilot's input (3 s) rests."""
     command_s: Positive = 0.5
-    """Without a new command for so long, the axes are neutral. (In GUIDED the autopilot itself waits 3 s.)"""
+    """Without a new command for this long, the axes are neutral. (In GUIDED the autopilot itself waits 3 s.)"""
     ask_again_s: Positive = 2.0
     """Messages that do not come are asked for again so often."""
     answer_s: Positive = 1.0
-    """An order is repeated when there is no answer for so long."""
+    """An order is repeated when there is no answer for this long."""
     tries: int = 3
     settle_s: Positive = 3.0
     """A mode, or the motors, must be seen as ordered within this time."""
     words_s: NonNegative = 0.3
-    """So long after a refusal the autopilot's words are waited for."""
+    """Longest wait for the autopilot's words after a refusal."""
     depth_gain_1_s: Positive = 0.8
     """Downward speed per metre of depth error."""
     depth_speed_m_s: Positive = 0.25
@@ -298,7 +298,7 @@ class MavlinkLink:
             self.poll()
 
     def _wait(self, done: Callable[[], bool], seconds: float) -> bool:
-        """Wait until something holds, so long at most. Return whether it does. The lock is held."""
+        """Wait until something holds, at most this long. Return whether it does. The lock is held."""
         if self._thread is not None:
             return self._heard.wait_for(done, seconds)
         until = self._clock() + seconds
@@ -384,7 +384,7 @@ class MavlinkLink:
         self.telemetry.tell(4, f"coral: {why}; commands stop until the operator arms again")
 
     def _hand_over(self) -> None:
-        """Leave GUIDED for a mode in which the joystick steers: GUIDED takes only its yaw, and goes on for 3 s."""
+        """Leave GUIDED for a mode in which the joystick steers: GUIDED takes only its yaw, and continues for 3 s."""
         if self._ordered == "GUIDED":
             self._send_velocity(0.0, 0.0, 0.0)
             mode = "POSHOLD" if ardusub.has_position(self.telemetry.flags) else "ALT_HOLD"

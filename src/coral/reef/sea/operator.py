@@ -12,9 +12,9 @@ from coral.errors import first_line
 from coral.reef.sea.link import LinkRefused, VehicleLink
 
 Word = Literal["arm", "hold", "resume", "stop", "surface", "disarm", "align", "unaligned"]
-"""arm: let the survey begin. hold: stay where you are. resume: go on. stop: end the survey, holding. surface: end it
+"""arm: let the survey begin. hold: stay where you are. resume: continue. stop: end the survey, holding. surface: end it
 and come up. disarm: stop the thrusters, now. align: use the alignment with the saved map that is proposed.
-unaligned: go on without that map."""
+unaligned: continue without that map."""
 WORDS: tuple[Word, ...] = ("arm", "hold", "resume", "stop", "surface", "disarm", "align", "unaligned")
 Order = Literal["arm", "hold", "surface", "disarm"]
 

@@ -16,7 +16,7 @@ COLLECT_S = 1.0
 COLLECT_ALL_S = 30.0
 """Time between collections of all garbage, in the idle rest of a tick."""
 SWITCH_S = 5e-4
-"""A thread that wants to run Python code waits so long for the one that does (s)."""
+"""A thread that wants to run Python code waits this long for the one that does (s)."""
 SPARE_S = 0.02
 """Least idle time for a collection; with less it waits for the next tick."""
 

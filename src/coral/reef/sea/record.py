@@ -30,7 +30,7 @@ on a busy machine must not hold up the rows."""
 class SeaRecord:
     """Takes what happens from the control loop and writes it in the background.
 
-    If the disk fills up, the recording stops and says so; the loop goes on.
+    If the disk fills up, the recording stops and says so; the loop continues.
     """
 
     def __init__(

@@ -22,7 +22,7 @@ class SafetyCfg:
     """Limits, and the action for each."""
 
     link_timeout_s: Positive = 0.7
-    """Without any news from the vehicle for so long, the link counts as lost. Its state comes ten times a second."""
+    """Without any news from the vehicle for this long, the link counts as lost. Its state comes ten times a second."""
     heartbeat_timeout_s: Positive = 3.5
     """Heartbeats come once a second; three may be missed."""
     on_link_lost: Action = "hold"
@@ -32,7 +32,7 @@ class SafetyCfg:
     on_pose_lost: Action = "hold"
     on_clock_jump: Action = "hold"
     on_reboot: Action = "hold"
-    """After a restart the autopilot's position has another origin: the survey does not go on by itself."""
+    """After a restart the autopilot's position has another origin: the survey does not continue by itself."""
     on_fence: Action = "hold"
     """Outside the geofence or inside a keep-out. The planner keeps away from both; this is the second line."""
     on_leak: Action = "surface"
@@ -55,7 +55,7 @@ class SafetyCfg:
     after_return: Literal["hold", "surface"] = "hold"
     """What the vehicle does once it is back."""
     settle_s: Positive = 2.0
-    """A lost link or position must be back for so long before the survey goes on."""
+    """A lost link or position must be back for this long before the survey continues."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Breach:
     """In words, with the numbers."""
     action: Action
     passing: bool = False
-    """Whether the survey goes on by itself when the cause is gone."""
+    """Whether the survey continues by itself when the cause is gone."""
 
 
 @dataclass
@@ -102,7 +102,7 @@ class SafetyMonitor:
     _trend: _BatteryTrend = field(default_factory=_BatteryTrend)
 
     def accept(self, report: VehicleReport) -> None:
-        """Take what has happened so far as known: the operator lets the survey begin, or go on."""
+        """Take what has happened so far as known: the operator lets the survey begin, or continue."""
         self.reboots, self.clock_jumps = report.reboots, report.clock_jumps
 
     def check(self, now: float, t: float, report: VehicleReport, pose: Pose | None) -> Breach | None:

@@ -1,4 +1,4 @@
-"""A survey on disk: map, clusters and last pose, to go on with after the battery was changed."""
+"""A survey on disk: map, clusters and last pose, to continue with after the battery was changed."""
 
 from __future__ import annotations
 

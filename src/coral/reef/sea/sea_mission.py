@@ -50,7 +50,7 @@ from coral.run_loop import Observer, timing_of
 
 OWN_MAP, TRUTH = "the vehicle's own map", "the truth of a simulated reef"
 ORDER_S = 6.0
-"""At the end the last order is awaited for so long."""
+"""Longest wait for the last order at the end."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -293,7 +293,7 @@ class SeaMission:
         self.vehicle.began_s = self.ticks.start()
 
     def _seek_place(self, words: Iterable[tuple[Word, str]]) -> None:
-        """Go on looking for the vehicle's place on the saved map; take that map over on the operator's word."""
+        """Keep looking for the vehicle's place on the saved map; take that map over on the operator's word."""
         assert self.alignment is not None
         for word, source in words:
             self.alignment.say(word, source)

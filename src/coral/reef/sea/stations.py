@@ -12,7 +12,7 @@ from coral.reef.sea import ardusub
 RECENT_S = 5.0
 """A station that has been silent for longer is gone."""
 MOST = 8
-"""So many stations are remembered; a flood of senders pushes out those heard longest ago, never our vehicle."""
+"""This many stations are remembered; a flood of senders pushes out those heard longest ago, never our vehicle."""
 HISTORY, TORN = 64, 6
 """Two senders behind one address are assumed when TORN of the last HISTORY messages break their numbering."""
 BREAK = range(101, 250)

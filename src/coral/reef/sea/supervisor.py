@@ -198,7 +198,7 @@ class Supervisor:
         self._go_home()
 
     def _let_pass(self, t: float) -> None:
-        """Go on after a passing breach, once it has been over for a while."""
+        """Continue after a passing breach, once it has been over for a while."""
         if self._breach is None or not self._breach.passing or self._go_on is not None:
             return
         if self.states.state is not PilotState.HOLDING or self.states.by is not _VEHICLE:

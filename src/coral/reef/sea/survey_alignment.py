@@ -28,8 +28,8 @@ class ResumeCfg:
     period_s: Positive = 3.0
     """Time between attempts, while nothing has been found."""
     patience_s: Positive = 120.0
-    """Without a match, or without the operator's word about one, the survey goes on with its new map alone after so
-    long."""
+    """Without a match, or without the operator's word about one, the survey continues with its new map alone after
+    this time."""
     alignment: AlignmentCfg = field(default_factory=AlignmentCfg)
 
 
@@ -81,7 +81,7 @@ class SurveyAlignment:
         self.proposal: MapAlignment | None = None
         """What the operator is asked about."""
         self.outcome = ""
-        """aligned, or why the survey goes on without the saved map; "" while that is open."""
+        """aligned, or why the survey continues without the saved map; "" while that is open."""
 
     @property
     def status(self) -> str:
@@ -102,7 +102,7 @@ class SurveyAlignment:
             self._confirmed = True
 
     def update(self, t: float, belief: Belief) -> tuple[Belief, LocalFrame] | None:
-        """Go on with the search. Return the merged belief and the shift to its frame, once."""
+        """Continue the search. Return the merged belief and the shift to its frame, once."""
         if self.outcome:
             return None
         self._hear(t)

@@ -17,7 +17,7 @@ CHUNK = 65536
 RETRY_S = 0.5
 """A broken TCP or serial line is opened again so often."""
 PEERS = 8
-"""udpin answers so many of the last senders."""
+"""udpin answers this many of the last senders."""
 
 
 class Transport(Protocol):

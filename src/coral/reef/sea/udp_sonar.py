@@ -16,7 +16,7 @@ from coral.reef.sea.sonar_reading import HeardImage
 GROUP, PORT = "224.0.0.96", 4747
 """Where the sonar sends as it comes from its maker."""
 WAIT_S = 0.2
-"""One call waits so long for a packet."""
+"""One call waits this long for a packet."""
 LARGEST_DATAGRAM = 65_535
 """Longer than any packet, so that a packet that is too long is seen to be."""
 

@@ -29,9 +29,9 @@ class DvlCfg:
     altitude_scale: NonNegative = 0.01
     """Standard deviation of the altitude's scale error, as that of the velocity."""
     cycle_s: NonNegative = 10.0
-    """So often the log checks its bottom lock and loses some pings ("periodic cycling", maker). 0: never."""
+    """Period at which the log checks its bottom lock and loses some pings ("periodic cycling", maker). 0: never."""
     cycle_lost_s: NonNegative = 0.2
-    """For so long. Ours: the maker says "some measurements"."""
+    """Time for which they are lost. Ours: the maker says "some measurements"."""
     outage_rate_hz: NonNegative = 1.0 / 120.0
     """Losses of bottom lock besides, a second: bubbles, weeds, steep walls. Ours."""
     outage_s: Positive = 1.0

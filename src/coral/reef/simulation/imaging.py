@@ -137,7 +137,7 @@ class ImagingMeter:
             poses: Shape=(K, 3), x, y, theta of the body.
             level: As for `look`.
             count: As for `look`.
-            every: Count only every so many poses, and the last one.
+            every: Count only every n-th pose, and the last one.
             target: Share at which to stop.
 
         Returns:

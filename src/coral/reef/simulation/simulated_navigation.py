@@ -37,7 +37,7 @@ class NavigationFix:
     pose: Pose
     """Dead reckoned, in the frame where the start was known."""
     covariance: NDArray[np.float64] | None
-    """Of the pose: x, y (m), theta (rad); None: not told. Shape=(3, 3)."""
+    """Of the pose: x, y (m), theta (rad); None: unknown. Shape=(3, 3)."""
     velocity: Velocity
     """Over ground, as estimated."""
     velocity_age_s: float

@@ -83,7 +83,7 @@ class Sensed:
     sonar: RangeImage | None = None
     """The sonar's image, if one is due; None without a sonar."""
     covariance: NDArray[np.float64] | None = None
-    """Of the pose (x, y, theta), in m and rad; None: not told. Shape=(3, 3)."""
+    """Of the pose (x, y, theta), in m and rad; None: unknown. Shape=(3, 3)."""
     velocity_age_s: float = 0.0
     """Time since the velocity was measured (s)."""
 

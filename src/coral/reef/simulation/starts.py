@@ -26,7 +26,7 @@ def starts_beside(
     of obstacles and the border. The same world gives the same poses.
 
     Raises:
-        InputError: There is no room for so many robots.
+        InputError: There is no room for this many robots.
     """
 
     def free(x: float, y: float, room_m: float) -> bool:

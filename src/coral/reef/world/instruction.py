@@ -83,7 +83,7 @@ class Inspected(BaseClause):
 
 
 class Spared(BaseClause):
-    """At most so many of all other things that look like oysters to the robot were inspected."""
+    """At most this many of all other things that look like oysters to the robot were inspected."""
 
     kind: Literal["spared"] = "spared"
     besides: tuple[str, ...] = Field(min_length=1)
@@ -110,7 +110,7 @@ class KeptOff(BaseClause):
 
 
 class Sides(BaseClause):
-    """One of these things was photographed from so many sides, from no farther than this."""
+    """One of these things was photographed from this many sides, from no farther than this."""
 
     kind: Literal["sides"] = "sides"
     of: tuple[str, ...] = Field(min_length=1)

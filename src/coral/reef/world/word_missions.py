@@ -234,7 +234,7 @@ def _spot(name: str, spots: Sequence[tuple[float, float]], rng: np.random.Genera
 
 
 def _line(rng: np.random.Generator) -> dict[str, tuple[float, float, float]]:
-    """Return the places of a cable's pieces and of its damage, in line; it goes on behind the damage nowhere."""
+    """Return the places of a cable's pieces and of its damage, in line; it does not continue behind the damage."""
     yaw = float(rng.uniform(-0.9, 0.9))
     x, y = float(rng.uniform(6.5, 8.0)), float(rng.uniform(7.0, 13.0))
     at = [(x + 2.1 * k * math.cos(yaw), y + 2.1 * k * math.sin(yaw), yaw) for k in range(5)]

@@ -35,7 +35,7 @@ PICTURE = (320, 240)
 PERIOD_S = 0.3
 """Shortest wall time between two sketches of a plan."""
 GONE_S = 3.0
-"""A page that has not asked for so long is closed."""
+"""A page that has not asked for this long is closed."""
 
 
 @dataclass(frozen=True, kw_only=True)

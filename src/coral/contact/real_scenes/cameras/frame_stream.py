@@ -9,7 +9,7 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.cameras.rgbd_camera import CameraFailed, RgbdCamera
 
 SILENCE_S = 5.0
-"""A live camera without a picture for so long has failed; some need seconds for the first one."""
+"""A live camera without a picture for this long has failed; some need seconds for the first one."""
 _POLL_S = 0.002
 
 
