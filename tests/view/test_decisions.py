@@ -36,7 +36,7 @@ def test_decisions_tell_cause_tries_and_goal(finished):
         ),
         ({"selected_centroid_index": None, "done": True, "answer": "two"}, "accepted", "done: two"),
         ({"selected_centroid_index": None, "home": True, "done": False}, "accepted", "back to the start"),
-        ({"forward_m": -2, "left_m": 3}, "accepted", "2 m back, 3 m left"),
+        ({"forward_m": -2, "left_m": 3}, "accepted", "2 m behind, 3 m left"),
         ({"forward_m": 0, "left_m": -1}, "rejected", "1 m right"),
         ({"forward_m": 0, "left_m": 0}, "rejected", "stay here"),
         ({"mass_kg": 2, "reasoning": "heavy", "more": [1]}, "accepted", "mass kg 2"),

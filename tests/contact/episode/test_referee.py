@@ -114,7 +114,7 @@ def test_a_referee_who_cannot_judge_is_refused_before_a_folder_is_made(tmp_path)
     for who, found in (
         ("truth", r"judged-by: found truth, expected perception or operator"),
         ("perception", r"judged-by: found perception, expected operator or truth.*'lifted'"),
-        ("operator", r"judged-by: found operator, expected an operator"),
+        ("operator", r"judged-by: found operator, expected truth or perception"),
     ):
         with pytest.raises(InputError, match=found):
             run(tmp_path, trial, ObedientRobot(trial), who)

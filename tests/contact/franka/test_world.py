@@ -110,7 +110,7 @@ def test_an_arm_whose_clock_stands_still_is_stopped():
     stream, world = make()
     world.reset()
     stream.report = lambda: stream.now
-    with pytest.raises(WorldError, match="did not go on"):
+    with pytest.raises(WorldError, match="stood still"):
         world.step(HAND)
     assert stream.stops == [StopCause.LINK]
 
