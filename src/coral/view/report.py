@@ -234,7 +234,7 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
         (
             "Decisions and triggers",
             "Dots: the advisor was asked. Thin bars: a trigger was held back. Wide bars: waiting for the advisor, "
-            "coloured by verdict; the vehicle drives on to its goal meanwhile, and stands once it is there.",
+            "coloured by verdict; meanwhile the vehicle drives on to its goal, and stops there.",
             event_chart(run, made),
         ),
         (f"Speed{first}", "Speed over ground and the controller's command.", speed_chart(run)),
