@@ -213,7 +213,7 @@ class ReefEyes:
         if self.action == "calibrate":
             rows = [f"| {row['reef']} | {row['true_m2']:.2f} | {100 * row['error']:+.1f} % |" for row in result["rows"]]
             return "\n".join(["| reef | truth (m²) | error, calibrated on the others |", "|---|---|---|", *rows,
-                              f"a reef's own error {100 * result['common']:.1f} %, in addition per m² "
+                              f"a reef's own error {100 * result['common']:.1f} %, and for 1 m² another "
                               f"{100 * result['patch_m']:.1f} %: {result['file']}"])  # fmt: skip
         bands = [f"{a:g}-{b:g} m" for a, b in zip(result["bands_m"][:-1], result["bands_m"][1:], strict=True)]
         lines = [
