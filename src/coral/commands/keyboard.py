@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable, Iterator
 from typing import IO
 
+from coral.errors import InputError
 from coral.reef.sea.operator import WORDS, OperatorWords, Word
 
 KEYS: dict[str, Word] = {
@@ -22,6 +23,7 @@ KEYS: dict[str, Word] = {
 }
 """Keys while the survey runs. Disarming has no key: it has to be written."""
 HELP = "space: hold  r: resume  s: surface  q: stop"
+HELP_INSTRUCT = "i: another instruction"
 HELP_ALIGN = "a: use the alignment  n: go on without the saved map"
 WAIT_S = 0.1
 
@@ -29,8 +31,22 @@ WAIT_S = 0.1
 class Keyboard:
     """Reads standard input without ever blocking for longer than `WAIT_S`."""
 
-    def __init__(self, words: OperatorWords, source: IO[str] | None = None) -> None:
-        self._words, self._source = words, source or sys.stdin
+    def __init__(
+        self,
+        words: OperatorWords,
+        source: IO[str] | None = None,
+        instruct: Callable[[str, str], bool] | None = None,
+    ) -> None:
+        """Listen.
+
+        Args:
+            words: Takes the operator's words.
+            source: What is read; standard input by default.
+            instruct: instruct(words, by) changes the instruction of a mission in words; None without one.
+        """
+        self._words, self._source, self._instruct = words, source or sys.stdin, instruct
+        self._writing = False
+        """Whether an instruction is being typed at a terminal."""
         self._text, self._ended = "", False
 
     def listen(self, until: Callable[[], bool]) -> None:
@@ -59,16 +75,47 @@ class Keyboard:
         return True
 
     def _take(self, letter: str, keys: bool) -> None:
-        if keys:
-            if letter in KEYS:
+        if keys and self._writing:
+            self._write(letter)
+        elif keys:
+            if letter == "i" and self._instruct is not None:
+                self._writing = True
+                self._print("instruction (Enter to send it, nothing to keep the old one): ")
+            elif letter in KEYS:
                 self._words.say(KEYS[letter], "keyboard")
         elif letter == "\n":
-            line, self._text = self._text.strip().lower(), ""
+            line, self._text = self._text.strip(), ""
+            if line.lower().startswith("i "):
+                self._send(line[2:])
+            line = line.lower()
             word = next((word for word in WORDS if word == line), None) or KEYS.get(line)
             if word is not None:
                 self._words.say(word, "keyboard")
         else:
             self._text += letter
+
+    def _write(self, letter: str) -> None:
+        """Take a letter of an instruction; a terminal that gives single keys does not show them."""
+        if letter == "\n":
+            words, self._text, self._writing = self._text, "", False
+            self._print("\n")
+            self._send(words)
+        elif letter in "\b\x7f":
+            self._print("\b \b" if self._text else "")
+            self._text = self._text[:-1]
+        else:
+            self._text += letter
+            self._print(letter)
+
+    def _send(self, words: str) -> None:
+        try:
+            if self._instruct is not None and words.strip():
+                self._instruct(words, "keyboard")
+        except InputError as error:
+            self._print(f"{error}\n")
+
+    def _print(self, text: str) -> None:
+        print(text, end="", file=sys.stderr, flush=True)
 
     def _read(self) -> str:
         if self._ended:

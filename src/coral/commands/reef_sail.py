@@ -22,7 +22,7 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured
-from coral.commands.keyboard import HELP, HELP_ALIGN, Keyboard
+from coral.commands.keyboard import HELP, HELP_ALIGN, HELP_INSTRUCT, Keyboard
 from coral.commands.notice import mission_notice
 from coral.commands.render import render
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
@@ -37,7 +37,7 @@ from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_camera, with_sonar
-from coral.reef.mission.word_judge import with_instruction
+from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
 from coral.reef.sea.live_view import LiveView, resized
@@ -92,7 +92,8 @@ class ReefSail:
     """Second address of a simulation in the loop, from which camera and judge learn where the vehicle truly is."""
     advisor: Annotated[str, Option(help=advisor_help("Who decides"))] = "heuristic"
     instruction: Annotated[str | None, Option(metavar="TEXT")] = None
-    """What to do, in plain words, in place of a survey of everything; nobody judges it at sea."""
+    """What to do, in plain words, in place of a survey of everything; nobody judges it. A simulated reef may have words
+    of its own (words:FAMILY:N), which are judged."""
     seed: int = 0
     """Seed of the controller's samples."""
     depth: Positive | None = None
@@ -163,6 +164,8 @@ class ReefSail:
         cfg = self._config()
         first = self.priority == "high" and prefer_process()
         area, world, file_depth = read_area(self.area)
+        text = None if world is None else world.mission
+        cfg = instructed(cfg, text) if self.instruction is None else with_instruction(cfg, self.instruction, text)
         if self.start is not None:
             area = area.begun_at(self.start, "--start")
         depth = self.depth or file_depth
@@ -275,8 +278,6 @@ class ReefSail:
         if self.safety.on_time != "none" and cfg.time_limit_s <= self.safety.reserve_s:
             kept = f"more than the {self.safety.reserve_s:g} s kept back for the way home (--safety.reserve-s)"
             raise InputError("--cfg.time-limit-s", "", f"{cfg.time_limit_s:g} s", kept)
-        if self.instruction is not None:
-            cfg = with_instruction(cfg, self.instruction)
         budget = cfg.pilot.budget.within(PERSON_DEADLINE_S if asks_person(self.advisor) else DEADLINE_S)
         return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
 
@@ -324,7 +325,8 @@ class ReefSail:
         if refusals or not mission.crew.link.report().armed:
             mission.record.close()
             raise RunError(f"the vehicle did not arm: {'; '.join(refusals) or 'no answer'}")
-        self._say(f"armed. {HELP}" + ("" if mission.alignment is None else f"  {HELP_ALIGN}"))
+        told = [HELP, HELP_ALIGN if mission.alignment else "", HELP_INSTRUCT if mission.instruction else ""]
+        self._say(f"armed. {'  '.join(filter(None, told))}")
 
     @contextmanager
     def _page(self, mission: SeaMission) -> Iterator[list[Any]]:
@@ -420,7 +422,9 @@ def conduct(
     thread = threading.Thread(target=control, name="coral-control", daemon=True)
     with signals_as_words(words):
         thread.start()
-        Keyboard(words).listen(lambda: not thread.is_alive())
+        Keyboard(words, instruct=mission.instruct if mission.instruction else None).listen(
+            lambda: not thread.is_alive()
+        )
         thread.join()
     if failure:
         raise RunError(f"the survey failed: {type(failure[0]).__name__}: {failure[0]}") from failure[0]

@@ -38,6 +38,7 @@ from coral.reef.sea.video_camera import Fit, VideoCamera
 from coral.reef.simulation.frame_painter import make_painter
 from coral.reef.simulation.noise import SensorNoise
 from coral.reef.simulation.simulated_navigation import make_navigation
+from coral.reef.simulation.simulator import make_stills
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.generated import find_world
 from coral.reef.world.geometry import Pose
@@ -177,6 +178,7 @@ def open_parts(
                 parts.where,
                 flags.camera_rate,
                 painter=painter,
+                stills=make_stills(scene, sim, world.seed).make_ready() if sim.stills else None,
                 noise=SensorNoise(sim.noise, np.random.default_rng([flags.seed, 5]), sim.camera),
             )
         else:

@@ -10,7 +10,7 @@ from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.sea_mission import SeaMission
 from coral.view.svg import clock
 
-TOLD = ("state", "awaited", "alignment", "limit", "recording_stopped", "order_refused")
+TOLD = ("state", "awaited", "alignment", "limit", "recording_stopped", "order_refused", "instruction")
 """Events that the operator is told of."""
 
 
@@ -55,6 +55,8 @@ def lines(event: Mapping[str, Any], asked: str = "") -> list[str]:
     at, kind, reason = clock(float(event["t"])), event["event"], event.get("reason", "")
     if kind == "state":
         return [f"{at} {event['state']}: {reason}"]
+    if kind == "instruction":
+        return [f"{at} instruction, by {event['by']}: {event['text']}"]
     if kind == "awaited":
         return [f"{at}   {event['ends_when']}"] if event["ends_when"] else []
     if kind == "limit":

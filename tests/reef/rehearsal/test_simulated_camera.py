@@ -3,6 +3,7 @@ import numpy as np
 from coral.reef.paint.painter import Painter
 from coral.reef.rehearsal.simulated_camera import SimulatedCamera
 from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
+from coral.reef.simulation.simulator import SimulatorCfg, make_stills
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
@@ -52,3 +53,13 @@ def test_noise_spoils_depth_and_classes_and_not_the_colours():
     frame = camera.read().frame
     assert np.isinf(frame.depth).all()
     assert frame.rgb.std() > 1.0
+
+
+def test_questions_get_stills():
+    clock, cfg = FakeClock(), SimulatorCfg(stills=True)
+    scene = Scene.from_world(load_world("s1"))
+    where = lambda: (100.0, Pose(5.0, 5.0, 0.3))  # noqa: E731
+    camera = SimulatedCamera(scene, cfg.camera, where, 10.0, clock, clock.sleep, stills=make_stills(scene, cfg, 1))
+    frame = camera.read().frame
+    assert frame.rgb is None
+    assert frame.still().shape[:2] == (960, 1280)

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from voyage import WORLD, Voyage
 
+from coral.reef.decide.mission_answer import Mark, MissionAnswer
 from coral.reef.drive.pd import PdController
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.localization import LocalizationCfg
 from coral.reef.mission.mission_cfg import MissionCfg
+from coral.reef.mission.word_judge import instructed
 from coral.reef.recordings.find_recording import find_recording
 from coral.reef.sea.map_alignment import AlignmentCfg
 from coral.reef.sea.saved_survey import load_survey
@@ -21,6 +23,7 @@ from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.simulation.noise import SensorNoiseCfg
 from coral.reef.simulation.simulated_navigation import DriftingNavigation
 from coral.reef.world.geometry import Pose
+from coral.reef.world.world import ReefWorld
 from coral.runs import read_events, read_rows
 
 
@@ -79,6 +82,61 @@ def test_the_operators_hold_stops_within_a_second_and_resume_goes_on(tmp_path):
     rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
     assert all(abs(float(row["u"])) < 0.03 for row in rows[70:99])
     assert float(rows[115]["u"]) > 0.1
+
+
+YARD = ReefWorld.model_validate(
+    {
+        "name": "yard",
+        "size_m": [14.0, 10.0],
+        "start": {"x": 2.0, "y": 5.0},
+        "things": [{"name": "tyre", "kind": "tyre", "x": 6.0, "y": 5.0}],
+        "mission": {
+            "instruction": "Inspect the tyre and say what it is.",
+            "time_s": 40.0,
+            "conditions": [{"kind": "inspected", "of": ["tyre"]}, {"kind": "answered", "right": ["tyre"]}],
+        },
+    }
+)
+
+
+def to_the_tyre(told):
+    def rules(facts, rejections):
+        told.append(facts["mission"]["instruction"])
+        dots = facts["centroids"]
+        if any(dot["visited"] for dot in dots):
+            return MissionAnswer(done=True, answer="a tyre", marks=(Mark(dot=dots[0]["index"], label="tyre"),))
+        if dots and dots[0]["path_m"] is not None:
+            return MissionAnswer(selected_centroid_index=dots[0]["index"])
+        return MissionAnswer(waypoint={"forward_m": 2, "left_m": 0})
+
+    return {"reef-mission": rules}
+
+
+def yard(folder, told, **more):
+    return Voyage(folder, world=YARD, rules=to_the_tyre(told), cfg=instructed(MissionCfg(), YARD.mission), **more)
+
+
+def test_a_mission_in_words_is_judged_in_a_simulated_reef(tmp_path):
+    told = []
+    result = yard(tmp_path / "run", told, time_limit_s=40.0).run()
+    assert result["success"], result["conditions"]
+    assert (result["answer"], set(told)) == ("a tyre", {YARD.mission.instruction})
+    assert [e["text"] for e in events(tmp_path / "run", "instruction")] == [YARD.mission.instruction]
+
+
+def test_an_instruction_changed_at_sea_is_in_the_next_question_and_nobody_judges_it(tmp_path):
+    told = []
+    voyage = yard(tmp_path / "run", told, time_limit_s=40.0)
+    result = voyage.on(20, lambda: voyage.mission.instruct("Say what lies there.", "keyboard")).run()
+    assert told[-1] == "Say what lies there."
+    assert (result["success"], result["answer"]) == (None, "a tyre")
+    assert [e["by"] for e in events(tmp_path / "run", "instruction")] == ["start", "keyboard"]
+
+
+def test_a_survey_without_an_instruction_has_none_to_change(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=1.0)
+    assert not voyage.mission.instruct("Find the net.", "keyboard")
+    voyage.run()
 
 
 def test_the_configured_driver_drives(tmp_path):

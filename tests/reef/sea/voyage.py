@@ -46,9 +46,9 @@ class FakeCamera:
     name = "fake"
     rate_hz, failure, eyes, late_s = 10.0, "", None, 0.0
 
-    def __init__(self, link, clock, cfg):
+    def __init__(self, link, clock, cfg, world=WORLD):
         self.link, self.clock, self.blind, self.last = link, clock, False, None
-        self.camera = Camera(Scene.from_world(WORLD), cfg)
+        self.camera = Camera(Scene.from_world(world), cfg)
         self.source = self
 
     @property
@@ -99,6 +99,8 @@ class Voyage:
         saved=None,
         cfg=None,
         navigation=None,
+        world=WORLD,
+        rules=REEF_RULES,
         **safety,
     ):
         self.clock = FakeClock()
@@ -107,18 +109,18 @@ class Voyage:
         sim = mission.simulator
         small = dataclasses.replace(sim.sonar, width=96, height=32)
         mission = dataclasses.replace(mission, simulator=dataclasses.replace(sim, sonar=small))
-        self.area = area or SurveyArea.of_world(WORLD)
+        self.area = area or SurveyArea.of_world(world)
         self.link = SimulatedLink(
             mission.simulator.vehicle, put_in or self.area.start, navigation=navigation, clock=self.clock
         )
-        self.camera = FakeCamera(self.link, self.clock, mission.simulator.camera)
+        self.camera = FakeCamera(self.link, self.clock, mission.simulator.camera, world)
         self.sonar = SentSonar(self.link, self.clock, small) if sonar else None
         crew = Crew(
             link=self.link,
             camera=self.camera,
             sonar=self.sonar,
-            advisor=RuleAdvisor(REEF_RULES),
-            world=WORLD if known else None,
+            advisor=RuleAdvisor(rules),
+            world=world if known else None,
             true_pose=self.link.true_pose if known else lambda: None,
         )
         self.words = crew.words

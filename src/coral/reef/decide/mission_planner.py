@@ -99,7 +99,7 @@ class MissionPlanner:
             "instruction": self.cfg.instruction.text,
             "time_s": self.cfg.instruction.time_s,
             "at_s": round(self.route.t + outlook.arrival.in_s, 1),
-            "home": {"forward_m": round(forward, 1), "left_m": round(left, 1)},
+            "home": {"forward_m": round(float(forward), 1), "left_m": round(float(left), 1)},
             "found": [{"dot": index, "label": one.label} for index, one in said if one.label],
             "ruled_out": [index for index, one in said if one.skip],
             "pictures": [

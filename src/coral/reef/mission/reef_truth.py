@@ -37,7 +37,7 @@ class ReefTruth:
         self._judge = MissionJudge(world, self._imaging, folder)
         self._camera = Camera(scene, cfg.camera)
         self._words = None if world.mission is None else WordJudge(world, scene, world.mission, cfg.camera)
-        self._contacts_made = 0
+        self._contacts_made, self._over = 0, False
         self._last: Pose | None = None
         self.covered: set[int] = set()
         """Indices of the clusters that have been covered."""
@@ -69,8 +69,14 @@ class ReefTruth:
                 name = self.world.clusters[k].name
                 self._emit("cluster_covered", name=name, fraction=round(float(fractions[k]), 4))
         self._judge.note(step, t, [pose[:2]])
-        if self._words is not None:
+        if self._words is not None and not self._over:
             self._words.note(t, [pose], [(pose, self._camera.render(pose))])
+
+    def end_mission(self, answer: str) -> None:
+        """Take the advisor's word that a mission in words is done: what the vehicle does after it counts no more."""
+        if self._words is not None and not self._over:
+            self._words.hear(answer)
+        self._over = True
 
     def verdict(self, tracks: list[Track], instruction: str = "", answer: str | None = None) -> dict[str, Any]:
         """Return the fields of the `judged` event.
@@ -80,8 +86,8 @@ class ReefTruth:
             instruction: The last one of a mission in words.
             answer: What its advisor answered; None if it did not say that it was done.
         """
-        if self._words is not None and answer is not None:
-            self._words.hear(answer)
+        if answer is not None:
+            self.end_mission(answer)
         return {
             "clusters": self._judge.clusters(),
             "tracks": len(tracks),

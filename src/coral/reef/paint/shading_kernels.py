@@ -13,7 +13,7 @@ from coral.reef.paint.solid_kernels import solid_surface
 from coral.reef.paint.texture_kernels import FAST
 
 
-@njit(cache=True, error_model="numpy", fastmath=FAST)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
 def shade(
     pose: NDArray[np.float64],
     seabed_z: float,

@@ -33,7 +33,7 @@ def transmission_table(beam: Rgb, lost: Rgb, far: float, table: NDArray[np.float
             table[i, k], table[i, 3 + k] = straight, math.exp(-lost[k] * r) - straight
 
 
-@njit(cache=True, error_model="numpy", fastmath=FAST)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
 def attenuate(
     turn: NDArray[np.float64],
     p: NDArray[np.float64],
@@ -129,7 +129,7 @@ def _path(rate: float, r: float) -> float:
     return (1.0 - math.exp(-rate * r)) / rate if abs(rate) * r > 1e-3 else r
 
 
-@njit(cache=True, error_model="numpy", fastmath=FAST)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
 def develop(
     linear: NDArray[np.float32],
     gain: Rgb,

@@ -10,6 +10,7 @@ from coral.reef.sea.picture import Shot
 from coral.reef.sea.real_time import FixedRate
 from coral.reef.simulation.frame_painter import FramePainter
 from coral.reef.simulation.noise import SensorNoise
+from coral.reef.simulation.stills import Stills
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene
@@ -33,6 +34,7 @@ class SimulatedCamera:
         sleep: Callable[[float], None] = time.sleep,
         painter: FramePainter | None = None,
         noise: SensorNoise | None = None,
+        stills: Stills | None = None,
     ) -> None:
         """Set up.
 
@@ -45,8 +47,10 @@ class SimulatedCamera:
             sleep: Waits so long (s).
             painter: Paints colours; None for none.
             noise: Spoils depth and classes; exact by default.
+            stills: Takes colour pictures of full size for questions; None for none.
         """
         self._camera, self._where, self._painter, self._noise = Camera(scene, cfg), where, painter, noise
+        self._stills = stills
         self._begun: float | None = None
         self._rate = FixedRate(1.0 / rate_hz, clock, sleep)
         self.name = f"simulated, {cfg.width}x{cfg.height}"
@@ -62,11 +66,12 @@ class SimulatedCamera:
     def _take(self, stamp_s: float, pose: Pose) -> Frame:
         exact = self._camera.render(pose)
         frame = exact if self._noise is None else self._noise.apply(exact)
-        if self._painter is None:
-            return frame
         if self._begun is None:
             self._begun = stamp_s
-        return replace(frame, rgb=self._painter.paint(exact, pose, t=stamp_s - self._begun))
+        t = stamp_s - self._begun
+        if self._stills is not None:
+            frame = self._stills.of(frame, pose, t)
+        return frame if self._painter is None else replace(frame, rgb=self._painter.paint(exact, pose, t=t))
 
     def close(self) -> None:
         """Nothing to free."""

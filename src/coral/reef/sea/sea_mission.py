@@ -274,6 +274,8 @@ class SeaMission:
         truth, done = self.record.truth, self.pilot.end_reason
         if self.cfg.mission.stop_when_covered and truth is not None and truth.coverage == 1.0:
             done = done or "coverage complete"
+        if done and truth is not None and (answer := self.answer) is not None:
+            self.record.work.offer(lambda: truth.end_mission(answer))
         if done and not self.supervisor.returning and self.states.state is not PilotState.TAKEN_OVER:
             self.supervisor.complete(self.t, done)
         return self.supervisor.end_reason

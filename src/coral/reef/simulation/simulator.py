@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -20,6 +19,7 @@ from coral.reef.simulation.frame_painter import FramePainter, make_painter
 from coral.reef.simulation.imaging import ImagingCfg, ImagingMeter
 from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
 from coral.reef.simulation.simulated_navigation import NavigationCfg, make_navigation
+from coral.reef.simulation.stills import Stills
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.collision import ContactCounter, clearance
 from coral.reef.vehicle.range_image import RangeImage
@@ -29,9 +29,6 @@ from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.water_types import WaterType, find_water, water_of_visibility
 from coral.reef.world.world import ReefWorld
-
-STILL_PX = (1280, 960)
-"""Width and height of a still: of the camera's shape, as small as a person can tell kinds from at 4 m."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +112,7 @@ class ReefSimulator:
         self._painter: FramePainter | None = None if first is None else first._painter
         if cfg.pictures and self._painter is None:
             self._painter = make_painter(self.scene, cfg.camera, cfg.picture_water(), cfg.painter, world.seed)
-        self._stills: FramePainter | None = None
+        self._stills = make_stills(self.scene, cfg, world.seed) if cfg.stills else None
         self.taken: tuple[Pose, Frame] | None = None
         """Where the last picture was taken, and what it shows in truth: for the judge."""
         self._time_s = 0.0
@@ -168,9 +165,8 @@ class ReefSimulator:
         frame = self._noise.apply(exact)
         self.taken = self.pose, exact
         self._time_s += dt
-        if self.cfg.stills:
-            take = partial(self._still, self.pose, height, roll, pitch, self._time_s)
-            frame = replace(frame, still=take)
+        if self._stills is not None:
+            frame = self._stills.of(frame, self.pose, self._time_s, height=height, roll=roll, pitch=pitch)
         if self._painter is not None:
             rgb = self._painter.paint(
                 exact, self.pose, height=height, roll=roll, pitch=pitch, t=self._time_s, velocity=(u, v, r)
@@ -189,14 +185,6 @@ class ReefSimulator:
             covariance=fix.covariance,
             velocity_age_s=fix.velocity_age_s,
         )
-
-    def _still(self, pose: Pose, height: float | None, roll: float, pitch: float, t: float) -> NDArray[np.uint8]:
-        """Take a colour picture of full size. Deterministic in place and time, so it need not be taken at once."""
-        camera = replace(self.cfg.camera, width=STILL_PX[0], height=STILL_PX[1])
-        if self._stills is None:
-            self._stills = make_painter(self.scene, camera, self.cfg.picture_water(), self.cfg.painter, self.world.seed)
-        frame = Camera(self.scene, camera).render(pose, height, roll=roll, pitch=pitch)
-        return self._stills.paint(frame, pose, height=height, roll=roll, pitch=pitch, t=t)
 
     def _ping(self, attitude: Attitude, altitude_m: float, dt: float) -> RangeImage | None:
         """Take an image of the sonar, `dt` seconds after the last call, if one is due."""
@@ -258,3 +246,8 @@ def seen_through_water(cfg: SimulatorCfg) -> CoverageCfg:
     """Limit the range of coverage to the visibility."""
     limit = cfg.noise.visibility_m
     return cfg.coverage if limit is None else replace(cfg.coverage, range_m=min(cfg.coverage.range_m, limit))
+
+
+def make_stills(scene: Scene, cfg: SimulatorCfg, seed: int) -> Stills:
+    """Make what takes stills of a reef; `seed` is that of its world."""
+    return Stills(scene, cfg.camera, cfg.picture_water(), cfg.painter, seed)

@@ -1,0 +1,63 @@
+"""Stills: colour pictures of full size, taken only when a question shows them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.simulation.daylight import PainterCfg
+from coral.reef.simulation.frame_painter import FramePainter, make_painter
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.scene import Scene
+from coral.reef.world.water_types import WaterType
+
+STILL_PX = (1280, 960)
+"""Width and height of a still: of the camera's shape, as small as a person can tell kinds from at 4 m."""
+
+
+class Stills:
+    """Takes stills of a simulated reef."""
+
+    def __init__(self, scene: Scene, camera: CameraCfg, water: WaterType, painter: PainterCfg, seed: int) -> None:
+        """Set up; the painter is made with the first still, since it takes a while.
+
+        Args:
+            scene: The reef.
+            camera: The robot's; stills are larger.
+            water: The water of the pictures.
+            painter: How they are painted.
+            seed: Of the painter, as the world has it.
+        """
+        self._scene, self._camera = scene, replace(camera, width=STILL_PX[0], height=STILL_PX[1])
+        self._make = partial(make_painter, scene, self._camera, water, painter, seed)
+        self._painter: FramePainter | None = None
+
+    def make_ready(self) -> Stills:
+        """Make the painter and take a first still, before time matters; seconds."""
+        self._take(Pose(0.0, 0.0, 0.0), 0.0, None, 0.0, 0.0)
+        return self
+
+    def of(
+        self, frame: Frame, pose: Pose, t: float, *, height: float | None = None, roll: float = 0.0, pitch: float = 0.0
+    ) -> Frame:
+        """Return a picture that can be asked for its still. Deterministic in place and time, so it need not be at once.
+
+        Args:
+            frame: The picture.
+            pose: Where it was taken.
+            t: When (s).
+            height: Of the camera (m); None: as it is mounted.
+            roll: Of the body (rad).
+            pitch: Of the body (rad).
+        """
+        return replace(frame, still=partial(self._take, pose, t, height, roll, pitch))
+
+    def _take(self, pose: Pose, t: float, height: float | None, roll: float, pitch: float) -> NDArray[np.uint8]:
+        if self._painter is None:
+            self._painter = self._make()
+        frame = Camera(self._scene, self._camera).render(pose, height, roll=roll, pitch=pitch)
+        return self._painter.paint(frame, pose, height=height, roll=roll, pitch=pitch, t=t)
