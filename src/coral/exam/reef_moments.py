@@ -18,6 +18,7 @@ from coral.reef.decide.answers import CentroidChoice, WaypointChoice
 from coral.reef.decide.asked import AskedState
 from coral.reef.decide.baselines import baseline_rules
 from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.decide.route import Goal
 from coral.reef.decide.tour_planner import TourPlanner
 from coral.reef.map.belief import Belief, BeliefCfg
@@ -105,14 +106,12 @@ def moments(
     belief.goal = to_world(belief.pose, 2.0, 0.0)
     while t < LATEST_S and len(visited) < len(clusters):
         before = t
-        for pose in _drive(belief):
-            t += _seconds(belief.pose, pose)
+        for pose in drive(belief):
+            t += seconds_of(belief.pose, pose)
             look(pose)
         if t == before:  # nothing came of this goal: what is left of it cannot be seen, or lies out of reach
             t += LOST_S
-            belief.goal_failed()
-            if belief.goal_index is not None:
-                belief.write_off(belief.goal_index)
+            give_up(belief)
         asked = planner.ask(planner.outlook())
         question = asked.question
         if question is None:
@@ -122,13 +121,13 @@ def moments(
             yield Moment(
                 Question(**{**vars(question), "asked_at_s": round(t, 1)}), belief.pose, left, planner.options(asked)
             )
-        goal = _choose_goal(planner, asked, guides[int(rng.random() < WAYWARD)])
+        goal = choose_goal(planner, asked, guides[int(rng.random() < WAYWARD)])
         if goal is None:
             return
         belief.goal, belief.goal_index = (goal.x, goal.y), goal.index
 
 
-def _choose_goal(planner: LedPlanner, asked: AskedState, guide: RuleAdvisor) -> Goal | None:
+def choose_goal(planner: HighLevelPlanner, asked: AskedState, guide: RuleAdvisor) -> Goal | None:
     """Return a goal that the verifiers accept."""
     answer = consult_at_once(
         guide, lambda _: asked.question, lambda _, answer: planner.verify(asked, answer), tries=8
@@ -137,7 +136,7 @@ def _choose_goal(planner: LedPlanner, asked: AskedState, guide: RuleAdvisor) -> 
     return goal if isinstance(goal, Goal) else None
 
 
-def _drive(belief: Belief) -> Iterator[Pose]:
+def drive(belief: Belief) -> Iterator[Pose]:
     """Yield poses towards the goal until the next question; replan as the map grows."""
     for _ in range(30):
         goal, here = belief.goal, belief.pose
@@ -169,7 +168,15 @@ def _enough_m(belief: Belief) -> float:
     return ASK_M if track is None or track.visited else SEEN_M
 
 
-def _seconds(before: Pose, after: Pose) -> float:
+def give_up(belief: Belief) -> None:
+    """Give up a goal that leads nowhere."""
+    belief.goal_failed()
+    if belief.goal_index is not None:
+        belief.write_off(belief.goal_index)
+
+
+def seconds_of(before: Pose, after: Pose) -> float:
+    """Return how long the way from one pose to the next takes at full speed (s)."""
     cfg = VehicleCfg()
     turned = abs(wrap(after.theta - before.theta)) / cfg.max_yaw_rate_rad_s
     return math.dist(before[:2], after[:2]) / cfg.max_speed_m_s + turned

@@ -11,11 +11,13 @@ from coral.exam.contact_outcome import score_plan, score_unified
 from coral.exam.contact_score import score_correction, score_estimates, score_poses, score_regions
 from coral.exam.item import ExamItem
 from coral.exam.reef_score import score_centroid, score_waypoint
+from coral.exam.word_score import score_mission
 from coral.exam.worth import Worth
 
 SCORES: Mapping[str, Callable[[Mapping[str, Any], Mapping[str, Any], Any], Worth]] = {
     "reef-centroid": score_centroid,
     "reef-waypoint": score_waypoint,
+    "reef-mission": score_mission,
     "physical-parameters": score_estimates,
     "contact-regions": score_regions,
     "object-poses": score_poses,

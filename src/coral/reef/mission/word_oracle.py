@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Collection
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,16 +46,28 @@ def true_answer(world: ReefWorld) -> str:
     return next((one.right[0] for one in world.mission.conditions if isinstance(one, Answered)), "")
 
 
-def _targets(world: ReefWorld, start: Point) -> tuple[list[Point], set[str]]:
-    """Return the places to go to, in order, and the names of the things that may be passed near."""
+def next_things(world: ReefWorld, seen: Collection[str], *, in_order: bool = True) -> set[str]:
+    """Return the names of the things to go to next, when some have been seen from near; empty if that was all.
+
+    Args:
+        world: A world with a mission.
+        seen: Names of those that were.
+        in_order: Whether an order that the mission gives counts; if not, all that are still to be gone to are returned.
+    """
+    visits, fixed, ring, end = _wanted(world)
+    left = [name for name in (*visits, ring, end) if name not in ("", "start", *seen)]
+    return set(left[:1] if fixed and in_order else left)
+
+
+def _wanted(world: ReefWorld) -> tuple[list[str], bool, str, str]:
+    """Return what is to be inspected, whether in that order, what from several sides, and where the end is, by name."""
     assert world.mission is not None
-    at = {thing.name: (thing.x, thing.y) for thing in world.things}
 
     def named(of: tuple[str, ...]) -> list[str]:
         return [thing.name for thing in world.things if thing.kind in of or thing.name in of]
 
     visits: list[str] = []
-    fixed, ring, end = False, "", None
+    fixed, ring, end = False, "", ""
     for one in world.mission.conditions:
         match one:
             case Inspected():
@@ -64,20 +77,28 @@ def _targets(world: ReefWorld, start: Point) -> tuple[list[Point], set[str]]:
             case Sides():
                 ring = named(one.of)[0]
             case EndsAt():
-                end = start if one.at == "start" else at[named((one.at,))[0]]
+                end = "start" if one.at == "start" else named((one.at,))[0]
                 fixed = fixed or one.at != "start"
             case _:
                 pass
+    return visits, fixed, ring, end
+
+
+def _targets(world: ReefWorld, start: Point) -> tuple[list[Point], set[str]]:
+    """Return the places to go to, in order, and the names of the things that may be passed near."""
+    at = {"start": start} | {thing.name: (thing.x, thing.y) for thing in world.things}
+    visits, fixed, ring, end = _wanted(world)
+    last = [at[end]] if end else []
     if not fixed:
         orders = itertools.permutations(visits)
-        visits = list(min(orders, key=lambda o: _length([start, *(at[n] for n in o), *([end] if end else [])])))
+        visits = list(min(orders, key=lambda o: _length([start, *(at[n] for n in o), *last])))
     targets = [at[name] for name in visits]
     if ring:
         x, y = at[ring]
         first = math.atan2(start[1] - y, start[0] - x)
         for angle in (first, first + 1.3, first - 1.3):
             targets += [(x + r * math.cos(angle), y + r * math.sin(angle)) for r in (RING_M, FACE_M)]
-    return [*targets, *([end] if end else [])], set(visits)
+    return [*targets, *last], set(visits)
 
 
 def _length(way: list[Point]) -> float:
