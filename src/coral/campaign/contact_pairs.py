@@ -49,7 +49,7 @@ def paired_table(
         (
             f"Better : worse: trials that only {name(REFERENCE)} solved, and only the method. Sooner : later: trials "
             f"that {name(REFERENCE)} solved sooner than the method, and later; a failure is later than any success. p: "
-            "two-sided sign tests. Requests: a trial; time: mean of the successes, simulated.",
+            "two-sided sign tests. Requests: per trial; time: mean of the successes, simulated.",
             *source,
         ),
     )

@@ -154,7 +154,7 @@ def _trials_table(rows: Sequence[Row], caption: str, source: tuple[str, ...]) ->
             "wall time (s)",
             "path (m)",
             "peak force (N)",
-            "ms a plan",
+            "ms per plan",
             *(measure.label for measure in SHARES),
             "otherwise ended by",
         ),

@@ -111,9 +111,9 @@ def describe_products(result: Mapping[str, Any]) -> str:
         apart = f"{result['outlines']:.0f} ({result['outlines_low']:.0f} to {result['outlines_high']:.0f})"
         lines.append(
             f"about {result['oysters']:.0f} oysters ({result['oysters_low']:.0f} to {result['oysters_high']:.0f}), "
-            f"{result['oysters_per_m2']:.2f} a m² of the sea floor seen near enough, "
-            f"{result['shell_length_mm']:.0f} mm long in the mean ({result['shell_length_mm_low']:.0f} to "
-            f"{result['shell_length_mm_high']:.0f}); {apart} are told apart from above"
+            f"{result['oysters_per_m2']:.2f} per m² of the sea floor seen near enough, "
+            f"{result['shell_length_mm']:.0f} mm long on average ({result['shell_length_mm_low']:.0f} to "
+            f"{result['shell_length_mm_high']:.0f}); {apart} can be told apart from above"
         )
     if "true_area_m2" in result:
         inside = "inside" if result["truth_in_interval"] else "outside"

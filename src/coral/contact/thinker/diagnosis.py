@@ -53,7 +53,7 @@ TEXTS: Mapping[Diagnosis, str] = {
 
 
 REST_S, REST_M = 2.0, 0.015
-"""At rest is what is, in the mean of one half of this time, no further from where it was in the other. Rollouts are
+"""A thing is at rest if its mean place in one half of this time is no further from that in the other. Rollouts are
 sampled: hand and object wander by a centimetre and more about where the cost leads them."""
 AHEAD_M = 0.01
 """A command within this distance of the hand counts as reached."""
@@ -159,13 +159,13 @@ def _is_settled(steps: Sequence[Transition]) -> bool:
     last = _late(steps)
     if not _rests(last):
         return False
-    # Commands of a sampling planner wander about the hand: only what is left in the mean leads it anywhere.
+    # Commands of a sampling planner wander about the hand: only their mean leads it anywhere.
     ahead = np.mean([step.command.position - step.after.tool.position for step in last], axis=0)
     return bool(np.linalg.norm(ahead) < AHEAD_M)
 
 
 def _rests(last: Sequence[Transition]) -> bool:
-    """Check whether hand and objects stay where they are in the mean of the first and the second half of some steps."""
+    """Check whether hand and objects keep their mean place from the first to the second half of some steps."""
     middle_s = last[-1].after.time_s - REST_S / 2 if last else 0.0
     earlier = [step.after.time_s <= middle_s for step in last]
     if all(earlier) or not any(earlier):

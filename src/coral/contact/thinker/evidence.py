@@ -93,8 +93,8 @@ class Evidence:
             reach = f"The hand touched the {self.name} for {100 * self.touched:.0f} % of the last {self.seconds:.1f} s"
         told = [
             f"{reach}; its distance went from {100 * self.first_m:.1f} to {100 * self.last_m:.1f} cm.",
-            f"It felt {self.force_mean_n:.1f} N in the mean and {self.force_peak_n:.1f} N at most, and was "
-            f"{1000 * self.lag_m:.0f} mm from its commands in the mean.",
+            f"It felt {self.force_mean_n:.1f} N on average and {self.force_peak_n:.1f} N at most, and was "
+            f"{1000 * self.lag_m:.0f} mm from its commands on average.",
             f"The {self.name} moved {1000 * self.moved_m:.0f} mm and turned {self.turned_deg:.0f} degrees.",
         ]
         if self.others:

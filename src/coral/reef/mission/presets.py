@@ -98,7 +98,7 @@ PRESETS: dict[str, Preset] = {
                     value=0.02,
                     reason="0.02 m at 1 m: smaller than the map's cells of 0.05 m up to 2.5 m",
                 ),
-                *_drift(0.02, "0.6 m after ten minutes in the mean: less than d_merge (1 m), so tracks stay apart"),
+                *_drift(0.02, "0.6 m after ten minutes on average: less than d_merge (1 m), so tracks stay apart"),
                 Condition(
                     key=CURRENT, value=0.1, reason="a sixth of the cruise speed; shipped reefs have 0.003 to 0.07 m/s"
                 ),
@@ -117,7 +117,7 @@ PRESETS: dict[str, Preset] = {
                     0.1, "10 % of the patches missed, and 1 % of the sea floor taken for oysters or obstacles each"
                 ),
                 Condition(key=f"{NOISE}depth_sigma", value=0.03, reason="0.09 m at the limit of visibility: two cells"),
-                *_drift(0.06, "1.8 m after ten minutes in the mean: more than d_merge, so that it has to be corrected"),
+                *_drift(0.06, "1.8 m after ten minutes on average: more than d_merge, so that it has to be corrected"),
                 Condition(key=CURRENT, value=0.1, reason="as in `bay`: what is hard here is to see, not to drive"),
             ),
         ),
