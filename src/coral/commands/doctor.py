@@ -44,7 +44,7 @@ EXTRAS = {
     "bags": ("rosbags", "ROS 2 bags and MCAP files, read and written"),
     "franka": ("franky", "a Franka arm (coral contact run --world franka)"),
     "franka-sim": ("franky_sim", "a simulated arm that speaks a Franka arm's protocol"),
-    "warp": ("mujoco_warp", "rehearsals on an NVIDIA GPU (--cfg.planning.rollouts warp)"),
+    "warp": ("mujoco_warp", "rollouts on an NVIDIA GPU (--cfg.planning.rollouts warp)"),
     "local": ("llama_cpp", "a small local language model for testing the wire"),
 }
 KEYS = ("OPENAI_API_KEY", "ANTHROPIC_API_KEY", "GOOGLE_API_KEY")

@@ -1,4 +1,4 @@
-"""Rehearsals by MuJoCo Warp, on its CPU device, against MuJoCo's own; `make test-warp`."""
+"""Rollouts by MuJoCo Warp, on its CPU device, against MuJoCo's own; `make test-warp`."""
 
 import sys
 from dataclasses import replace
@@ -14,8 +14,8 @@ from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
 from coral.errors import InputError
 
-REHEARSALS, STEPS = 4, 40
-"""Rehearsals under each of two beliefs, and their control steps."""
+ROLLOUTS, STEPS = 4, 40
+"""Rollouts under each of two beliefs, and their control steps."""
 
 
 def begin(name):
@@ -29,12 +29,12 @@ def begin(name):
 def towards_the_object(now, seed=1):
     """Sequences that lead the open hand into the first object within half a second, each a little elsewhere."""
     rng = np.random.default_rng(seed)
-    near = next(iter(now.objects.values())).position + rng.normal([0.03, 0.02, 0.0], 0.02, (REHEARSALS, 3))
+    near = next(iter(now.objects.values())).position + rng.normal([0.03, 0.02, 0.0], 0.02, (ROLLOUTS, 3))
     share = np.minimum(1.0, np.linspace(0.0, 2.0, STEPS))[None, :, None]
     return ControlSequences(
         now.tool.position + share * (near[:, None] - now.tool.position),
-        np.tile(now.tool.quaternion, (REHEARSALS, STEPS, 1)),
-        np.full((REHEARSALS, STEPS), 0.08),
+        np.tile(now.tool.quaternion, (ROLLOUTS, STEPS, 1)),
+        np.full((ROLLOUTS, STEPS), 0.08),
         600.0,
     )
 
@@ -46,7 +46,7 @@ def worlds():
     def make(trial, now, **cfg):
         beliefs = [stated_beliefs(trial)] * 2
         beliefs[1] = {
-            name: type(one)(2.0 * one.mass_kg, 0.5 * one.friction)  # another model: half of the rehearsals believe it
+            name: type(one)(2.0 * one.mass_kg, 0.5 * one.friction)  # another model: half of the rollouts believe it
             for name, one in beliefs[0].items()
         }
         made.append(PlanningWorld(trial, beliefs, now, PlanningCfg(rest_m_s=0.0, **cfg)))
@@ -59,7 +59,7 @@ def worlds():
 
 @pytest.mark.warp
 @pytest.mark.parametrize("name", ["pick-box", "push-force", "flip-wall"])
-def test_rehearsals_agree_in_the_air_exactly_and_in_contact_to_millimetres(name, worlds):
+def test_rollouts_agree_in_the_air_exactly_and_in_contact_to_millimetres(name, worlds):
     trial, now = begin(name)
     controls = towards_the_object(now)
     ours, good = worlds(trial, now).rollout(now, controls)
@@ -69,7 +69,7 @@ def test_rehearsals_agree_in_the_air_exactly_and_in_contact_to_millimetres(name,
     item = next(iter(trial.objects))
     assert (ours["ee_pos"] != other["ee_pos"]).any(), "single precision cannot agree bit for bit: Warp did not run"
     touched = ours[f"{item}_hand_contact"].any(axis=1)
-    assert touched.any(), "no rehearsal touches the object: nothing is compared"
+    assert touched.any(), "no rollout touches the object: nothing is compared"
     # Where a table has edges, Warp finds other contact points between boxes: a resting box settles otherwise by 0.7 mm.
     for quantity, in_the_air in (("ee_pos", 1e-6), (f"{item}_pos", 1e-3)):
         apart = np.abs(ours[quantity] - other[quantity]).max(axis=2)

@@ -60,7 +60,7 @@ class PlanningCfg:
     threads: Annotated[int, Field(ge=0, le=1024)] = 0
     """Number of threads; 0 uses every core."""
     rollouts: Literal["mujoco", "warp"] = "mujoco"
-    """What computes the rehearsals: MuJoCo on the CPU, or MuJoCo Warp on an NVIDIA GPU (extra `warp`)."""
+    """What computes the rollouts: MuJoCo on the CPU, or MuJoCo Warp on an NVIDIA GPU (extra `warp`)."""
     device: str = ""
     """Device of Warp, such as cuda:0 or cpu; empty takes the first GPU, or the CPU if there is none."""
     hand: HandCfg = field(default_factory=HandCfg)

@@ -1,6 +1,6 @@
-"""Batched rollouts by MuJoCo Warp: all rehearsals at once on an NVIDIA GPU, or on the CPU as a check.
+"""Batched rollouts by MuJoCo Warp: all rollouts at once on an NVIDIA GPU, or on the CPU as a check.
 
-The same physics in single precision, with another order of sums: rehearsals agree with MuJoCo's for some tenths of a
+The same physics in single precision, with another order of sums: rollouts agree with MuJoCo's for some tenths of a
 second and then part where contacts begin or end. On a GPU two runs need not agree bit for bit. Nothing sleeps here.
 """
 
@@ -18,7 +18,7 @@ from coral.errors import InputError, install_extra
 
 MISSING = install_extra("warp")
 CONTACTS, CONSTRAINTS = 96, 400
-"""Room for each rehearsal. A grasped object among others needs some 20 contacts of four pyramid's edges each."""
+"""Room for each rollout. A grasped object among others needs some 20 contacts of four pyramid's edges each."""
 KEPT_MODELS = 8
 """Models kept on the device: two tables for each of a few beliefs."""
 
