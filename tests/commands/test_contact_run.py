@@ -150,6 +150,7 @@ def test_where_a_model_decides_nothing_everything_says_so(task, refusing, tmp_pa
     metrics = json.loads((out / "metrics.json").read_text())
     assert (metrics["end_reason"], metrics["decided_by"]["fallback"]) == ("no-strategy", 1)
     assert metrics["answers"]["malformed"] == 8
+    assert "no-strategy (no answer of the advisor contained a usable plan) before anything moved\n" in said
     last = "he advisor decided 0 of 1 decisions, nobody 1 (prior)"
     assert said.rstrip().splitlines()[-1] == f"t{last}"
     assert f"T{last}" in (out / "report.html").read_text()

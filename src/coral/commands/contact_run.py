@@ -303,11 +303,13 @@ class ContactRun:
         peak = result["peak_hand_force_n"]
         force = "contact forces unknown" if peak is None else f"at most {peak:.0f} N on an object"
         thinking = f" ({whole_s:.1f} s with thinking)" if whole_s > result["sim_time_s"] else ""
+        how = (
+            f" after {result['sim_time_s']:.1f} s simulated{thinking} in {result['wall_time_s']:.0f} s; "
+            f"{_count(result)} of {result['plan_ms_median']:.0f} ms, {result['path_length_m']:.2f} m of path, "
+            f"{force}{_judged(result)}"
+        )
         lines = [
-            f"{self.task}: {reason}{why} after {result['sim_time_s']:.1f} s simulated{thinking} in "
-            f"{result['wall_time_s']:.0f} s; {_count(result)} of {result['plan_ms_median']:.0f} ms, "
-            f"{result['path_length_m']:.2f} m of path, "
-            f"{force}{_judged(result)}",
+            f"{self.task}: {reason}{why}{how if result['steps'] else ' before anything moved'}",
             f"run folder: {result['run']}",
         ]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]

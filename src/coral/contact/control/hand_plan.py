@@ -37,7 +37,7 @@ class HandPlan:
     update: Update | None = None
     """Update of the sampler; None of a controller that does not sample."""
     valid: bool = True
-    """Whether there is a valid rollout; if not, the plan before is kept."""
+    """Whether there is a valid rollout; if not, the previous plan is kept."""
     diverged: int = 0
     """Number of excluded rollouts."""
     paths: RolloutPaths | None = None

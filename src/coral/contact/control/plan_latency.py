@@ -10,7 +10,7 @@ from coral.errors import InputError
 
 FORMS = "0, measured or fixed:SECONDS"
 REMEMBERED = 25
-"""Plans of which the durations tell how long the next will take."""
+"""Number of plans whose durations predict the next one's."""
 
 
 class PlanLatency:

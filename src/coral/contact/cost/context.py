@@ -132,7 +132,7 @@ class Cost(Protocol):
 
 @runtime_checkable
 class ReadingCost(Protocol):
-    """A cost that tells which quantities it reads."""
+    """A cost that declares which quantities it reads."""
 
     reads: list[str]
     """Their names."""

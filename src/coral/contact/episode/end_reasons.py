@@ -18,7 +18,7 @@ END_REASONS = {
     "link-lost": "the arm was stopped because no state came from it",
     "watchdog": "the arm was stopped because the program showed no sign of life",
     "arm-fault": "the arm refused to obey",
-    "no-strategy": "the advisor has no strategy for the task",
+    "no-strategy": "no answer of the advisor contained a usable plan",
     "no-decision": "the advisor did not decide, and its fallback policy lets nothing else decide",
     "advisor failed": "the advisor did not decide, and the fallback policy ends the run",
     "cost-error": "the strategy's cost could not be evaluated",

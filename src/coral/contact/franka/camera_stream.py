@@ -1,4 +1,4 @@
-"""The stream to an arm together with the camera that tells it the objects' poses."""
+"""The stream to an arm together with the camera that gives it the objects' poses."""
 
 from __future__ import annotations
 

@@ -127,7 +127,7 @@ class ObjectPoses:
 
 @dataclass(frozen=True)
 class ToldPoses:
-    """What a datagram tells."""
+    """The contents of a datagram."""
 
     seen: Mapping[str, BodyState]
     """Poses in the world."""
@@ -168,7 +168,7 @@ def _carried(pose: BodyState, tool: BodyState) -> BodyState:
 
 
 def poses_datagram(poses: Mapping[str, BodyState], held: Collection[str] = ()) -> bytes:
-    """Return the datagram that tells these poses; those of the objects in `held` are in the tool's frame."""
+    """Return the datagram with these poses; those of the objects in `held` are in the tool's frame."""
     return json.dumps(
         {"objects": {name: _written(pose) | ({"in": "tool"} if name in held else {}) for name, pose in poses.items()}}
     ).encode()

@@ -16,7 +16,7 @@ from coral.contact.worlds.franka_cfg import FrankaCfg
 REACH_M = 0.9
 """An object farther than this from the arm's foot is none that it can handle, or has a wrong pose."""
 BELOW_M = 0.05
-"""Nor is one whose origin is so far below the table's top."""
+"""Nor is one whose origin is this far below the table's top."""
 RESTING_RAD_S = 0.02
 """Joints faster than this are in motion."""
 

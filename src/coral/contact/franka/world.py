@@ -143,7 +143,7 @@ class FrankaWorld:
         """Return the first report that is ready.
 
         Raises:
-            WorldError: The arm was stopped, or nothing came in so long (s, machine's time).
+            WorldError: The arm was stopped, or nothing came for this long (s, machine's time).
         """
         waited = 0.0
         while True:

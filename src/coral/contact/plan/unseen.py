@@ -14,7 +14,7 @@ KNOWN = ("_seen", "_size", "_mass", "_friction")
 
 
 def objects_read(program: Cost, schema: Schema) -> tuple[str, ...]:
-    """Return the objects whose state a program reads; a program that does not tell what it reads waits for nothing.
+    """Return the objects whose state a program reads; a program that does not declare what it reads waits for nothing.
 
     Args:
         program: A compiled program.

@@ -14,7 +14,7 @@ from coral.errors import InputError
 from coral.foreign_file import read_picture_file
 
 PERIOD_S = 0.1
-"""Time between pictures where the recording tells none."""
+"""Time between pictures if the recording states none."""
 SUFFIXES = (".png", ".jpg", ".tif")
 
 

@@ -40,7 +40,7 @@ class PictureCamera:
     depth_scale_mm: float
     """Millimetres per unit of its depth picture."""
     T_world_camera: Array
-    """Shape=(4, 4); where the recording tells no pose of the camera, its frame is the world's."""
+    """Shape=(4, 4); if the recording states no pose of the camera, its frame is the world's."""
     time_s: float | None = None
     """Time of the picture, which BOP does not have; None where the recording does not tell it."""
 

@@ -95,7 +95,7 @@ class BaseCondition(BaseModel):
             check_known(thing, [*getattr(self, "also", ()), *others], where, f"{field}.thing")
 
     def monitor(self, trial: TrialLike) -> Monitor:
-        """Make a function that tells whether the condition holds; call it with the true state at every control step."""
+        """Make a function that says whether the condition holds; call it with the true state at every control step."""
         raise NotImplementedError
 
 

@@ -235,7 +235,7 @@ class Flipped(BaseCondition):
 class Pointing(BaseCondition):
     """The object's `axis` points along `direction` (world) within `tolerance_deg`, or, if `either_way`, against it.
 
-    It tells on which side an object lies, and to which side it fell.
+    It says on which side an object lies, and to which side it fell.
     """
 
     needs_poses_only: ClassVar[bool] = True

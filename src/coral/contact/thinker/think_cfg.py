@@ -54,7 +54,7 @@ class ThinkCfg:
     budget: BudgetCfg = field(default_factory=BudgetCfg)
     """Attempts and wall time of one decision."""
     fallback: StandIn = "prior"
-    """What stands where the advisor does not decide: `prior` masses and frictions, no regions and the plan before; or
+    """What happens where the advisor does not decide: `prior` masses and frictions, no regions and the plan before; or
     the episode ends (`hold`, or `fail`, whose end reason names the failure)."""
     latency: str = "auto"
     """Simulated latency of an answer: 0, SECONDS, fixed:SECONDS, lognormal:MEDIAN:SIGMA, measured, recorded, paper or

@@ -44,7 +44,7 @@ from coral.contact.world_model.history import most_informative_object
 from coral.errors import RunError
 
 TELL_NOTHING: frozenset[Diagnosis] = frozenset({"led-away", "out-of-reach", "pose-wrong", "not-reached"})
-"""Diagnoses whose history tells nothing about mass and friction: nothing was pushed, or not where it was believed."""
+"""Diagnoses whose history says nothing about mass and friction: nothing was pushed, or not where it was believed."""
 PLANNER_MAY_BE_WEAK: frozenset[Diagnosis] = frozenset(
     {"settled", "stage-never-ends", "not-gripped", "not-reached", "blocked", "not-moved", "no-progress"}
 )

@@ -47,7 +47,7 @@ ENDED = {
     "camera-off": "failed: the camera gave no pictures",
     "not-found": "failed: an object was not found",
     "cost-error": "failed: the cost could not be evaluated",
-    "no-strategy": "failed: the advisor had no strategy",
+    "no-strategy": "failed: no answer of the advisor contained a usable plan",
     "no-decision": "failed: the advisor did not decide",
     "advisor failed": "ended: the advisor did not decide",
     "no-plan": "failed: the planner found no usable motion",
