@@ -15,6 +15,7 @@ from coral.reef.map.best_views import BestViews
 from coral.reef.map.chain import CentroidTracker, ChainCfg, InspectCfg, Track
 from coral.reef.map.changes import Box, joined
 from coral.reef.map.costfield import CostFieldCfg
+from coral.reef.map.glimpses import Glimpses
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.regions import OysterRegions
 from coral.reef.map.water import Water, WaterMap
@@ -60,6 +61,7 @@ class Belief:
         self.others: tuple[Neighbour, ...] = ()
         """The other robots of the mission, as they describe themselves."""
         self.best_views = BestViews(occupancy.camera)
+        self.glimpses = Glimpses()
         self._keeps_chain = True
         self._trail: list[tuple[float, float]] = []
         self._failed: list[tuple[float, float]] = []
@@ -84,7 +86,7 @@ class Belief:
         """Copy all that decisions read, for another thread to work on while this belief changes: some milliseconds."""
         copied = copy.copy(self)
         copied.map, copied.tracker = self.map.snapshot(), self.tracker.snapshot()
-        copied.best_views = copy.copy(self.best_views)
+        copied.best_views, copied.glimpses = copy.copy(self.best_views), copy.copy(self.glimpses)
         copied._trail, copied._failed = self._trail.copy(), self._failed.copy()
         copied._waters, copied._still = {}, {cfg: water.snapshot() for cfg, water in self._waters.items()}
         return copied
@@ -132,6 +134,7 @@ class Belief:
                 self.tracker.mark_visited(pose.x, pose.y, self.cfg.visit_radius_m)
             if frame is not None:
                 self.best_views.update(frame, pose, self.tracks, self._ticks)
+                self.glimpses.update(frame, pose)
         self._ticks += 1
 
     def hear(self, image: RangeImage, pose: Pose, attitude: Attitude | None = None) -> None:

@@ -54,6 +54,9 @@ class MapScene:
     cell_m: float
     origin: tuple[float, float] = (0.0, 0.0)
     """World position of the corner of cell [0, 0]."""
+    floor: Image | None = None
+    """The floor from above, drawn in place of the classes: a whole number of pixels to a cell, row 0 in the south.
+    Shape=(K H, K W, 3)."""
     pose: Pose | None = None
     trajectory: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
     """Shape=(N, 2), oldest first."""
@@ -202,10 +205,11 @@ def _ground(scene: MapScene, window: tuple[float, float, float, float], width: i
     ox, oy = scene.origin
     c0, r0 = round((window[0] - ox) / scene.cell_m), round((window[1] - oy) / scene.cell_m)
     c1, r1 = round((window[2] - ox) / scene.cell_m), round((window[3] - oy) / scene.cell_m)
-    cells = np.zeros((max(1, r1 - r0), max(1, c1 - c0)), np.uint8)
-    rows, columns = scene.cells.shape
-    have = scene.cells[max(r0, 0) : min(r1, rows), max(c0, 0) : min(c1, columns)]
-    cells[max(-r0, 0) : max(-r0, 0) + have.shape[0], max(-c0, 0) : max(-c0, 0) + have.shape[1]] = have
+    if scene.floor is not None:
+        k = scene.floor.shape[0] // scene.cells.shape[0]
+        floor = _cut(scene.floor, (k * r0, k * r1, k * c0, k * c1), 255)
+        return np.asarray(cv2.resize(floor[::-1], (width, height), interpolation=cv2.INTER_AREA), np.uint8)
+    cells = _cut(scene.cells, (r0, r1, c0, c1), 0)
     zoom = min(width / cells.shape[1], height / cells.shape[0])
     if zoom >= 2:  # integer enlargement first keeps the edges of cells sharp; interpolation smooths the rest
         cells = np.repeat(np.repeat(cells, int(zoom), axis=0), int(zoom), axis=1)
@@ -213,6 +217,15 @@ def _ground(scene: MapScene, window: tuple[float, float, float, float], width: i
     # One four-byte look-up per cell is several times faster than one per channel.
     colored = _CELL_WORDS[cells[::-1]].view(np.uint8).reshape(*cells.shape, 4)
     return np.asarray(cv2.resize(colored, (width, height), interpolation=filter_)[..., :3], np.uint8)
+
+
+def _cut(grid: NDArray[np.uint8], box: tuple[int, int, int, int], outside: int) -> NDArray[np.uint8]:
+    """Return the rows and columns (first, end, first, end) of a grid, which may lie beyond it."""
+    r0, r1, c0, c1 = box
+    cut = np.full((max(1, r1 - r0), max(1, c1 - c0), *grid.shape[2:]), outside, np.uint8)
+    have = grid[max(r0, 0) : min(r1, grid.shape[0]), max(c0, 0) : min(c1, grid.shape[1])]
+    cut[max(-r0, 0) : max(-r0, 0) + have.shape[0], max(-c0, 0) : max(-c0, 0) + have.shape[1]] = have
+    return cut
 
 
 def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
@@ -247,8 +260,8 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
             draw_dot(rgb, there, 8.0, RED)
             draw_dot(rgb, there, 5.0, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     for dot, done, share in zip(dots, visited, shares, strict=True):
-        draw_dot(rgb, dot, 6.5, FAR if share is None else ORANGE)
-        if done:
+        draw_dot(rgb, dot, 6.5 if scene.floor is None else 2.5, FAR if share is None else ORANGE)
+        if done and scene.floor is None:
             draw_dot(rgb, dot, 4.5, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     if cfg.labels and len(dots):
         names = [

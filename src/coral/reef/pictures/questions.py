@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
@@ -10,7 +12,8 @@ from coral.reef.decide.outlook import Outlook
 from coral.reef.map.chain import spanning_tree
 from coral.reef.pictures.cameraview import camera_picture
 from coral.reef.pictures.companions import Companion
-from coral.reef.pictures.mapview import MapScene, draw_map, png
+from coral.reef.pictures.floor_mosaic import seen_floor
+from coral.reef.pictures.mapview import MapScene, MapViewCfg, draw_map, png
 from coral.reef.pictures.things import things_picture
 
 
@@ -70,4 +73,8 @@ def question_pictures(outlook: Outlook) -> tuple[Picture, ...]:
         )
         if (things := things_picture(belief)) is not None:
             pictures.append(Picture(name="things", png=png(things), caption="the best colour picture of each dot"))
+        if (floor := seen_floor(belief)) is not None:
+            scene = replace(map_scene(outlook), floor=floor, links=(), trajectory=np.zeros((0, 2)))
+            above = draw_map(scene, MapViewCfg(legend=False))
+            pictures.append(Picture(name="mosaic", png=png(above.rgb), caption="what was seen, from above, in colour"))
     return tuple(pictures)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Fraction, Positive
 from coral.reef.eyes.ground_plane import ray_lengths
-from coral.reef.products.mosaic_kernels import paint
-from coral.reef.products.seen_points import grid_shape, lens_of, transform_of
+from coral.reef.pictures.floor_mosaic import FloorMosaic
+from coral.reef.products.seen_points import grid_shape, transform_of
 from coral.reef.products.water_colour import undo_attenuation
 from coral.reef.recordings.class_colours import CLASS_COLOURS
 from coral.reef.recordings.recording import Recording
@@ -50,18 +49,13 @@ class Mosaic:
 def make_mosaic(recording: Recording, cfg: MosaicCfg) -> Mosaic:
     """Put the pictures of a located recording together.
 
-    Each point of the flat sea floor takes its detail from the picture that shows it best, and its shade from all that
-    show it, so that differences of light and exposure fade across seams (two bands, as Brown and Lowe, Automatic
-    panoramic image stitching, 2007, blend more of them). What stands on the floor leans away from the camera that saw
-    it, as in every orthomosaic without a surface model. Colours are those of the water, unless it is known.
+    See `FloorMosaic`. Colours are those of the water, unless it is known.
 
     Raises:
         InputError: There is no water of that name.
     """
     water = find_water(cfg.water, "--cfg.mosaic.water") if cfg.water else None
-    shape = grid_shape(recording, cfg.pixel_m)
-    best, weight = np.full(shape, np.inf, np.float32), np.zeros(shape, np.float32)
-    shade, fine = np.zeros((*shape, 3), np.float32), np.zeros((*shape, 3), np.float32)
+    mosaic = FloorMosaic(grid_shape(recording, cfg.pixel_m), cfg.pixel_m, recording.camera, cfg.range_m)
     lengths = ray_lengths(recording.camera)
     colour = False
     for keyframe in recording.keyframes():
@@ -71,32 +65,9 @@ def make_mosaic(recording: Recording, cfg: MosaicCfg) -> Mosaic:
             colour = True
             if water is not None:
                 picture = undo_attenuation(picture, frame.depth * lengths, water)
-        coarse, detail = split_bands(picture, cfg.shade_share if frame.rgb is not None else 0.0)
-        paint(
-            coarse, detail, frame.depth, transform_of(keyframe, recording), lens_of(recording), 0.0, cfg.range_m,
-            recording.camera.near_m, cfg.pixel_m, best, weight, shade, fine,
-        )  # fmt: skip
-    seen = np.isfinite(best)
-    rgb = np.round(np.clip(shade / np.maximum(weight, 1e-12)[:, :, None] + fine, 0.0, 255.0)).astype(np.uint8)
-    rgb[~seen] = 0
-    return Mosaic(
-        np.dstack([rgb, np.where(seen, 255, 0).astype(np.uint8)]), cfg.pixel_m, colour, water.name if water else ""
-    )
-
-
-def split_bands(rgb: NDArray[np.uint8], share: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Split a picture into its shade and its detail, which add up to it. Shape=(H, W, 3) each.
-
-    Args:
-        rgb: Shape=(H, W, 3).
-        share: Standard deviation of the Gaussian that makes the shade, as a share of the picture's width; 0: all is
-            detail.
-    """
-    picture = rgb.astype(np.float32)
-    if share <= 0.0:
-        return np.zeros_like(picture), picture
-    coarse = np.asarray(cv2.GaussianBlur(picture, (0, 0), max(share * rgb.shape[1], 0.5)), np.float32)
-    return coarse, picture - coarse
+        share = cfg.shade_share if frame.rgb is not None else 0.0
+        mosaic.add(picture, frame.depth, transform_of(keyframe, recording), share)
+    return Mosaic(mosaic.rgba, cfg.pixel_m, colour, water.name if water else "")
 
 
 def colours_of(frame: Frame) -> NDArray[np.uint8]:
