@@ -24,7 +24,7 @@ class ArmLimitsCfg:
     workspace_low_m: tuple[Signed, Signed, Signed] = (-0.3, -0.4, 0.004)
     workspace_high_m: tuple[Signed, Signed, Signed] = (0.35, 0.4, 0.5)
     """Corners of the tool's box, world frame; targets are clipped to it. The pads reach 8 mm below the tool, and the
-    lower side is above the table by so much that they touch it gently at worst."""
+    lower side is far enough above the table that they touch it gently at worst."""
     workspace_margin_m: NonNegative = 0.03
     """A tool farther than this outside of the box stops the arm."""
     self_distance_m: NonNegative = 0.01

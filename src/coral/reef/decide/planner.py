@@ -32,7 +32,7 @@ class InstructionCfg:
     text: str = ""
     """What is to be done; empty: the whole reef is surveyed."""
     time_s: NonNegative = 0.0
-    """Time for it, as the advisor is told; 0: none is told."""
+    """Time for it, as the advisor gets it; 0: none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,7 @@ class PlannerCfg:
     """Which planner asks, and what it offers."""
 
     algorithm: Literal["tour", "paper"] = "tour"
-    """paper: Alg. 2. tour: asks ahead, offers all that is left, refuses what is provably wrong, tells what else costs.
+    """paper: Alg. 2. tour: asks ahead, offers all that is left, refuses what is provably wrong, says what others cost.
     Departs from the paper: fixed angles (Eqs. 4-8) refuse right answers, too."""
     forward_m: float = 1.0
     """d_min of Alg. 2: a centroid counts as ahead from this forward projection."""

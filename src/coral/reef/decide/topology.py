@@ -31,7 +31,7 @@ class TopologyCfg:
     """False is the ablation "w/o topological memory". Departs from the paper: it switches modes by Alg. 2 alone."""
     remaining: RemainingCfg = field(default_factory=RemainingCfg)
     told_s: float = 5.0
-    """The price of a choice is told from here on: less than an answer takes."""
+    """The price of a choice is reported from here on: less than an answer takes."""
     speed_m_s: Positive = 0.5
     yaw_rate_rad_s: Positive = 0.6
     dot_worth: float = 0.5

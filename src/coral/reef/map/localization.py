@@ -28,7 +28,7 @@ class LocalizationCfg:
     drift_theta: NonNegative = 0.0
     """The same of its heading (rad/√s)."""
     use_covariance: bool = True
-    """Whether the covariance that the odometry tells, if it does, replaces the two random walks."""
+    """Whether the covariance that the odometry reports, if any, replaces the two random walks."""
     period_s: Positive = 0.5
     """Time between measurements. The error of a body's centre depends on the side it is seen from and stays nearly the
     same from picture to picture: pictures at 10 Hz would count it ten times a second."""
@@ -53,7 +53,7 @@ class LocalizationCfg:
     unknown_per_m2: Positive = 0.1
     """Density of obstacles that are no landmarks yet (1/m²); generated reefs have 0.12 in all."""
     radius_span_m: Positive = 0.6
-    """Radii of unknown obstacles are spread evenly over so much (m): reefs have posts of 0.1 m and rocks of 0.7 m."""
+    """Radii of unknown obstacles are spread evenly over this (m): reefs have posts of 0.1 m and rocks of 0.7 m."""
     fresh_s: Positive = 60.0
     """Near landmarks that were seen within this time are known well: where they are, a new one is unlikely."""
     apart_m: Positive = 0.8

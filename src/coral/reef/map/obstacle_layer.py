@@ -36,11 +36,11 @@ class SonarLayerCfg:
     clear_m: Annotated[float, Field(gt=0, le=15)] = 6.0
     """Range of what is known to be clear: that of the map."""
     low_m: Positive = 0.35
-    """A beam at most so high above the floor proves that no obstacle stands there."""
+    """A beam at most this high above the floor proves that no obstacle stands there."""
     level_m: Positive = 0.2
-    """A beam within so much of the vehicle's height proves that nothing floats in its way."""
+    """A beam within this much of the vehicle's height proves that nothing floats in its way."""
     back_m: NonNegative = 0.15
-    """A beam says nothing about so much water before its echo: five standard deviations of a range at 6 m."""
+    """A beam says nothing about this much water before its echo: five standard deviations of a range at 6 m."""
 
 
 class ObstacleLayer:

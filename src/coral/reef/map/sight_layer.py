@@ -22,10 +22,10 @@ class SightLayerCfg:
     near_share: Fraction = 0.2
     """An obstacle is where this share of its pixels along a bearing is nearer, or at its foot if that is nearer."""
     sharp_pixel_m: Positive = 0.05
-    """Looks count fully while a pixel is at most so wide, 2.3 m away with the default camera; then less and less. Where
-    oysters have been looked for from so near, looks from farther away no longer count."""
+    """Looks count fully while a pixel is at most this wide, 2.3 m away with the default camera; then less and less.
+    Where oysters have been looked for from this near, looks from farther away no longer count."""
     target_ratio: NonNegative = 0.5
-    """A cell seen from so near is no target if fewer pictures show oysters than this share of those with seabed."""
+    """A cell seen from that near is no target if fewer pictures show oysters than this share of those with seabed."""
     row_m: Positive = 0.5
     """Floor counts as explored while a row of pixels covers at most this much of it, 4.8 m away with the default
     camera: the smallest cluster is about as wide. Farther away networks take oysters for sea floor."""
@@ -44,10 +44,10 @@ class SightLayerCfg:
     """Evidence that makes an obstacle: looks from two places."""
     aside_rad: Positive = 0.35
     near_m: Positive = 1.5
-    """An obstacle is beyond doubt once two lines of sight so far apart, or one so short, have ended there."""
+    """An obstacle is beyond doubt once two lines of sight this far apart, or one this short, have ended there."""
     step_m: Positive = 0.1
     turn_rad: Positive = 0.1
-    """A picture is evidence once the camera has moved or turned so far: errors of a network repeat themselves while it
+    """A picture is evidence once the camera has moved or turned this far: errors of a network repeat while it
     stands still."""
 
 

@@ -47,8 +47,8 @@ class MissionCfg:
         "advisor", "nearest", "frontier", "lawnmower", "random", "sweep", "oracle", "geometry", "keywords", "reader"
     ] = "advisor"
     """Who answers the questions: the advisor, or a baseline's rules in its place. sweep and oracle ask no questions:
-    they follow lanes, or a tour planned on the true reef. geometry and keywords, for missions in words: rules that are
-    told the conditions without the kinds, or read key words. reader: sees, in truth, the
+    they follow lanes, or a tour planned on the true reef. geometry and keywords, for missions in words: rules that know
+    the conditions but not the kinds, or read key words. reader: sees, in truth, the
     kinds of what it has been near."""
     lane_m: Positive = 10.0
     """Distance between the lanes of a blind sweep (m)."""

@@ -45,7 +45,7 @@ class GuardCfg:
     velocity_timeout_s: Positive = 0.45
     frame_timeout_s: Positive = 0.35
     """Age at which the camera is lost: three pictures at 10 Hz. A camera whose pictures take 0.2 s to arrive and to be
-    labelled needs as much more."""
+    labelled needs that much more."""
     sonar_timeout_s: Positive = 0.35
     """Age at which the sonar is lost: at 5 Hz, one image may be missing. A vehicle without a camera, which drives at
     half speed, then stands within 1 s of the loss."""
@@ -55,15 +55,15 @@ class GuardCfg:
     future_s: NonNegative = 0.05
     """A stamp may be this far ahead of the control loop's clock: half a period."""
     gap_s: Positive = 1.0
-    """The clock may advance by so much from tick to tick; with more, or backwards, it has jumped."""
+    """The clock may advance by this much from tick to tick; with more, or backwards, it has jumped."""
     max_speed_m_s: Positive = 1.5
     """Fastest vehicle that is believed: 2.5 times the cruise speed, more than a BlueROV2 can do."""
     max_yaw_rate_rad_s: Positive = 2.0
     jump_m: Positive = 0.5
-    """A pose may differ by so much, besides what the fastest vehicle can drive: fixes of a position are rough."""
+    """A pose may differ by this much, beyond what the fastest vehicle can drive: fixes of a position are rough."""
     jump_rad: Positive = 0.4
     outside_m: NonNegative = 20.0
-    """A pose may lie so far outside of the survey area."""
+    """A pose may lie this far outside the survey area."""
     max_sigma_m: Positive = 2.0
     """Largest standard deviation of a position, where it is known: the size of a cluster."""
     max_tilt_rad: Positive = 0.8
@@ -73,7 +73,7 @@ class GuardCfg:
     min_seen: Fraction = 0.01
     """Share of the pixels that must have a return. The camera looks down and always sees the seabed before it."""
     frozen_m: Positive = 0.05
-    """Equal pictures over so much way mean that the camera hangs, if they show an oyster or an obstacle. Bare seabed
+    """Equal pictures over this distance mean that the camera hangs, if they show an oyster or an obstacle. Bare seabed
     may look the same everywhere."""
     frozen_rad: Positive = 0.05
     """The same for a turn."""

@@ -21,7 +21,7 @@ class LookRoundCfg:
     yaw_rate_rad_s: Positive = 0.5
     """Rate of the turn; a picture at 10 Hz is then 3° from the one before."""
     apart_m: Positive = 1.0
-    """A place so far from the last one is worth another turn."""
+    """A place this far from the last one is worth another turn."""
     times: Count = 5
     """Turns in a mission."""
 

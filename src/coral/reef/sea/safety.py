@@ -45,7 +45,7 @@ class SafetyCfg:
     """Turns of the tether, either way."""
     on_tether: Action = "hold"
     return_speed_m_s: Positive = 0.3
-    """Speed over ground on which the way back is reckoned: half of what is driven."""
+    """Speed over ground assumed for the way back: half of what is driven."""
     reserve_s: NonNegative = 30.0
     """Time kept back for the way home, besides the way itself."""
     on_time: Action = "return"

@@ -18,7 +18,7 @@ class DvlCfg:
     """Pings a second: 10 at 0.3 to 3 m above the sea floor, 5 to 15 elsewhere (maker, "Range mode")."""
     noise_m_s: NonNegative = 0.005
     """Standard deviation of each horizontal velocity (m/s). Ours: the maker's example of a report says 0.0002 m/s at
-    rest in a bucket. It is told as the figure of merit."""
+    rest in a bucket. It is reported as the figure of merit."""
     bias_m_s: NonNegative = 0.001
     """Standard deviation of an offset that stays for a dive: "long term accuracy 0.1 cm/s" (maker)."""
     scale: NonNegative = 0.01
@@ -33,7 +33,7 @@ class DvlCfg:
     cycle_lost_s: NonNegative = 0.2
     """Time for which they are lost. Ours: the maker says "some measurements"."""
     outage_rate_hz: NonNegative = 1.0 / 120.0
-    """Losses of bottom lock besides, a second: bubbles, weeds, steep walls. Ours."""
+    """Other losses of bottom lock, per second: bubbles, weeds, steep walls. Ours."""
     outage_s: Positive = 1.0
     """Their mean length. Ours."""
     range_m: Positive = 50.0

@@ -20,7 +20,7 @@ class ImuCfg:
     """Noise of the turn rate (rad/s/√Hz): 4 mdps/√Hz (ICM-20602)."""
     gyro_bias_rad_s: NonNegative = 5.8e-5
     """Standard deviation of its offset after a calibration at rest: 0.2 degrees a minute, the middle of the 0.1 to 0.3
-    that the DVL A50's maker tells for its own ("Yaw drift")."""
+    that the DVL A50's maker states for its own ("Yaw drift")."""
     gyro_bias_walk: NonNegative = 1.0e-6
     """Random walk of that offset (rad/s/√s), by temperature. Ours."""
     gyro_scale: NonNegative = 0.005
