@@ -7,7 +7,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
 
 from coral.advisor.consult import DEADLINE_S
-from coral.commands.reef_run import FallbackNotice, ReefRun, share_inspected, still_left
+from coral.commands.reef_run import FallbackNotice, ReefRun, covered, share_inspected, still_left
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.mission.resolution import PERSON_DEADLINE_S
 from coral.reef.vehicle.camera import CameraCfg
@@ -151,3 +151,9 @@ def test_the_first_mission_says_why_nothing_moves_yet(told, tmp_path, monkeypatc
     short = ["--cfg.time-limit-s", "0.2", "--cfg.record.no-report", "--json"]
     assert "compiling once, about a minute" in told("reef", "run", "s1", *short, "--out", tmp_path / "a")[2]
     assert "compiling" not in told("reef", "run", "s1", *short, "--quiet", "--out", tmp_path / "b")[2]
+
+
+def test_a_mission_in_words_on_a_reef_without_oysters_names_none():
+    assert covered({"success": True, "clusters_total": 0}) == ""
+    told = covered({"clusters_covered": 2, "clusters_total": 4, "coverage": 0.5, "inspected": 0.25})
+    assert told.startswith("2 of 4 oyster clusters covered (50 %), 25 % of the oysters")

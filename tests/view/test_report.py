@@ -3,6 +3,7 @@ import re
 import shutil
 
 import pytest
+import yaml
 
 from coral.errors import InputError
 from coral.view.report import write_report
@@ -204,10 +205,10 @@ def test_a_mission_in_words_has_its_instruction_its_answer_and_what_the_judge_fo
     html = page(fresh)
     for words in (
         "Mission: not fulfilled",
-        "<b>one net</b>",
+        "<b>“one net”</b>",
         "1.20 m, 2 m wanted",
         "A black ring.",
-        "not &lt;tyre&gt;",
+        "&lt;tyre&gt;, ruled out",
     ):
         assert words in html
     assert "was changed under way" not in html
@@ -227,3 +228,20 @@ def test_words_that_were_changed_are_listed_and_said_to_be_judged_by_nobody(fres
 
 def test_another_mission_has_no_section_of_its_own(fresh):
     assert 'id="mission"' not in page(fresh)
+
+
+def test_a_reef_without_oysters_is_told_by_its_mission_alone(fresh):
+    lines = [json.loads(line) for line in (fresh / "events.jsonl").read_text().splitlines()]
+    lines = [{**e, **({"clusters_total": 0} if e["event"] == "start" else {})} for e in lines]
+    lines = [e for e in lines if e["event"] != "cluster_covered"]
+    (fresh / "events.jsonl").write_text("".join(json.dumps(e) + "\n" for e in lines))
+    world = yaml.safe_load((fresh / "world.yaml").read_text())
+    (fresh / "world.yaml").write_text(yaml.safe_dump({**world, "clusters": []}))
+    (fresh / "metrics.json").unlink()
+    verdict = {"text": "Find the net.", "met": False, "answer": None, "conditions": [{"condition": "a", "met": True}]}
+    told = {"event": "instruction", "text": "Find the net.", "by": "start"}
+    with_events(fresh, told, {"event": "judged", "clusters": [], "instruction": verdict})
+    html = page(fresh)
+    assert "1 of 1 conditions met" in html
+    for words in ("oyster clusters over", "each mark is one", "0 of 0"):
+        assert words not in html

@@ -69,5 +69,5 @@ def test_the_map_says_what_things_were_taken_for(fresh):
     said = [{"dot": 1, "x": 9.0, "y": 9.0, "label": "tyre", "skip": True, "why": ""}]
     run = replace(run, events=[*run.events, {"event": "goal", "t": 12.0, "said": said}])
     early, late = (scene_at(run, decisions(run), t) for t in (10.0, 40.0))
-    assert (early.marks, late.marks) == ([], [(9.0, 9.0, "not tyre")])
+    assert (early.marks, late.marks) == ([], [(9.0, 9.0, "tyre, ruled out")])
     assert (draw_map(late).rgb != draw_map(replace(late, marks=())).rgb).any()

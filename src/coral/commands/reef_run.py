@@ -200,18 +200,25 @@ class ReefRun:
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the outcome in a few lines, and list the files."""
         lines = [
-            f"{self.world}: {result['clusters_covered']} of {result['clusters_total']} oyster clusters covered "
-            f"({100 * result['coverage']:.0f} %), {share_inspected(result)}{many(result['collisions'], 'collision')}, "
+            f"{self.world}: {covered(result)}{many(result['collisions'], 'collision')}, "
             f"{many(result['advisor_calls'], 'advisor call')} ({many(result['requeries'], 're-query', 're-queries')}), "
             f"{result['sim_time_s']:.0f} s simulated in "
             f"{result['wall_time_s']:.0f} s; ended: {result['end_reason']}",
             *fulfilled(result),
-            *still_left(result),
+            *([] if "success" in result else still_left(result)),
             f"run folder: {result['run']}",
         ]
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
         lines += [str(result["decided"])] if result["decided"] else []
         return "\n".join(lines)
+
+
+def covered(result: Mapping[str, Any]) -> str:
+    """Say how many clusters were covered; nothing where a mission in words has a reef without oysters."""
+    if "success" in result and not result["clusters_total"]:
+        return ""
+    share = f"({100 * result['coverage']:.0f} %), {share_inspected(result)}"
+    return f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered {share}"
 
 
 def share_inspected(result: Mapping[str, Any]) -> str:

@@ -59,7 +59,7 @@ def render_report(run: RunFolder) -> str:
     """Render the whole page as text."""
     made = decisions(run)
     pictures = shown_pictures(run, made)
-    metrics = _metrics(run)
+    metrics, mission = _metrics(run), _mission(run)
     drawing = MapSvg(run, _size(run))
     start: Record = (run.select("start") or [{}])[0]
     collisions = len(run.select("collision", "robot_collision"))
@@ -71,7 +71,7 @@ def render_report(run: RunFolder) -> str:
         size=_size(run),
         metrics=metrics,
         headline=_headline(run, metrics),
-        tiles=_tiles(metrics),
+        tiles=_tiles(metrics, mission),
         map=Markup(drawing.draw(made)),
         decisions=made,
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, made)],
@@ -81,9 +81,9 @@ def render_report(run: RunFolder) -> str:
         each=_robot_table(metrics),
         robots=[color_of(k) for k in range(1, len(run.fleet) + 1)],
         truth=_truth_counts(run),
-        mission=_mission(run),
+        mission=mission,
         states=_states(run),
-        left=_left(run),
+        left=[] if mission else _left(run),
         collisions=collisions,
         **origin(run, ("world", "advisor", "variant", "seed"), TIMING),
         data=Markup(script_data(run, made, pictures)),
@@ -128,13 +128,14 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     found = f"all {total}" if total and covered == total else f"{covered} of {total}"
     safe = "without touching anything" if not touched else f"with {many(touched, 'collision')}"
     verb = "had covered" if not run.complete else "covered"
+    done = f"{verb} {found} oyster clusters over" if total or not run.select("instruction") else "travelled"
     asked = many(int(metrics.get("advisor_calls", 0)), "question")
     minutes, seconds = divmod(round(float(metrics.get("sim_time_s", 0.0))), 60)
     distance = float(metrics.get("distance_m", 0.0))
     who, whose = (f"the {metrics['robots']} robots", "their") if metrics.get("robots") else ("the robot", "its")
     deciding = who_decided(metrics, things="goals", fallback=_fallback(run), advisor="The advisor")
     return (
-        f"In {minutes} min {seconds} s {who} {verb} {found} oyster clusters over {distance:.0f} m of survey, "
+        f"In {minutes} min {seconds} s {who} {done} {distance:.0f} m{' of survey' * (done != 'travelled')}, "
         f"{safe}, putting {asked} to {whose} advisor.{f' {deciding}.' if deciding else ''}"
     )
 
@@ -148,20 +149,24 @@ def _fallback(run: RunFolder) -> Fallback:
     return found
 
 
-def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+def _tiles(metrics: Mapping[str, Any], mission: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     """Return (value, unit or remark, name, state) of the key numbers."""
     if not metrics:
         return []
     covered, total = int(metrics.get("clusters_covered", 0)), int(metrics.get("clusters_total", 0))
     collisions = int(metrics.get("collisions", 0))
     closest = metrics.get("min_clearance_m")
+    covering = (
+        f"{float(metrics.get('coverage', 0)):.0%}",
+        f"{covered} of {total} clusters",
+        "coverage",
+        "good" if total and covered == total else "",
+    )
+    if mission and not total:  # a reef without oysters
+        met = sum(verdict == "met" for _, verdict, _ in mission["rows"])
+        covering = (mission["verdict"], f"{met} of {len(mission['rows'])} conditions met", "mission", "")
     return [
-        (
-            f"{float(metrics.get('coverage', 0)):.0%}",
-            f"{covered} of {total} clusters",
-            "coverage",
-            "good" if total and covered == total else "",
-        ),
+        covering,
         (
             str(collisions),
             f"closest pass {closest:.2f} m" if isinstance(closest, int | float) else "",
@@ -182,7 +187,7 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
             "deviations",
             "",
         ),
-        *_inspection_tiles(metrics),
+        *(_inspection_tiles(metrics) if total or not mission else ()),
         *_position_tiles(metrics),
     ]
 
@@ -223,13 +228,11 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
     if not len(run.column("t")) and not run.events:
         return []
     first = " of robot 0" if run.fleet else ""
-    imaging = imaging_chart(run)
+    bare = bool(run.select("instruction")) and not sum(_truth_counts(run))
+    imaging = "" if bare else imaging_chart(run)
+    covering = "Share of the true oyster clusters of which at least 60 % has been seen; each mark is one."
     return [
-        (
-            "Coverage",
-            "Share of the true oyster clusters of which at least 60 % has been seen; each mark is one.",
-            coverage_chart(run),
-        ),
+        *([] if bare else [("Coverage", covering, coverage_chart(run))]),
         *([(IMAGING, IMAGING_NOTE, imaging)] if imaging else []),
         (
             "Decisions and triggers",

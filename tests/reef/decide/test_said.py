@@ -12,7 +12,7 @@ def test_a_later_word_replaces_the_label_and_what_is_ruled_out_stays_so():
     assert [(one.dot, one.label, one.skip) for one in said] == [(7, "crab pot", True), (2, "", True)]
     assert of_place(said, 4.4, 5.2) == said[0]
     assert of_place(said, 6.5, 5.0) is None
-    assert [one.name for one in said] == ["not crab pot", "not that"]
+    assert [one.name for one in said] == ["crab pot, ruled out", "?, ruled out"]
 
 
 def test_a_run_tells_what_had_been_said_by_a_time():

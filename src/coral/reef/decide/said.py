@@ -30,7 +30,7 @@ class Said:
     @property
     def name(self) -> str:
         """What a map writes beside it."""
-        return f"{'not ' * self.skip}{self.label or 'that'}"[:40]
+        return (self.label or "?")[:32] + ", ruled out" * self.skip
 
     @classmethod
     def of_record(cls, record: object) -> Said | None:
