@@ -114,6 +114,7 @@ def test_recorded_plans_compile_and_pass_the_checks_in_their_scenes(tmp_path, na
     assert metrics["answers"] == {"accepted": 2 + regions, "refused": 0, "malformed": 0, "missing": 1 - regions}
 
 
+@pytest.mark.slow
 def test_a_recorded_plan_succeeds_again(tmp_path):
     metrics = attempted("flip-box", tmp_path / "run", 12.0)
     assert (metrics["success"], metrics["decided_by"]["fallback"]) == (True, 0)

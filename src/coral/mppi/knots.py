@@ -1,14 +1,10 @@
-"""MPPI over spline knots: sample around the last plan, weight by cost, average (Eqs. 4-6 of the CoRAL paper).
-
-Two other update laws share its samples, for comparison: predictive sampling and the cross-entropy method.
-"""
+"""MPPI over spline knots: sample around the last plan, weight by cost, average (Eqs. 4-6 of the CoRAL paper)."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +16,6 @@ from coral.mppi.weights import effective_sample_size, softmax_weights
 
 Array = NDArray[np.float64]
 Evaluate = Callable[[Array], Array]
-Law = Literal["softmax", "best", "elites"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,14 +46,6 @@ class KnotMppiCfg:
     """Factor on the noise from one iteration to the next."""
     spread_quantile: Positive = 0.5
     """Costs above this quantile are excluded from the spread: one extreme rollout must not flatten the others."""
-    law: Law = "softmax"
-    """Update of the plan: softmax, the mean weighted by cost (Eqs. 5-6); best, the cheapest sample (predictive
-    sampling, Howell et al. 2022); elites, the mean of the cheapest, with noise as wide as they are (cross-entropy
-    method)."""
-    elite_share: Fraction = 0.1
-    """Share of the samples that are elites."""
-    least_noise: Fraction = 0.2
-    """The noise that is fitted to elites never falls below this share of sigma."""
 
 
 @dataclass(frozen=True)
@@ -99,13 +86,12 @@ class KnotMppi:
         self.cfg, self.sigma, self._rng = cfg, np.asarray(sigma, dtype=float), rng
         self._groups = (self.sigma.size,) if groups is None else tuple(groups)
         self.knots = np.zeros((cfg.knots, self.sigma.size))
-        self._width = np.ones_like(self.knots)
 
     def sample(self, scale: float = 1.0) -> Array:
         """Sample perturbed plans, Shape=(K, n, nu); the first is the plan itself."""
         cfg = self.cfg
         ramp = np.linspace(*cfg.ramp, cfg.knots)[:, None]
-        noise = self._rng.standard_normal((cfg.samples, *self.knots.shape)) * (scale * ramp * self.sigma * self._width)
+        noise = self._rng.standard_normal((cfg.samples, *self.knots.shape)) * (scale * ramp * self.sigma)
         fine = round(cfg.fine * cfg.samples)
         noise[:fine] *= np.exp(self._rng.uniform(np.log(cfg.finest), 0.0, (fine, 1, 1)))
         noise[:fine] *= self._choose_axes(fine)[:, None, :]
@@ -132,20 +118,18 @@ class KnotMppi:
             proposals: Replaces some of the samples, for example by motions to contact points.
             bound: Projects sequences onto the admissible set.
         """
-        update: Update | None = None
-        for iteration in range(self.cfg.iterations):
-            sampled = self.sample(self.cfg.shrink**iteration)
+        cfg, update = self.cfg, None
+        for iteration in range(cfg.iterations):
+            sampled = self.sample(cfg.shrink**iteration)
             if proposals is not None:
                 sampled = proposals(sampled)
             sampled = bound(sampled)
             costs = np.asarray(evaluate(sampled), dtype=float)
             costs = np.where(np.isfinite(costs), costs, np.inf)
-            weights = self._weigh(costs)
+            weights = softmax_weights(costs, cfg.temperature * spread(costs, cfg.spread_quantile))
             ok = bool(weights.any())
             if ok:
                 self.knots = np.tensordot(weights, sampled, axes=1)
-                if self.cfg.law == "elites":
-                    self._fit_width(sampled[weights > 0])
             update = Update(self.knots.copy(), sampled, costs, weights, effective_sample_size(weights), ok)
         assert update is not None
         return update
@@ -153,23 +137,6 @@ class KnotMppi:
     def advance(self, by: float, span: float) -> None:
         """Shift the plan by `by` in time: the warm start of the next one."""
         self.knots = shift(self.knots, by, span, self.cfg.spline)
-
-    def _weigh(self, costs: Array) -> Array:
-        """Return the weights, Shape=(K,), by the update law; all zero if no cost is finite."""
-        cfg = self.cfg
-        if cfg.law == "softmax":
-            return softmax_weights(costs, cfg.temperature * spread(costs, cfg.spread_quantile))
-        return softmax_weights(costs, math.inf, elites=1 if cfg.law == "best" else self._elite_count)
-
-    @property
-    def _elite_count(self) -> int:
-        return max(2, round(self.cfg.elite_share * self.cfg.samples))
-
-    def _fit_width(self, elites: Array) -> None:
-        """Fit the noise to the elites, Shape=(E, n, nu)."""
-        cfg = self.cfg
-        full = np.maximum(np.linspace(*cfg.ramp, cfg.knots)[:, None] * self.sigma, 1e-12)
-        self._width = np.clip(elites.std(axis=0) / full, cfg.least_noise, 1.0)
 
 
 def spread(costs: Array, quantile: float = 1.0) -> float:

@@ -96,7 +96,14 @@ def history(questions, **told):
     return {**texts, **lists, **past, "attempts": 3, **told}
 
 
-@pytest.mark.parametrize("task", ["push-pick-board", "pick-clutter", "push-force", "flip-wall"])
+@pytest.mark.parametrize(
+    "task",
+    [
+        "push-force",
+        "flip-wall",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("push-pick-board", "pick-clutter")),
+    ],
+)
 def test_the_facts_hold_nothing_that_the_prompt_does_not_show(ask, task):
     advisor = Careless()
     one, questions, _ = ask(advisor, task)

@@ -51,7 +51,7 @@ def damaged(draw):
 
 
 packets = st.lists(st.one_of(st.binary(max_size=300), frames, damaged()), min_size=1, max_size=12)
-bounded = settings(max_examples=60, suppress_health_check=list(HealthCheck))
+bounded = settings(max_examples=20, suppress_health_check=list(HealthCheck))
 
 
 @bounded
