@@ -111,7 +111,7 @@ def test_no_file_of_a_run_holds_a_key_that_the_server_echoes(stub, reef, tmp_pat
         stub.error(500, f"Bearer {key}"),
         echo,
     )
-    cfg = MissionCfg(time_limit_s=40.0, latency="0", record=RecordCfg(frames=False))
+    cfg = MissionCfg(time_limit_s=12.0, latency="0", record=RecordCfg(frames=False))
     Mission(reef, cfg, ModelAdvisor.local(server.url, "m", HASTY), tmp_path / "run").run()
     verdicts = [(one["verdict"], one["raw"].count("***")) for one in attempts(tmp_path / "run")]
     assert ("accepted", 3) in verdicts

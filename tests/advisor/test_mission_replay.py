@@ -12,7 +12,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.world.world import load_world
 
-CFG = MissionCfg(time_limit_s=40.0, record=RecordCfg(pictures=False, frames=False))
+CFG = MissionCfg(time_limit_s=14.0, latency="fixed:2", record=RecordCfg(pictures=False, frames=False))
 
 
 def fly(spec, folder):
