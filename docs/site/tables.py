@@ -14,13 +14,14 @@ from functools import partial
 from itertools import groupby, pairwise
 from typing import get_args
 
+from cost_tables import tables as cost_tables
+
 from coral import limits
 from coral.advisor.registry import ENTRIES
 from coral.cli import COMMANDS
 from coral.commands.config import ListConfig
 from coral.configurations import CONFIGURATIONS
 from coral.contact.episode import metrics as contact_metrics
-from coral.contact.plan.cost_reference import tables as cost_tables
 from coral.contact.scene.conditions import Condition
 from coral.plugins import GROUPS
 from coral.reef.mission import metrics as reef_metrics
