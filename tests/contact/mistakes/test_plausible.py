@@ -27,12 +27,12 @@ PLAN_MISTAKES = [mistake.name for mistake in CONTACT_MISTAKES if set(mistake.que
 @pytest.mark.parametrize("name", PLAN_MISTAKES)
 def test_a_wrong_plan_reads_like_a_plan_and_some_pass_every_check(scene, name):
     one = scene("pick-clutter" if name == "wrong-object" else "flip-wall" if name == "wrong-side" else "pick-box")
-    passed = 0
+    plans = []
     for seed in range(6):
         right, made = wrong(one, name, "cost-function", seed)
         assert made != right
-        passed += verify_plan(PlanAnswer.model_validate(made), one.world.schema, one.samples) is None
-    assert passed
+        plans.append(PlanAnswer.model_validate(made))
+    assert any(verify_plan(plan, one.world.schema, one.samples) is None for plan in plans)
 
 
 def test_the_same_numbers_make_the_same_mistake(scene):

@@ -99,7 +99,7 @@ def test_where_a_mistake_is_found_is_said_with_a_paper_or_not_at_all(mistake):
 
 def test_every_error_of_a_mission_is_in_its_log(pond, tmp_path):
     cfg = MissionCfg(
-        time_limit_s=60.0, stop_when_covered=False, latency="fixed:1", record=RecordCfg(pictures=False, frames=False)
+        time_limit_s=25.0, stop_when_covered=False, latency="fixed:1", record=RecordCfg(pictures=False, frames=False)
     )
     rng = np.random.default_rng(1)
     spec = "sloppy:dots=0.3+mirrored=0.3+rotated=0.2+stale=0.2:heuristic"

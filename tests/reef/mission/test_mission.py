@@ -80,8 +80,9 @@ def test_the_same_seed_gives_the_same_run_and_another_seed_does_not(pond, finish
     run(pond, tmp_path / "again")
     for name in ("metrics.json", "trajectory.csv", "events.jsonl", "attempts.jsonl"):
         assert (tmp_path / "again" / name).read_bytes() == (folder / name).read_bytes()
-    run(pond, tmp_path / "other", seed=1)
-    assert (tmp_path / "other" / "trajectory.csv").read_bytes() != (folder / "trajectory.csv").read_bytes()
+    run(pond, tmp_path / "other", cfg=dataclasses.replace(QUIET, time_limit_s=2.0), seed=1)
+    other = (tmp_path / "other" / "trajectory.csv").read_bytes()
+    assert not (folder / "trajectory.csv").read_bytes().startswith(other)
 
 
 def test_the_controller_shifts_its_plan_by_the_mission_s_control_period(pond, tmp_path):
@@ -100,7 +101,7 @@ def test_a_folder_with_something_in_it_is_left_alone(pond, tmp_path):
 
 
 def test_a_new_goal_is_not_given_up_because_its_answer_was_slow(pond, tmp_path):
-    cfg = dataclasses.replace(QUIET, latency="fixed:30", time_limit_s=60.0)
+    cfg = dataclasses.replace(QUIET, latency="fixed:30", time_limit_s=50.0)
     run(pond, tmp_path / "run", cfg=cfg)
     answered = [g["t"] for g in events(tmp_path / "run", "goal") if g["source"] == "advisor"]
     fired = [e["t"] for e in events(tmp_path / "run", "trigger") if e["fired"] and e["cause"] == "stuck"]
