@@ -12,6 +12,7 @@ CELLS = re.findall(r"^```python run\n(.*?)^```$", PAGE.read_text(encoding="utf-8
 LOOP_RUNS = "import asyncio\nassert asyncio.get_running_loop().is_running()"
 
 
+@pytest.mark.slow
 def test_every_cell_runs_where_an_event_loop_is_running(tmp_path):
     cells = [nbformat.v4.new_code_cell(text) for text in (LOOP_RUNS, *CELLS)]
     notebook = nbformat.v4.new_notebook(cells=cells)

@@ -151,7 +151,7 @@ def test_pictures_are_used_once_a_period():
     assert localizer.sigma[0] < 0.999 * 0.06 * math.sqrt(0.5)
 
 
-def mission(pond, folder, localization, seed=0, seconds=40.0):
+def mission(pond, folder, localization, seed=0, seconds=60.0):
     noise = SensorNoiseCfg(
         visibility_m=4.0, obstacle_missed=0.1, obstacle_false=0.01, depth_sigma=0.03, drift_xy=0.06, drift_theta=0.006
     )

@@ -168,7 +168,7 @@ def twin(watch, scene, transform, visibility=math.inf):
     return np.where(visible, np.where(distance <= watch.inspection_m, 2, 1), 0)
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [3])
 def test_levels_equal_a_plain_search(seed):
     scene = Scene.from_world(reefscape(seed))
     watch = ImagingMeter(scene)
