@@ -50,15 +50,17 @@ class LocalizationCfg:
     """Largest squared Mahalanobis distance between a sighting and its landmark: 99.9 % of three normal variables."""
     candidate_m: Positive = 3.0
     """Landmarks farther away than this are not compared (m)."""
-    unknown_per_m2: Positive = 0.1
-    """Density of obstacles that are no landmarks yet (1/m²); generated reefs have 0.12 in all."""
+    unknown_per_m2: Positive = 0.3
+    """Density of obstacles that are no landmarks yet (1/m²). Generated reefs have 0.12 in all, but one wrong match
+    turns the map for good, and an obstacle that is taken for a new one costs little: of five missions in murky water
+    the worst mean error falls from 1.39 to 0.40 m."""
     radius_span_m: Positive = 0.6
     """Radii of unknown obstacles are spread evenly over this (m): reefs have posts of 0.1 m and rocks of 0.7 m."""
     fresh_s: Positive = 60.0
     """Near landmarks that were seen within this time are known well: where they are, a new one is unlikely."""
     apart_m: Positive = 0.8
     """Near means this (m): generated reefs keep 1 m between obstacles by default."""
-    beside: Positive = 0.02
+    beside: Positive = 0.2
     """Share by which unknown obstacles are rarer there."""
     same_m: Positive = 0.4
     """Nearer than this to a landmark seen within `fresh_s` no new one is started (m)."""
