@@ -20,7 +20,6 @@ from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import MapCfg, OccupancyMap
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.presets import CLEAR, apply_preset
 from coral.reef.mission.word_judge import instructed
 from coral.reef.mission.word_oracle import next_things
 from coral.reef.pictures.questions import question_pictures
@@ -36,10 +35,6 @@ SAME_M = 1.3
 """A dot within this of a thing's middle stands for it."""
 LEAST_DOTS = 2
 GOALS = 12
-
-
-WATERS = (CLEAR, "bay")
-"""In turn, by the number of the mission."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +59,7 @@ def word_items(half: str, seed: int, each: int = 2) -> list[ExamItem]:
         item
         for family in FAMILIES
         for number in range(first, first + each)
-        if (item := word_item(find_world(f"{PREFIX}{family}:{number}"), _rng(seed, number), WATERS[number % 2]))
+        if (item := word_item(find_world(f"{PREFIX}{family}:{number}"), _rng(seed, number)))
     ]
     return [replace(item, id=f"{item.kind}-{number:03d}") for number, item in enumerate(found)]
 
@@ -73,10 +68,12 @@ def _rng(seed: int, number: int) -> np.random.Generator:
     return np.random.default_rng([seed, 41, number])
 
 
-def word_item(world: ReefWorld, rng: np.random.Generator, preset: str = CLEAR) -> ExamItem | None:
-    """Make one question of a mission in a water, at a moment where pictures decide; None if there is none."""
-    cfg, world = apply_preset(preset, MissionCfg(), world)
-    cfg = instructed(cfg, world.mission)
+def word_item(world: ReefWorld, rng: np.random.Generator) -> ExamItem | None:
+    """Make one question of a mission, at a moment where pictures decide; None if there is none.
+
+    The water is clear: in a bay the robot sees one or two things at a time, and none of several has to be chosen.
+    """
+    cfg = instructed(MissionCfg(), world.mission)
     belief = Belief(OccupancyMap(world.size_m, cfg.simulator.camera, MapCfg()), replace(cfg.belief, chain_period=1))
     planner = MissionPlanner(belief, CostFieldCfg(), render, lambda outlook: (), cfg.planner)
     met = list(_moments(world, planner, cfg))
