@@ -29,7 +29,13 @@ def opening():
         one.close()
 
 
-@pytest.mark.parametrize("task", contact_checks.TASKS)
+LARGE = ("push-pick-board", "pick-clutter")
+"""Tasks whose checks take seconds."""
+
+
+@pytest.mark.parametrize(
+    "task", [pytest.param(name, marks=pytest.mark.slow if name in LARGE else ()) for name in contact_checks.TASKS]
+)
 def test_costs_that_are_known_to_be_good_are_accepted(opening, task):
     one = opening(task)
     costs = list(contact_checks.good_costs(one, task))

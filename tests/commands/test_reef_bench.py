@@ -153,10 +153,8 @@ def test_bad_input_is_told_before_anything_runs(puddle, tmp_path, fields, compla
     assert not list(tmp_path.rglob("episodes"))
 
 
-def test_another_configuration_in_the_same_folder_is_refused(puddle, tmp_path, capsys):
-    words = ["reef", "bench", "--worlds", str(puddle), "--variants", "full", "--out", str(tmp_path), "--quiet"]
-    assert main([*words, "--cfg.time-limit-s", "1", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["done"] == 1
+def test_another_configuration_in_the_same_folder_is_refused(finished, puddle, capsys):
+    words = ["reef", "bench", "--worlds", str(puddle), "--variants", "full", "--out", str(finished[1]), "--quiet"]
     assert main([*words, "--cfg.time-limit-s", "2"]) == 2
     assert "configuration" in (told := capsys.readouterr().err)
     assert told.count("\n") == 1
