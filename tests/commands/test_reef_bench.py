@@ -3,6 +3,8 @@ import dataclasses
 import io
 import json
 import pickle
+import re
+import threading
 
 import numpy as np
 import pytest
@@ -10,8 +12,9 @@ import yaml
 
 from coral.campaign.dataset import read_parquet
 from coral.cli import _parse, main
-from coral.commands.reef_bench import ReefBench
+from coral.commands.reef_bench import ReefBench, mission_alone
 from coral.errors import InputError
+from coral.file_writer import write_whole
 from coral.reef.world.world import Cluster, Oyster, ReefWorld, Start, save_world
 
 
@@ -158,6 +161,52 @@ def test_another_configuration_in_the_same_folder_is_refused(finished, puddle, c
     assert main([*words, "--cfg.time-limit-s", "2"]) == 2
     assert "configuration" in (told := capsys.readouterr().err)
     assert told.count("\n") == 1
+
+
+def desk_bench(folder, **fields):
+    cfg = dataclasses.replace(mission_alone(), latency="fixed:2")
+    told = {"variants": "full", "advisors": "desk", "inbox": folder / "inbox", "cfg": cfg, "study": ("words",)}
+    return ReefBench(worlds="words:living:100", out=folder / "out", quiet=True, mix=True, **{**told, **fields})
+
+
+def test_a_reader_outside_is_asked_in_an_inbox_and_scored(tmp_path):
+    ended, kinds = threading.Event(), set()
+
+    def read():
+        while not ended.wait(0.02):
+            for file in (tmp_path / "inbox").glob("*/question.json"):
+                question = json.loads(file.read_text())
+                if question["id"] not in kinds:
+                    kinds.add(question["id"])
+                    write_whole(file.parent / "answer.json", '{"done": true, "reason": "nothing to see"}')
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    try:
+        result = desk_bench(tmp_path)()
+    finally:
+        ended.set()
+        reader.join()
+    assert (result["done"], result["failed"]) == (1, 0)
+    assert all(name.endswith("-reef-mission") for name in kinds)
+    (row,) = read_parquet(tmp_path / "out" / "results.parquet")
+    assert row["success"] is False
+    (tmp_path / "out" / "tables.md").unlink()
+    ReefBench(out=tmp_path / "out", collect=True, quiet=True)()
+    assert re.search(r"full, desk \|\s+1 \|\s+0 \[0, 79\]", (tmp_path / "out" / "tables.md").read_text())
+
+
+@pytest.mark.parametrize(
+    ("fields", "where"),
+    [
+        ({"inbox": None}, "--inbox DIR"),
+        ({"cfg": mission_alone()}, "--cfg.latency"),
+        ({"jobs": 2}, "--jobs"),
+    ],
+)
+def test_a_desk_without_an_inbox_or_with_a_clock_is_refused(tmp_path, fields, where):
+    with pytest.raises(InputError, match=where):
+        desk_bench(tmp_path, **fields)()
 
 
 def test_a_folder_without_a_campaign_cannot_be_collected(tmp_path):

@@ -65,6 +65,8 @@ class ReefEpisode:
     worlds: Mapping[str, ReefWorld]
     keep: frozenset[str] = frozenset()
     """Keys of the configuration that win over a preset."""
+    inbox: Path | None = None
+    """Where the desk asks."""
 
     def __call__(self, spec: Spec, folder: Path) -> dict[str, Any]:
         """Run the mission."""
@@ -80,6 +82,7 @@ class ReefEpisode:
             advisor=advisor,
             seed=spec.seed,
             model=self.model,
+            inbox=self.inbox,
             draw=question_pictures if sees else None,
         )
 
@@ -104,6 +107,8 @@ class ReefBench(CampaignFlags):
     seeds: str = "0"
     """Numbers and ranges, such as 0-4 or 0,3,7-9."""
     advisors: Annotated[str, Option(help=advisor_help("Separated by commas"))] = "heuristic"
+    inbox: Path | None = None
+    """With --advisors desk: folder in which the questions of one mission after the other wait for a reader outside."""
     presets: Annotated[str, Option(help=preset_help("Water and sensors, separated by commas"))] = CLEAR
     study: Annotated[tuple[str, ...] | None, Option(metavar="[words]")] = None
     """The study: all variants of Tables I and II and the references, with the rules and two sloppy advisors, in clear
@@ -157,7 +162,7 @@ class ReefBench(CampaignFlags):
             )
         with store.lock():
             store.open(specs, self._conditions(worlds), command=self._command(), mix=self.mix, about=provenance())
-            summary = run_specs(self, store, specs, ReefEpisode(self.cfg, self.model, worlds, self._keep))
+            summary = run_specs(self, store, specs, ReefEpisode(self.cfg, self.model, worlds, self._keep, self.inbox))
             result = self._collect(store, summary)
         check_finished(result, summary, self.out, "mission")
         return result
@@ -182,8 +187,23 @@ class ReefBench(CampaignFlags):
     def _advisor(self, name: str) -> Advisor:
         """Make the advisor of a row, as far as it can be checked here."""
         return make_advisor(
-            name, rules=REEF_RULES, rng=_rng(), cfg=self.model, where="--advisors", mistakes=REEF_MISTAKES
+            name,
+            rules=REEF_RULES,
+            rng=_rng(),
+            inbox=self.inbox,
+            cfg=self.model,
+            where="--advisors",
+            mistakes=REEF_MISTAKES,
         )
+
+    def _check_desk(self, advisor: str) -> None:
+        """Check that a reader outside can answer, and that the results will not depend on his clock."""
+        if self.inbox is None:
+            raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves, or --inbox DIR")
+        if self.cfg.latency in ("auto", "measured"):
+            raise InputError("--cfg.latency", "", self.cfg.latency, "the same for every answer at the desk: fixed:10")
+        if self.jobs != 1 or self.executor != "local":
+            raise InputError("--jobs", "", self.jobs, "1 with --inbox: one mission asks after the other")
 
     def _specs(self, worlds: Mapping[str, ReefWorld]) -> tuple[Spec, ...]:
         variants = parse_names(self.variants, "--variants")
@@ -191,7 +211,7 @@ class ReefBench(CampaignFlags):
         advisors = parse_names(self.advisors, "--advisors")
         for advisor in advisors:
             if asks_person(advisor):
-                raise InputError("--advisors", "", repr(advisor), "advisors that answer by themselves")
+                self._check_desk(advisor)
             self._advisor(advisor)
         specs = grid(
             "reef",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.model_cfg import ModelCfg
-from coral.advisor.registry import make_advisor
+from coral.advisor.registry import asks_person, make_advisor
 from coral.errors import RunError
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
@@ -18,6 +18,7 @@ from coral.reef.mission.metrics import covered_at
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
+from coral.reef.mission.resolution import PERSON_DEADLINE_S
 from coral.reef.world.world import ReefWorld
 
 
@@ -31,6 +32,7 @@ def run_episode(
     seed: int,
     preset: str = "clear",
     model: ModelCfg | None = None,
+    inbox: Path | None = None,
     draw: Draw | None = None,
 ) -> dict[str, Any]:
     """Run a mission. The same arguments give the same mission as `coral reef run`.
@@ -44,6 +46,7 @@ def run_episode(
         seed: Of everything random.
         preset: Name of the water and sensors, for the record; `cfg` and `world` have its values.
         model: How a real model is called.
+        inbox: Where the desk asks.
         draw: Draws the pictures for an advisor with eyes.
 
     Returns:
@@ -54,8 +57,11 @@ def run_episode(
         RunError: The mission was interrupted.
     """
     cfg = dataclasses.replace(cfg, record=RecordCfg(pictures=draw is not None, frames=False, report=False, video=False))
+    if asks_person(advisor):
+        budget = cfg.pilot.budget.within(PERSON_DEADLINE_S)
+        cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
     rng = np.random.default_rng([seed, 7])
-    asked = make_advisor(advisor, rules=REEF_RULES, rng=rng, cfg=model, mistakes=REEF_MISTAKES)
+    asked = make_advisor(advisor, rules=REEF_RULES, rng=rng, inbox=inbox, cfg=model, mistakes=REEF_MISTAKES)
     result = Mission(world, cfg, asked, folder, seed=seed, variant=variant, preset=preset, draw=draw).run()
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])
