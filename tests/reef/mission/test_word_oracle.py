@@ -22,6 +22,11 @@ def test_it_goes_to_what_the_conditions_name_in_order():
     assert names == {"crab-pot", "tyre", "sponge"}
 
 
+def test_it_follows_a_cable_from_end_to_end():
+    targets, _ = _targets(word_mission("words:cable:101"), (2.5, 10.0))
+    assert [x for x, _ in targets] == sorted(x for x, _ in targets)  # the file has the fourth piece before the third
+
+
 def test_it_sees_three_sides_from_beyond_the_distance_to_keep():
     world = word_mission("words:net:0")
     net = next(thing for thing in world.things if thing.kind == "ghost-net")

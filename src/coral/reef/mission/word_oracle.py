@@ -78,7 +78,6 @@ def _wanted(world: ReefWorld) -> tuple[list[str], bool, str, str]:
                 ring = named(one.of)[0]
             case EndsAt():
                 end = "start" if one.at == "start" else named((one.at,))[0]
-                fixed = fixed or one.at != "start"
             case _:
                 pass
     return visits, fixed, ring, end
