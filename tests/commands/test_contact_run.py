@@ -155,6 +155,7 @@ def test_where_a_model_decides_nothing_everything_says_so(task, refusing, tmp_pa
     assert said.rstrip().splitlines()[-1] == f"t{last}"
     assert f"T{last}" in (out / "report.html").read_text()
     assert "did not decide on the parameters (requeries-used-up): continuing with the prior beliefs" in err
+    assert err.count("at 0.0 s the advisor gave no usable plan: ") == 1
 
 
 def test_a_task_that_nobody_answered_tells_the_ways_on(tmp_path, monkeypatch, capsys):

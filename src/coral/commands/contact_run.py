@@ -348,13 +348,17 @@ def nobody_answered(task: str) -> str:
 
 
 class StandInNotice:
-    """Reports once on standard error that the advisor did not decide."""
+    """Reports on standard error, each once, that the advisor did not decide, and why its plans were refused."""
 
     def __init__(self) -> None:
-        self._said = False
+        self._said = self._told = False
 
     def __call__(self, event: Mapping[str, Any]) -> None:
         """Handle an event of the episode."""
+        if event["event"] == "plan_answer" and event.get("failure") and event.get("refused") and not self._told:
+            self._told = True
+            why = "; ".join(dict.fromkeys(event["refused"]))
+            print(f"at {event['t']:.1f} s the advisor gave no usable plan: {why}", file=sys.stderr, flush=True)
         if event["event"] == "fallback" and not self._said:
             self._said = True
             then = "the episode ends" if event["by"] == "nobody" else f"continuing with {event['by']}"
