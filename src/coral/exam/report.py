@@ -21,6 +21,8 @@ KINDS: Mapping[str, str] = {
     "reef-centroid": "1 for the dot from which the best tour of what is left ends soonest, on the true map; 0 for one "
     "that loses 10 s, the time of another question, or that the verifiers refuse.",
     "reef-waypoint": "The same for a waypoint. At one reached before the next answer can come, the robot waits.",
+    "reef-mission": "Half for a next dot that an oracle would go to, a quarter for what is ruled out, a quarter for "
+    "what things are taken for.",
     "physical-parameters": "By the logarithm of the error: 0 from a factor of 4 in mass and of 2 in friction on; mass "
     "counts three quarters.",
     "contact-regions": "Share of the named places on the side of the object that the task wants touched; 0 where the "
