@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from coral.advisor.clock import SimulatedClock
+from coral.advisor.consult import BudgetCfg
 from coral.advisor.question import Reply
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.answers import WaypointChoice
@@ -126,6 +127,13 @@ class Leaves(Ahead):
         return Reply(value=WaypointChoice(forward_m=4, left_m=0, explore_rest=True), raw="")
 
 
+class Refused(Ahead):
+    """Always answers with the place where it is, which is refused."""
+
+    async def answer(self, question, rejections):
+        return Reply(value=WaypointChoice(forward_m=0, left_m=0), raw="")
+
+
 def test_who_is_left_alone_explores_without_a_question(drive):
     mission = drive()
     mission.pilot.advisor = Leaves()
@@ -134,6 +142,15 @@ def test_who_is_left_alone_explores_without_a_question(drive):
     assert len(mission.told("question")) == sources.count("advisor") == 1
     assert sources.count("tour") >= 2
     assert len(mission.attempts) == 1
+
+
+def test_a_fallback_stands_in_for_one_answer_and_does_not_leave_the_rest(drive):
+    mission = drive(cfg=PilotCfg(fallback="rules", budget=BudgetCfg(max_requeries=0)))
+    mission.pilot.advisor, mission.pilot.fallback = Refused(), Leaves()
+    mission.until(45.0)
+    sources = [goal["source"] for goal in mission.told("goal")]
+    assert sources.count("fallback") >= 2
+    assert "tour" not in sources
 
 
 def test_a_synchronous_robot_stands_still_while_a_question_is_open(drive):

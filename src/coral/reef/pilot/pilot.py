@@ -553,6 +553,8 @@ class Pilot:
                 self.route.follow(way, self._now)
             self._emit("held", source=source, decision=self._decision, reason=SURVEY_ENDED, **said)
             return
+        if source == "fallback" and getattr(answer, "explore_rest", False):
+            answer = answer.model_copy(update={"explore_rest": False})  # it stands in for one answer, not for the rest
         goal = self.planner.locate(asked, answer)
         if goal is None or isinstance(goal, Rejection):
             label = getattr(answer, "selected_centroid_index", getattr(answer, "dot", None))
