@@ -325,6 +325,13 @@ def test_an_exception_of_the_preparation_is_raised(make_clock):
         run(clock, clock.prepare(lambda: 1 // 0, 0.1))
 
 
+def test_a_run_that_was_suspended_while_something_was_prepared_continues(make_clock):
+    clock, go = make_clock(wall_timeout_s=0.02), threading.Event()
+    threading.Timer(0.2, go.set).start()
+    _, task = run(clock, clock.prepare(lambda: go.wait(60.0), 0.1))
+    assert task.result() is True
+
+
 def test_what_is_prepared_can_be_withdrawn(make_clock):
     clock, go = make_clock(), threading.Event()
 

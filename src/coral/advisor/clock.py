@@ -262,7 +262,8 @@ class SimulatedClock:
             if request.wait and not future.done():
                 began = time.monotonic()
                 with interruptible():
-                    wait([future], self._wall_timeout_s)
+                    # The robot's own work has no time-out: a run that was suspended for long continues.
+                    wait([future], None if math.isinf(request.deadline_s) else self._wall_timeout_s)
                 self.waited_s += time.monotonic() - began
                 if not future.done():
                     parked.set_exception(
