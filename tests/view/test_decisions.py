@@ -2,7 +2,7 @@ import dataclasses
 
 import pytest
 
-from coral.view.decisions import Try, decisions
+from coral.view.decisions import Try, chain_at, decisions
 from coral.view.run import RunFolder
 
 
@@ -17,7 +17,7 @@ def test_decisions_tell_cause_tries_and_goal(finished):
     assert second.tries[1].reason == "The chosen centroid is behind the robot."
     assert second.tries[2].said == "centroid 1"
     assert second.goal == (9.0, 9.0)
-    assert [c["index"] for c in second.centroids] == [0, 1]
+    assert [c["index"] for c in chain_at(RunFolder.read(finished), second.t)] == [0, 1]
     assert second.x == pytest.approx(2.0 + 0.18 * 12.0, abs=0.05)
     assert third.outcome == "open"
     assert third.tries[0].latency_s is None
@@ -67,3 +67,12 @@ def test_a_question_that_was_withdrawn_is_no_failure(finished):
         return dataclasses.replace(made[0], tries=(only,)).state
 
     assert [last(v) for v in ("withdrawn", "rejected", "unavailable")] == ["idle", "bad", "bad"]
+
+
+def test_the_chain_is_the_last_that_was_told_whoever_chose_the_goal(finished):
+    run = RunFolder.read(finished)
+    alone = {"t": 39.0, "event": "goal", "source": "tour", "centroids": [{"index": 7, "x": 1.0, "y": 2.0}]}
+    run = dataclasses.replace(run, events=(*(e for e in run.events if e["t"] <= 39.0), alone))
+    assert [c["index"] for c in chain_at(run, 38.9)] == [0, 1]
+    assert [c["index"] for c in chain_at(run, 39.0)] == [7]
+    assert chain_at(run, -1.0) == ()

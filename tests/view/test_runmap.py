@@ -7,15 +7,13 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.pictures.mapview import draw_map
-from coral.view.decisions import decisions
 from coral.view.run import RunFolder
 from coral.view.runmap import scene_at, snapshot, step_at, write_map
 
 
 def test_the_scene_shows_only_what_was_known_then(finished):
     run = RunFolder.read(finished)
-    made = decisions(run)
-    early, late = scene_at(run, made, 10.0), scene_at(run, made, 40.0)
+    early, late = scene_at(run, 10.0), scene_at(run, 40.0)
     assert early.pose.x == pytest.approx(3.8, abs=0.01)
     assert len(early.trajectory) == 101
     assert (early.cells > 0).sum() < (late.cells > 0).sum()
@@ -44,7 +42,7 @@ def test_a_heading_is_interpolated_the_short_way_round(finished):
     run = RunFolder.read(finished)
     columns = {name: np.zeros(2) for name in ("step", "x", "y", "goal_x", "goal_y")}
     turning = replace(run, trajectory={**columns, "t": np.array([0.0, 1.0]), "theta": np.array([3.0, -3.0])})
-    assert abs(scene_at(turning, [], 0.5).pose.theta) == pytest.approx(math.pi, abs=1e-6)
+    assert abs(scene_at(turning, 0.5).pose.theta) == pytest.approx(math.pi, abs=1e-6)
 
 
 def test_a_run_without_anything_has_an_empty_map(fresh):
@@ -53,7 +51,7 @@ def test_a_run_without_anything_has_an_empty_map(fresh):
             path.unlink()
     (fresh / "events.jsonl").write_text("")
     run = replace(RunFolder.read(fresh), frame_steps=())
-    scene = scene_at(run, [], 5.0)
+    scene = scene_at(run, 5.0)
     assert (scene.pose, scene.goal, scene.cells.any()) == (None, None, False)
 
 
@@ -68,6 +66,6 @@ def test_the_map_says_what_things_were_taken_for(fresh):
     run = RunFolder.read(fresh)
     said = [{"dot": 1, "x": 9.0, "y": 9.0, "label": "tyre", "skip": True, "why": ""}]
     run = replace(run, events=[*run.events, {"event": "goal", "t": 12.0, "said": said}])
-    early, late = (scene_at(run, decisions(run), t) for t in (10.0, 40.0))
+    early, late = (scene_at(run, t) for t in (10.0, 40.0))
     assert (early.marks, late.marks) == ([], [(9.0, 9.0, "tyre, ruled out")])
     assert (draw_map(late).rgb != draw_map(replace(late, marks=())).rgb).any()

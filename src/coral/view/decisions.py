@@ -77,6 +77,20 @@ def _moves(forward: float, left: float) -> str:
     return ", ".join(f"{abs(metres)} m {where}" for metres, where in ways if metres) or "stay here"
 
 
+def chains(run: RunFolder) -> list[tuple[float, tuple[Record, ...]]]:
+    """Return the chain of clusters whenever the run tells it: time (s), and clusters with label and place."""
+    told = (
+        (float(event["t"]), tuple(c for c in event.get("centroids") or () if {"index", "x", "y"} <= set(c)))
+        for event in run.events
+    )
+    return [(t, chain) for t, chain in told if chain]
+
+
+def chain_at(run: RunFolder, t: float) -> tuple[Record, ...]:
+    """Return the chain of clusters that was told last at time `t` (s)."""
+    return next((chain for at, chain in reversed(chains(run)) if at <= t + 1e-6), ())
+
+
 @dataclass(frozen=True, kw_only=True)
 class Decision:
     """One decision, from its trigger to its goal."""
@@ -87,8 +101,6 @@ class Decision:
     """Cause of the last trigger before the question."""
     mode: str
     tries: tuple[Try, ...]
-    centroids: tuple[Record, ...]
-    """Centroids of the last question: index, x, y, visited."""
     x: float
     y: float
     """Position of the robot at the time of the question (m); nan if not recorded."""
@@ -153,7 +165,6 @@ def decisions(run: RunFolder) -> list[Decision]:
                 cause=causes.get(key, ""),
                 mode=str(asked[-1].get("mode", "")),
                 tries=tries,
-                centroids=tuple(c for c in asked[-1].get("centroids") or () if {"index", "x", "y"} <= set(c)),
                 x=float(xs[nearest]) if nearest >= 0 else float("nan"),
                 y=float(ys[nearest]) if nearest >= 0 else float("nan"),
                 goal=(float(goal["x"]), float(goal["y"])) if goal and _has(goal, "x", "y") else None,

@@ -17,7 +17,7 @@ from coral.reef.decide.said import said_by
 from coral.reef.pictures.companions import COLORS
 from coral.reef.pictures.mapframe import CELL_COLORS, nice_step
 from coral.reef.world.structures import solid_records
-from coral.view.decisions import Decision
+from coral.view.decisions import Decision, chain_at
 from coral.view.run import Record, RunFolder
 from coral.view.svg import clock, line, text
 
@@ -61,7 +61,7 @@ class MapSvg:
                 '<g clip-path="url(#inside)">',
                 self._truth(),
                 self._path(),
-                self._centroids(made),
+                self._centroids(),
                 self._links(made),
                 '<g id="goalmark" class="goal" visibility="hidden"><circle r="11"/>'
                 '<path d="M-16,0h9M7,0h9M0,-16v9M0,7v9"/></g>',
@@ -125,8 +125,8 @@ class MapSvg:
         spots = ("{:.1f},{:.1f}".format(*self.at(float(a), float(b))) for a, b in zip(x, y, strict=True))
         return "M" + "L".join(spots) if len(x) else ""
 
-    def _centroids(self, made: Sequence[Decision]) -> str:
-        last = next((d.centroids for d in reversed(made) if d.centroids), ())
+    def _centroids(self) -> str:
+        last = chain_at(self.run, self.run.duration_s)
         spots = [self.at(float(c["x"]), float(c["y"])) for c in last]
         chain = " ".join(f"{x:.1f},{y:.1f}" for x, y in spots)
         dots = "".join(

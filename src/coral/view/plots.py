@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from coral.reef.pictures.mapview import draw_map
-from coral.view.decisions import decisions
 from coral.view.run import RunFolder, read_table
 from coral.view.runmap import scene_at
 
@@ -29,7 +28,7 @@ def plot_survey(folder: Path) -> Figure:
     """
     run = RunFolder.read(folder)
     figure, (left, right) = _two_axes()
-    left.imshow(draw_map(scene_at(run, decisions(run), run.duration_s)).rgb)
+    left.imshow(draw_map(scene_at(run, run.duration_s)).rgb)
     left.set_axis_off()
     left.set_title("the robot's map")
     right.plot(run.column("t"), 100 * run.column("coverage"), label="covered")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ from coral.reef.decide.said import said_by
 from coral.reef.pictures.companions import COLORS, Companion
 from coral.reef.pictures.mapview import MapScene, draw_map
 from coral.reef.world.geometry import Pose
-from coral.view.decisions import Decision, decisions
+from coral.view.decisions import chain_at
 from coral.view.run import RunFolder
 
 
@@ -27,21 +26,20 @@ def write_map(run_folder: str | Path) -> Path:
     run = RunFolder.read(run_folder)
     path = run.path / "map.png"
     with writing(path):
-        write_whole(path, png(draw_map(scene_at(run, decisions(run), run.duration_s)).rgb))
+        write_whole(path, png(draw_map(scene_at(run, run.duration_s)).rgb))
     return path
 
 
-def scene_at(run: RunFolder, made: Sequence[Decision], t: float, cells: NDArray[np.uint8] | None = None) -> MapScene:
+def scene_at(run: RunFolder, t: float, cells: NDArray[np.uint8] | None = None) -> MapScene:
     """Return the robot's map and state at time `t` (s), as far as recorded.
 
     Args:
         run: The run.
-        made: Its decisions, from `decisions`.
         t: Simulated time (s).
         cells: Map classes, Shape=(H, W); None takes the last snapshot that is no later than `t`.
     """
     pose, track, goal = _state_at(run, t)
-    offered = next((d.centroids for d in reversed(made) if d.t <= t + 1e-6), ())
+    offered = chain_at(run, t)
     size = run.world.get("size_m") or (20.0, 20.0)
     if cells is None:
         cells = snapshot(run, t)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from coral.drawing import palette_png
 from coral.foreign_file import read_picture_file
 from coral.reef.pictures.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
-from coral.view.decisions import Decision
+from coral.view.decisions import Decision, chains
 from coral.view.mapsvg import map_uri
 from coral.view.run import RunFolder
 from coral.view.svg import LEFT, RIGHT, WIDTH
@@ -82,6 +82,9 @@ def script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str,
         **({"o": [_motion(run.robot(k), keep) for k in range(1, len(run.fleet) + 1)]} if run.fleet else {}),
         "frames": _frames(run),
         "pictures": dict(pictures),
+        "chains": [
+            [t, [[c["index"], c["x"], c["y"], bool(c.get("visited"))] for c in chain]] for t, chain in chains(run)
+        ],
         "decisions": [
             {
                 "n": d.number,
@@ -94,7 +97,6 @@ def script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str,
                 **({"r": d.robot} if run.fleet else {}),
                 "verdict": d.outcome,
                 "why": d.tries[-1].why[:600],
-                "c": [[c["index"], c["x"], c["y"], bool(c.get("visited"))] for c in d.centroids],
             }
             for d in made
         ],

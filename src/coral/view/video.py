@@ -82,7 +82,7 @@ def pictures(run: RunFolder) -> Iterator[Image]:
             shown, cells = step, snapshot(run, t)
             eyes = _camera_pictures(run, step)
         canvas = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
-        chart = draw_map(scene_at(run, made, t, cells), view).rgb
+        chart = draw_map(scene_at(run, t, cells), view).rgb
         top, left = (HEIGHT - STRIP - chart.shape[0]) // 2, (WIDTH - EYE[0] - chart.shape[1]) // 2
         canvas[top : top + chart.shape[0], left : left + chart.shape[1]] = chart
         canvas[: 2 * EYE[1], WIDTH - EYE[0] :] = eyes

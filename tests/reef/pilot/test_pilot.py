@@ -141,6 +141,7 @@ def test_who_is_left_alone_explores_without_a_question(drive):
     sources = [goal["source"] for goal in mission.told("goal")]
     assert len(mission.told("question")) == sources.count("advisor") == 1
     assert sources.count("tour") >= 2
+    assert all(goal["centroids"] == [] for goal in mission.told("goal") if goal["source"] == "tour")
     assert len(mission.attempts) == 1
 
 

@@ -37,7 +37,7 @@ from coral.reef.mission.robot import naming
 from coral.reef.mission.tours import planned
 from coral.reef.mission.word_judge import WordJudge, instructed, told_verdict
 from coral.reef.mission.word_oracle import true_answer
-from coral.reef.pilot.leftover import what_is_left
+from coral.reef.pilot.leftover import chain_of, what_is_left
 from coral.reef.pilot.pilot import NOTHING_LEFT, SURVEY_ENDED
 from coral.reef.simulation.encounter import Encounters
 from coral.reef.simulation.faults import FAULTS, parse_fault
@@ -217,7 +217,7 @@ class Mission:
                 for robot in self.robots:
                     robot.clock.withdraw()
                     robot.pilot.stop(self.end_reason or "failed")
-                self.emit("left", clusters=what_is_left(self.belief))
+                self.emit("left", clusters=what_is_left(self.belief), centroids=chain_of(self.belief))
                 judging = self._judged()
                 self.emit("end", reason=self.end_reason or "failed")
             finally:  # even if the disk is full

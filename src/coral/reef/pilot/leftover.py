@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 from coral.reef.map.belief import Belief
@@ -23,6 +24,26 @@ def what_is_left(belief: Belief) -> list[dict[str, Any]]:
         }
         for track in belief.tracks
         if not track.visited
+    ]
+
+
+def chain_of(belief: Belief, closed: Collection[int] = ()) -> list[dict[str, Any]]:
+    """Return the chain of clusters as events tell it: label, place (m), whether it is done, inspected share.
+
+    Args:
+        belief: What the robot knows.
+        closed: Labels of the clusters that will be done on arrival, whatever is answered.
+    """
+    return [
+        {
+            "index": track.index,
+            "x": round(track.x, 3),
+            "y": round(track.y, 3),
+            "visited": track.visited,
+            **({"done_on_arrival": True} if track.index in closed else {}),
+            "inspected": round(track.inspected, 3),
+        }
+        for track in belief.tracker.chain()
     ]
 
 

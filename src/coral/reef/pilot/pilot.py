@@ -30,6 +30,7 @@ from coral.reef.drive.traffic import Traffic, TrafficCfg
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.pilot.guard import GuardCfg, Reading, SensorGuard
+from coral.reef.pilot.leftover import chain_of
 from coral.reef.pilot.look_round import LookRound, LookRoundCfg
 from coral.reef.pilot.safety import SafetyWatch
 from coral.reef.vehicle.sensing import VehicleObservation, Velocity
@@ -430,17 +431,7 @@ class Pilot:
             mode=self._mode,
             acceptable=asked.acceptable,
             pictures=[p.digest for p in question.pictures],
-            centroids=[
-                {
-                    "index": k.index,
-                    "x": round(k.x, 3),
-                    "y": round(k.y, 3),
-                    "visited": k.visited,
-                    **({"done_on_arrival": True} if k.index in asked.outlook.closed else {}),
-                    "inspected": round(k.inspected, 3),
-                }
-                for k in asked.outlook.belief.tracker.chain()
-            ],
+            centroids=chain_of(asked.outlook.belief, asked.outlook.closed),
         )
         self._attempts += 1
         return question
@@ -600,6 +591,7 @@ class Pilot:
             index=None,
             reason="unexplored water comes next in the robot's own tour, to which the advisor left the rest",
             violates=False,
+            centroids=chain_of(asked.outlook.belief),
             **({"waits": len(before)} if before else {}),
         )
 

@@ -26,7 +26,7 @@ from coral.reef.mission.assembly import Deciding, decider_of, latency_in_real_ti
 from coral.reef.mission.loop import MissionLoop
 from coral.reef.mission.metrics import compute_metrics
 from coral.reef.mission.word_judge import told_verdict
-from coral.reef.pilot.leftover import what_is_left
+from coral.reef.pilot.leftover import chain_of, what_is_left
 from coral.reef.pilot.pilot import Pilot
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.link_vehicle import LinkVehicle
@@ -378,7 +378,7 @@ class SeaMission:
             self.emit("order_refused", order=result.order, reason=result.refusal)
         self.orders.close()
         self.clock.withdraw()
-        self.emit("left", clusters=what_is_left(self.belief))
+        self.emit("left", clusters=what_is_left(self.belief), centroids=chain_of(self.belief))
         record, tracks = self.record, self.belief.tracks
         near = sum(not track.far for track in tracks)
         if record.truth is not None:

@@ -119,15 +119,10 @@ class ReefSubject:
         self._again += attempt > 0
         title, cause = TITLES.get(mode, mode), CAUSES.get(self._cause, self._cause)
         again = f", attempt {attempt + 1}" if attempt else ""
-        dots = [
-            [str(dot["index"]), float(dot["x"]), float(dot["y"]), bool(dot.get("visited"))]
-            for dot in event.get("centroids") or ()
-            if {"index", "x", "y"} <= set(dot)
-        ]
         pictures = [str(digest) for digest in event.get("pictures") or () if str(digest).isalnum()]
         asked = {"title": title, "detail": f"{mode} mode{again}", "cause": cause, "since": event["t"]}
         told: Moment = {"line": f"asked: {title}{again}", "asked": asked, "pictures": pictures}
-        return {**told, "dots": dots} if dots else told
+        return {**told, **_dots(event)}
 
     def _on_verdict(self, event: Record) -> Moment:
         answer = event.get("answer")
@@ -146,7 +141,8 @@ class ReefSubject:
         source = event.get("source")
         if source in ("advisor", "recording"):
             return _marks(event) or None
-        return {"line": f"new goal, chosen by {'the rules' if source == 'fallback' else 'the start'}", **_marks(event)}
+        chooser = {"fallback": "the rules", "tour": "the robot's own tour"}.get(str(source), "the start")
+        return {"line": f"new goal, chosen by {chooser}", **_marks(event), **_dots(event)}
 
     def _on_instruction(self, event: Record) -> Moment:
         return {"line": f"instruction, by {event.get('by', '')}", "instruction": str(event.get("text", ""))}
@@ -194,6 +190,16 @@ class ReefSubject:
     def _on_end(self, event: Record) -> Moment:
         reason = str(event.get("reason", ""))
         return {"line": f"ended: {reason}", "asked": None, "ended": reason}
+
+
+def _dots(event: Record) -> Moment:
+    """Return the chain of clusters that an event tells, if it tells one."""
+    dots = [
+        [str(dot["index"]), float(dot["x"]), float(dot["y"]), bool(dot.get("visited"))]
+        for dot in event.get("centroids") or ()
+        if {"index", "x", "y"} <= set(dot)
+    ]
+    return {"dots": dots} if dots else {}
 
 
 def _marks(event: Record) -> Moment:

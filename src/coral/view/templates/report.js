@@ -25,20 +25,20 @@
     while (low < high) { const mid = (low + high + 1) >> 1; if (times[mid] <= t + 1e-6) low = mid; else high = mid - 1; }
     return low;
   };
-  const frameTimes = RUN.frames.map((f) => f.t), asked = RUN.decisions.map((d) => d.t);
+  const frameTimes = RUN.frames.map((f) => f.t), asked = RUN.decisions.map((d) => d.t), told = RUN.chains.map(([at]) => at);
   const charts = all("svg.timed").map((svg) => ({ svg, line: svg.querySelector(".cursor") }));
   const [plotLeft, plotRight, plotWidth] = RUN.plot;
   const chartX = (t) => plotLeft + (t / (RUN.end || 1)) * (plotRight - plotLeft);
-  let shownDecision = null;
+  let shownDecision = null, shownChain = null;
 
   const put = (id, text) => { if ($(id)) $(id).textContent = text; };
   const esc = (s) => String(s).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" }[c]));
 
-  function centroids(d) {
-    const spots = d.c.map(([, x, y]) => px(x, y).map((v) => v.toFixed(1)));
+  function centroids(chain) {
+    const spots = chain.map(([, x, y]) => px(x, y).map((v) => v.toFixed(1)));
     $("layer-centroids").innerHTML =
       `<polyline class="chain" points="${spots.map((p) => p.join()).join(" ")}"/>` +
-      d.c.map(([index, , , visited], k) => `<circle r="6" cx="${spots[k][0]}" cy="${spots[k][1]}" class="centroid${visited ? " visited" : ""}"/>` +
+      chain.map(([index, , , visited], k) => `<circle r="6" cx="${spots[k][0]}" cy="${spots[k][1]}" class="centroid${visited ? " visited" : ""}"/>` +
         `<text class="centroidname" x="${+spots[k][0] + 10}" y="${spots[k][1] - 7}">${esc(index)}</text>`).join("");
   }
 
@@ -75,13 +75,14 @@
       if (f.seg) $("now-seg").src = f.seg;
       if (f.dep) $("now-dep").src = f.dep;
     }
+    const k = told.length && told[0] <= t + 1e-6 ? before(told, t) : -1;
+    if (k !== shownChain) { shownChain = k; centroids(k < 0 ? [] : RUN.chains[k][1]); }
     const n = asked.length && asked[0] <= t + 1e-6 ? before(asked, t) : -1;
     if (n !== shownDecision) {
       shownDecision = n;
       all(".map .decision").forEach((g) => { g.classList.toggle("on", n >= 0 && +g.dataset.decision === RUN.decisions[n].n); g.classList.toggle("later", n < 0 || +g.dataset.decision > RUN.decisions[n].n); });
       all(".link,.ask").forEach((l) => l.classList.toggle("on", n >= 0 && +l.dataset.decision === RUN.decisions[n].n));
-      if (n < 0) { $("layer-centroids").innerHTML = ""; $("now-decision").textContent = "No decision yet."; }
-      else centroids(RUN.decisions[n]);
+      if (n < 0) $("now-decision").textContent = "No decision yet.";
     }
     if (n >= 0) {
       const d = RUN.decisions[n], open = t < d.end || d.verdict === "open";
