@@ -236,8 +236,9 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
         *([(IMAGING, IMAGING_NOTE, imaging)] if imaging else []),
         (
             "Decisions and triggers",
-            "Dots: the advisor was asked. Thin bars: a trigger was held back. Wide bars: waiting for the advisor, "
-            "coloured by verdict; meanwhile the vehicle drives on to its goal, and stops there.",
+            "Dots: a trigger fired, and the advisor was asked unless it had left the rest to the robot. Thin bars: a "
+            "trigger was held back. Wide bars: waiting for the advisor, coloured by verdict; meanwhile the vehicle "
+            "drives on to its goal, and stops there.",
             event_chart(run, made),
         ),
         (f"Speed{first}", "Speed over ground and the controller's command.", speed_chart(run)),
