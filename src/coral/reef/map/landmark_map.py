@@ -22,9 +22,8 @@ class LandmarkMapCfg:
     """Standard deviation of the distance to a body's centre, for a thin post (m), ..."""
     range_sigma_radius: NonNegative = 0.3
     """... and what is added for each metre of radius: the bodies are not round. Along one mission on s1 it was 0.04 m
-    for round bodies and 0.18 m for those 1.6 times as long as wide, or longer. With these
-    and the next three the filter's covariance holds: the mean squared error of five missions is 1.0 to 1.6 times what
-    it says. With twice as much, wrong matches seemed likely enough to be kept."""
+    for round bodies and 0.18 m for those 1.6 times as long as wide, or longer. The last
+    picture's error counts once: with twice as much, wrong matches seemed likely enough to be kept."""
     across_sigma_m: Positive = 0.05
     """The same across the line of sight (m)."""
     across_sigma_radius: NonNegative = 0.15
