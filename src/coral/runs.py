@@ -40,8 +40,7 @@ class RunWriter:
         self.folder = folder
         try:
             folder.mkdir(PRIVATE, parents=True, exist_ok=True)
-            if any(folder.iterdir()):
-                raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
+            require_empty(folder)
             self._events = RotatingLog(folder / "events.jsonl")
             self._rows = [RotatingLog(folder / trajectory_name(k), ",".join(columns)) for k in range(robots)]
         except OSError as error:
@@ -83,6 +82,19 @@ class RunWriter:
         for log in (self._events, *self._rows):
             with contextlib.suppress(OSError):
                 log.close()
+
+
+def require_empty(folder: Path) -> None:
+    """Refuse a run folder that contains anything.
+
+    Raises:
+        InputError: It does, or it cannot be read.
+    """
+    try:
+        if folder.exists() and any(folder.iterdir()):
+            raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
+    except OSError as error:
+        raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
 
 
 def read_events(path: Path) -> Iterator[dict[str, Any]]:

@@ -153,6 +153,16 @@ def test_the_first_mission_says_why_nothing_moves_yet(told, tmp_path, monkeypatc
     assert "compiling" not in told("reef", "run", "s1", *short, "--quiet", "--out", tmp_path / "b")[2]
 
 
+@pytest.mark.parametrize("words", [("--out", "/"), ("--trigger", "nope"), ("--fault", "deaf-sonar@1:1")])
+def test_a_refusal_comes_before_anything_is_compiled(refused, monkeypatch, words):
+    def compile_(*_args, **_named):
+        raise AssertionError
+
+    monkeypatch.setattr("coral.commands.reef_run.is_compiled", lambda: False)
+    monkeypatch.setattr("coral.reef.mission.mission.ReefSimulator", compile_)
+    assert words[0] in refused("reef", "run", "s1", *words)
+
+
 def test_a_mission_in_words_on_a_reef_without_oysters_names_none():
     assert covered({"success": True, "clusters_total": 0}) == ""
     told = covered({"clusters_covered": 2, "clusters_total": 4, "coverage": 0.5, "inspected": 0.25})

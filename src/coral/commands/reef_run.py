@@ -150,8 +150,6 @@ class ReefRun:
             cfg=dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts),
             mistakes=REEF_MISTAKES,
         )
-        if not self.quiet and not is_compiled():
-            print(NOTICE, file=sys.stderr, flush=True)
         if self.preflight and cfg.decider == "advisor":
             preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
         mission = Mission(
@@ -165,6 +163,7 @@ class ReefRun:
             draw=question_pictures if cfg.record.pictures else None,
             trigger=self.trigger,
             verifier=self.verifier,
+            begins=self._tell_compiling,
         )
         if mission.eyes is not None and not self.quiet:
             print(*mission.eyes.about, sep="\n", end="\n" if mission.eyes.about else "", file=sys.stderr, flush=True)
@@ -192,6 +191,10 @@ class ReefRun:
                 "run": str(folder),
                 **render("reef", folder, cfg.record),
             }
+
+    def _tell_compiling(self) -> None:
+        if not self.quiet and not is_compiled():
+            print(NOTICE, file=sys.stderr, flush=True)
 
     def _with_sonar(self) -> MissionCfg:
         """Return the configuration, with the sonar if the flag or the configuration asks for it."""

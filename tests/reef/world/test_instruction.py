@@ -74,6 +74,10 @@ def test_a_condition_is_met_or_just_missed(clause, done, met):
     assert clause.judge(deeds(**done))[0] is met
 
 
+def test_one_thing_too_many_is_counted_as_one():
+    assert Spared(besides=LIVING).judge(deeds())[1] == "1 other inspected, 0 allowed"
+
+
 def test_a_mission_lists_what_was_found_of_each_condition():
     text = MissionText(instruction="Inspect both.", conditions=(Inspected(of=LIVING), EndsAt()))
     verdict = text.judge(deeds(from_start_m=7.0))

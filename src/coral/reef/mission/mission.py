@@ -46,7 +46,7 @@ from coral.reef.simulation.simulator import ReefSimulator
 from coral.reef.simulation.starts import starts_beside
 from coral.reef.world.world import ReefWorld, save_world
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
-from coral.runs import RunWriter, provenance
+from coral.runs import RunWriter, provenance, require_empty
 
 
 class Mission:
@@ -66,6 +66,7 @@ class Mission:
         controller: str | MakeController | None = None,
         trigger: str | MakeTrigger | Wanted | None = None,
         verifier: str | Check | None = None,
+        begins: Callable[[], None] = lambda: None,
     ) -> None:
         """Check everything, then create the run folder.
 
@@ -81,6 +82,7 @@ class Mission:
             controller: Replaces `cfg.driver`: a name, or a function of a `ControllerSetup`, called once for each robot.
             trigger: Replaces the smart trigger; see `trigger_maker`.
             verifier: Checks answers that the planner's own checks pass; see `find_verifier`.
+            begins: Called when the inputs are checked, before anything that may take long.
 
         Raises:
             InputError: A value is out of range, a name is unknown, or the folder is not empty.
@@ -108,6 +110,12 @@ class Mission:
         """Name of the water and sensors, for the record; `cfg` and `world` have their values."""
         if eyes is not None and not cfg.simulator.pictures:
             cfg = self.cfg = dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, pictures=True))
+        latency = latency_of(cfg, advisor)
+        for fault in map(parse_fault, cfg.faults):
+            if FAULTS[fault.name].needs_sonar and not cfg.simulator.sonar.enabled:
+                raise InputError("--fault", "", fault.name, "a fault of a sensor that the vehicle has: add --sonar")
+        require_empty(folder)
+        begins()
         first = ReefSimulator(world, cfg.simulator, streams[0])
         starts = (
             starts_beside(
@@ -126,11 +134,7 @@ class Mission:
         cells = OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map, cfg.simulator.sonar)
         belief = Belief(cells, cfg.belief)
         beliefs = [belief, *(belief.companion() for _ in starts[1:])]
-        latency = latency_of(cfg, advisor)
         commands = planned(world, cfg)
-        for fault in map(parse_fault, cfg.faults):
-            if FAULTS[fault.name].needs_sonar and not cfg.simulator.sonar.enabled:
-                raise InputError("--fault", "", fault.name, "a fault of a sensor that the vehicle has: add --sonar")
         # All inputs have been validated: create the folder only now.
         self.writer = RunWriter(folder, COLUMNS, cfg.robots)
         self.words = (

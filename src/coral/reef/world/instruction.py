@@ -15,6 +15,7 @@ from pydantic import Field
 from coral.errors import InputError
 from coral.reef.world.kinds import find_kind
 from coral.reef.world.structures import Metres, WorldPart
+from coral.words import many
 
 APART_RAD = math.radians(60.0)
 """Two pictures are of different sides when they were taken from directions this far apart."""
@@ -93,7 +94,7 @@ class Spared(BaseClause):
         """See `BaseClause.judge`."""
         likely = {name for name, kind in deeds.kinds.items() if find_kind(kind).class_ == "oyster"}
         false = (likely & set(deeds.inspected_s)) - set(deeds.of(self.besides))
-        return len(false) <= self.at_most, f"{len(false)} others inspected, {self.at_most} allowed"
+        return len(false) <= self.at_most, f"{many(len(false), 'other')} inspected, {self.at_most} allowed"
 
 
 class KeptOff(BaseClause):
@@ -121,7 +122,7 @@ class Sides(BaseClause):
         """See `BaseClause.judge`."""
         views = (deeds.seen_from.get(name, ()) for name in deeds.of(self.of))
         most = max((apart([angle for m, angle in each if m <= self.within_m]) for each in views), default=0)
-        return most >= self.count, f"{most} sides, {self.count} wanted"
+        return most >= self.count, f"{many(most, 'side')}, {self.count} wanted"
 
 
 class InOrder(BaseClause):
