@@ -13,7 +13,7 @@ from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
-from coral.reef.pilot.pilot import PilotCfg
+from coral.reef.pilot.pilot_cfg import PilotCfg
 from coral.reef.world.world import load_world
 
 SHORT = MissionCfg(time_limit_s=6.0, latency="fixed:1", record=RecordCfg(pictures=False, frames=False))

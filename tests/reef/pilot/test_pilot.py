@@ -23,7 +23,8 @@ from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
 from coral.reef.pilot.guard import GuardCfg
-from coral.reef.pilot.pilot import NOTHING_LEFT, Pilot, PilotCfg
+from coral.reef.pilot.pilot import NOTHING_LEFT, Pilot
+from coral.reef.pilot.pilot_cfg import PilotCfg
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.sensing import Stamped, VehicleObservation
 from coral.reef.vehicle.states import PilotState
@@ -136,7 +137,7 @@ class Refused(Ahead):
 
 def test_who_is_left_alone_explores_without_a_question(drive):
     mission = drive()
-    mission.pilot.advisor = Leaves()
+    mission.pilot.consultation.advisor = Leaves()
     mission.until(45.0)
     sources = [goal["source"] for goal in mission.told("goal")]
     assert len(mission.told("question")) == sources.count("advisor") == 1
@@ -147,7 +148,8 @@ def test_who_is_left_alone_explores_without_a_question(drive):
 
 def test_a_fallback_stands_in_for_one_answer_and_does_not_leave_the_rest(drive):
     mission = drive(cfg=PilotCfg(fallback="rules", budget=BudgetCfg(max_requeries=0)))
-    mission.pilot.advisor, mission.pilot.fallback = Refused(), Leaves()
+    asks = mission.pilot.consultation
+    asks.advisor, asks.fallback = Refused(), Leaves()
     mission.until(45.0)
     sources = [goal["source"] for goal in mission.told("goal")]
     assert sources.count("fallback") >= 2

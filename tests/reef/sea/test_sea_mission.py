@@ -152,7 +152,7 @@ def test_the_configured_driver_drives(tmp_path):
 
 def test_a_baseline_decides_in_place_of_the_advisor(tmp_path):
     voyage = Voyage(tmp_path / "run", time_limit_s=4.0, cfg=MissionCfg(decider="nearest"))
-    assert voyage.mission.pilot.advisor.name == "nearest"
+    assert voyage.mission.pilot.consultation.advisor.name == "nearest"
     voyage.run()
 
 

@@ -37,8 +37,9 @@ from coral.reef.mission.robot import naming
 from coral.reef.mission.tours import planned
 from coral.reef.mission.word_judge import WordJudge, instructed, told_verdict
 from coral.reef.mission.word_oracle import true_answer
+from coral.reef.pilot.goals import SURVEY_ENDED
 from coral.reef.pilot.leftover import chain_of, what_is_left
-from coral.reef.pilot.pilot import NOTHING_LEFT, SURVEY_ENDED
+from coral.reef.pilot.pilot import NOTHING_LEFT
 from coral.reef.simulation.encounter import Encounters
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.simulation.simulated_vehicle import SimulatedVehicle

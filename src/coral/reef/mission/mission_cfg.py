@@ -15,7 +15,7 @@ from coral.reef.map.belief import BeliefCfg
 from coral.reef.map.localization import LocalizationCfg
 from coral.reef.map.mapping import MapCfg
 from coral.reef.mission.record import RecordCfg
-from coral.reef.pilot.pilot import PilotCfg
+from coral.reef.pilot.pilot_cfg import PilotCfg
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.vehicle.fleet import MOST_ROBOTS
 

@@ -82,9 +82,9 @@ class Robot:
         """Continue with another map: a new pilot keeps only the vehicle's state."""
         self.clock.withdraw()
         self.belief, self.localizer, states = belief, localizer, self.pilot.safety.states
-        told = self.pilot.planner.cfg
+        told, change = self.pilot.planner.cfg, self.pilot.change
         self.pilot = self._build(self)
-        self.pilot.planner.cfg, self.pilot.safety.states = told, states
+        self.pilot.planner.cfg, self.pilot.safety.states, self.pilot.change = told, states, change
         self.driver.reset()
 
     def sense(self, t: float) -> VehicleObservation:

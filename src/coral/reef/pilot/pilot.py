@@ -2,50 +2,39 @@
 
 from __future__ import annotations
 
-import asyncio
 import dataclasses
-import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Iterator
 
-from coral.advisor.attribution import Source, source_of, spent
 from coral.advisor.clock import SimulatedClock, WallClock
-from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
-from coral.advisor.fallback import FOR_RUNS, Fallback, failed
-from coral.advisor.question import Advisor, Question, Rejection
-from coral.config import Count, NonNegative, Positive
+from coral.advisor.consult import Attempt
+from coral.advisor.fallback import failed
+from coral.advisor.question import Advisor
 from coral.reef.decide.asked import AskedState
-from coral.reef.decide.mission_planner import MissionPlanner
 from coral.reef.decide.own_trigger import MakeTrigger
 from coral.reef.decide.planner import HighLevelPlanner
-from coral.reef.decide.route import Goal
-from coral.reef.decide.trigger import Cause, Firing, SmartTrigger, TriggerCfg
+from coral.reef.decide.trigger import Cause, Firing, SmartTrigger
 from coral.reef.drive.controller import Plan
 from coral.reef.drive.cost_to_go import CostToGo
 from coral.reef.drive.local_planner import LocalPlanner
-from coral.reef.drive.monitor import MonitorCfg, PathMonitor
-from coral.reef.drive.traffic import Traffic, TrafficCfg
+from coral.reef.drive.monitor import PathMonitor
+from coral.reef.drive.traffic import Traffic
 from coral.reef.map.belief import Belief
-from coral.reef.map.costfield import CostField, CostFieldCfg
-from coral.reef.pilot.guard import GuardCfg, Reading, SensorGuard
-from coral.reef.pilot.leftover import chain_of
-from coral.reef.pilot.look_round import LookRound, LookRoundCfg
+from coral.reef.map.costfield import CostField
+from coral.reef.pilot.consultation import Consultation, Decided, Emit
+from coral.reef.pilot.goals import SURVEY_ENDED, Goals
+from coral.reef.pilot.guard import Reading, SensorGuard
+from coral.reef.pilot.instruction_change import InstructionChange
+from coral.reef.pilot.look_round import LookRound
+from coral.reef.pilot.pilot_cfg import PilotCfg
 from coral.reef.pilot.safety import SafetyWatch
 from coral.reef.vehicle.sensing import VehicleObservation, Velocity
 from coral.reef.vehicle.states import Mover
 from coral.reef.vehicle.vehicle import VehicleState
-from coral.reef.world.geometry import Pose, to_world
-from coral.reef.world.instruction import checked_words
+from coral.reef.world.geometry import Pose
 
 Command = tuple[float, float]
 """Forward speed (m/s) and yaw rate (rad/s)."""
-Emit = Callable[..., None]
-"""emit(event, **fields) appends to the run's events."""
-
-RULES_BUDGET = BudgetCfg(max_requeries=7)
-"""Answers of the rules that are verified before a fallback gives up for this time."""
 
 FAILURES: dict[Cause, str] = {
     "stuck": "the robot stood still on the way",
@@ -55,67 +44,6 @@ FAILURES: dict[Cause, str] = {
 """Why a goal was given up, in words for the next question."""
 
 NOTHING_LEFT = "nothing left to explore"
-SURVEY_ENDED = "the advisor ended the survey"
-GONE = "the map shows no oysters there any more"
-
-
-@dataclass(frozen=True, kw_only=True)
-class PilotCfg:
-    """How decisions are asked for and what happens without them."""
-
-    trigger: TriggerCfg = field(default_factory=TriggerCfg)
-    monitor: MonitorCfg = field(default_factory=MonitorCfg)
-    fields: CostFieldCfg = field(default_factory=CostFieldCfg)
-    traffic: TrafficCfg = field(default_factory=TrafficCfg)
-    guard: GuardCfg = field(default_factory=GuardCfg)
-    budget: BudgetCfg = field(default_factory=BudgetCfg)
-    fallback: Fallback = FOR_RUNS
-    """What happens when a decision was not reached within its budget: the rules decide, hold keeps the last goal and
-    asks again, fail ends the mission. `coral reef bench` holds by default: there the advisor stands alone."""
-    look_round: LookRoundCfg = field(default_factory=LookRoundCfg)
-    synchronous: bool = False
-    """Stand still while a question is open, then drive for `action_s`: DREAM's protocol (paper IV-E), a baseline."""
-    action_s: float = 1.0
-    initial_m: float = 2.0
-    """The initial waypoint lies this far ahead of the start (Alg. 1)."""
-    blind_m: float = 6.0
-    """It may lie up to this far, so that the robot need not stand still until the first answer comes."""
-    first_s: float = 1.0
-    """The first question is asked this long after the start. Departs from the paper: a map of one picture shows too
-    little."""
-    local_m: float = 5.0
-    """How far about itself the robot keeps its distances to obstacles up to date; beyond the sensing range."""
-    cost_to_go: bool = True
-    """False is the ablation "w/o cost-to-go": the controller is given the straight distance to the goal, whatever lies
-    between, as a local planner alone would have it. Departs from the paper: it describes no cost-to-go."""
-    blind_speed_m_s: Positive = 0.3
-    """Speed without a camera, half the cruise speed: if the sonar is lost too, the vehicle stands within 1 s."""
-    passed_m: Positive = 0.45
-    """Without a camera, water within this distance of where the vehicle has been is free: it fitted there. The hull,
-    the controller's margin and a cell."""
-    field_period_s: float = 1.0
-    """Shortest time between updates of the cost-to-go when only the map has changed."""
-    field_cells: Count = 200_000
-    """A cost-to-go that searches more cells than this (some 8 ms) is left to the preparation thread; the robot drives
-    by the last one meanwhile. On maps of up to 44 m it never does."""
-    prepare_s: NonNegative = 0.3
-    """Simulated time in which a question, or such a cost-to-go, is prepared from the belief as it was at its
-    beginning. A real vehicle gets it as soon as it is there."""
-
-
-class AtOnce:
-    """A clock on which advisors take no time: for rules that step in."""
-
-    def __init__(self, clock: SimulatedClock | WallClock) -> None:
-        self._clock = clock
-
-    def now(self) -> float:
-        """Return the time on the clock below (s)."""
-        return self._clock.now()
-
-    async def reply(self, asking: Callable[[], Any], timeout_s: float) -> Any:
-        """Return the reply."""
-        return await asking()
 
 
 class Pilot:
@@ -137,21 +65,27 @@ class Pilot:
     ) -> None:
         """Set up a robot; `numbers` numbers its decisions, and robots that share a log share it too."""
         self.cfg = cfg or PilotCfg()
-        self.belief, self.planner, self.driver = belief, planner, driver
-        self.advisor, self.fallback, self.clock = advisor, fallback, clock
+        self.belief, self.planner, self.driver, self.clock = belief, planner, driver, clock
         self.route = planner.route
         self.trigger = trigger(self.cfg.trigger)
         self.monitor = PathMonitor(self.cfg.monitor)
         self.traffic = Traffic(self.cfg.traffic)
+        prepare_s = 0.0 if self.cfg.synchronous else self.cfg.prepare_s
         self.cost_to_go = CostToGo(
             belief,
             clock,
             self.cfg.fields,
             period_s=self.cfg.field_period_s,
             most_cells=self.cfg.field_cells,
-            prepare_s=self._prepare_s,
+            prepare_s=prepare_s,
             straight=not self.cfg.cost_to_go,
         )
+        self.consultation = Consultation(
+            planner, advisor, fallback, clock, self.cost_to_go, emit, log, self.cfg.budget, prepare_s, numbers
+        )
+        self.goals = Goals(belief, planner, clock, emit, self.trigger.new_goal, self.cfg)
+        self.change = InstructionChange()
+        """Of a mission in words."""
         layer = belief.map.layer
         guard = SensorGuard(
             belief.map.camera,
@@ -164,33 +98,19 @@ class Pilot:
         """Checks the sensors; its `states` say what the vehicle is doing, and why."""
         self._look_round = LookRound(belief, self.cfg.look_round)
         self.plan: Plan | None = None
-        self.open_question: Question[Any] | None = None
-        self.last_attempt: Attempt | None = None
         self.end_reason = ""
         """Why this robot has nothing more to do; "" again when it is asked anew and there is something."""
         self.homing = False
         """Whether it is on its way home, for good."""
-        self._emit, self._log = emit, log
-        self._numbers = numbers or itertools.count()
-        self._decision = 0
-        self._decided = False
-        self._attempts = 0
-        self._task: asyncio.Task[Outcome[Any]] | None = None
+        self._emit = emit
         self._last_firing: Firing | None = None
-        self._mode = ""
         self._known: set[int] = set()
         """Labels of the clusters that were on a map when a question was asked."""
-        self._acting_until = self._began = self._asked_s = -math.inf
+        self._acting_until = self._began = -math.inf
         self._now, self._stood = 0.0, False
         self._blind = self._deaf = False
-        self._asked: AskedState | None = None
-        """The last question, in whose state its answer is judged."""
-        self._ended = False
-        self._told: tuple[str, str] | None = None
-        self._reasks = False
-        """Whether the instruction was changed since the last question."""
-        self._by_rules = False
-        """Whether the decision under way is the fallback's."""
+        self._decided = self._ended = False
+        """Whether a decision has ended, and whether one has ended the survey."""
 
     @property
     def field(self) -> CostField | None:
@@ -241,29 +161,24 @@ class Pilot:
         Raises:
             InputError: It is empty or too long.
         """
-        if not isinstance(self.planner, MissionPlanner):
-            return False
-        self._told = checked_words(words, by), by
-        return True
+        return self.change.tell(self.planner, words, by)
 
     def _take_words(self) -> None:
-        """Take over an instruction that was changed."""
-        if self._told is None or not isinstance(self.planner, MissionPlanner):
-            return
-        (words, by), self._told = self._told, None
-        self.planner.instruct(words)
-        self._emit("instruction", text=words, by=by)
+        """Take over an instruction that was changed: ask again, even where the survey had ended."""
+        if self.change.take(self.planner, self._emit):
+            self._withdraw()
+            self._ended = False
+
+    def _withdraw(self) -> None:
+        """Withdraw an open question."""
         self.clock.withdraw()
         self._collect()
-        self._reasks, self._ended = True, False
 
     def go_home(self, x: float, y: float) -> None:
         """Drive to a point (m) around what is on the map, and ask nothing more."""
-        self.clock.withdraw()
-        self._collect()
+        self._withdraw()
         self.homing, self.end_reason = True, ""
-        self.route.follow([Goal(x=x, y=y)], self._now)
-        self._emit("goal", x=x, y=y, source="home", decision=None, index=None, reason="the way home", violates=False)
+        self.goals.go_home(x, y, self._now)
 
     def stop(self, reason: str) -> None:
         """End the survey."""
@@ -285,18 +200,7 @@ class Pilot:
         """Decide when it matters and plan the next command, at time `t` (s)."""
         if self.belief.goal is None:
             self._began = t
-            x, y = self._initial(pose)
-            self.route.follow([Goal(x=x, y=y)], t)
-            self._emit(
-                "goal",
-                x=x,
-                y=y,
-                source="initial",
-                decision=None,
-                index=None,
-                reason="initial waypoint",
-                violates=False,
-            )
+            self.goals.begin(pose, t)
         self._advance(t)
         if self._ended and not self.route.goals:
             self.end_reason = SURVEY_ENDED
@@ -348,19 +252,10 @@ class Pilot:
             self._deaf = bool(reason)
             self._emit("deaf", deaf=self._deaf, reason=reason)
 
-    def _initial(self, pose: Pose) -> tuple[float, float]:
-        """Return the initial waypoint: far enough ahead to drive while the first answer is awaited."""
-        way_m = self.cfg.initial_m
-        if self.planner.cfg.route.ahead and not self.belief.others:  # robots that start abreast soon need to part
-            way_m = max(way_m, min(self.route.lead_s * self.planner.cfg.route.cruise_m_s, self.cfg.blind_m))
-        while way_m > self.cfg.initial_m and not self.belief.map.contains(*to_world(pose, way_m, 0.0), margin_m=1.0):
-            way_m -= 0.5
-        return to_world(pose, way_m, 0.0)
-
     @property
     def pending(self) -> bool:
         """Whether a decision is under way."""
-        return self._task is not None
+        return self.consultation.pending
 
     def _watch(self, t: float, speed: float) -> None:
         """Ask the advisor when Eq. 12 says so; log every change of its verdict."""
@@ -376,15 +271,12 @@ class Pilot:
         soon = self._asks_ahead() if ahead else None
         if ahead and not self.route.goals:
             self.trigger.new_goal()  # to wait for an answer is not to be stuck
-        firing = self.trigger.update(t, pose.x, pose.y, speed, target, self.pending, soon)
-        if firing is not None and firing.cause == "distance" and self._reasks:
-            firing = dataclasses.replace(firing, cause="instruction")
+        firing = self.change.cause(self.trigger.update(t, pose.x, pose.y, speed, target, self.pending, soon))
         if firing is not None and firing != self._last_firing:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
         self._last_firing = firing
         if firing is not None and firing.held_by == "pending" and firing.cause in ("failure", "deviation"):
-            self.clock.withdraw()  # the open question shows a path that has since proved blocked
-            self._collect()
+            self._withdraw()  # the open question shows a path that has since proved blocked
         if firing is None or not firing.fired:
             return
         if firing.cause in ("stuck", "failure", "deviation") and not self.end_reason:
@@ -392,93 +284,27 @@ class Pilot:
             self.route.drop(t)
         self.end_reason = ""
         self.trigger.asked(t, waits=not (ahead and self.route.goals))
-        self._attempts, self._decision, self._reasks = 0, next(self._numbers), False
+        self.change.asked()
         self._known |= {track.index for track in self.belief.tracks}
-        self._task = self.clock.start(
-            consult(
-                self.advisor,
-                self._observe,
-                self._verify,
-                self.cfg.budget,
-                self.clock,
-                self._attempted,
-                self._decision,
-            )
-        )
+        self.consultation.ask()
         self._collect()
 
     def _asks_ahead(self) -> bool:
         """Check whether the goals will be done before an answer can come, or there is a new cluster or instruction."""
         news = any(track.index not in self._known for track in self.belief.unvisited())
-        return (news and not self.route.looking) or self._reasks or self.route.to_go_s(self.field) <= self.route.lead_s
-
-    async def _observe(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
-        """Have the next question prepared, from the belief as it is now."""
-        self._asked_s = self.clock.now()
-        for guess in self.planner.settle():
-            self._emit("guess", **dataclasses.asdict(guess))
-        asked = await self._prepare(rejections)
-        question = self.open_question = asked.question
-        if question is None:
-            return None
-        if asked.mode != self._mode:
-            self._mode = asked.mode
-            self._emit("mode", mode=self._mode)
-        self._emit(
-            "question",
-            decision=self._decision,
-            attempt=self._attempts,
-            mode=self._mode,
-            acceptable=asked.acceptable,
-            pictures=[p.digest for p in question.pictures],
-            centroids=chain_of(asked.outlook.belief, asked.outlook.closed),
+        return (
+            (news and not self.route.looking)
+            or self.change.unasked
+            or self.route.to_go_s(self.field) <= self.route.lead_s
         )
-        self._attempts += 1
-        return question
-
-    async def _prepare(self, rejections: Sequence[Rejection]) -> AskedState:
-        """Make the next question on another thread, from a snapshot of the belief as it is now."""
-        outlook, reasons = self.planner.outlook(self.field), list(rejections)
-        self._asked = await self.clock.prepare(lambda: self.planner.ask(outlook, reasons), self._prepare_s)
-        return self._asked
-
-    def _verify(self, question: Question[Any], answer: Any) -> Rejection | None:
-        """Check an answer to the last question."""
-        assert self._asked is not None
-        return self.planner.verify(self._asked, answer)
-
-    @property
-    def _prepare_s(self) -> float:
-        """How long a question takes to prepare, in simulated time (s)."""
-        return 0.0 if self.cfg.synchronous else self.cfg.prepare_s
-
-    def _attempted(self, attempt: Attempt) -> None:
-        refusal = attempt.rejection
-        self._emit(
-            "verdict",
-            decision=attempt.decision,
-            attempt=attempt.attempt,
-            verdict=attempt.verdict,
-            code=refusal.code if refusal else "",
-            reason=refusal.reason if refusal else "",
-            answer=attempt.answer,
-            asked_at=round(attempt.asked_at_s, 3),
-            **dataclasses.asdict(spent(attempt)),
-            **({"faults": list(attempt.usage.faults)} if attempt.usage.faults else {}),
-        )
-        self.last_attempt = attempt
-        if attempt.verdict in ("accepted", "rejected", "malformed"):
-            self.route.answered(attempt.answered_at_s - self._asked_s)
-        self._log(attempt)
 
     def _collect(self) -> None:
-        """Take over a finished decision."""
-        if self._task is None or not self._task.done():
+        """Take over a decision that has ended."""
+        decided = self.consultation.take()
+        if decided is None:
             return
-        outcome, self._task, self.open_question = self._task.result(), None, None
-        by_rules, self._by_rules = self._by_rules, False
         self.belief.last_failure = None
-        asked = self._asked
+        asked = decided.asked
         if asked is not None and asked.finished:
             step = self._look_round.step(self._nothing_left)
             if step is None:
@@ -486,15 +312,13 @@ class Pilot:
             else:
                 self._emit("doubt", step=step)
         elif asked is not None and asked.alone is not None:
-            self._explore(asked, asked.alone)
-        elif by_rules and outcome.failure not in ("", "withdrawn"):
-            self._hold(outcome.failure)
-        elif outcome.failure and outcome.failure != "withdrawn":
-            self._fall_back(outcome)
-            if self._task is not None:
+            self.goals.explore(asked, asked.alone)
+        elif decided.failure and decided.failure != "withdrawn":
+            self._fall_back(decided)
+            if self.pending:
                 return
-        elif outcome.answer is not None and asked is not None:
-            self._adopt(asked, outcome.answer, "fallback" if by_rules else source_of(self.advisor))
+        elif decided.answer is not None and asked is not None:
+            self._adopt(decided, asked)
         self._decided = True
         self._acting_until = self.clock.now() + self.cfg.action_s
 
@@ -502,103 +326,27 @@ class Pilot:
         """Check whether nothing would be left on another map."""
         return self.planner.ask(dataclasses.replace(self.planner.outlook(self.field), belief=belief)).finished
 
-    def _fall_back(self, outcome: Outcome[Any]) -> None:
-        """Apply the named policy after the advisor was silent or wrong past its budget."""
-        self._emit("fallback", policy=self.cfg.fallback, failure=outcome.failure, decision=self._decision)
+    def _fall_back(self, decided: Decided) -> None:
+        """Apply the named policy after the advisor was silent or wrong past its budget; after the rules, hold."""
+        if decided.by_rules:
+            self.goals.hold(decided.number, decided.failure)
+            return
+        self._emit("fallback", policy=self.cfg.fallback, failure=decided.failure, decision=decided.number)
         if self.cfg.fallback == "fail":
-            self.end_reason = failed(outcome.failure)
+            self.end_reason = failed(decided.failure)
         elif self.cfg.fallback == "hold":
-            self._hold(outcome.failure)
+            self.goals.hold(decided.number, decided.failure)
         else:
-            self._by_rules = True
-            self._task = self.clock.start(
-                consult(
-                    self.fallback, self._observe_alone, self._verify, RULES_BUDGET, AtOnce(self.clock), lambda _: None
-                )
-            )
+            self.consultation.ask_rules()
             self._collect()
 
-    async def _observe_alone(self, rejections: Sequence[Rejection]) -> Question[Any] | None:
-        """Have a question prepared for the rules: no question to the advisor, so none in its record."""
-        return (await self._prepare(rejections)).question
-
-    def _hold(self, reason: str) -> None:
-        """Keep the present goal, which also is a decision, and not the advisor's."""
-        self._emit("held", source="fallback", decision=self._decision, reason=reason)
-
-    def _heard(self, asked: AskedState, answer: Any) -> dict[str, Any]:
-        """Keep what an answer in a mission in words says of things, where no goal comes of it."""
-        pose = asked.outlook.arrival.pose
-        return self.planner.adopt(asked, answer, Goal(x=pose.x, y=pose.y)) if hasattr(answer, "answer") else {}
-
-    def _adopt(self, asked: AskedState, answer: Any, source: Source) -> None:
-        """Put a decision behind the goals that were under way when it was asked for; without `ahead` there are none."""
-        if getattr(answer, "end_survey", False):
-            said = {"answer": answer.answer, **self._heard(asked, answer)} if hasattr(answer, "answer") else {}
-            # A mission in words ends where the robot was to be when the answer was needed.
-            arrival = asked.outlook.arrival
-            before = [g for g in self.route.goals if g in arrival.goals]
-            way = [*before, Goal(x=arrival.pose.x, y=arrival.pose.y)] if said and arrival.in_s > 0.0 else []
-            self.end_reason, self._ended = "" if way else SURVEY_ENDED, True
-            if way:
-                self.route.follow(way, self._now)
-            self._emit("held", source=source, decision=self._decision, reason=SURVEY_ENDED, **said)
+    def _adopt(self, decided: Decided, asked: AskedState) -> None:
+        """Drive to what was chosen, or end the survey."""
+        if not getattr(decided.answer, "end_survey", False):
+            self.goals.adopt(decided, asked)
             return
-        if source == "fallback" and getattr(answer, "explore_rest", False):
-            answer = answer.model_copy(update={"explore_rest": False})  # it stands in for one answer, not for the rest
-        goal = self.planner.locate(asked, answer)
-        if goal is None or isinstance(goal, Rejection):
-            label = getattr(answer, "selected_centroid_index", getattr(answer, "dot", None))
-            self.belief.last_failure = (label, GONE)
-            reason = f"dot {label}: {GONE}"
-            self._emit("held", source=source, decision=self._decision, reason=reason, **self._heard(asked, answer))
-            return
-        onward = self.planner.onward(asked, answer)
-        before = [g for g in self.route.goals if g in asked.outlook.arrival.goals]
-        if not before:
-            self.trigger.new_goal()
-        self.route.follow([*before, goal, *onward], self.clock.now())
-        self._emit(
-            "goal",
-            x=round(goal.x, 3),
-            y=round(goal.y, 3),
-            source=source,
-            decision=self._decision,
-            index=goal.index,
-            reason=getattr(answer, "reason", ""),
-            **self.planner.adopt(asked, answer, goal),
-            **({"overtaken": True} if self._overtaken(goal) else {}),
-            **({"waits": len(before)} if before else {}),
-            **(
-                {"then": [g.index if g.index is not None else [round(g.x, 3), round(g.y, 3)] for g in onward]}
-                if onward
-                else {}
-            ),
-        )
-
-    def _explore(self, asked: AskedState, goal: Goal) -> None:
-        """Go on to the next unexplored place of the robot's own tour, as the advisor has said."""
-        before = [g for g in self.route.goals if g in asked.outlook.arrival.goals]
-        if not before:
-            self.trigger.new_goal()
-        self.route.follow([*before, goal], self.clock.now())
-        self._emit(
-            "goal",
-            x=round(goal.x, 3),
-            y=round(goal.y, 3),
-            source="tour",
-            decision=None,
-            index=None,
-            reason="unexplored water comes next in the robot's own tour, to which the advisor left the rest",
-            violates=False,
-            centroids=chain_of(asked.outlook.belief),
-            **({"waits": len(before)} if before else {}),
-        )
-
-    def _overtaken(self, goal: Goal) -> bool:
-        """Check whether the robot has seen the chosen cluster from near while the answer was awaited."""
-        track = self.belief.track(goal.index)
-        return track is not None and track.visited
+        self._ended = True
+        self.end_reason = "" if self.goals.end(decided, asked, self._now) else SURVEY_ENDED
 
     def _route(self, t: float) -> None:
         """Update the cost-to-go and the reference path; detect when the path was left."""
