@@ -7,8 +7,9 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
 
 from coral.advisor.consult import DEADLINE_S
-from coral.commands.reef_run import FallbackNotice, ReefRun, covered, share_inspected, still_left
+from coral.commands.reef_run import FallbackNotice, ReefRun, covered, fulfilled, share_inspected, still_left
 from coral.reef.eyes.ground_plane import ground_depth
+from coral.reef.mission.metrics import OWN_MAP
 from coral.reef.mission.resolution import PERSON_DEADLINE_S
 from coral.reef.vehicle.camera import CameraCfg
 from onnx_files import red_is_oyster_yolo, relative_depth
@@ -161,6 +162,13 @@ def test_a_refusal_comes_before_anything_is_compiled(refused, monkeypatch, words
     monkeypatch.setattr("coral.commands.reef_run.is_compiled", lambda: False)
     monkeypatch.setattr("coral.reef.mission.mission.ReefSimulator", compile_)
     assert words[0] in refused("reef", "run", "s1", *words)
+
+
+def test_who_does_not_judge_a_mission_in_words_is_told_beside_the_answer():
+    own = {"success": None, "answer": "a net"}
+    assert fulfilled(own) == ["mission not judged: words without known conditions; answer: a net"]
+    at_sea = {**own, "answer": None, "judged_by": OWN_MAP}
+    assert fulfilled(at_sea) == ["mission not judged: nobody judges at sea; answer: none"]
 
 
 def test_a_mission_in_words_on_a_reef_without_oysters_names_none():

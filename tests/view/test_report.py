@@ -6,6 +6,7 @@ import pytest
 import yaml
 
 from coral.errors import InputError
+from coral.reef.mission.metrics import OWN_MAP
 from coral.view.report import write_report
 from coral.view.runmap import write_map
 
@@ -224,6 +225,16 @@ def test_words_that_were_changed_are_listed_and_said_to_be_judged_by_nobody(fres
     html = page(fresh)
     for words in ("Mission: not judged", "<blockquote>Find 2 nets.", "was changed under way", "Find 1 nets."):
         assert words in html
+    assert "Nobody judges it: no conditions are known" in html
+
+
+def test_at_sea_the_answer_stands_alone_and_the_report_says_why(fresh):
+    verdict = {"text": "Find the net.", "met": None, "answer": "a net", "conditions": []}
+    start = {"event": "start", "judged_by": OWN_MAP}
+    with_events(fresh, start, {"event": "judged", "instruction": verdict})
+    html = page(fresh)
+    assert "<b>“a net”</b>" in html
+    assert "Nobody judges it: at sea nobody knows the truth." in html
 
 
 def test_another_mission_has_no_section_of_its_own(fresh):

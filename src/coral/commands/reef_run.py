@@ -27,6 +27,7 @@ from coral.flags import Argument, Option
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission.compiled import NOTICE, is_compiled
+from coral.reef.mission.metrics import OWN_MAP
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, PRESETS, preset_help
@@ -236,7 +237,8 @@ def fulfilled(result: Mapping[str, Any]) -> list[str]:
         return []
     answer = f"; answer: {result['answer'] or 'none'}"
     if result["success"] is None:
-        return [f"mission not judged: words without known conditions{answer}"]
+        at_sea = result.get("judged_by") == OWN_MAP
+        return [f"mission not judged: {'nobody judges at sea' if at_sea else 'words without known conditions'}{answer}"]
     missed = [f"{one['condition']} ({one['found']})" for one in result["conditions"] if not one["met"]]
     missed += ["contact"] if result["collisions"] else []
     verdict = "mission fulfilled" if result["success"] else f"mission not fulfilled: {', '.join(missed)}"

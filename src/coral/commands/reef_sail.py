@@ -24,6 +24,7 @@ from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured
 from coral.commands.keyboard import HELP, HELP_ALIGN, HELP_INSTRUCT, Keyboard
 from coral.commands.notice import mission_notice
+from coral.commands.reef_run import fulfilled
 from coral.commands.render import render
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
 from coral.commands.sail_told import survey_told
@@ -216,6 +217,10 @@ class ReefSail:
             folder=str(folder),
             time_limit_s=cfg.time_limit_s,
             perception=cfg.perception,
+            instruction=cfg.planner.instruction.text,
+            judged=parts.reef is not None
+            and text is not None
+            and text.instruction.strip() == cfg.planner.instruction.text,
             heading_trusted=parts.trust_heading,
         )
 
@@ -336,7 +341,8 @@ class ReefSail:
     def _topics(self, mission: SeaMission, opened: ExitStack) -> Iterator[Any]:
         kind, _, place = self.vehicle.partition(":")
         if kind == "ros2":
-            topics = our_part("ros2", "topics", "--vehicle")(place, mission.crew.words)
+            instruct = mission.instruct if mission.instruction else None
+            topics = our_part("ros2", "topics", "--vehicle")(place, mission.crew.words, instruct)
             opened.callback(topics.close)
             yield topics
 
@@ -359,13 +365,18 @@ class ReefSail:
         """Describe the outcome in a few lines, and list the files."""
         if self.check:
             return "ready to arm" if result["ready"] else "not ready to arm"
+        share = (
+            f"{result['clusters_covered']} of {result['clusters_total']} oyster clusters covered "
+            f"({100 * result['coverage']:.0f} %, by {result['judged_by']}), "
+        )
         lines = [
-            f"{self.area}: {result['clusters_covered']} of {result['clusters_total']} oyster clusters covered "
-            f"({100 * result['coverage']:.0f} %, by {result['judged_by']}), {many(result['collisions'], 'collision')}, "
+            f"{self.area}: {share if result['clusters_total'] or 'success' not in result else ''}"
+            f"{many(result['collisions'], 'collision')}, "
             f"{result['sim_time_s']:.0f} s in real time, {result['late_ticks']} of {result['ticks']} ticks late; "
             f"ended: {result['end_reason']}",
             f"run folder: {result['run']}",
         ]
+        lines += fulfilled(result)
         lines += [f"saved map: {result['alignment']}"] if result.get("alignment") else []
         lines += [result["lens"]] if result.get("lens") else []
         lines += [f"recording stopped: {result['recording_failure']}"] if result["recording_failure"] else []

@@ -14,7 +14,7 @@ from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.foreign_file import read_text
 from coral.reef.decide.said import said_by
-from coral.reef.mission.metrics import DEFINITIONS, fleet_metrics, metrics_of
+from coral.reef.mission.metrics import DEFINITIONS, OWN_MAP, fleet_metrics, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
 from coral.view.decisions import Decision, decisions
 from coral.view.figures import (
@@ -274,12 +274,14 @@ def _mission(run: RunFolder) -> dict[str, Any]:
     ]
     met = judged.get("met")
     changes = [(clock(float(e["t"])), str(e.get("by", "")), str(e.get("text", ""))) for e in told]
+    at_sea = any(e.get("judged_by") == OWN_MAP for e in run.select("start"))
     return {
         "text": changes[-1][-1] if changes else str(judged.get("text", "")),
         "changes": changes if len(changes) > 1 else [],
         "verdict": "not judged" if met is None else "fulfilled" if met else "not fulfilled",
         "answer": judged.get("answer"),
         "rows": rows,
+        "unjudged": "at sea nobody knows the truth" if at_sea else "no conditions are known for these words",
         "marks": [
             (str(one.dot), f"({one.x:.1f}, {one.y:.1f}) m", one.label or "–", "yes" if one.skip else "", one.why)
             for one in said_by(run.events)

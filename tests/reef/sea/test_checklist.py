@@ -54,14 +54,14 @@ class Source:
     def close(self): ...
 
 
-def listed(report=FINE, labelled=True, shots=1, sonar=None):
+def listed(report=FINE, labelled=True, shots=1, sonar=None, gear=GEAR):
     rates = StampRates()
     for k in range(21):
         rates.note(NOW - 2.0 + 0.125 * k, replace(report, pose_stamp_s=NOW - 2.0 + 0.125 * k))
     camera = LatestShot(Source(labelled), threaded=False)
     for _ in range(shots):
         camera.step()
-    lines = preflight_list(NOW, report, rates, camera, AREA, SafetyCfg(), GEAR, sonar, SonarCfg(width=8, height=4))
+    lines = preflight_list(NOW, report, rates, camera, AREA, SafetyCfg(), gear, sonar, SonarCfg(width=8, height=4))
     return {line.subject: line for line in lines}, lines
 
 
@@ -71,6 +71,14 @@ def test_a_line_says_source_rate_and_covariance():
     assert str(by_name["sonar"]) == "! sonar: none - obstacles from the camera alone"
     assert "ArduSub 4.5.3" in by_name["vehicle"].text
     assert blocking(lines) == []
+
+
+def test_the_instruction_is_one_line_that_says_who_judges():
+    assert "instruction" not in listed()[0]
+    words = replace(GEAR, instruction="Find the net.\nKeep off.")
+    assert str(listed(gear=words)[0]["instruction"]) == "  instruction: Find the net. Keep off. - nobody judges it"
+    judged = listed(gear=replace(words, judged=True))[0]["instruction"]
+    assert judged.text.endswith("judged by the truth of the simulated reef")
 
 
 @pytest.mark.parametrize(

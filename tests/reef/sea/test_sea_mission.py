@@ -12,12 +12,12 @@ from coral.reef.decide.mission_answer import Mark, MissionAnswer
 from coral.reef.drive.pd import PdController
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.localization import LocalizationCfg
+from coral.reef.mission.metrics import OWN_MAP, TRUTH
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.word_judge import instructed
 from coral.reef.recordings.find_recording import find_recording
 from coral.reef.sea.map_alignment import AlignmentCfg
 from coral.reef.sea.saved_survey import load_survey
-from coral.reef.sea.sea_mission import OWN_MAP, TRUTH
 from coral.reef.sea.survey_alignment import ResumeCfg, SavedMap
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.simulation.noise import SensorNoiseCfg

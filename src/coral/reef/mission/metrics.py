@@ -15,6 +15,9 @@ from coral.reef.mission.state_metrics import clusters_left, seconds_in_states
 from coral.reef.pilot import timeliness
 from coral.runs import read_events, read_rows, trajectory_name
 
+OWN_MAP, TRUTH = "the vehicle's own map", "the truth of a simulated reef"
+"""Who judges a survey of `reef sail`."""
+
 DEFINITIONS = {
     "coverage": "Share of the true oyster clusters of which at least 60 % of the area was inside the 120° field of "
     "view, within sensing range and not hidden by an obstacle, at some moment of the mission (paper IV-E).",

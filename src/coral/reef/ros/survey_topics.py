@@ -7,6 +7,8 @@ In the namespace of the vehicle, for RViz and Foxglove; frame `map` is the surve
     coral/oysters   visualization_msgs/MarkerArray: clusters, green when done
     coral/goal      geometry_msgs/PoseStamped
     coral/events    std_msgs/String: each event of the run as JSON, decisions among them
+    coral/instruction    std_msgs/String, latched: the instruction of a mission in words, as it is now
+    coral/instruct       std_msgs/String, taken: another instruction
     diagnostics     diagnostic_msgs/DiagnosticArray: state and its reason, late ticks
     coral/start, hold, resume, surface, stop, disarm    std_srvs/Trigger
 """
@@ -16,6 +18,7 @@ from __future__ import annotations
 import json
 import math
 import time
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -23,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.advisor.log import plain_json
+from coral.errors import InputError
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET
 from coral.reef.ros.node import RosNode, ros_type
 from coral.reef.sea.operator import WORDS, OperatorWords
@@ -49,12 +53,21 @@ class SurveyTopics:
     Args:
         place: Namespace of the vehicle, or a file of ROS parameters.
         words: Where the services put the operator's words.
+        instruct: instruct(words, by) changes the instruction of a mission in words; None without one.
         node: Of this program; by default a new one.
     """
 
-    def __init__(self, place: str, words: OperatorWords, node: RosNode | None = None) -> None:
+    def __init__(
+        self,
+        place: str,
+        words: OperatorWords,
+        instruct: Callable[[str, str], bool] | None = None,
+        node: RosNode | None = None,
+    ) -> None:
         self._ros = ros = node or RosNode("coral_survey", place, "--vehicle")
-        self._words, self._due_s = words, 0.0
+        self._words, self._instruct, self._due_s = words, instruct, 0.0
+        self._told = ""
+        """The instruction that was published last."""
         self._trail: list[Pose] = []
         self._listening = False
         make = ros.node.create_publisher
@@ -74,6 +87,9 @@ class SurveyTopics:
         self._goal = make(self._types["geometry_msgs.msg.PoseStamped"], "coral/goal", latched)
         self._events = make(self._types["std_msgs.msg.String"], "coral/events", 100)
         self._health = make(self._types["diagnostic_msgs.msg.DiagnosticArray"], "diagnostics", 10)
+        if instruct is not None:
+            self._instruction = make(self._types["std_msgs.msg.String"], "coral/instruction", latched)
+            ros.node.create_subscription(self._types["std_msgs.msg.String"], "coral/instruct", self._change, 10)
         trigger = ros_type("std_srvs.srv.Trigger")
         for word in WORDS:
             ros.node.create_service(trigger, f"coral/{START.get(word, word)}", partial(self._say, word))
@@ -87,6 +103,9 @@ class SurveyTopics:
         if not self._listening:
             self._listening = True
             run.record.listeners.append(self._event)
+        if run.instruction != self._told:
+            self._told = run.instruction
+            self._instruction.publish(self._types["std_msgs.msg.String"](data=self._told))
         if run.pose is not None:
             self._trail.append(run.pose)
         if time.monotonic() < self._due_s and not run.end_reason:
@@ -109,6 +128,14 @@ class SurveyTopics:
         self._words.say(word, "ROS 2")
         answer.success, answer.message = True, f"told to {word}"
         return answer
+
+    def _change(self, message: Any) -> None:
+        """Change the instruction; what is refused is told, for a topic has no answer."""
+        try:
+            assert self._instruct is not None
+            self._instruct(str(message.data), "ROS 2")
+        except InputError as error:
+            self._report("instruction_refused", reason=str(error))
 
     def _report(self, event: str, **fields: Any) -> None:
         self._events.publish(self._types["std_msgs.msg.String"](data=json.dumps({"event": event, **fields})))

@@ -69,6 +69,10 @@ class Equipment:
     time_limit_s: float
     perception: str = "exact"
     """Where classes and depth come from."""
+    instruction: str = ""
+    """Of a mission in words; "" without one."""
+    judged: bool = False
+    """Whether its conditions are known, and the truth."""
     heading_trusted: bool
     """Whether the vehicle's heading is taken as it is (compass), or the start's heading in its place."""
 
@@ -118,6 +122,7 @@ def preflight_list(
         CheckLine(
             "time", f"{equipment.time_limit_s:g} s, then {safety.on_time}; home within {safety.reserve_s:g} s of it"
         ),
+        *([_instruction(equipment)] if equipment.instruction else []),
         CheckLine("advisor", equipment.advisor),
         CheckLine("recording", equipment.folder),
     ]
@@ -130,6 +135,11 @@ def blocking(lines: Sequence[CheckLine]) -> list[CheckLine]:
 
 def _bad(wrong: bool) -> Level:
     return "blocking" if wrong else "good"
+
+
+def _instruction(equipment: Equipment) -> CheckLine:
+    judge = "judged by the truth of the simulated reef" if equipment.judged else "nobody judges it"
+    return CheckLine("instruction", f"{' '.join(equipment.instruction.split())} - {judge}")
 
 
 def _link(report: VehicleReport, equipment: Equipment) -> CheckLine:

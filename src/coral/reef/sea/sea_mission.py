@@ -24,7 +24,7 @@ from coral.reef.map.localization import Localizer
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.mission.assembly import Deciding, decider_of, latency_in_real_time, make_robot, with_response
 from coral.reef.mission.loop import MissionLoop
-from coral.reef.mission.metrics import compute_metrics
+from coral.reef.mission.metrics import OWN_MAP, TRUTH, compute_metrics
 from coral.reef.mission.word_judge import told_verdict
 from coral.reef.pilot.leftover import chain_of, what_is_left
 from coral.reef.pilot.pilot import Pilot
@@ -48,7 +48,6 @@ from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld
 from coral.run_loop import Observer, timing_of
 
-OWN_MAP, TRUTH = "the vehicle's own map", "the truth of a simulated reef"
 ORDER_S = 6.0
 """Longest wait for the last order at the end."""
 
