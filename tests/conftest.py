@@ -34,7 +34,7 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-NARROW_PX = 400
+NARROW_PX = 360
 """Width of a telephone's screen."""
 
 

@@ -23,7 +23,7 @@ def main() -> None:
     """Run the task slowly, and photograph its page in the middle."""
     with tempfile.TemporaryDirectory() as scratch, sync_playwright() as playwright:
         words = ["--world", "hand", "--poses", "ground-truth", "--samples", "40", "--quiet", "--out", f"{scratch}/run"]
-        live = ["--live", "--live-port", "0", "--live-speed", "0.08"]
+        live = ["--live", "--live-port", "0", "--live-speed", "0.08", "--no-wait"]
         command = [CORAL, "contact", "run", "flip-wall", *words, *live]
         task = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         assert task.stderr is not None
