@@ -34,4 +34,4 @@ def test_what_happens_is_said_and_the_rest_is_not():
         for event in ({"event": "state", "t": 3.0, "state": "holding", "reason": "x"}, {"event": "goal", "t": 3.0}):
             mission.record.listeners[0](event)
     assert [line.partition(" ")[2] for line in said] == ["holding: x"]
-    assert shown == ["holding - x"]
+    assert shown == [{"event": "state", "t": 3.0, "state": "holding", "reason": "x"}]

@@ -143,17 +143,13 @@ class Client:
         return response.status, json.loads(content) if content else None
 
     def answer(self, question_id, answer, operator="", **headers):
-        body = json.dumps({"answer": answer, "operator": operator})
-        return self(
-            "POST",
-            f"/api/questions/{question_id}/answer",
-            body,
-            {
-                "Content-Type": "application/json",
-                "X-Coral": "1",
-                **{name.replace("_", "-"): value for name, value in headers.items()},
-            },
-        )
+        content = {"answer": answer, "operator": operator}
+        return self.post(f"/api/questions/{question_id}/answer", content, **headers)
+
+    def post(self, path, content, **headers):
+        named = {name.replace("_", "-"): value for name, value in headers.items()}
+        headers = {"Content-Type": "application/json", "X-Coral": "1", **named}
+        return self("POST", path, json.dumps(content), headers)
 
 
 @contextmanager

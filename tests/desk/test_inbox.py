@@ -10,6 +10,7 @@ import pytest
 from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit
 from coral.desk.server import state_json
 from coral.errors import InputError
+from coral.reef.world.instruction import MOST_CHARACTERS
 
 
 @pytest.fixture
@@ -218,3 +219,30 @@ def test_numbers_of_many_digits_in_an_inbox_are_none_at_all(tmp_path):
     inbox = Inbox(tmp_path)
     assert inbox.entries()[0].asked_at is None
     assert inbox.missions()[0]["started_at"] == huge
+
+
+@pytest.mark.parametrize(
+    ("notice", "words", "refused"),
+    [
+        ({"state": "finished", "instruction": "Find it."}, "Find the net.", NotOpen),
+        ({"state": "running", "instruction": ""}, "Find the net.", NotOpen),
+        ({"state": "running"}, "Find the net.", NotOpen),
+        ({"state": "running", "instruction": "Find it."}, " ", ValueError),
+        ({"state": "running", "instruction": "Find it."}, "x" * (MOST_CHARACTERS + 1), ValueError),
+        (None, "Find the net.", NoSuchQuestion),
+    ],
+)
+def test_only_a_mission_in_words_under_way_takes_another_instruction(inbox, notice, words, refused):
+    if notice is not None:
+        (inbox.folder / "mission-here-1.json").write_text(json.dumps(notice))
+    with pytest.raises(refused):
+        inbox.instruct("here-1", words)
+    assert not (inbox.folder / "instruction-here-1.json").exists()
+
+
+def test_the_last_of_several_instructions_counts(inbox):
+    (inbox.folder / "mission-here-1.json").write_text(json.dumps({"state": "running", "instruction": "Find it."}))
+    for words in ("Find the net.", "x" * MOST_CHARACTERS):
+        inbox.instruct("here-1", words, "Ana")
+    told = json.loads((inbox.folder / "instruction-here-1.json").read_text())
+    assert told == {"instruction": "x" * MOST_CHARACTERS, "operator": "Ana"}

@@ -2,6 +2,7 @@
 
 import asyncio
 import base64
+import json
 import urllib.error
 import urllib.request
 from contextlib import asynccontextmanager
@@ -66,6 +67,18 @@ def test_refusals_say_why(desk, ask):
     assert "no question" in refusal(call(desk, "get_question", question_id="../../etc"))
     assert "no picture" in refusal(call(desk, "get_picture", question_id=asking.id, name="../question.json"))
     assert desk.answered == 1
+
+
+def test_an_agent_reads_and_changes_the_instruction_of_a_mission(desk):
+    folder = desk.inbox.folder
+    (folder / "mission-here-1.json").write_text(json.dumps({"state": "running", "instruction": "Find it."}))
+    (mission,) = call(desk, "list_missions").structured_content["result"]
+    assert (mission["id"], mission["instruction"]) == ("here-1", "Find it.")
+    call(desk, "change_instruction", mission_id="here-1", instruction="Find the net.")
+    told = json.loads((folder / "instruction-here-1.json").read_text())
+    assert told == {"instruction": "Find the net.", "operator": "an agent"}
+    assert "no mission" in refusal(call(desk, "change_instruction", mission_id="x", instruction="Find it."))
+    assert "some words" in refusal(call(desk, "change_instruction", mission_id="here-1", instruction=" "))
 
 
 def test_a_wait_ends_with_the_first_question(desk, ask, monkeypatch):

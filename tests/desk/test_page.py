@@ -2,6 +2,7 @@
 
 import json
 import re
+import threading
 
 import pytest
 from playwright.sync_api import expect
@@ -305,3 +306,24 @@ def test_the_page_is_for_all_eyes(visit, ask, case, check_for_all_eyes):
     ask(case.reef_question(), case.refused("The chosen dot is behind the robot."))
     expect(page.get_by_role("heading", name="Which oyster cluster next?")).to_be_visible()
     check_for_all_eyes(page)
+
+
+def test_the_instruction_of_a_mission_in_words_is_shown_and_changed(visit, tmp_path):
+    told, heard = [], threading.Event()
+
+    def instruct(words, by):
+        told.append((words, by))
+        notice.hear({"event": "instruction", "text": words})
+        heard.set()
+        return True
+
+    with mission_notice(tmp_path / "inbox", instruct, world="a-net", instruction="Find the net.") as notice:
+        page = visit("Ana")
+        expect(page.locator("#instruction")).to_have_text("Find the net.")
+        page.once("dialog", lambda dialog: dialog.accept("Find the tyre."))
+        page.get_by_role("button", name="Change").click()
+        expect(page.locator("#instruction")).to_have_text("Find the tyre.")
+        assert heard.wait(60.0)
+        expect(page.locator("#toast")).to_contain_text("Sent.")
+    expect(page.locator("#told")).to_be_hidden()
+    assert told == [("Find the tyre.", "Ana at the desk")]

@@ -73,6 +73,22 @@ def test_only_the_latest_questions_are_listed(client, ask, monkeypatch):
     assert [q["id"] for q in client("GET", "/api/state")[1]["questions"]] == [one.id for one in asked[1:]]
 
 
+def test_the_instruction_of_a_mission_in_words_is_shown_and_changed(client, server):
+    folder = server.inbox.folder
+    (folder / "mission-here-1.json").write_text(json.dumps({"state": "running", "instruction": "Find it."}))
+    (mission,) = client("GET", "/api/state")[1]["missions"]
+    assert (mission["id"], mission["instruction"]) == ("here-1", "Find it.")
+    path = f"/api/missions/{mission['id']}/instruction"
+    assert client.post(path, {"instruction": "Find the net.", "operator": " Ana\n"}) == (200, {"ok": True})
+    told = json.loads((folder / "instruction-here-1.json").read_text())
+    assert told == {"instruction": "Find the net.", "operator": "Ana"}
+    assert client.post(path, {"instruction": " "})[0] == 422
+    assert client.post(path, {"instruction": 7})[0] == 400
+    assert client.post("/api/missions/..%2fhere-1/instruction", {"instruction": "Find it."})[0] == 404
+    (folder / "mission-here-1.json").write_text(json.dumps({"state": "finished", "instruction": "Find it."}))
+    assert client.post(path, {"instruction": "Find it."}) == (409, {"error": "The mission has ended."})
+
+
 @pytest.mark.parametrize(
     "path",
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
@@ -10,12 +11,15 @@ from coral.errors import InputError
 from coral.plugins import our_part
 
 
-def mission_notice(asks_people: bool, inbox: Path, **about: Any) -> AbstractContextManager[Any]:
+def mission_notice(
+    asks_people: bool, inbox: Path, instruct: Callable[[str, str], bool] | None = None, **about: Any
+) -> AbstractContextManager[Any]:
     """Keep a notice in the inbox while a mission runs; None where no people are asked, or the desk is not installed.
 
     Args:
         asks_people: Whether the advisor asks people.
         inbox: Folder of the questions.
+        instruct: instruct(words, by) changes the instruction of a mission in words; None without one.
         about: Description of the mission; JSON values.
     """
     if not asks_people:
@@ -24,5 +28,5 @@ def mission_notice(asks_people: bool, inbox: Path, **about: Any) -> AbstractCont
         keep = our_part("notice", "desk", "--advisor")
     except InputError:
         return nullcontext()
-    notice: AbstractContextManager[Any] = keep(inbox, **about)
+    notice: AbstractContextManager[Any] = keep(inbox, instruct, **about)
     return notice

@@ -171,11 +171,14 @@ class ReefRun:
         progress = MissionProgress(quiet=self.quiet)
         mission.listeners.append(FallbackNotice(cfg.pilot.fallback))
         about = {"world": world.name, "variant": self.variant, "seed": self.seed, "run": str(folder)}
+        about["instruction"] = mission.cfg.planner.instruction.text
         if asks_people and not self.quiet:
             print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)
         with watching(live, "reef", mission) as viewers:
             try:
-                with mission_notice(asks_people, inbox, **about) as notice:
+                with mission_notice(asks_people, inbox, mission.instructing, **about) as notice:
+                    if notice is not None:
+                        mission.listeners.append(notice.hear)
                     result = mission.run([progress, *viewers])
                     if notice is not None:
                         notice.finished(

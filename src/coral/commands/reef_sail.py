@@ -242,11 +242,20 @@ class ReefSail:
         write_whole(folder / "preflight.txt", "".join(f"{line}\n" for line in lines).encode())
         inbox = self.inbox or folder / "inbox"
         asked = asks_person(self.advisor)
-        noticed = mission_notice(asked, inbox, world=area.name, advisor=advisor.name, seed=self.seed, run=str(folder))
+        noticed = mission_notice(
+            asked,
+            inbox,
+            mission.instructing,
+            world=area.name,
+            advisor=advisor.name,
+            seed=self.seed,
+            run=str(folder),
+            instruction=mission.instruction,
+        )
         with (
             noticed as notice,
             self._page(mission) as observers,
-            survey_told(mission, self._say, None if notice is None else notice.doing),
+            survey_told(mission, self._say, None if notice is None else notice.hear),
         ):
             for observer in observers:
                 observer.waiting(tuple(str(line) for line in lines))
@@ -341,8 +350,7 @@ class ReefSail:
     def _topics(self, mission: SeaMission, opened: ExitStack) -> Iterator[Any]:
         kind, _, place = self.vehicle.partition(":")
         if kind == "ros2":
-            instruct = mission.instruct if mission.instruction else None
-            topics = our_part("ros2", "topics", "--vehicle")(place, mission.crew.words, instruct)
+            topics = our_part("ros2", "topics", "--vehicle")(place, mission.crew.words, mission.instructing)
             opened.callback(topics.close)
             yield topics
 
@@ -353,9 +361,7 @@ class ReefSail:
         from coral.view.live.viewer import Viewer
         from coral.view.live.watching import WatchedSurvey, reef_sketch
 
-        controls = SurveyControls(
-            mission.crew.words, mission.alignment, mission.instruct if mission.instruction else None
-        )
+        controls = SurveyControls(mission.crew.words, mission.alignment, mission.instructing)
         viewer = opened.enter_context(Viewer(mission.record.folder, controls, port=self.live_port, flag="--live-port"))
         self._say(f"watch and steer the survey at {viewer.url}")
         opened.callback(lambda: viewer.stay() if viewer.watched else None)
@@ -433,9 +439,7 @@ def conduct(
     thread = threading.Thread(target=control, name="coral-control", daemon=True)
     with signals_as_words(words):
         thread.start()
-        Keyboard(words, instruct=mission.instruct if mission.instruction else None).listen(
-            lambda: not thread.is_alive()
-        )
+        Keyboard(words, instruct=mission.instructing).listen(lambda: not thread.is_alive())
         thread.join()
     if failure:
         raise RunError(f"the survey failed: {type(failure[0]).__name__}: {failure[0]}") from failure[0]

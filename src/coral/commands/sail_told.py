@@ -16,22 +16,22 @@ TOLD = ("state", "awaited", "alignment", "limit", "recording_stopped", "order_re
 
 @contextmanager
 def survey_told(
-    mission: SeaMission, say: Callable[[str], None], desk: Callable[[str], None] | None = None
+    mission: SeaMission, say: Callable[[str], None], desk: Callable[[Mapping[str, Any]], None] | None = None
 ) -> Iterator[None]:
     """Say what happens to a survey, while it lasts; a terminal that hangs delays nothing else.
 
     Args:
         mission: The survey.
         say: Prints one line.
-        desk: Shows a line to the people who answer at the desk, in place of the last one.
+        desk: Tells the people who answer at the desk of an event.
     """
     work = BackgroundWork()
 
     def show(event: Mapping[str, Any], asked: str) -> None:
         for line in lines(event, asked):
             say(line)
-        if desk is not None and event["event"] in ("state", "awaited"):
-            desk(" - ".join(text for text in (event["state"], event["reason"], event.get("ends_when", "")) if text))
+        if desk is not None:
+            desk(event)
 
     def hear(event: Mapping[str, Any]) -> None:
         if event["event"] in TOLD:

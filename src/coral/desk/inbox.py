@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from coral.advisor.parse import MAX_CHARS
-from coral.desk.notice import is_alive
+from coral.desk.notice import change_file, is_alive
 from coral.desk.schema import SchemaFault, faults
 from coral.errors import InputError
 from coral.file_writer import PRIVATE, write_whole
@@ -23,11 +23,17 @@ from coral.odd_text import encodable
 State = Literal["open", "sent", "answered", "withdrawn", "abandoned", "unreadable"]
 
 ID = re.compile(r"\d{1,12}-[\w.-]{1,100}", re.ASCII)
+MISSION = re.compile(r"[\w.-]{1,200}", re.ASCII)
+INSTRUCTION_LIMIT = 1000
+"""Characters of an instruction, as a mission in words takes them."""
 QUESTION_LIMIT = 4_000_000
 PICTURE_LIMIT = 16_000_000
 """Maximum size of a picture; anything larger was not written by a mission."""
 MAX_BRACKETS = 300
 """Maximum number of brackets in an answer shown as a value; Python cannot print much deeper nesting."""
+NOTICE_KEYS = (
+    *("state", "outcome", "doing", "instruction", "world", "advisor", "variant", "seed", "run", "started_at"),
+)
 PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
 
 
@@ -36,7 +42,7 @@ class NoSuchQuestion(LookupError):
 
 
 class NotOpen(Exception):
-    """The question can no longer be answered; the message says why."""
+    """The question can no longer be answered, or the mission not be changed; the message says why."""
 
 
 class Unfit(Exception):
@@ -116,13 +122,33 @@ class Inbox:
                 continue
             if notice.get("state") == "running" and not _asker_lives(notice):
                 notice["state"] = "stopped"
-            notices.append(
-                {
-                    key: notice.get(key)
-                    for key in ("state", "outcome", "doing", "world", "advisor", "variant", "seed", "run", "started_at")
-                }
-            )
+            notices.append({"id": path.stem.removeprefix("mission-")} | {key: notice.get(key) for key in NOTICE_KEYS})
         return sorted(notices, key=lambda notice: _number(notice["started_at"]) or 0.0)
+
+    def instruct(self, mission_id: str, instruction: str, operator: str = "") -> None:
+        """Give a mission in words another instruction, which it takes in a moment; the last one counts.
+
+        Args:
+            mission_id: As listed in `missions`.
+            instruction: The new words.
+            operator: Name of the person.
+
+        Raises:
+            NoSuchQuestion: There is no such mission.
+            NotOpen: It has ended, or it has no instruction.
+            ValueError: There are no words, or too many.
+        """
+        if not instruction.strip() or len(instruction) > INSTRUCTION_LIMIT:
+            raise ValueError(f"An instruction has some words, at most {INSTRUCTION_LIMIT} characters.")
+        mission = next((one for one in self.missions() if one["id"] == mission_id), None)
+        if mission is None or not MISSION.fullmatch(mission_id):
+            raise NoSuchQuestion(mission_id)
+        if mission["state"] != "running":
+            raise NotOpen("The mission has ended.")
+        if not isinstance(mission["instruction"], str) or not mission["instruction"]:
+            raise NotOpen("The mission has no instruction in words to change.")
+        content = encodable(json.dumps({"instruction": instruction, "operator": operator}, ensure_ascii=False))
+        write_whole(change_file(self.folder / f"mission-{mission_id}.json"), content)
 
     def question(self, question_id: str) -> Mapping[str, Any]:
         """Return a question as it was asked: the content of its question.json.

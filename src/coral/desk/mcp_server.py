@@ -7,7 +7,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit
-from coral.desk.server import NAME_LIMIT
+from coral.desk.notice import NAME_LIMIT
 from coral.errors import InputError, install_extra
 from coral.web import WebServer
 
@@ -22,7 +22,8 @@ INSTRUCTIONS = (
     "You are the operator of a robot that asks when it needs a decision. Call list_questions, read a question with "
     "get_question, look at its pictures with get_picture, and send your answer with answer_question. An answer that "
     "does not fit its schema comes back with the reasons. A verifier checks accepted answers; if it refuses one, the "
-    "question is asked again, with the reason. The robot keeps moving while you think."
+    "question is asked again, with the reason. The robot keeps moving while you think. A mission in words has an "
+    "instruction: list_missions shows it, change_instruction changes it. Only the person you work for decides on that."
 )
 
 
@@ -46,7 +47,8 @@ class McpDesk:
         self.answered = 0
         """Number of answers accepted by this server."""
         self.server: MCPServer[Any] = MCPServer("coral-desk", instructions=INSTRUCTIONS, log_level="ERROR")
-        for tool in (self.list_questions, self.get_question, self.get_picture, self.answer_question):
+        answering = (self.list_questions, self.get_question, self.get_picture, self.answer_question)
+        for tool in (*answering, self.list_missions, self.change_instruction):
             self.server.tool()(tool)
 
     async def list_questions(self, wait_s: float = 0.0) -> list[dict[str, Any]]:
@@ -104,6 +106,29 @@ class McpDesk:
             raise _tool_error(f"The inbox cannot be written: {error.strerror}.") from None
         self.answered += 1
         return "The answer is taken; the robot's verifier checks it."
+
+    def list_missions(self) -> list[dict[str, Any]]:
+        """List the missions that ask here: id, state, what the robot is doing, and the instruction of one in words."""
+        keys = ("id", "state", "world", "doing", "instruction", "outcome")
+        return [{key: mission[key] for key in keys} for mission in self.inbox.missions()]
+
+    def change_instruction(self, mission_id: str, instruction: str, operator: str = "an agent") -> str:
+        """Change the instruction of a mission in words that is under way; open questions are asked anew.
+
+        Args:
+            mission_id: Id of the mission.
+            instruction: What the robot is to do, in plain words.
+            operator: Your name, for the record.
+        """
+        try:
+            self.inbox.instruct(mission_id, instruction, " ".join(operator.split())[:NAME_LIMIT])
+        except NoSuchQuestion:
+            raise _tool_error(f"There is no mission {mission_id!r}.") from None
+        except (NotOpen, ValueError) as why:
+            raise _tool_error(str(why)) from None
+        except OSError as error:
+            raise _tool_error(f"The inbox cannot be written: {error.strerror}.") from None
+        return "The mission takes the new words with its next step; its next question carries them."
 
     def serve_stdio(self) -> None:
         """Serve the program that started this one, until it closes standard input."""

@@ -1,4 +1,8 @@
-"""A mission's notice in the inbox for the people at the desk: that it runs, and how it ended."""
+"""A mission's notice in the inbox for the people at the desk: that it runs, what it is to do, and how it ended.
+
+The instruction of a mission in words may be changed there: the desk writes `instruction-HOST-PID.json`, the mission
+takes it.
+"""
 
 from __future__ import annotations
 
@@ -6,30 +10,60 @@ import contextlib
 import json
 import os
 import socket
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from coral.advisor.desk import read_answer
+from coral.errors import InputError
 from coral.file_writer import PRIVATE, write_whole
+from coral.foreign_file import parse_json
+
+Instruct = Callable[[str, str], bool]
+"""instruct(words, by) changes the instruction of a mission in words, from any thread."""
+NAME_LIMIT = 60
+"""Letters of an operator's name."""
+LOOK_S = 0.3
+"""Interval of looking for another instruction (s)."""
 
 
 class MissionNotice:
     """The notice of one mission."""
 
-    def __init__(self, path: Path, content: dict[str, Any]) -> None:
-        self._path, self._content = path, content
+    def __init__(self, path: Path, content: dict[str, Any], instruct: Instruct | None = None) -> None:
+        self._path, self._content, self._instruct = path, content, instruct
+        self._writing = threading.Lock()
         self.tell()
 
     def tell(self, **news: Any) -> None:
         """Write the notice, with news."""
-        self._content.update(news)
-        _write(self._path, self._content)
+        with self._writing:
+            self._content.update(news)
+            _write(self._path, self._content)
 
-    def doing(self, text: str) -> None:
-        """Tell what the vehicle is doing."""
-        self.tell(doing=text)
+    def hear(self, event: Mapping[str, Any]) -> None:
+        """Tell what an event of the mission says of its state and its instruction."""
+        if event["event"] in ("state", "awaited"):
+            told = (event["state"], event["reason"], event.get("ends_when", ""))
+            self.tell(doing=" - ".join(text for text in told if text))
+        elif event["event"] == "instruction":
+            self.tell(instruction=event["text"])
+
+    def take_instruction(self) -> None:
+        """Take over an instruction that was changed at the desk. Only a file of the same user counts."""
+        change = change_file(self._path)
+        taken = change.with_suffix(".taken")
+        with contextlib.suppress(OSError, ValueError, InputError):
+            os.replace(change, taken)
+            text = read_answer(taken)
+            taken.unlink()
+            told = parse_json(text or "")
+            if self._instruct is not None and isinstance(told, dict) and isinstance(told.get("instruction"), str):
+                by = str(told.get("operator") or "somebody")[:NAME_LIMIT]
+                self._instruct(told["instruction"], f"{by} at the desk")
 
     def finished(self, outcome: str) -> None:
         """Tell how the mission ended, as a sentence."""
@@ -42,7 +76,7 @@ class MissionNotice:
 
 
 @contextmanager
-def mission_notice(inbox: Path, **about: Any) -> Iterator[MissionNotice]:
+def mission_notice(inbox: Path, instruct: Instruct | None = None, **about: Any) -> Iterator[MissionNotice]:
     """Keep a `mission-HOST-PID.json` in an inbox while a mission runs, and leave it there with its outcome.
 
     A mission that ends without telling its outcome has failed. The notice is optional: an inbox that cannot be written
@@ -50,6 +84,7 @@ def mission_notice(inbox: Path, **about: Any) -> Iterator[MissionNotice]:
 
     Args:
         inbox: Folder of questions; created if it does not exist.
+        instruct: Changes the instruction of a mission in words; None without one.
         about: Description of the mission, such as its world and its run folder; JSON values.
     """
     host, pid = socket.gethostname(), os.getpid()
@@ -62,13 +97,29 @@ def mission_notice(inbox: Path, **about: Any) -> Iterator[MissionNotice]:
         "doing": "",
         "started_at": round(time.time(), 3),
     }
-    notice = MissionNotice(inbox / f"mission-{host}-{pid}.json", content)
+    path, over = inbox / f"mission-{host}-{pid}.json", threading.Event()
+    notice = MissionNotice(path, content, instruct)
+
+    def look() -> None:
+        while not over.wait(LOOK_S):
+            notice.take_instruction()
+
+    with contextlib.suppress(OSError):
+        change_file(path).unlink()  # for an earlier process of this number
+    if instruct is not None:
+        threading.Thread(target=look, name="coral-desk", daemon=True).start()
     try:
         yield notice
     finally:
+        over.set()
         if notice.running:
             notice.tell(state="failed")
         notice.tell(ended_at=round(time.time(), 3))
+
+
+def change_file(notice: Path) -> Path:
+    """Return where the desk puts another instruction for the mission of a notice."""
+    return notice.with_name(f"instruction-{notice.name.removeprefix('mission-')}")
 
 
 def is_alive(host: str, pid: int) -> bool:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from coral.advisor.log import plain_json
 from coral.desk.inbox import Inbox, NoSuchQuestion, NotOpen, Unfit, entry_json
+from coral.desk.notice import NAME_LIMIT
 from coral.foreign_file import read_text
 from coral.web import WebServer, read_json, refusal
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from starlette.responses import Response
     from starlette.routing import BaseRoute
 
-NAME_LIMIT = 60
 RECENT, MISSIONS = 300, 8
 """Number of questions and missions that a page lists, the latest."""
 PAGE = read_text(Path(__file__).parent / "page.html", "a file of this package")
@@ -42,6 +42,7 @@ class DeskServer(WebServer):
             Route("/api/state", self._state),
             Route("/api/questions/{question}", self._question),
             Route("/api/questions/{question}/answer", self._answer, methods=["POST"]),
+            Route("/api/missions/{mission}/instruction", self._instruct, methods=["POST"]),
             Route("/pictures/{question}/{name}", self._picture),
         ]
 
@@ -91,6 +92,24 @@ class DeskServer(WebServer):
             reason = f"The inbox cannot be written: {error.strerror}."
             raise refusal(HTTPStatus.INTERNAL_SERVER_ERROR, reason) from None
         self.answered += 1
+        return _json({"ok": True})
+
+    async def _instruct(self, request: Request) -> Response:
+        content = await read_json(request)
+        words, operator = content.get("instruction"), content.get("operator", "")
+        if not isinstance(words, str) or not isinstance(operator, str):
+            raise refusal(HTTPStatus.BAD_REQUEST, 'The request must be {"instruction": "words", "operator": "name"}.')
+        try:
+            self.inbox.instruct(request.path_params["mission"], words, " ".join(operator.split())[:NAME_LIMIT])
+        except NoSuchQuestion:
+            raise refusal(HTTPStatus.NOT_FOUND, "There is no such mission.") from None
+        except NotOpen as why:
+            raise refusal(HTTPStatus.CONFLICT, str(why)) from None
+        except ValueError as why:
+            raise refusal(HTTPStatus.UNPROCESSABLE_ENTITY, str(why)) from None
+        except OSError as error:
+            reason = f"The inbox cannot be written: {error.strerror}."
+            raise refusal(HTTPStatus.INTERNAL_SERVER_ERROR, reason) from None
         return _json({"ok": True})
 
 

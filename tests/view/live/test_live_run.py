@@ -10,8 +10,7 @@ def test_the_run_waits_for_a_viewer_and_the_page_stays(tmp_path, capsys, monkeyp
     waited = []
     monkeypatch.setattr(Viewer, "wait_for_viewer", lambda self, what: waited.append(what))
     monkeypatch.setattr(Viewer, "stay", lambda self: waited.append("stay"))
-    surveys = SimpleNamespace(planner=SimpleNamespace(instruction=SimpleNamespace(text="")))
-    mission = SimpleNamespace(writer=SimpleNamespace(folder=tmp_path), cfg=surveys)
+    mission = SimpleNamespace(writer=SimpleNamespace(folder=tmp_path), instructing=None)
     with watching_mission(mission, port=0, speed=1.0, wait=True) as viewers:
         assert waited == ["mission"]
         assert len(viewers) == 1

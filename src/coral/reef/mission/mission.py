@@ -390,6 +390,11 @@ class Mission:
         """Change the instruction of a mission in words, from any thread. Return whether there is one to change."""
         return all(robot.pilot.instruct(words, by) for robot in self.robots)
 
+    @property
+    def instructing(self) -> Callable[[str, str], bool] | None:
+        """How the instruction is changed; None where there is none to change."""
+        return self.instruct if self.cfg.planner.instruction.text else None
+
     def _finish(self) -> dict[str, Any]:
         control = np.array(self.loop.control_ms) if self.loop.control_ms else np.zeros(1)
         timing: dict[str, Any] = timing_of(

@@ -211,6 +211,11 @@ class SeaMission:
         """Change the instruction of a mission in words, from any thread. Return whether there is one to change."""
         return self.pilot.instruct(words, by)
 
+    @property
+    def instructing(self) -> Callable[[str, str], bool] | None:
+        """How the instruction is changed; None where there is none to change."""
+        return self.instruct if self.instruction else None
+
     def align(self, start: Pose | None = None, *, trust_heading: bool) -> None:
         """Take what the vehicle reports now as the survey's start."""
         report = self.crew.link.report()

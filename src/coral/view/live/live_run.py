@@ -56,8 +56,7 @@ def watching_mission(
     mission: Mission, *, port: int, speed: float, wait: bool
 ) -> AbstractContextManager[list[WatchedRun]]:
     """Give the observer that shows a mission; see `watching_run`."""
-    instruct = mission.instruct if mission.cfg.planner.instruction.text else None
-    buttons = partial(RunControls, instruct=instruct)
+    buttons = partial(RunControls, instruct=mission.instructing)
     return watching_run(mission.writer.folder, "mission", reef_sketch, buttons, port=port, speed=speed, wait=wait)
 
 
