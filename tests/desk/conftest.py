@@ -17,12 +17,14 @@ from coral.advisor.question import Picture, Question, Rejection
 from coral.desk.inbox import Inbox
 from coral.desk.server import DeskServer
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.mission_answer import MissionAnswer
 from coral.reef.pictures.mapview import MapScene, draw_map, png
 from coral.reef.world.geometry import Pose, to_robot
 
 POSE = Pose(3.0, 5.0, math.pi / 2)
 ARRIVAL = Pose(3.5, 5.5, 0.3)
 """Where the robot will be when it needs the answer: what the places in the facts are measured from."""
+ANSWERS = {"reef-centroid": CentroidChoice, "reef-waypoint": WaypointChoice, "reef-mission": MissionAnswer}
 DOTS = {4: (3.0, 9.0), 7: (6.0, 7.0), 12: (4.0, 2.0)}
 
 
@@ -62,7 +64,7 @@ def reef_question(kind="reef-centroid"):
         kind=kind,
         prompt="Which dot?\nThe best one.",
         facts=facts(),
-        answer_type=CentroidChoice if kind == "reef-centroid" else WaypointChoice,
+        answer_type=ANSWERS[kind],
         pictures=(Picture(name="map", png=png(drawn.rgb), caption="from above", pixel_from_world=frame),),
     )
 

@@ -327,3 +327,18 @@ def test_the_instruction_of_a_mission_in_words_is_shown_and_changed(visit, tmp_p
         expect(page.locator("#toast")).to_contain_text("Sent.")
     expect(page.locator("#told")).to_be_hidden()
     assert told == [("Find the tyre.", "Ana at the desk")]
+
+
+def test_a_dot_of_a_mission_in_words_is_clicked_or_looked_at(visit, ask, case):
+    asking, page = ask(case.reef_question("reef-mission")), visit("Ana")
+    expect(page.get_by_role("heading", name="What next, for the instruction?")).to_be_visible()
+    click_map(page, case, *case.dots[7])
+    expect(page.get_by_role("radio", name="7")).to_be_checked()
+    page.get_by_role("radio", name="none").first.click()
+    look = page.locator(".field", has=page.get_by_text("Look", exact=True)).last
+    look.get_by_label("none (null)").uncheck()
+    look.get_by_role("radio", name="4").click()
+    look.get_by_role("radio", name="far").click()
+    page.get_by_role("button", name="Submit").click()
+    answer = asking.result()
+    assert (answer.selected_centroid_index, answer.look.dot, answer.look.side) == (None, 4, "far")
