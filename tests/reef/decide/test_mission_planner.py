@@ -69,9 +69,14 @@ def test_what_is_refused(answer, code):
 def test_a_look_from_behind_goes_round_at_a_distance_and_ends_towards_the_thing():
     goals = way_round(LookFrom(dot=0, side="far", distance_m=2.0), (10.0, 10.0), (4.0, 10.0))
     assert all(math.dist((g.x, g.y), (10.0, 10.0)) > 3.9 for g in goals[:-1])
-    assert (
-        goals[-1] == pytest.approx(Goal(x=11.3, y=10.0)) or math.dist((goals[-1].x, goals[-1].y), (11.3, 10.0)) < 1e-6
-    )
+    assert math.dist((goals[-1].x, goals[-1].y), (12.0, 10.0)) < 1e-6
+    assert goals[-1].face == (10.0, 10.0)
+
+
+def test_whoever_is_nearer_than_a_look_stays_and_turns_to_the_thing():
+    goal = way_round(LookFrom(dot=0, distance_m=2.5), (10.0, 10.0), (8.0, 10.0))[0]
+    assert (goal.x, goal.y) == pytest.approx((8.0, 10.0))
+    assert goal.face == (10.0, 10.0)
 
 
 def test_a_look_at_the_left_goes_to_the_left_as_the_robot_sees_it():

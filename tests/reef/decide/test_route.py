@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from beds import belief_with, see
 
-from coral.reef.decide.route import Goal, Route, RouteCfg, aim, passed
+from coral.reef.decide.route import Goal, Route, RouteCfg, aim, moved_clear, passed
+from coral.reef.map.costfield import CostField
 from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.world.geometry import Pose
 
@@ -127,3 +128,48 @@ def test_a_drive_past_a_cluster_shows_what_lies_ahead_and_near():
     assert len(passed(track, path, 1.0)) == len(track.left)
     backwards = np.array([[13.0, 8.0, -math.pi / 2]])
     assert len(passed(track, backwards, 3.0)) == len(track.left)
+
+
+def test_a_look_is_done_once_the_robot_faces_what_it_looks_at():
+    belief = belief_with([])
+    route = Route(belief, CFG)
+    route.follow([Goal(x=10.0, y=10.0, pass_m=0.3, face=(10.0, 12.0))], 0.0)
+    belief.pose = Pose(10.1, 10.0, 0.0)
+    assert not route.update(0.1)
+    assert route.turn_rad(CostField.straight((40, 40), (1.0, 1.0), cell_m=0.5)) == pytest.approx(math.pi / 2, abs=0.1)
+    belief.pose = Pose(10.1, 10.0, math.pi / 2)
+    assert route.update(0.2)
+    assert route.goals == ()
+
+
+def test_a_waypoint_lies_clear_of_what_no_answer_chose():
+    belief = belief_with([(13.0, 10.0), (16.0, 10.0)])
+    route = Route(belief, CFG, clear_m=2.5)
+    route.follow([Goal(x=12.5, y=10.0)], 0.0)
+    route.update(0.1)
+    assert math.dist(belief.goal, (13.0, 10.0)) == pytest.approx(2.5, abs=0.1)
+    route.follow([dot(belief, 0)], 0.2)
+    route.update(0.3)
+    assert len(belief.unchosen) == 1
+    assert belief.unchosen[0] == pytest.approx((16.0, 10.0), abs=0.1)
+    assert math.dist(belief.goal, (13.0, 10.0)) < 0.6
+
+
+def test_beside_what_it_is_not_going_to_the_robot_first_turns_to_its_way():
+    belief = belief_with([(12.4, 10.0)])
+    route, field = Route(belief, CFG, clear_m=2.5), CostField.straight((400, 400), (10.0, 14.0), cell_m=0.05)
+    belief.pose = HERE
+    route.follow([Goal(x=10.0, y=14.0)], 0.0)
+    route.update(0.1)
+    assert route.turn_rad(field) == pytest.approx(math.pi / 2, abs=0.1)
+    belief.pose = Pose(10.0, 10.0, math.pi / 2)
+    assert route.turn_rad(field) == 0.0
+    route.follow([dot(belief, 0)], 0.2)
+    route.update(0.3)
+    assert route.turn_rad(field) == 0.0
+
+
+def test_a_goal_is_moved_to_the_side_of_the_robot_where_it_lies_in_the_middle():
+    assert moved_clear((10.0, 10.0), [], 2.0, (0.0, 10.0)) == (10.0, 10.0)
+    assert moved_clear((10.0, 10.0), [(10.0, 10.1)], 2.0, (0.0, 10.1)) == pytest.approx((8.0, 10.1))
+    assert moved_clear((11.0, 10.0), [(10.0, 10.0)], 2.0, (0.0, 10.0)) == pytest.approx((12.0, 10.0))

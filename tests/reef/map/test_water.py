@@ -55,3 +55,14 @@ def test_nothing_is_reached_without_water():
     cells.obstacle[:] = True
     water = WaterMap(cells, replace(CostFieldCfg())).now()
     assert not water.reach(2.0, 2.0).reaches(2.0, 2.0)
+
+
+def test_the_way_keeps_from_a_place_and_what_is_blocked_stays_so():
+    cells, cfg = OccupancyMap((12.0, 9.0), CameraCfg()), CostFieldCfg()
+    cells.obstacle[85:95, 40:45] = True
+    water = WaterMap(cells, cfg).now()
+    kept = water.kept_from([(6.0, 4.5)], 2.0)
+    assert water.kept_from([], 2.0) is water
+    assert ((kept.slowness < 0) == (water.slowness < 0)).all()
+    way = CostField.over(kept.slowness, (11.0, 4.5), cell_m=kept.cell_m, cfg=cfg).path_from(3.2, 4.5, step_m=0.2)
+    assert np.hypot(way[:, 0] - 6.0, way[:, 1] - 4.5).min() > 1.4

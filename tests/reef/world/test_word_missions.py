@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 
 from coral.errors import InputError
 from coral.reef.world.generated import expand_names, find_world
+from coral.reef.world.instruction import DoneBy, Inspected, KeptOff, Sides, Spared, spoken
 from coral.reef.world.word_missions import APART_M, FAMILIES, word_mission
 
 
@@ -23,6 +25,24 @@ def test_a_family_has_other_words_for_tests_and_other_places_by_number(family):
         named = {thing.name for thing in world.things} | {thing.kind for thing in world.things}
         for clause in world.mission.conditions:
             assert set(getattr(clause, "of", ())) <= named
+
+
+@pytest.mark.parametrize("name", expand_names(["words:all:0-1", "words:all:100-101"]))
+def test_the_words_and_the_judge_have_the_same_numbers(name):
+    text = word_mission(name).mission
+    words = " ".join(spoken(text.instruction))
+    for clause in text.conditions:
+        match clause:
+            case KeptOff(distance_m=metres):
+                assert re.search(rf"\b({metres:g}|a) m(etre)?\b", words)
+            case Spared(at_most=number):
+                assert re.search(rf"\b({number}|{'twice' if number == 2 else number})\b", words)
+            case Sides(count=number) | Inspected(count=int(number)):
+                assert f"{number} " in words
+            case DoneBy(time_s=seconds) if "seconds" in words or "minutes" in words:
+                assert f"{seconds:g} seconds" in words or f"{seconds / 60:g} minutes" in words
+            case _:
+                pass
 
 
 def test_a_wrong_name_gets_the_nearest_family():

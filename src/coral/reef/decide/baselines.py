@@ -63,6 +63,17 @@ class Lawnmower:
             self._points.pop(0)
         return WaypointChoice(forward_m=0, left_m=0, reason="all lanes are done")
 
+    def mission(self, facts: Fact, rejections: Sequence[Rejection]) -> MissionAnswer:
+        """Follow the lanes in a mission in words, whatever the words; then go home and end."""
+        step = self(facts, rejections)
+        if math.hypot(step.forward_m, step.left_m) >= 1.0:
+            way = WaypointStep(forward_m=step.forward_m, left_m=step.left_m)
+            return MissionAnswer(waypoint=way, reason=step.reason)
+        home = facts["mission"]["home"]
+        if math.hypot(home["forward_m"], home["left_m"]) > HOME_M:
+            return MissionAnswer(home=True, reason=step.reason)
+        return MissionAnswer(done=True, reason=step.reason)
+
     def _lanes(self, area_m: Sequence[float], x: float, y: float) -> list[tuple[float, float]]:
         """Return the waypoints of lanes along x, from the corner nearest to the robot."""
         b = self._border
@@ -79,6 +90,8 @@ class Lawnmower:
 
 NEAR_M = 2.6
 """A waypoint is reached within this distance: just more than D_trig, at which the next goal is asked for."""
+HOME_M = 2.0
+"""The same of the start."""
 
 
 def _towards(facts: Fact, forward: float, left: float, refused: set[tuple[Any, Any]], name: str) -> WaypointChoice:
@@ -144,5 +157,6 @@ def baseline_rules(name: str, rng: np.random.Generator | None = None) -> dict[st
         chance = Chance(rng or np.random.default_rng(0))
         return {"reef-centroid": chance.centroid, "reef-waypoint": chance.waypoint, "reef-mission": chance.mission}
     if name == "lawnmower":
-        return {"reef-waypoint": Lawnmower()}
+        lanes = Lawnmower()
+        return {"reef-waypoint": lanes, "reef-mission": lanes.mission}
     return {"reef-centroid": nearest_centroid, "reef-waypoint": nearest_frontier}

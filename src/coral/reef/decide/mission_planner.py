@@ -29,9 +29,10 @@ from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField, CostFieldCfg
 from coral.reef.world.geometry import to_robot
 
-RING_M, STEP_RAD, RING_PASS_M = 2.0, math.radians(45.0), 0.8
+RING_M, STEP_RAD, RING_PASS_M, STOP_M = 2.0, math.radians(45.0), 0.8, 0.25
 """The way round something keeps this much farther from it than the look, and turns by so much from goal to goal, each
-of which is passed so near: whoever cuts the ring short arrives with the thing abeam, out of the picture."""
+of which is passed so near: whoever cuts the ring short arrives with the thing abeam, out of the picture. So near to the
+last goal the robot turns to the thing, asks, and waits for the answer."""
 
 
 class MissionPlanner:
@@ -49,7 +50,7 @@ class MissionPlanner:
         """Set up the planner of one robot; see `make_planner`."""
         self.belief, self.fields, self.prompts, self.draw, self._verifier = belief, fields, prompts, draw, verifier
         self.cfg = cfg or PlannerCfg()
-        self.route = Route(belief, self.cfg.route)
+        self.route = Route(belief, self.cfg.route, self.cfg.instruction.clear_m)
         self.said: tuple[Said, ...] = ()
 
     def instruct(self, words: str) -> None:
@@ -207,7 +208,9 @@ class MissionPlanner:
 
 
 def way_round(look: LookFrom, thing: tuple[float, float], robot: tuple[float, float]) -> list[Goal]:
-    """Return goals that lead round a thing to the side of a look, the last one towards the thing.
+    """Return goals that lead round a thing to the side of a look, the last one at its distance, facing the thing.
+
+    Whoever is nearer already stays where it is.
 
     Args:
         look: Side and distance.
@@ -218,8 +221,9 @@ def way_round(look: LookFrom, thing: tuple[float, float], robot: tuple[float, fl
     turn = {"near": 0.0, "left": -0.5 * math.pi, "right": 0.5 * math.pi, "far": math.pi}[look.side]
     steps = round(abs(turn) / STEP_RAD)
     ring = [(begin + turn * (k + 1) / steps, look.distance_m + RING_M, RING_PASS_M) for k in range(steps)]
-    # A waypoint is done 1 m before it: the last one lies that much nearer than the look.
-    last = (begin + turn, max(look.distance_m - 0.7, 0.2), 1.0)
-    return [
+    stop_m = look.distance_m if steps else min(look.distance_m, math.dist(robot, thing))
+    last = (begin + turn, stop_m, STOP_M)
+    goals = [
         Goal(x=thing[0] + r * math.cos(a), y=thing[1] + r * math.sin(a), pass_m=near) for a, r, near in (*ring, last)
     ]
+    return [*goals[:-1], replace(goals[-1], face=thing)]

@@ -33,6 +33,9 @@ class InstructionCfg:
     """What is to be done; empty: the whole reef is surveyed."""
     time_s: NonNegative = 0.0
     """Time for it, as the advisor gets it; 0: none."""
+    clear_m: NonNegative = 2.6
+    """The way keeps so far from the middle of what no answer chose, and waypoints lie no nearer: a thing of 0.6 m in
+    radius then stays farther than 1.6 m, which counts as inspected, in spite of 0.3 m of drift."""
 
 
 @dataclass(frozen=True, kw_only=True)

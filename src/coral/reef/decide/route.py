@@ -15,6 +15,11 @@ from coral.reef.map.chain import Track
 from coral.reef.map.costfield import CostField
 from coral.reef.world.geometry import Pose, to_robot
 
+FACED_RAD = 0.2
+"""What is looked at is faced so exactly."""
+BESIDE_M, AHEAD_RAD, ASTRAY_RAD = 0.3, 1.2, 0.5
+"""Something is beside the robot, ahead of it, and the way leads elsewhere: turn on the spot."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Goal:
@@ -25,6 +30,8 @@ class Goal:
     index: int | None = None
     pass_m: float | None = None
     """A waypoint of a look, which nothing new breaks off: how near it must be passed (m). None: as `RouteCfg` says."""
+    face: tuple[float, float] | None = None
+    """What the robot turns to there (m) before the goal is done."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,8 +90,10 @@ def here(belief: Belief) -> Arrival:
 class Route:
     """Keeps the goals in order; the belief's goal is what the vehicle aims at for the first of them."""
 
-    def __init__(self, belief: Belief, cfg: RouteCfg | None = None) -> None:
+    def __init__(self, belief: Belief, cfg: RouteCfg | None = None, clear_m: float = 0.0) -> None:
+        """Start without goals; keep `clear_m` from clusters that are no goal."""
         self.belief, self.cfg = belief, cfg or RouteCfg()
+        self.belief.clear_m = clear_m
         self.goals: tuple[Goal, ...] = ()
         self.latency_s = self.cfg.expected_latency_s
         """How long the next answer is expected to take (s): the median of the latest ones."""
@@ -92,7 +101,7 @@ class Route:
         """Time of the last update (s)."""
         self._latencies: list[float] = []
         self._left, self._since = -1, -math.inf
-        self._unexplored = 0.0
+        self._unexplored, self._arrived = 0.0, False
 
     def answered(self, seconds: float) -> None:
         """Learn how long an answer took (s)."""
@@ -103,6 +112,31 @@ class Route:
     def looking(self) -> bool:
         """Whether the robot is on its way round something to look at it."""
         return any(goal.pass_m is not None for goal in self.goals)
+
+    def turn_rad(self, field: CostField) -> float:
+        """Return the angle to turn on the spot, positive to the left; 0: none.
+
+        What is looked at is faced. Beside something that is not gone to, the robot first turns to its way along the
+        field: under way, it would drive a bow over it.
+        """
+        belief = self.belief
+        if not self.goals:
+            return 0.0
+        if self._arrived and (face := self.goals[0].face) is not None:
+            return self._bearing(face)
+        near_m = belief.clear_m + BESIDE_M
+        ahead = (
+            math.dist(at, belief.pose[:2]) < near_m and abs(self._bearing(at)) < AHEAD_RAD for at in belief.unchosen
+        )
+        if not belief.clear_m or not any(ahead):
+            return 0.0
+        way = field.path_from(*belief.pose[:2], step_m=0.2)[:6]
+        turn = self._bearing((float(way[-1, 0]), float(way[-1, 1]))) if len(way) > 1 else 0.0
+        return turn if abs(turn) > ASTRAY_RAD else 0.0
+
+    def _bearing(self, at: tuple[float, float]) -> float:
+        forward, left = to_robot(self.belief.pose, *at)
+        return math.atan2(left, forward)
 
     @property
     def lead_s(self) -> float:
@@ -119,6 +153,7 @@ class Route:
     def update(self, t: float) -> bool:
         """Move the aim along, and go on to the next goal when the present one is done; True when that happened."""
         self.t, before = t, self.goals
+        self._keep_clear()
         self.goals = tuple(goal for goal in self.goals if not self._left_to_another(goal))
         moved = before[:1] != self.goals[:1]
         if moved:
@@ -175,7 +210,7 @@ class Route:
         return legs
 
     def _begin(self, t: float) -> None:
-        self._left, self._since, self._unexplored = -1, t, 0.0
+        self._left, self._since, self._unexplored, self._arrived = -1, t, 0.0, False
         if not self.goals:
             return
         goal = self.goals[0]
@@ -184,11 +219,28 @@ class Route:
         if self.cfg.ahead and track is not None and len(track.left):
             self.belief.goal = aim(track.left, self.belief.pose, self.cfg.aim_m)
 
+    def _keep_clear(self) -> None:
+        """Tell the belief what is not gone to, and keep a waypoint of no look clear of it."""
+        belief = self.belief
+        if not belief.clear_m:
+            return
+        chosen = {goal.index for goal in self.goals}
+        belief.unchosen = tuple((track.x, track.y) for track in belief.tracks if track.index not in chosen)
+        if self.goals and self.goals[0].index is None and self.goals[0].pass_m is None:
+            goal = self.goals[0]
+            clear = moved_clear((goal.x, goal.y), belief.unchosen, belief.clear_m, belief.pose[:2])
+            if belief.goal is None or math.dist(clear, belief.goal) > self.cfg.hold_aim_m:
+                belief.goal = clear
+
     def _done(self, t: float) -> bool:
         goal, cfg, belief = self.goals[0], self.cfg, self.belief
         if goal.index is None or not belief.cfg.inspect.enabled:
             near = goal.pass_m or (cfg.reach_m if len(self.goals) == 1 else cfg.pass_m)
-            return math.dist((goal.x, goal.y), belief.pose[:2]) < near or self._explored(goal)
+            at = belief.goal if goal.pass_m is None and belief.clear_m and belief.goal else (goal.x, goal.y)
+            if goal.face is not None:
+                self._arrived = self._arrived or math.dist(at, belief.pose[:2]) < near
+                return self._arrived and abs(self._bearing(goal.face)) < FACED_RAD
+            return math.dist(at, belief.pose[:2]) < near or self._explored(goal)
         track = belief.track(goal.index)
         if track is None or track.visited or not len(track.left):
             return True
@@ -235,6 +287,18 @@ def aim(left: NDArray[np.float64], pose: Pose, within_m: float) -> tuple[float, 
     first = left[np.argmin(np.hypot(offset[:, 0], offset[:, 1]) + turn)]
     part = left[np.hypot(left[:, 0] - first[0], left[:, 1] - first[1]) <= within_m]
     return float(part[:, 0].mean()), float(part[:, 1].mean())
+
+
+def moved_clear(
+    goal: tuple[float, float], places: Sequence[tuple[float, float]], clear_m: float, robot: tuple[float, float]
+) -> tuple[float, float]:
+    """Return the point nearest to a goal that is `clear_m` from the place beside it."""
+    x, y = min(places, key=lambda place: math.dist(place, goal), default=(math.inf, math.inf))
+    if math.dist((x, y), goal) >= clear_m:
+        return goal
+    toward = goal if math.dist((x, y), goal) > 0.3 else robot
+    angle = math.atan2(toward[1] - y, toward[0] - x)
+    return x + clear_m * math.cos(angle), y + clear_m * math.sin(angle)
 
 
 def passed(track: Track, path: NDArray[np.float64], near_m: float, view_rad: float = 1.0) -> NDArray[np.float64]:

@@ -87,7 +87,7 @@ class BlindOrders:
         """Return what key words of an instruction tell: the sceptic's reading."""
         text = " ".join(spoken(instruction))
         time = re.search(r"(\d+) (?:s|seconds)\b", text)
-        off = re.search(r"(\d+) (?:m|metres|meters)\b", text)
+        off = re.search(r"(\d+) (?:m|met(?:re|er)s?)\b", text)
         sides = re.search(r"(\d+) (?:sides|directions)", text)
         every = re.search(r"\b(?:every|all|each|only)\b", text)
         counts = "how many" in text or "count" in text

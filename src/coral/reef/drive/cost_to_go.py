@@ -46,7 +46,7 @@ class CostToGo:
         self._belief, self._clock, self._cfg = belief, clock, cfg
         self._period_s, self._most_cells, self._prepare_s = period_s, most_cells, prepare_s
         self._straight = straight
-        self._key: tuple[tuple[float, float], int] | None = None
+        self._key: tuple[tuple[float, float], int, tuple[tuple[float, float], ...]] | None = None
         self._at_s = -math.inf
         self._asked = 0
         self._led_to: tuple[float, float] | None = None
@@ -55,14 +55,14 @@ class CostToGo:
         """Renew the cost-to-go if it is time. Return whether it now leads to another goal than at the last call."""
         belief, goal = self._belief, self._belief.goal
         assert goal is not None
-        key = (goal, belief.map.version)
+        key = (goal, belief.map.version, belief.unchosen)
         if self._key is None or self._key[0] != goal or (key != self._key and t - self._at_s >= self._period_s - 1e-9):
             self._key, self._at_s = key, t
             self._asked += 1
             if self._straight:
                 self.field = CostField.straight(belief.map.obstacle.shape, goal, cell_m=belief.map.cfg.cell_m)
                 return self._leads_elsewhere()
-            water, start = belief.water(self._cfg), belief.pose[:2]
+            water, start = belief.water(self._cfg).kept_from(belief.unchosen, belief.clear_m), belief.pose[:2]
             field = self._search(water, start, goal, None if self.field is None else self._most_cells)
             if field is None:
                 still = replace(water, slowness=water.slowness.copy())

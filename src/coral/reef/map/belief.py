@@ -56,6 +56,9 @@ class Belief:
         self.goal: tuple[float, float] | None = None
         self.goal_index: int | None = None
         """Label of the cluster that the goal stands for."""
+        self.clear_m = 0.0
+        self.unchosen: tuple[tuple[float, float], ...] = ()
+        """Places from which the way keeps `clear_m` (m), where it can."""
         self.last_failure: tuple[int | None, str] | None = None
         """Label (None: a waypoint) and cause of the last goal that failed, until a decision after it has been made."""
         self.others: tuple[Neighbour, ...] = ()

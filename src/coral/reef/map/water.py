@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -24,6 +25,18 @@ class Water:
     cell_m: float
     """Edge of a cell (m); cell (0, 0) at the world's origin."""
     cfg: CostFieldCfg
+
+    def kept_from(self, places: Sequence[tuple[float, float]], clear_m: float) -> Water:
+        """Return water that costs more the nearer it is to one of these places, from `clear_m` (m) on."""
+        if not places or not clear_m:
+            return self
+        slowness = self.slowness.copy()
+        rows, columns = ((np.arange(n) + 0.5) * self.cell_m for n in slowness.shape)
+        for x, y in places:
+            near = 1.0 - np.hypot(columns[None, :] - x, rows[:, None] - y) / clear_m
+            more = (1.0 + self.cfg.penalty * np.clip(near, 0.0, 1.0)).astype(np.float32)
+            slowness = np.where(slowness > 0.0, np.maximum(slowness, more), slowness)
+        return replace(self, slowness=slowness)
 
     def reach(self, x: float, y: float) -> Reach:
         """Find what can be reached from a point."""

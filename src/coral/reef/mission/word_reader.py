@@ -15,7 +15,7 @@ from coral.reef.decide.answers import WaypointStep
 from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
 from coral.reef.decide.wordless import MARGIN_S, SPEED_M_S, Side
 from coral.reef.world.geometry import Pose, to_robot, to_world
-from coral.reef.world.instruction import Answered, DoneBy, EndsAt, InOrder, Inspected, KeptOff, Sides
+from coral.reef.world.instruction import Answered, DoneBy, EndsAt, InOrder, Inspected, Sides
 from coral.reef.world.kinds import find_kind
 from coral.reef.world.world import ReefWorld
 from coral.reef.world.world_model import Thing
@@ -24,8 +24,8 @@ READ_M, READ_SHARE, READ_RAD = 5.0, 0.6, math.radians(50.0)
 """What a thing is can be told from so far, or so much of the visibility, within so much of the camera's axis."""
 SAME_M = 1.5
 """A dot this near to a thing is of it."""
-CLEAR_M, LOOK_M = 2.6, 3.4
-"""The way keeps this far from what is to be left alone; something unknown is looked at from so far."""
+LOOK_M, SURE_M = 3.4, 0.3
+"""Something unknown is looked at from so far, or from so much nearer than it can be told."""
 NEARER_M, NEAREST_M = 0.4, 2.2
 """A look that told nothing is repeated from so much nearer."""
 JOINED_M = 2.3
@@ -48,8 +48,6 @@ class WordReader:
         self._reached: set[str] = set()
         self._turned = 0
         self._looked: tuple[Point, ...] = ()
-        self._dots: tuple[Point, ...] = ()
-        """Places of all dots so far: a map loses and moves them."""
 
     def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> MissionAnswer:
         """Return the next step."""
@@ -72,8 +70,9 @@ class WordReader:
             goal = self._things[ahead[0]]
             at = to_robot(pose, goal.x, goal.y)
             dots = [d["index"] for d in open_ if thing_of[d["index"]] == goal.name and not d["visited"]]
-            direct = MissionAnswer(selected_centroid_index=dots[0], reason=f"a {goal.kind}") if dots else None
-            return self._towards(facts, at, direct, f"to a {goal.kind}", rejections)
+            if dots:
+                return MissionAnswer(selected_centroid_index=dots[0], reason=f"a {goal.kind}")
+            return self._towards(facts, at, f"to a {goal.kind}", rejections)
         unknown = [d for d in open_ if thing_of[d["index"]] not in self._known and not self._read(facts, d)]
         if unknown:
             # What was looked at is in the pictures only when the robot has come there: something else in between.
@@ -81,17 +80,15 @@ class WordReader:
             dot = min(unknown, key=lambda d: (looks[d["index"]], d["path_m"]))
             nearer_m = NEARER_M * looks[dot["index"]]
             look = LookFrom(
-                dot=dot["index"], side="near", distance_m=max(min(LOOK_M, self._read_m) - nearer_m, NEAREST_M)
+                dot=dot["index"], side="near", distance_m=max(min(LOOK_M, self._read_m - SURE_M) - nearer_m, NEAREST_M)
             )
-            at = dot["forward_m"], dot["left_m"]
-            answer = self._towards(facts, at, MissionAnswer(look=look, reason="what is it?"), "to see it", rejections)
-            self._looked = (*self._looked, _place(pose, dot)) if answer.look else self._looked
-            return answer
+            self._looked = (*self._looked, _place(pose, dot))
+            return MissionAnswer(look=look, reason="what is it?")
         fronts = [f for f in facts["frontiers"] if f["path_m"] is not None]
         if not fronts:
             return self._end(facts, rejections)
         front = min(fronts, key=lambda f: f["path_m"])
-        return self._towards(facts, (front["forward_m"], front["left_m"]), None, "towards unexplored water", rejections)
+        return self._towards(facts, (front["forward_m"], front["left_m"]), "towards unexplored water", rejections)
 
     def _of(self, of: Collection[str]) -> list[str]:
         return [name for name, thing in self._things.items() if thing.kind in of or name in of]
@@ -104,8 +101,6 @@ class WordReader:
     def _see(self, facts: Fact, pose: Pose) -> None:
         """Take in what the question's pictures show from near enough, and what has been visited."""
         dots = {dot["index"]: dot for dot in facts["centroids"]}
-        for place in (_place(pose, dot) for dot in dots.values()):
-            self._dots = (*(old for old in self._dots if math.dist(old, place) > SAME_M), place)
         near = [shot["dot"] for shot in facts["mission"]["pictures"] if shot["distance_m"] <= self._read_m]
         self._known |= {self._thing(_place(pose, dots[index])) for index in near if index in dots} - {""}
         now = Pose(**facts["robot"])
@@ -175,7 +170,7 @@ class WordReader:
     def _end(self, facts: Fact, rejections: Sequence[Rejection]) -> MissionAnswer:
         home = facts["mission"]["home"]["forward_m"], facts["mission"]["home"]["left_m"]
         if any(isinstance(one, EndsAt) and one.at == "start" for one in self._conditions) and math.hypot(*home) > 2.0:
-            return self._towards(facts, home, MissionAnswer(home=True, reason="back to the start"), "back", rejections)
+            return MissionAnswer(home=True, reason="back to the start")
         answer = ""
         for one in self._conditions:
             if isinstance(one, Answered):
@@ -185,38 +180,19 @@ class WordReader:
                 answer = found if right.isdigit() else right if right in self._known else ""
         return MissionAnswer(done=True, answer=answer, reason="that is all")
 
-    def _towards(
-        self, facts: Fact, at: Point, direct: MissionAnswer | None, why: str, rejections: Sequence[Rejection]
-    ) -> MissionAnswer:
-        """Go to a place (m forward, m left): by `direct`, or by a waypoint round what is to be left alone."""
-        alone = self._alone(Pose(**facts["arrival"]["pose"]), at if direct is not None else None)
-        if direct is not None and _is_clear((0.0, 0.0), at, alone):
-            return direct
+    def _towards(self, facts: Fact, at: Point, why: str, rejections: Sequence[Rejection]) -> MissionAnswer:
+        """Go by a waypoint towards a place (m forward, m left)."""
 
         def price(step: Fact) -> float:
             via = step["forward_m"], step["left_m"]
-            onward = math.dist(via, at)
-            detour = step["path_m"] > 1.3 * math.hypot(*via) or not _is_clear((0.0, 0.0), via, alone)
-            hidden = 0.0 if _is_clear(via, at, alone) else 4.0 + onward
-            return 0.6 * float(step["path_m"]) + onward + hidden + (100.0 if detour else 0.0)
+            return 0.6 * float(step["path_m"]) + math.dist(via, at)
 
         ordered = sorted(facts["options"], key=price)
         if not ordered:
-            return direct or MissionAnswer(home=True, reason="no way on")
+            return MissionAnswer(home=True, reason="no way on")
         best = ordered[min(len(rejections), len(ordered) - 1)]
         step = WaypointStep(forward_m=best["forward_m"], left_m=best["left_m"])
         return MissionAnswer(waypoint=step, reason=why)
-
-    def _alone(self, pose: Pose, at: Point | None) -> list[tuple[float, float, float]]:
-        """Return what to keep clear of (m forward, m left) and how far, without what is gone to (`at`)."""
-        wanted = {n for c in self._conditions if isinstance(c, Inspected) for n in self._of(c.of)}
-        off = {n: c.distance_m for c in self._conditions if isinstance(c, KeptOff) for n in self._of(c.of)}
-        found = []
-        for place in self._dots:
-            name, here = self._thing(place), to_robot(pose, *place)
-            if (at is None or math.dist(here, at) > SAME_M) and name not in wanted & self._known:
-                found.append((*here, max(CLEAR_M, off.get(name, 0.0) + 1.4) if name in self._known else CLEAR_M))
-        return found
 
 
 def _place(pose: Pose, dot: Fact) -> Point:
@@ -225,14 +201,3 @@ def _place(pose: Pose, dot: Fact) -> Point:
 
 def _at(thing: Thing) -> Point:
     return thing.x, thing.y
-
-
-def _is_clear(a: Point, b: Point, alone: Sequence[tuple[float, float, float]]) -> bool:
-    """Tell whether a straight way keeps clear of all that it does not begin beside."""
-    length = math.dist(a, b)
-    for x, y, clear_m in alone:
-        share = ((x - a[0]) * (b[0] - a[0]) + (y - a[1]) * (b[1] - a[1])) / max(length**2, 1e-9)
-        near = a[0] + min(max(share, 0.0), 1.0) * (b[0] - a[0]), a[1] + min(max(share, 0.0), 1.0) * (b[1] - a[1])
-        if math.dist(near, (x, y)) < min(clear_m, math.dist(a, (x, y)) - 0.05):
-            return False
-    return True

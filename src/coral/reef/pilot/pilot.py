@@ -214,6 +214,10 @@ class Pilot:
             self._watch(t, math.hypot(velocity[0], velocity[1]))
             self._route(t)
         assert self.field is not None
+        slow = math.hypot(velocity[0], velocity[1]) < self.cfg.blind_speed_m_s
+        if slow and not (self._blind or self.homing) and (turn_rad := self.route.turn_rad(self.field)):
+            self.trigger.new_goal()  # nor is this
+            return 0.0, math.copysign(self.cfg.look_round.yaw_rate_rad_s, turn_rad)
         cells = self.belief.map
         if self._blind:
             distance = self.belief.distance_in_known_water(self.cfg.local_m, self.cfg.passed_m)
@@ -292,11 +296,9 @@ class Pilot:
     def _asks_ahead(self) -> bool:
         """Check whether the goals will be done before an answer can come, or there is a new cluster or instruction."""
         news = any(track.index not in self._known for track in self.belief.unvisited())
-        return (
-            (news and not self.route.looking)
-            or self.change.unasked
-            or self.route.to_go_s(self.field) <= self.route.lead_s
-        )
+        if self.route.looking:  # what is looked at is in the pictures only when the robot is there
+            return self.change.unasked
+        return news or self.change.unasked or self.route.to_go_s(self.field) <= self.route.lead_s
 
     def _collect(self) -> None:
         """Take over a decision that has ended."""
