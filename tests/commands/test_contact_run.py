@@ -158,10 +158,11 @@ def test_where_a_model_decides_nothing_everything_says_so(task, refusing, tmp_pa
     assert err.count("at 0.0 s the advisor gave no usable plan: ") == 1
 
 
-def test_a_task_that_nobody_answered_tells_the_ways_on(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("advisor", ["recorded", "fallible:0.5:recorded"])
+def test_a_task_that_nobody_answered_tells_the_ways_on(tmp_path, monkeypatch, capsys, advisor):
     monkeypatch.chdir(tmp_path)
     Path("new.yaml").write_text(json.dumps(changed("name", "new-task")), encoding="utf-8")
-    assert main(["contact", "run", "new.yaml", "--world", "hand", "--quiet"]) == 1
+    assert main(["contact", "run", "new.yaml", "--world", "hand", "--advisor", advisor, "--quiet"]) == 1
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert all(way in error for way in ("--advisor PROVIDER:MODEL", "--advisor desk", "--cost FILE"))

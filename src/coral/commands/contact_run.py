@@ -192,7 +192,8 @@ class ContactRun:
             return self._run_policy(self.policy, trial, cfg)
         if self.cost is not None:
             return self._run_cost(str(self.cost), trial, cfg)
-        if not self._is_answered(task.name):
+        unanswered = self._is_unanswered(task.name)
+        if unanswered and self.memory is None:
             raise RunError(nobody_answered(task.name))
         if self.preflight and self.variant not in ALONE:
             preflight(advisor, pictures=True, quiet=self.quiet)
@@ -225,14 +226,14 @@ class ContactRun:
         )
         episode.listeners.append(StandInNotice())
         result = self._attempt(episode, folder, cfg)
-        if result["end_reason"] == "no-strategy" and self.advisor == DEFAULT_ADVISOR:
+        if result["end_reason"] == "no-strategy" and (unanswered or self.advisor == DEFAULT_ADVISOR):
             raise RunError(nobody_answered(task.name))
         return result
 
-    def _is_answered(self, task: str) -> bool:
-        """Return whether the advisor can have an answer: only a recording is known to have none."""
-        recorded = self.advisor == DEFAULT_ADVISOR and self.variant not in ALONE
-        return not recorded or is_recorded(task) or self.memory is not None
+    def _is_unanswered(self, task: str) -> bool:
+        """Return whether a recording answers, corrupted or not, that has nothing for the task."""
+        recorded = innermost(self.advisor)[1] == DEFAULT_ADVISOR and self.variant not in ALONE
+        return recorded and not is_recorded(task)
 
     @property
     def _live_flags(self) -> LiveFlags:
