@@ -15,7 +15,7 @@ export OMP_NUM_THREADS := 1
 # Containers often set it; then every process compiles again all that it imports, which doubles the time of the tests.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: constraints setup setup-dev setup-libero demo kernels test test-slow test-train wings test-ray test-slurm test-ros2 test-warp test-franka test-model test-libero test-ardusub test-wheel check docs site figures bench fuzz fuzz-minute clean help
+.PHONY: constraints setup setup-dev setup-libero demo kernels test test-slow test-train wings test-ray test-slurm test-ros2 test-warp test-franka test-model test-libero test-ardusub test-wheel test-lerobot check docs site figures bench fuzz fuzz-minute clean help
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*##  *\(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
@@ -114,6 +114,16 @@ test-wheel: setup-dev  ## the wheel without make, in an empty environment: a ree
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir "$$folder" . && \
 	$(PYTHON) -m venv "$$folder/env" && "$$folder/env/bin/pip" install --quiet "$$folder"/*.whl && cd "$$folder" && \
 	env/bin/coral reef run s1 --quiet --out reef && env/bin/coral contact run flip-box --world hand --samples 16 --out hand
+
+# lerobot pins other versions than this package, so it gets an environment of its own.
+test-lerobot: setup  ## lerobot trains ten steps on an exported run, in an environment of its own (8 GB for some minutes)
+	@folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; run="$(CURDIR)/$(BIN)/coral contact"; \
+	$(PYTHON) -m venv "$$folder/env" && "$$folder/env/bin/pip" install --quiet lerobot==0.4.4 av && \
+	$$run run pick-box --world hand --quiet --cfg.record.state-period-s 0.02 --out "$$folder/run" && \
+	$$run export "$$folder/run" --out "$$folder/set" --cfg.width 64 --cfg.height 64 && cd "$$folder" && \
+	env/bin/lerobot-train --dataset.repo_id coral/box --dataset.root set --dataset.video_backend pyav --output_dir trained \
+		--policy.type act --policy.push_to_hub false --policy.device cpu --policy.pretrained_backbone_weights null \
+		--policy.chunk_size 8 --policy.n_action_steps 8 --batch_size 2 --num_workers 0 --steps 10 --log_freq 1
 
 check: setup-dev  ## lint, format and types
 	$(BIN)/ruff format --check .

@@ -64,7 +64,7 @@ class TaskSubject:
             "truth": [],
             "tiles": [{"name": "force", "column": "force", "scale": 1, "unit": " N", "digits": 1, "bad_above": 30}],
             "charts": [{"title": "Force on the hand (N)", "series": [force], "bounds": None}],
-            "legend": [[BLUE, "way of the tool"], [RED, "force on the hand, 1 cm a newton"], [GREEN, "place"]],
+            "legend": [[BLUE, "path of the tool"], [RED, "force on the hand, 1 cm a newton"], [GREEN, "place"]],
         }
         self._stage, self._calls = "-", 0
         self._plan: Record = {}
