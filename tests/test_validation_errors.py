@@ -60,6 +60,8 @@ def said(**changes):
         ({"things": []}, "things: found 0 entries, expected at least 1"),
         ({"things": [3]}, "things[0]: found 3, expected a mapping"),
         ({"at": {"a": 3}}, "at.a: found 3, expected a list"),
+        ({"at": {"a": [3]}}, "at.a: found [3], expected 2 entries"),
+        ({"things": [{"kind": "box", "size_m": []}]}, "things[0].size_m: found [], expected 3 entries"),
         ({"name": "Pond"}, "name: found 'Pond', expected text like '^[a-z]+$'"),
         ({"name": ...}, "name: found nothing, expected a value"),
         ({"colour": 1}, "colour: found an unknown key, expected one of name, things, at, origin"),

@@ -25,13 +25,14 @@ class InputError(ValueError):
         where: File, folder or flag with the bad value.
         field: Dotted path of the value in it, or "" if all of it is bad.
         found: The bad value.
-        expected: What would have been accepted.
+        expected: What would have been accepted; "" where `found` is a sentence that says it all.
     """
 
     def __init__(self, where: str, field: str, found: object, expected: str) -> None:
         self.where, self.field, self.found, self.expected = str(where), field, found, expected
         place = f"{where}: {field}" if field else str(where)
-        super().__init__(without_password(" ".join(f"{place}: found {found}, expected {expected}".split())))
+        what = f"found {found}, expected {expected}" if expected else f"{found}"
+        super().__init__(without_password(" ".join(f"{place}: {what}".split())))
 
 
 class RunError(RuntimeError):

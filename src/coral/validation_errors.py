@@ -32,10 +32,10 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
             fault,
         )
     kind, place, value = fault["type"], _place_in_file(model, fault["loc"]), fault["input"]
-    field = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
+    field = _dotted(place)
     if kind in ("extra_forbidden", "invalid_key"):
         known = _keys(model, fault["loc"][:-1])
-        field = ".".join(filter(None, (field.rpartition(".")[0], str(place[-1]))))
+        field = _dotted([*place[:-1], str(place[-1])])
         return InputError(where, field, "an unknown key", f"one of {', '.join(known)}{nearest(str(place[-1]), known)}")
     if kind in ("union_tag_not_found", "union_tag_invalid"):
         tags = [tag.strip("'") for tag in fault["ctx"].get("expected_tags", "").split(", ") if tag]
@@ -44,6 +44,9 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
             return InputError(where, f"{field}.{tag}", "nothing", "a value")
         found = fault["ctx"]["tag"]
         return InputError(where, f"{field}.{tag}", shown(found), f"one of {', '.join(tags)}{nearest(found, tags)}")
+    if kind == "missing" and isinstance(place[-1], int):  # an entry of a list, of which all are told at once
+        lacking = sum(other["type"] == "missing" and other["loc"][:-1] == fault["loc"][:-1] for other in faults)
+        return InputError(where, _dotted(place[:-1]), shown(value), many(len(value) + lacking, "entry", "entries"))
     if kind == "missing":
         return InputError(where, field, "nothing", "a value")
     if kind in ("too_short", "too_long"):
@@ -66,6 +69,10 @@ def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> I
         .replace("String should match pattern", "text like")
     )
     return InputError(where, field, shown(value), expected)
+
+
+def _dotted(place: Sequence[int | str]) -> str:
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place).removeprefix(".")
 
 
 def _place_in_file(model: type[BaseModel], place: Sequence[int | str]) -> list[int | str]:

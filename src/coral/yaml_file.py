@@ -18,6 +18,18 @@ _FLOAT = re.compile(
     re.ASCII,
 )
 _INT_TAG, _FLOAT_TAG = "tag:yaml.org,2002:int", "tag:yaml.org,2002:float"
+_FAULTS = {
+    "',' or '}'": "a ',' or '}' is missing",
+    "',' or ']'": "a ',' or ']' is missing",
+    "mapping values are not allowed": "a ':' too many, or a wrong indent; text with ': ' in it needs quotes",
+    "expected key": "lines that belong together are indented differently, or a bracket is too many",
+    "'-' indicator": "a line of a list does not begin with '-', or is indented differently",
+    "cannot start any token": "a tab, or a value that begins with a special character: indent with spaces, quote text",
+    "unexpected end of stream": "a quote that is never closed",
+    "expected ':'": "a ':' is missing after a key",
+    "another document": "a second document, after '---'",
+}
+"""What is wrong, by a part of what PyYAML says."""
 _OLD_TAGS = {_INT_TAG, _FLOAT_TAG, "tag:yaml.org,2002:timestamp"}
 """YAML 1.1 reads 0120 as 80, 1:30 as 90, 8e-1 as text, and dates as values that no file of ours has."""
 
@@ -39,10 +51,13 @@ class Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mis
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Construct a mapping of the file."""
         seen = set()
-        for key, _ in node.value if isinstance(node, yaml.MappingNode) else ():
+        for key, value in node.value if isinstance(node, yaml.MappingNode) else ():
             if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
                 if key.value in seen:
                     raise yaml.MarkedYAMLError(problem=f"the key {key.value!r} twice", problem_mark=key.start_mark)
+                if node.flow_style and key.tag == _INT_TAG and not value.value:  # {x: 14,00} has a key 00
+                    said = f"{key.value!r} after a comma has no value; numbers have a decimal point, as in 14.5"
+                    raise yaml.MarkedYAMLError(problem=said, problem_mark=key.start_mark)
                 seen.add(key.value)
         found: dict[Any, Any] = super().construct_mapping(node, deep=deep)
         return found
@@ -100,7 +115,9 @@ def load_mapping(
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         line = f"line {mark.line + 1}" if mark else ""
-        raise InputError(where, line, getattr(error, "problem", None) or "broken YAML", "valid YAML") from None
+        problem = getattr(error, "problem", None) or "broken YAML"
+        said = next((meant for part, meant in _FAULTS.items() if part in problem), problem)
+        raise InputError(where, line, said, "") from None
     except InputError:
         raise
     except (ValueError, TypeError, RecursionError, OverflowError) as error:  # for example an integer of 5000 digits

@@ -171,7 +171,7 @@ def test_bad_words_are_named(place, refused, monkeypatch, words, named):
         ("latency: [1]\n", "latency: found"),
         ("latency: soon\n", "found 'soon'"),
         ("- a list\n", "cfg.yaml: found a list"),
-        ("a: [1\n", "cfg.yaml: line 2: found"),
+        ("a: [1\n", "cfg.yaml: line 2: a "),
         ("1: 2\n", "1: found an unknown key"),
         ("\x00", "cfg.yaml"),
     ],

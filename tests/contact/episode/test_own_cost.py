@@ -1,4 +1,5 @@
 import dataclasses
+import json
 
 import numpy as np
 import pytest
@@ -46,6 +47,25 @@ def test_a_program_that_asks_for_files_is_refused_with_its_line(tmp_path):
     (tmp_path / "mine.py").write_text("def state_cost(self):\n    return open('/etc/passwd')\n")
     with pytest.raises(InputError, match=r"mine.py: .*line 2"):
         own_cost(tmp_path / "mine.py", make_trial(), CFG)
+
+
+@pytest.mark.parametrize(
+    ("stage", "said"),
+    [
+        ({"opening": 8}, "stages: stage 'reach': opening is 8; it lies within -0.04 and 0.08 m"),
+        ({"done": "self.time >"}, "syntax: stage 'reach': `done`: not Python: invalid syntax"),
+        (
+            {"code": PROGRAM.replace("box_pos", "bax_pos")},
+            "unknown_state: stage 'reach': line 2 (`return {'reach': np.linalg.norm(self.ee_pos - self.bax_pos)}`): "
+            "the state has no 'bax_pos' (did you mean 'box_pos'?)",
+        ),
+    ],
+)
+def test_a_stage_that_cannot_work_is_told_in_one_sentence(tmp_path, stage, said):
+    (tmp_path / "plan.json").write_text(json.dumps([{"name": "reach", "code": PROGRAM, **stage}]))
+    with pytest.raises(InputError) as told:
+        own_cost(tmp_path / "plan.json", make_trial(), CFG)
+    assert str(told.value) == f"{tmp_path / 'plan.json'}: {said}"
 
 
 @pytest.mark.parametrize(

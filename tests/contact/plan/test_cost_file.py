@@ -34,7 +34,13 @@ def test_the_list_of_stages_may_stand_alone(tmp_path, name, text):
         ("cost.txt", PROGRAM, "a file that ends in .py"),
         ("plan.yaml", "stages: []\n", "give either `code`"),
         ("plan.json", '{"stages": [{"name": ""}]}', "stages"),
-        ("empty.py", "", "give either `code`"),
+        ("empty.py", "", r"empty\.py: give either `code`"),
+        (
+            "p.yaml",
+            "- {name: a, code: c, noice: 0.6}",
+            r"stages\[0\]\.noice: found an unknown key, expected .* \(did you mean 'noise'\?\)",
+        ),
+        ("p.yaml", "let: {asid: '1'}\nstages: [{name: a, code: '{aside}'}]", r"p\.yaml: stage 'a' uses \{aside\} \("),
     ],
 )
 def test_what_is_no_plan_is_refused_with_the_files_name(tmp_path, name, text, said):

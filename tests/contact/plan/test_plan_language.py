@@ -43,7 +43,8 @@ def test_a_plan_without_names_and_loops_is_left_as_it_is():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"stages": [LOOP]}, "uses {spot}, which neither `let` (none) nor"),
+        ({"stages": [LOOP]}, "uses {spot}, which neither `let` nor `for` defines; they define can"),
+        ({"let": {"spto": "1"}, "stages": [LOOP]}, "uses {spot} (did you mean 'spto'?), which neither"),
         ({"let": {"spot": "1"}, "stages": [{"for": [], "stages": []}]}, "a loop is"),
         ({"let": {"spot": "1"}, "stages": [{"for": [{"can": "a"}], "stages": [LOOP]}]}, "no other loop"),
         ({"let": {"Spot": "1"}, "stages": [LOOP]}, "no small name"),

@@ -49,7 +49,7 @@ def test_a_required_key_that_is_misspelt_is_named(tmp_path):
 def test_a_key_given_twice_is_refused(tmp_path):
     path = tmp_path / "task.yaml"
     path.write_text("format: coral-contact/1\nname: first\nname: second\n", encoding="utf-8")
-    with pytest.raises(InputError, match="line 3: found the key 'name' twice"):
+    with pytest.raises(InputError, match="line 3: the key 'name' twice"):
         load_task(path)
 
 
@@ -81,9 +81,10 @@ BAD = [
     *(("objects.0.name", name, "objects[0].name", "taken") for name in ("cmd", "step", "t", "event", "source", "self")),
     ("objects.0.mas_kg", 1, "objects[0].mas_kg", "did you mean 'mass_kg'?"),
     ("objects.0.mass_kg", [0.4, 0.1], "objects[0].mass_kg", "lower end first"),
+    ("objects.0.mass_kg", "0.15-0.3", "objects[0].mass_kg", "expected a number, or a range [low, high]"),
     ("objects.0.mass_kg", 0, "objects[0].mass_kg[0]", "0.005"),
     ("objects.0.mass_kg", None, "objects[0].mass_kg", "a value"),
-    ("objects.0.mass_kg", True, "objects[0].mass_kg", "list"),
+    ("objects.0.mass_kg", True, "objects[0].mass_kg", "a number, or a range"),
     ("objects.0.mass_kg", [True, 1], "objects[0].mass_kg[0]", "number"),
     ("objects.0.friction", [0.1, 0.2, 0.3], "objects[0].friction", "at most 2"),
     ("objects.0.friction", [0.1, math.nan], "objects[0].friction[1]", "finite"),
@@ -94,7 +95,7 @@ BAD = [
     ("objects.0.symmetry", "round", "objects[0].symmetry", "'cylinder'"),
     ("objects.0.points", {"Top": [0, 0, 0]}, "objects[0].points.Top.[key]", "text like"),
     ("objects.0.points", {"init": [0, 0, 0]}, "objects[0].points", "init"),
-    ("objects.0.parts.0.size", [0.1, 0.1], "objects[0].parts[0].size[2]", "a value"),
+    ("objects.0.parts.0.size", [0.1, 0.1], "objects[0].parts[0].size", "3 entries"),
     ("objects.0.parts.0.size", [0.1, 0.1, -0.1], "objects[0].parts[0].size[2]", "0.001"),
     ("objects.0.parts.0.shape", "cone", "objects[0].parts[0].shape", "'sphere'"),
     ("objects.0.parts.0", {"shape": "cylinder", "size": [0.1, 0.2, 0.1]}, "objects[0].parts[0]", "first two"),

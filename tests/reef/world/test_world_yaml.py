@@ -10,7 +10,11 @@ from coral.reef.world.world_yaml import read_mapping, to_text
 @pytest.mark.parametrize(
     ("content", "field", "words"),
     [
-        ("name: [1,\nsize: }", "line 2", "expected valid YAML"),
+        ("name: [1,\nsize: }", "line 2", "did not find expected node content"),
+        ("size_m: [8, 6\nname: a", "line 2", "line 2: a ',' or ']' is missing"),
+        ("start: {x: 1\nname: a", "line 2", "line 2: a ',' or '}' is missing"),
+        ("name: a: b", "line 1", "line 1: a ':' too many"),
+        ("a:\n- {z: 1}\n- {x: 14,00, y: 2}", "line 3", "'00' after a comma has no value; numbers have a decimal point"),
         ("", "", "an empty file"),
         ("[1, 2]", "", "a list"),
         (b"\xff\xfe\x00\x80", "", "UTF-8"),

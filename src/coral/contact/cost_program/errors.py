@@ -6,7 +6,7 @@ CODES: dict[str, str] = {
     "empty": "there is no code in the text",
     "too_large": "the program is longer or more deeply nested than allowed",
     "syntax": "the text is not Python",
-    "no_function": "there is no `def state_cost(self)`",
+    "no_function": "there is no `def state_cost(self)`, nor one function alone of another name",
     "not_allowed": "a part of Python that costs do not have",
     "unknown_name": "a name that is neither a variable nor one of the functions",
     "unknown_state": "a quantity that the state does not have",

@@ -109,10 +109,9 @@ class StateSpace:
 
     def unknown(self, meter: Meter, name: str) -> Exception:
         """Make the error for a name that `self` does not have."""
-        return meter.fault(
-            "unknown_state",
-            f"the state has no {name!r}{nearest(name, self.schema)}; it has {', '.join(self.available())}",
-        )
+        sure = nearest(name, self.schema, likeness=0.8)
+        listed = f"{nearest(name, self.schema)}; it has {', '.join(self.available())}"
+        return meter.fault("unknown_state", f"the state has no {name!r}{sure or listed}")
 
     def _quantity(self, meter: Meter, name: str) -> Value:
         found = self.schema[name]

@@ -85,7 +85,7 @@ def _from_file(path: Path, trial: Trial, cfg: EpisodeCfg) -> OwnCost:
     schema = task_schema_of(trial.task)
     refusal = verify_plan(plan, schema, _sample(trial, cfg), worker.load)
     if refusal is not None:
-        raise InputError(str(path), refusal.code, refusal.reason, "a cost that the planner can use")
+        raise InputError(str(path), refusal.code, refusal.reason, "")
     strategy = make_strategy(path.stem, plan, RegionsAnswer({}), schema, {}, worker.load)
     kept = f"cost{path.suffix.lower()}"
     return OwnCost(strategy, kept, read_text(path, "a readable file with a cost"))

@@ -31,6 +31,10 @@ def read_cost_file(path: Path) -> PlanAnswer:
     try:
         if path.suffix.lower() == ".py":
             return PlanAnswer(code=text)
-        return PlanAnswer.model_validate(load_mapping(text, str(path), list_key="stages"))
+        # A model may say more than it was asked; what a person wrote and nobody reads is a mistake.
+        return PlanAnswer.model_validate(load_mapping(text, str(path), list_key="stages"), extra="forbid")
     except ValidationError as error:
-        raise input_error(str(path), error, PlanAnswer) from None
+        told = input_error(str(path), error, PlanAnswer)
+        if error.errors()[0]["type"] == "value_error":  # a sentence for whoever wrote the plan, a model or a person
+            raise InputError(told.where, told.field, told.expected, "") from None
+        raise told from None

@@ -183,7 +183,7 @@ def compile_plan(answer: PlanAnswer, schema: Schema, load: Loader = in_process) 
     """Compile all programs of a plan.
 
     Raises:
-        CostError: A program is not of the accepted language; the text names the stage and the field.
+        CostError: A program is not of the accepted language.
     """
     return [compile_stage(stage, schema, load) for stage in answer.each()]
 
@@ -192,7 +192,7 @@ def compile_stage(stage: StageAnswer, schema: Schema, load: Loader = in_process)
     """Compile the programs of a stage.
 
     Raises:
-        CostError: A program is not of the accepted language; the text names the stage and the field.
+        CostError: A program is not of the accepted language; the text names the field, unless it is `code`.
     """
     made: dict[str, Cost | None] = {}
     for field, source in (
@@ -204,9 +204,10 @@ def compile_stage(stage: StageAnswer, schema: Schema, load: Loader = in_process)
         try:
             made[field] = load(source, schema, stage.name) if source else None
         except CostError as error:
-            raise CostError(
-                error.code, f"{field} of stage {stage.name!r}: {error.text}", error.line, error.shown
-            ) from None
+            if field == "code":
+                raise
+            # Its author wrote an expression, not the lines of the program made of it.
+            raise CostError(error.code, f"`{field}`: {error.text}") from None
     cost = made["code"]
     if cost is None:
         raise CostError("empty", f"stage {stage.name!r} has no code")

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from coral.advisor.question import Rejection
+from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.cost.context import Context, Schema
 from coral.contact.cost_program import CostError
 from coral.contact.plan.cost_check import verify_cost
@@ -21,6 +22,7 @@ from coral.contact.plan.cost_plan import (
 
 STIFFNESS_N_M = (50.0, 3000.0)
 NOISE = (0.05, 3.0)
+OPENING_M = (SQUEEZE_M, MAX_OPENING_M)
 OF_THE_PLACE = ("unreachable", "barrier")
 """Faults that depend on where things stand: a later stage has them only where it begins."""
 Beginnings = Callable[[Sequence[Compiled]], Mapping[str, Sequence[Context]]]
@@ -117,6 +119,9 @@ def structure_faults(answer: PlanAnswer) -> list[CostFault]:
         if not STIFFNESS_N_M[0] <= stage.stiffness <= STIFFNESS_N_M[1]:
             low, high = STIFFNESS_N_M
             faults.append(f"{where}: stiffness is {stage.stiffness:g}; it lies within {low:g} and {high:g} N/m")
+        if stage.opening is not None and not OPENING_M[0] <= stage.opening <= OPENING_M[1]:
+            low, high = OPENING_M
+            faults.append(f"{where}: opening is {stage.opening:g}; it lies within {low:g} and {high:g} m")
         if not NOISE[0] <= stage.noise <= NOISE[1]:
             faults.append(f"{where}: noise is {stage.noise:g}; it lies within {NOISE[0]:g} and {NOISE[1]:g}")
         if stage is not stages[-1] and not stage.done and not stage.next and answer.stages:

@@ -10,6 +10,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from coral.errors import nearest
+
 MOST_STAGES = 64
 """Of a plan that is written out."""
 MOST_CHARACTERS = 20_000
@@ -42,9 +44,10 @@ def write_out(given: Mapping[str, Any]) -> dict[str, Any]:
     for stage in written:
         unknown = sorted({name for text in _strings(stage) for name in USED.findall(text)})
         if unknown:
-            known = ", ".join(names) or "none"
+            known = [*names, *stage[GIVEN]]
             raise ValueError(
-                f"stage {stage.get('name')!r} uses {{{unknown[0]}}}, which neither `let` ({known}) nor a `for` gives"
+                f"stage {stage.get('name')!r} uses {{{unknown[0]}}}{nearest(unknown[0], known)}, "
+                f"which neither `let` nor `for` defines; they define {', '.join(known) or 'nothing'}"
             )
     return {**plan, "stages": [{key: value for key, value in stage.items() if key != GIVEN} for stage in written]}
 

@@ -107,7 +107,7 @@ def check_known(name: str, names: Iterable[str], where: str, field: str) -> None
     """
     names = list(names)
     if name not in names:
-        raise InputError(where, field, name, f"one of {', '.join(names) or 'none'}{nearest(name, names)}")
+        raise InputError(where, field, repr(name), f"one of {', '.join(names) or 'none'}{nearest(name, names)}")
 
 
 def touches(truth: Truth, name: str, thing: str) -> bool:

@@ -26,7 +26,9 @@ def in_order(value: tuple[float, float]) -> tuple[float, float]:
 
 
 def _as_range(value: Any) -> Any:
-    return (value, value) if isinstance(value, int | float) and not isinstance(value, bool) else value
+    if isinstance(value, str | bool | dict):
+        raise ValueError("a number, or a range [low, high]")
+    return (value, value) if isinstance(value, int | float) else value
 
 
 # Strict: neither "true" nor text passes for a number.
