@@ -285,7 +285,7 @@ def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Pa
             raise InputError("--sonar", "", "simulated", "a world, or a survey file that says `rehearse: WORLD`")
         surface_z = None if world.water_depth_m is None else world.seabed.z_m + world.water_depth_m
         rng = np.random.default_rng([flags.seed, 3])
-        sonar = Sonar3d15(Scene.from_world(world), cfg.simulator.sonar, rng, surface_z=surface_z)
+        sonar = Sonar3d15(Scene.from_world(world).resting, cfg.simulator.sonar, rng, surface_z=surface_z)
         simulated: SonarSource = our_part("rehearsal", "sonar", "--sonar")(
             sonar, parts.where, cfg.simulator.camera.altitude_m
         )

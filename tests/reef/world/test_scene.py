@@ -101,3 +101,28 @@ def test_parts_of_things_have_the_class_of_their_kind_and_know_their_thing():
     assert set(scene.label[scene.thing == 1]) == {Label.SEABED}
     assert scene.thing[0] == -1
     assert [scene.looks[0], scene.looks[-1]] == [None, "sheath"]
+
+
+def test_an_animal_goes_round_its_place_and_the_rest_stays():
+    things = [{"name": "pot", "kind": "crab-pot", "x": 5, "y": 5}, {"name": "crab", "kind": "crab", "x": 12, "y": 8}]
+    beds = ReefWorld.model_validate(
+        {"name": "w", "size_m": (20, 20), "start": {"x": 1, "y": 1}, "clusters": [], "things": things}
+    )
+    scene = Scene.from_world(beds)
+    moves = scene.thing == 1
+    assert not beds.solids
+    assert (scene.label[moves] == Label.SEABED).all()
+    later = scene.at(10.0)
+    np.testing.assert_array_equal(later.center[~moves], scene.center[~moves])
+    turned = later.center[moves, :2] - (12, 8)
+    before = scene.center[moves, :2] - (12, 8)
+    np.testing.assert_allclose(np.hypot(*turned.T), np.hypot(*before.T))
+    angle = np.arctan2(before[:, 0] * turned[:, 1] - before[:, 1] * turned[:, 0], (before * turned).sum(axis=1))
+    np.testing.assert_allclose(angle, 2.5, atol=1e-9)
+    assert len(scene.resting) == (~moves).sum()
+
+
+def test_a_scene_without_animals_is_the_same_at_any_time():
+    scene = Scene.from_world(world())
+    assert scene.at(7.0) is scene
+    assert scene.resting is scene

@@ -14,6 +14,7 @@ from coral.reef.mission.tour import drive_lines
 from coral.reef.vehicle.vehicle import VehicleCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.instruction import Answered, EndsAt, InOrder, Inspected, KeptOff, Sides
+from coral.reef.world.kinds import find_kind
 from coral.reef.world.world import ReefWorld
 
 CELL_M = 0.2
@@ -112,7 +113,7 @@ def _slowness(world: ReefWorld, wanted: set[str]) -> NDArray[np.float32]:
     cost = np.ones((rows, columns), np.float32)
     off = {name for one in world.mission.conditions if isinstance(one, KeptOff) for name in one.of}
     for thing in world.things:
-        if thing.name not in wanted and not thing.kind.startswith("cable"):
+        if thing.name not in wanted and find_kind(thing.kind).class_ != "floor":
             more = 0.6 if {thing.name, thing.kind} & off else 0.0
             cost += SPARE_COST * (np.hypot(xs - thing.x, ys - thing.y) < SPARE_M + more)
     for post in world.obstacles:

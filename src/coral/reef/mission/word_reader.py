@@ -43,7 +43,8 @@ class WordReader:
     def __init__(self, world: ReefWorld, visibility_m: float | None = None) -> None:
         assert world.mission is not None
         self._read_m = READ_M if visibility_m is None else min(READ_M, READ_SHARE * visibility_m)
-        self._things, self._conditions = {thing.name: thing for thing in world.things}, world.mission.conditions
+        self._things = {thing.name: thing for thing in world.things if not find_kind(thing.kind).circles}
+        self._conditions = world.mission.conditions
         self._known: set[str] = set()
         self._reached: set[str] = set()
         self._turned = 0

@@ -68,7 +68,7 @@ class Painter:
         self._focal = fx
         self.sun: tuple[float, float, float] = sun_direction(self.cfg)
         self._materials = Materials.of(scene, seed)
-        self._ground = SeaFloor.of(scene, self.sun)
+        self._ground = SeaFloor.of(scene.resting, self.sun)
         self._tile = noise_tile(0)
         self._table = np.empty((_RANGES, 6), np.float32)
         self._near = 1.01 * self.camera.range_m
@@ -95,7 +95,7 @@ class Painter:
             height: Height of the camera above the seabed (m); None: as configured.
             roll: As for `T_world_camera`.
             pitch: As for `T_world_camera`.
-            t: Time (s): waves, snow and noise change with it.
+            t: Time (s): waves, snow, noise and animals change with it.
             velocity: Surge, sway (m/s) and yaw rate (rad/s), for the motion blur.
 
         Returns:
@@ -120,7 +120,7 @@ class Painter:
         Returns:
             Shape=(H, W, 3).
         """
-        cfg, water = self.cfg, self.water
+        cfg, water, scene = self.cfg, self.water, self.scene.at(t)
         transform = T_world_camera(
             pose, self.camera, seabed_z=self.scene.seabed_z, altitude=height, roll=roll, pitch=pitch
         )
@@ -138,10 +138,10 @@ class Painter:
             frame.depth,
             frame.instances,
             frame.labels == Label.SEABED,
-            self.scene.kind,
-            self.scene.center,
-            self.scene.half,
-            self.scene.rotation,
+            scene.kind,
+            scene.center,
+            scene.half,
+            scene.rotation,
             self._materials.kind,
             self._materials.paint,
             self._materials.fate,

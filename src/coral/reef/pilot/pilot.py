@@ -216,7 +216,7 @@ class Pilot:
         assert self.field is not None
         slow = math.hypot(velocity[0], velocity[1]) < self.cfg.blind_speed_m_s
         if slow and not (self._blind or self.homing) and (turn_rad := self.route.turn_rad(self.field)):
-            self.trigger.new_goal()  # nor is this
+            self.trigger.new_goal()  # nor is to turn
             return 0.0, math.copysign(self.cfg.look_round.yaw_rate_rad_s, turn_rad)
         cells = self.belief.map
         if self._blind:

@@ -64,11 +64,11 @@ class SimulatedCamera:
         return shot
 
     def _take(self, stamp_s: float, pose: Pose) -> Frame:
-        exact = self._camera.render(pose)
-        frame = exact if self._noise is None else self._noise.apply(exact)
         if self._begun is None:
             self._begun = stamp_s
         t = stamp_s - self._begun
+        exact = self._camera.render(pose, t=t)
+        frame = exact if self._noise is None else self._noise.apply(exact)
         if self._stills is not None:
             frame = self._stills.of(frame, pose, t)
         return frame if self._painter is None else replace(frame, rgb=self._painter.paint(exact, pose, t=t))

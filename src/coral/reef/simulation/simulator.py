@@ -122,7 +122,7 @@ class ReefSimulator:
             deep = world.water_depth_m
             surface_z = None if deep is None else world.seabed.z_m + deep
             # A stream of its own: the camera's noise is the same with and without a sonar.
-            self._sonar = Sonar3d15(self.scene, cfg.sonar, rng.spawn(1)[0], surface_z=surface_z)
+            self._sonar = Sonar3d15(self.scene.resting, cfg.sonar, rng.spawn(1)[0], surface_z=surface_z)
         self._since_ping_s = math.inf
         begin = start or Pose(world.start.x, world.start.y, world.start.theta)
         self._navigation = make_navigation(cfg.navigation, cfg.noise, begin, rng)
@@ -161,10 +161,10 @@ class ReefSimulator:
         """Take a picture and read the navigation sensors `dt` seconds after the last time."""
         height, roll, pitch = self._attitude()
         u, v, r = (float(x) for x in self.vehicle.state[3:6])
-        exact = self._camera.render(self.pose, height, roll=roll, pitch=pitch)
+        self._time_s += dt
+        exact = self._camera.render(self.pose, height, roll=roll, pitch=pitch, t=self._time_s)
         frame = self._noise.apply(exact)
         self.taken = self.pose, exact
-        self._time_s += dt
         if self._stills is not None:
             frame = self._stills.of(frame, self.pose, self._time_s, height=height, roll=roll, pitch=pitch)
         if self._painter is not None:

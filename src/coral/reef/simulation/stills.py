@@ -59,5 +59,5 @@ class Stills:
     def _take(self, pose: Pose, t: float, height: float | None, roll: float, pitch: float) -> NDArray[np.uint8]:
         if self._painter is None:
             self._painter = self._make()
-        frame = Camera(self._scene, self._camera).render(pose, height, roll=roll, pitch=pitch)
+        frame = Camera(self._scene, self._camera).render(pose, height, roll=roll, pitch=pitch, t=t)
         return self._painter.paint(frame, pose, height=height, roll=roll, pitch=pitch, t=t)

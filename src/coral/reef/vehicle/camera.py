@@ -120,9 +120,11 @@ class Camera:
         widest = scene.half.max(axis=1, initial=0.0)
         self._radius = np.select([scene.kind == ELLIPSOID, scene.kind == CYLINDER], [widest, upright], diagonal)
 
-    def render(self, pose: Pose, altitude: float | None = None, *, roll: float = 0.0, pitch: float = 0.0) -> Frame:
-        """Render the picture taken from a body pose. The arguments are those of `T_world_camera`."""
-        cfg, scene = self.cfg, self.scene
+    def render(
+        self, pose: Pose, altitude: float | None = None, *, roll: float = 0.0, pitch: float = 0.0, t: float = 0.0
+    ) -> Frame:
+        """Render the picture taken from a body pose at a time (s). Other arguments are those of `T_world_camera`."""
+        cfg, scene = self.cfg, self.scene.at(t)
         transform = T_world_camera(pose, cfg, seabed_z=scene.seabed_z, altitude=altitude, roll=roll, pitch=pitch)
         shape = (cfg.height, cfg.width)
         frame = Frame(np.empty(shape, np.float32), np.empty(shape, np.uint8), np.empty(shape, np.int32))

@@ -78,6 +78,8 @@ class Kind(WorldPart):
     class_: Literal["oyster", "obstacle", "floor"] = Field(alias="class")
     """What it is in the robot's class pictures."""
     parts: tuple[Part, ...] = Field(min_length=1)
+    circles: float = 0.0
+    """Rate (rad/s) at which an animal goes round its place, counter-clockwise; 0: it stays."""
 
 
 class Catalogue(WorldPart):

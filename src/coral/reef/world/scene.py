@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.world.geometry import Label
+from coral.reef.world.kinds import find_kind
 from coral.reef.world.world import Obstacle, Oyster, ReefWorld
 
 ELLIPSOID, BOX, CYLINDER = 0, 1, 2
@@ -58,6 +59,8 @@ class Scene:
     """Look of each solid in `kinds.yaml`, None for one without; empty: none has one."""
     thing: NDArray[np.int32] | None = None
     """Index of the world's thing that each solid is a part of, -1 for none. For the judge. Shape=(N,), int32."""
+    circles: NDArray[np.float64] | None = None
+    """What each solid goes round: rate (rad/s; 0: it rests), x and y (m). None: all rest. Shape=(N, 3)."""
 
     @classmethod
     def from_world(cls, world: ReefWorld) -> Scene:
@@ -72,6 +75,7 @@ class Scene:
         names: list[str | None] = [group.name for group in (*world.clusters, *world.alike) for _ in group.oysters]
         names += [o.thing for o in obstacles] + [group.name for group in world.lying for _ in group.oysters]
         number = {thing.name: i for i, thing in enumerate(world.things)}
+        rounds = {one.name: (rate, one.x, one.y) for one in world.things if (rate := find_kind(one.kind).circles)}
         return cls(
             kind=np.array([_KINDS[o.shape or "ellipsoid"] for o in solids], np.int8),
             center=np.array([(o.x, o.y, o.z) for o in solids], np.float64),
@@ -86,7 +90,29 @@ class Scene:
             cluster_names=tuple(group.name for group in world.clusters),
             looks=tuple(o.look for o in solids) if world.things else (),
             thing=np.array([number.get(name or "", -1) for name in names], np.int32) if world.things else None,
+            circles=np.array([rounds.get(name or "", (0.0, 0.0, 0.0)) for name in names]) if rounds else None,
         )
+
+    def at(self, t: float) -> Scene:
+        """Return the scene at a time (s): animals have gone round their places, all else is where it was."""
+        if self.circles is None:
+            return self
+        rate, middle = self.circles[:, 0], self.circles[:, 1:]
+        turn = rotations((0.0, 0.0, float(angle)) for angle in rate * t)
+        center = self.center.copy()
+        center[:, :2] = middle + np.einsum("nij,nj->ni", turn[:, :2, :2], center[:, :2] - middle)
+        center[rate == 0.0] = self.center[rate == 0.0]
+        return replace(self, center=center, rotation=np.ascontiguousarray(turn @ self.rotation))
+
+    @property
+    def resting(self) -> Scene:
+        """The scene without what moves. Numbers of solids change."""
+        if self.circles is None:
+            return self
+        rests = self.circles[:, 0] == 0.0
+        parts = {k: getattr(self, k)[rests] for k in ("kind", "center", "half", "rotation", "label", "cluster")}
+        looks = tuple(look for look, kept in zip(self.looks, rests, strict=True) if kept)
+        return replace(self, **parts, looks=looks, thing=None, circles=None)
 
     def __len__(self) -> int:
         return len(self.kind)

@@ -46,6 +46,8 @@ APART_M, FROM_START_M, EDGE_M = 4.6, 4.5, 2.5
 AHEAD_M, AHEAD_HALF_M = 9.0, 2.0
 """Water ahead of the start that stays empty: length, and half of the width."""
 POSTS, FROM_POST_M = 3, 2.4
+ANIMALS, ROOM_M = ("fish", "crab", "ray"), 2.6
+"""What swims or walks past, one of each, so far from the edges; no mission is about it."""
 LIKE_OYSTERS = ("dead-shell", "mussels", "sponge", "shell-bags", "reef-ball", "crab-pot", "tyre")
 
 Draft = tuple[list[tuple[str, str]], tuple[Clause, ...]]
@@ -187,7 +189,7 @@ def word_mission(name: str) -> ReefWorld:
             "seed": number,
             "clusters": [],
             "obstacles": posts,
-            "things": placed,
+            "things": [*placed, *_animals(number, match[1])],
             "mission": text.model_dump(mode="json"),
         }
     )
@@ -246,6 +248,14 @@ def _cable_of(
     things: Sequence[tuple[str, str]], line: dict[str, tuple[float, float, float]]
 ) -> list[tuple[float, float, float]]:
     return list(line.values()) if any(kind == "cable" for _, kind in things) else []
+
+
+def _animals(number: int, family: str) -> list[dict[str, object]]:
+    """Return the animals, drawn apart from all else."""
+    rng = np.random.default_rng([crc32(family.encode()), number, 1])
+    low, high = np.full(2, ROOM_M), np.array(SIZE_M) - ROOM_M
+    places = [(kind, *rng.uniform(low, high).round(2).tolist(), rng.uniform(-3.1, 3.1)) for kind in ANIMALS]
+    return [{"name": kind, "kind": kind, "x": x, "y": y, "yaw": round(yaw, 2)} for kind, x, y, yaw in places]
 
 
 def _posts(placed: Sequence[dict[str, object]], rng: np.random.Generator) -> list[dict[str, object]]:
