@@ -38,6 +38,12 @@ def test_a_mission_shows_coverage_collisions_and_calls(shown):
     assert "25 % covered · 2 collisions · 3 calls" in shown(MissionProgress(), Running())
 
 
+def test_one_call_is_no_calls(shown):
+    running = Running()
+    running.calls, running.collisions = 1, 1
+    assert "1 collision · 1 call ·" in shown(MissionProgress(), running)
+
+
 def test_a_bar_moves_once_a_second_and_at_the_end(shown):
     ticks = Running("first", step=10), Running("between", step=15)
     assert "first" in (text := shown(MissionProgress(), *ticks))

@@ -44,6 +44,13 @@ def test_a_net_is_not_counted_as_oysters(told, puddle):
     assert (found["clusters"], found["oysters"]) == (1, 1)
 
 
+def test_a_wall_counts_as_an_obstacle(told, puddle):
+    path = puddle("pond")
+    path.write_text(path.read_text() + "walls:\n  - {begin: [1, 5], end: [3, 5], height_m: 1.3}\n")
+    (found,) = told("reef", "envs", path, "--json")[1]["worlds"]
+    assert found["obstacles"] == 1
+
+
 def test_the_list_from_the_cache_is_the_same(told, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     first, second = told("reef", "envs", "--json"), told("reef", "envs", "--json")

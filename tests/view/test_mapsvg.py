@@ -40,6 +40,9 @@ def test_what_was_covered_and_what_was_missed_is_told(run):
         "true cluster middle: covered at 0:15",
         "true cluster far: missed",
     ]
+    layers = [e.get("id") for e in root.iter("g")]
+    assert layers.index("layer-truenames") > layers.index("layer-path")  # a path would hide the names
+    assert [e.text for e in layer(root, "truenames")] == ["north ✓", "middle ✓", "far ✗ missed"]
     assert [e.find("title").text for e in layer(root, "collisions")] == ["collision at 0:26"]
     assert len([e for e in layer(root, "truth").iter("path") if e.get("class") == "rock"]) == 2
 

@@ -18,6 +18,8 @@ def test_a_page_says_what_is_missing_and_escapes_every_text():
 
 def test_metrics_are_named_with_units_and_read_as_people_do():
     assert [metric_name(k) for k in ("v_m_s", "plan_ms", "peak_n")] == ["v (m/s)", "plan (ms)", "peak (N)"]
+    assert [metric_name(k) for k in ("plan_ms_p99", "stages")] == ["plan p99 (ms)", "changes of stage"]
+    assert metric_rows({"hold": 1}, {"hold": "its `hold_s` & more"})[0][2] == "its <code>hold_s</code> &amp; more"
     assert [metric_text("x", v) for v in (None, True, 0.5, 1234.0, {"a": 1})] == ["–", "yes", "0.5", "1,234", "a 1"]
     assert metric_text("coverage", 1) == "100.0%"
     assert metric_rows({"per_robot": [], "steps": 3}, {"steps": "ticks"}) == [("steps", "3", "ticks")]

@@ -142,17 +142,41 @@ def test_every_robot_of_a_fleet_is_drawn_and_listed(fresh):
     html = page(fresh)
     assert 'id="track-1"' in html
     assert 'id="robot-1"' in html
-    assert "the 2 robots covered" in html
+    assert "The 2 robots covered" in html
     assert "<td>8.25</td>" in html
     assert len(script_data(html)["o"]) == 1
     assert len(script_data(html)["o"][0]["x"]) == len(script_data(html)["t"])
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (
+            {"sim_time_s": 86.0, "clusters_covered": 6, "clusters_total": 6},
+            "The robot covered all 6 oyster clusters and surveyed for 1 min 26 s over ",
+        ),
+        (
+            {"sim_time_s": 22.0, "clusters_covered": 1, "clusters_total": 1},
+            "The robot covered the only oyster cluster and surveyed for 22 s over ",
+        ),
+        (
+            {"sim_time_s": 22.0, "clusters_covered": 0, "clusters_total": 1},
+            "The robot covered 0 of 1 oyster cluster and surveyed for 22 s over ",
+        ),
+        ({"requeries": 1}, "of them 1 re-query<"),
+    ],
+)
+def test_the_headline_tells_the_time_of_the_whole_survey(fresh, changed, said):
+    metrics = json.loads((fresh / "metrics.json").read_text())
+    (fresh / "metrics.json").write_text(json.dumps({**metrics, **changed}))
+    assert said in page(fresh)
 
 
 def test_a_killed_fleet_still_has_its_figures(fresh):
     shutil.copy(fresh / "trajectory.csv", fresh / "trajectory_1.csv")
     (fresh / "metrics.json").unlink()
     html = page(fresh)
-    assert "the 2 robots had covered" in html
+    assert "The 2 robots had covered" in html
     assert "Each robot" in html
 
 

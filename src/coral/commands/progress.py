@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from coral.odd_text import printable
+from coral.words import many
 
 if TYPE_CHECKING:  # a command loads the system that it runs, not the other one
     from coral.contact.episode.referee import Referee
@@ -68,7 +69,10 @@ class MissionProgress(RunBar):
         """Update the bar, once per simulated second at most."""
         if mission.step % 10 and not mission.end_reason:
             return
-        status = f"{100 * mission.coverage:.0f} % covered · {mission.collisions} collisions · {mission.calls} calls"
+        status = (
+            f"{100 * mission.coverage:.0f} % covered · {many(mission.collisions, 'collision')} · "
+            f"{many(mission.calls, 'call')}"
+        )
         self.show(mission.world.name, mission.t, mission.cfg.time_limit_s, status)
 
 

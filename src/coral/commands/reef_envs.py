@@ -81,7 +81,7 @@ def _row(world: ReefWorld) -> dict[str, Any]:
         "size_m": list(world.size_m),
         "clusters": len(world.clusters),
         "oysters": sum(len(cluster.oysters) for cluster in world.clusters),
-        "obstacles": len(world.obstacles),
+        "obstacles": len(world.obstacles) + len(world.walls),
         "current_m_s": round((world.current.x_m_s**2 + world.current.y_m_s**2) ** 0.5, 3),
         "seed": world.seed,
     }

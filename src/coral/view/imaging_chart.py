@@ -46,6 +46,6 @@ def imaging_chart(run: RunFolder) -> str:
     body += [
         text(LEFT - 68, (top + bottom) / 2, "oyster area", "name rot"),
         text(axis.end_px, top - 8, f"inspected {last:.0%}" if math.isfinite(last) else "inspected", "key main", "end"),
-        text(axis.end_px - 110, top - 8, "imaged", "key faint", "end"),
+        text(axis.end_px - 124, top - 8, "imaged", "key faint", "end"),
     ]
     return chart(224, body, axis, label="Imaged and inspected over time", top=top, bottom=bottom)

@@ -47,6 +47,7 @@ class MapSvg:
         last = self.run.frame_steps[-1] if self.run.frame_steps else None
         cells = self.run.frame(last, "map") if last is not None else None
         href = map_uri(cells) if cells is not None else ""
+        truth, names = self._truth()
         return "".join(
             (
                 f'<svg id="map" viewBox="0 0 {self.width:.0f} {self.height:.0f}" class="map" role="group" '
@@ -59,9 +60,10 @@ class MapSvg:
                 if href
                 else "",
                 '<g clip-path="url(#inside)">',
-                self._truth(),
+                truth,
                 self._path(),
                 self._centroids(),
+                names,
                 self._links(made),
                 '<g id="goalmark" class="goal" visibility="hidden"><circle r="11"/>'
                 '<path d="M-16,0h9M7,0h9M0,-16v9M0,7v9"/></g>',
@@ -76,7 +78,8 @@ class MapSvg:
             )
         )
 
-    def _truth(self) -> str:
+    def _truth(self) -> tuple[str, str]:
+        """Draw what is there, and above everything that would hide them, the names of its clusters."""
         covered = {str(e.get("name")): float(e["t"]) for e in self.run.select("cluster_covered")}
         parts = []
         for obstacle in _records(solid_records(self.run.world)):
@@ -99,7 +102,7 @@ class MapSvg:
             x, y = self.at(float(hull[:, 0].mean()), float(low[1]))
             mark = "✓" if name in covered else "✗ missed"
             names.append(text(x, min(y + 15, self.height - PAD[3] - 4), f"{name} {mark}", f"truthname {state}"))
-        return f'<g id="layer-truth">{"".join(parts)}{"".join(names)}</g>'
+        return f'<g id="layer-truth">{"".join(parts)}</g>', f'<g id="layer-truenames">{"".join(names)}</g>'
 
     def _closed_path(self, points: NDArray[np.float64]) -> str:
         return "M" + "L".join("{:.1f},{:.1f}".format(*self.at(float(x), float(y))) for x, y in points) + "Z"

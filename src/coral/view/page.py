@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import jinja2
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from coral.file_writer import write_whole, writing
 from coral.foreign_file import read_text
@@ -17,8 +18,9 @@ from coral.view.svg import clock
 from coral.yaml_file import to_yaml
 
 TEMPLATES = Path(__file__).parent / "templates"
-UNITS = (("_m_s", "m/s"), ("_ms", "ms"), ("_s", "s"), ("_m", "m"), ("_n", "N"))
-"""Ends of the names of metrics, and the units that they stand for."""
+UNITS = {"m_s": "m/s", "ms": "ms", "s": "s", "mm": "mm", "m": "m", "n": "N", "deg": "°", "usd": "USD"}
+NAME = re.compile(rf"(.+?)_({'|'.join(UNITS)})((?:_(?:p\d+|median|max))?)")
+"""A metric's name with its unit, at the end or before what is taken of many values."""
 SHARES = ("coverage", "imaged", "inspected")
 """Metrics that are read in percent."""
 
@@ -57,20 +59,23 @@ def write_page(folder: Path, page: str, name: str = "report.html") -> Path:
 def metric_rows(metrics: Mapping[str, Any], definitions: Mapping[str, str]) -> list[tuple[str, str, str]]:
     """Return name, value and meaning of every metric but those with a table of their own."""
     return [
-        (metric_name(key), metric_text(key, value), definitions.get(key, ""))
+        (metric_name(key), metric_text(key, value), _with_code(definitions.get(key, "")))
         for key, value in metrics.items()
         if key not in ("per_robot", "conditions")
     ]
 
 
+def _with_code(text: str) -> Markup:
+    """Return a text with what stands in backticks as code."""
+    return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(text))))
+
+
 def metric_name(key: str) -> str:
     """Return a metric's name in words, with its unit in brackets."""
-    if key == "diverged_rehearsals":  # the key is older than the word
-        return "diverged rollouts"
-    for suffix, unit in UNITS:
-        if key.endswith(suffix):
-            return f"{key.removesuffix(suffix).replace('_', ' ')} ({unit})"
-    return key.replace("_", " ")
+    if key == "stages":
+        return "changes of stage"
+    found = NAME.fullmatch(key)
+    return (f"{found[1]}{found[3]} ({UNITS[found[2]]})" if found else key).replace("_", " ")
 
 
 def metric_text(key: str, value: object) -> str:
@@ -102,6 +107,6 @@ def origin(run: RunFolder, names: Sequence[str], timing: Sequence[str]) -> dict[
     facts += list(machine.items()) if isinstance(machine, dict) else []
     facts += [(name, run.timing.get(name)) for name in timing]
     return {
-        "provenance": [(key.replace("_", " "), str(value)) for key, value in facts if value not in (None, "")],
+        "provenance": [(metric_name(key), metric_text(key, value)) for key, value in facts if value not in (None, "")],
         "config": to_yaml(dict(run.config)) if run.config else "",
     }

@@ -38,7 +38,7 @@ def preview(world: ReefWorld, path: Path) -> Path:
     oysters = sum(len(cluster.oysters) for cluster in world.clusters)
     axes.set_title(
         f"{printable(world.name)}: {width:g} × {height:g} m, {len(world.clusters)} clusters, {oysters} oysters, "
-        f"{len(world.obstacles)} obstacles",
+        f"{len(world.obstacles) + len(world.walls)} obstacles",
         fontsize=12,
         parse_math=False,
     )
@@ -193,7 +193,7 @@ def _legend() -> list[Any]:
         return Line2D([], [], color=color, marker=marker, linestyle="none", markersize=8, label=label)
 
     return [
-        mark(OYSTER, "o", "oysters (cluster number)"),
+        mark(OYSTER, "o", "oysters (cluster number, from 0, in the file)"),
         mark(ROCK, "s", "obstacles"),
         mark(START, "o", "start"),
         mark(FLOW, "$→$", "current"),

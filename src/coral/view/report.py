@@ -125,18 +125,21 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
         return "Nothing was recorded yet."
     covered, total = int(metrics.get("clusters_covered", 0)), int(metrics.get("clusters_total", 0))
     touched = int(metrics.get("collisions", 0))
-    found = f"all {total}" if total and covered == total else f"{covered} of {total}"
+    found = f"{covered} of {many(total, 'oyster cluster')}"
+    if total and covered == total:
+        found = f"all {total} oyster clusters" if total > 1 else "the only oyster cluster"
     safe = "without touching anything" if not touched else f"with {many(touched, 'collision')}"
-    verb = "had covered" if not run.complete else "covered"
-    done = f"{verb} {found} oyster clusters over" if total or not run.select("instruction") else "travelled"
+    had = "" if run.complete else "had "
+    verb = f"{had}covered {found} and surveyed" if total or not run.select("instruction") else f"{had}travelled"
     asked = many(int(metrics.get("advisor_calls", 0)), "question")
     minutes, seconds = divmod(round(float(metrics.get("sim_time_s", 0.0))), 60)
     distance = float(metrics.get("distance_m", 0.0))
-    who, whose = (f"the {metrics['robots']} robots", "their") if metrics.get("robots") else ("the robot", "its")
+    lasted = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
+    who, whose = (f"The {metrics['robots']} robots", "their") if metrics.get("robots") else ("The robot", "its")
     deciding = who_decided(metrics, things="goals", fallback=_fallback(run), advisor="The advisor")
     return (
-        f"In {minutes} min {seconds} s {who} {done} {distance:.0f} m{' of survey' * (done != 'travelled')}, "
-        f"{safe}, putting {asked} to {whose} advisor.{f' {deciding}.' if deciding else ''}"
+        f"{who} {verb} for {lasted} over {distance:.0f} m, {safe}, putting {asked} to {whose} advisor."
+        f"{f' {deciding[0].upper()}{deciding[1:]}.' if deciding else ''}"
     )
 
 
@@ -177,7 +180,7 @@ def _tiles(metrics: Mapping[str, Any], mission: Mapping[str, Any]) -> list[tuple
         (f"{float(metrics.get('distance_m', 0)):.0f} m", "along the path", "distance", ""),
         (
             str(metrics.get("advisor_calls", 0)),
-            f"{metrics.get('requeries', 0)} of them re-queries",
+            f"of them {many(int(metrics.get('requeries', 0)), 're-query', 're-queries')}",
             "advisor calls",
             "",
         ),
@@ -238,7 +241,8 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
             "Decisions and triggers",
             "Dots: a trigger fired, and the advisor was asked unless it had left the rest to the robot. Thin bars: a "
             "trigger was held back. Wide bars: waiting for the advisor, coloured by verdict; meanwhile the vehicle "
-            "drives on to its goal, and stops there.",
+            "drives on to its goal, and stops there. Incidents: collisions, motions that could not be planned, paths "
+            "that were planned anew because the robot had left them, decisions of the fallback.",
             event_chart(run, made),
         ),
         (f"Speed{first}", "Speed over ground and the controller's command.", speed_chart(run)),

@@ -71,5 +71,7 @@ def test_a_timeout_tells_which_conditions_do_not_hold():
     holding = [True] * len(kinds)
     assert conditions_not_held(trial, holding) == ""
     holding[0] = False
-    assert conditions_not_held(trial, holding) == f"not held: {kinds[0]} of box"
+    assert conditions_not_held(trial, holding) == f"not held: box {kinds[0]}"
     assert conditions_not_held(trial, ()) == ""  # nothing was checked
+    resting = make_trial({"kind": "resting", "thing": "table"})
+    assert conditions_not_held(resting, [False]) == "not held: box resting (table)"

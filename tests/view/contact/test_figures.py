@@ -18,6 +18,7 @@ from coral.view.contact.figures import (
     touching,
     tracking_chart,
     tracks,
+    wanted_forces,
 )
 from coral.view.run import RunFolder
 
@@ -44,6 +45,23 @@ def test_a_legend_of_many_names_takes_more_rows(recorded):
     few, many = (curves_chart(run, t, {f"a rather long name {k}": t for k in range(n)}, "x") for n in (2, 12))
     heights = [float(re.search(r'viewBox="0 0 1100 (\d+)', svg)[1]) for svg in (few, many)]
     assert heights[1] > heights[0]
+
+
+def test_colours_that_come_again_are_dashed(recorded):
+    run = RunFolder.read(recorded)
+    t = run.column("t")
+    svg = curves_chart(run, t, {str(k): t for k in range(11)}, "x")
+    assert svg.count("stroke:#0b6470;stroke-dasharray") == 2  # in the legend and as a curve
+    assert svg.count("stroke:#0b6470") == 4
+
+
+def test_the_forces_that_a_task_asks_for_are_drawn_and_told(recorded):
+    run = RunFolder.read(recorded)
+    assert wanted_forces(run) == ""
+    limit = {"kind": "peak-force", "object": "box", "newtons": 25}
+    limited = replace(run, world={**run.world, "success": {"conditions": [limit]}})
+    assert wanted_forces(limited) == " Line: the most that it allows, 25 N."
+    assert force_chart(limited, ["box"]).count("limit main") == 1 + force_chart(run, ["box"]).count("limit main")
 
 
 @pytest.mark.parametrize("draw", CHARTS)

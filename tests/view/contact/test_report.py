@@ -1,4 +1,5 @@
 import dataclasses
+import json
 import re
 
 from coral.cli import main
@@ -28,6 +29,21 @@ def test_a_report_shows_outcome_pictures_charts_and_where_it_comes_from(copy):
     for said in ("Cost, term by term", "Force", "Contact points", "final belief", "pick-box", "Paths"):
         assert said in page
     assert (copy / "keyframes.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_report_of_a_broken_condition_names_it(copy):
+    metrics = json.loads((copy / "metrics.json").read_text())
+    decided = {"advisor": 0, "memory": 0, "recording": 1, "fallback": 0}
+    metrics |= {"end_reason": "broken: peak-force of box", "decided_by": decided}
+    (copy / "metrics.json").write_text(json.dumps(metrics))
+    events = (copy / "events.jsonl").read_text().splitlines()
+    end = json.dumps({**json.loads(events[-1]), "reason": "broken: peak-force of box", "detail": ""})
+    (copy / "events.jsonl").write_text("\n".join([*events[:-1], end]) + "\n")
+    page = write_contact_report(copy).read_text()
+    assert "because a condition was broken that can never hold again (peak-force of box)" in page
+    assert "failed: a condition was broken that can never hold again: peak-force of box" in page
+    assert "of path. The recording decided" in page
+    assert "<dt>wall time (s)</dt>" in page
 
 
 def test_a_report_loads_nothing(copy):

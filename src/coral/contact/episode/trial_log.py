@@ -72,5 +72,8 @@ def conditions_not_held(trial: Trial, holding: Sequence[bool]) -> str:
         holding: Which conditions hold; see `Referee.holding`.
     """
     conditions = trial.task.success.conditions[: len(holding)]
-    names = [f"{one.kind} of {one.object}" for one, holds in zip(conditions, holding, strict=True) if not holds]
+    names = []
+    for one, holds in zip(conditions, holding, strict=True):
+        target = getattr(one, "place", None) or getattr(one, "thing", None)
+        names += [] if holds else [f"{one.object} {one.kind}{f' ({target})' if target else ''}"]
     return f"not held: {', '.join(names)}" if names else ""

@@ -53,7 +53,7 @@ DEFINITIONS = {
     "recording_failure": "Why the recording stopped during the survey; empty if it did not.",
     "recording_dropped": "Records that were dropped because too many waited.",
     "tether_turns": "Turns of the tether at the end, positive to the left.",
-    "seconds_in_state": "Time (s) in each state of the vehicle (`reef/states.py`), added up over the robots.",
+    "seconds_in_state": "Time (s) in each state of the vehicle, added up over the robots.",
     "clusters_left": "Clusters that the robot knew of at the end and had not finished; the event `left` says why.",
     "preset": "Name of the water and sensors (`--preset`); none where it was not recorded.",
     "robots": "The number of robots; every count and the distance are sums over them, coverage is of what any of "

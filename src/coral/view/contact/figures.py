@@ -79,13 +79,33 @@ def samples_chart(run: RunFolder) -> str:
 
 def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
     """Draw the hand's net force on each object, with the force that the task asks for."""
-    curves = {f"on the {name}": run.column(f"{name}_hand_force") for name in objects}
     felt = np.sqrt(sum(np.square(run.column(f"f{axis}")) for axis in "xyz"))
-    wanted = [c for c in _conditions(run) if c.get("kind") == "steady-force"]
-    bands = [(float(c["newtons"]), float(c["newtons"]) * float(c.get("tolerance", 0.4))) for c in wanted]
-    return curves_chart(
-        run, run.column("t"), {**curves, "measured at the wrist": np.asarray(felt)}, "force, N", floor=0.0, bands=bands
-    )
+    curves = {
+        "measured at the wrist": np.asarray(felt),  # first, so that the forces on objects lie on top
+        **{f"on the {name}": run.column(f"{name}_hand_force") for name in objects},
+    }
+    bands = [(value, value * share) for _, value, share in _forces(run)]
+    return curves_chart(run, run.column("t"), curves, "force, N", floor=0.0, bands=bands)
+
+
+def wanted_forces(run: RunFolder) -> str:
+    """Describe the band and the line of the chart of forces; "" if the task asks for no force."""
+    said = {
+        "steady-force": "Green band: the force that the task asks for",
+        "peak-force": "Line: the most that it allows",
+    }
+    found = {kind: f" {said[kind]}, {value:g} N." for kind, value, _ in _forces(run)}
+    return "".join(found.values())
+
+
+def _forces(run: RunFolder) -> list[tuple[str, float, float]]:
+    """Return kind, value (N) and relative tolerance of each condition on a force."""
+    shares = {"steady-force": 0.4, "peak-force": 0.0}
+    return [
+        (str(c["kind"]), float(c["newtons"]), float(c.get("tolerance", shares[c["kind"]])))
+        for c in _conditions(run)
+        if c.get("kind") in shares
+    ]
 
 
 def motion_chart(run: RunFolder, objects: Sequence[str]) -> str:
@@ -170,12 +190,16 @@ def curves_chart(
         body += [line(x, top, x, bottom, "limit main") for x in began]
     body += legend
     for k, values in enumerate(curves.values()):
-        hue = HUES[k % len(HUES)]
         times, kept = thin(t, values)
         curve = path([axis(float(a)) for a in times], [y(float(b)) for b in kept], "curve")
-        body.append(curve.replace('class="curve"', f'class="curve" style="stroke:{hue}"'))
+        body.append(curve.replace('class="curve"', f'class="curve" style="{_stroke(k)}"'))
     body.append(text(LEFT - 78, (top + bottom) / 2, label, "name rot"))
     return chart(height, body, axis, label=label, top=top, bottom=bottom)
+
+
+def _stroke(k: int) -> str:
+    """Return the style of curve number k: when the colours are used up, they come again dashed."""
+    return f"stroke:{HUES[k % len(HUES)]}" + (";stroke-dasharray:5 3" if k // len(HUES) % 2 else "")
 
 
 def _legend(names: Sequence[str]) -> tuple[list[str], int]:
@@ -185,8 +209,8 @@ def _legend(names: Sequence[str]) -> tuple[list[str], int]:
         width = 34.0 + 7.2 * len(name)
         if x + width > WIDTH - RIGHT and x > LEFT:
             x, row = LEFT, row + 1
-        hue = HUES[k % len(HUES)]
-        parts.append(f'<rect x="{x:.1f}" y="{8 + 16 * row}" width="12" height="4" style="fill:{hue}"/>')
+        y = 10 + 16 * row
+        parts.append(f'<line x1="{x:.1f}" y1="{y}" x2="{x + 13:.1f}" y2="{y}" style="{_stroke(k)};stroke-width:4"/>')
         parts.append(text(x + 17, 14 + 16 * row, name, "tick", "start"))
         x += width
     return parts, row + 1
@@ -232,7 +256,7 @@ def _bar(
     axis: Span, start: float, end: float, middle: float, height: float, hue: str, opacity: float, said: str
 ) -> str:
     x = axis(start)
-    width = min(max(3.0 if start == end else 2.0, axis(min(end, axis.high)) - x), WIDTH - RIGHT - x)
+    width = min(max(4.0, axis(min(end, axis.high)) - x), WIDTH - RIGHT - x)
     return (
         f'<rect x="{x:.1f}" y="{middle - height / 2:.1f}" width="{width:.1f}" '
         f'height="{height}" rx="2" style="fill:{hue};opacity:{opacity}"><title>{escape(said)}</title></rect>'

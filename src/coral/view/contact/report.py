@@ -27,6 +27,7 @@ from coral.view.contact.figures import (
     touching,
     tracking_chart,
     tracks,
+    wanted_forces,
 )
 from coral.view.contact.keyframes import Keyframe, keyframes, sheet
 from coral.view.contact.replay import trial_of_run
@@ -140,7 +141,7 @@ def _metrics(run: RunFolder) -> Mapping[str, Any]:
 
 def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     reason = str(metrics.get("end_reason", ""))
-    detail = str((run.select("end") or [{}])[-1].get("detail", ""))
+    detail = str((run.select("end") or [{}])[-1].get("detail", "")) or reason.partition(": ")[2]
     if not metrics.get("steps"):
         if reason in ENDED and reason != "killed":
             what = ENDED[reason].partition(": ")[2] or ENDED[reason]
@@ -172,7 +173,7 @@ def _who_decided(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     except (KeyError, TypeError):
         policy = "prior"
     said = who_decided(metrics, things="decisions", fallback=policy, advisor="The advisor")
-    return f"{said}." if said else ""
+    return f"{said[0].upper()}{said[1:]}." if said else ""
 
 
 def _judged(metrics: Mapping[str, Any]) -> str:
@@ -200,7 +201,8 @@ def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, s
     return [
         (
             "yes" if success else "no",
-            ENDED.get(reason.partition(":")[0], reason) + _judged(metrics),
+            ": ".join(filter(None, (ENDED.get(reason.partition(":")[0], reason), reason.partition(": ")[2])))
+            + _judged(metrics),
             "success",
             "good" if success else "bad",
         ),
@@ -226,11 +228,16 @@ def _charts(run: RunFolder, objects: list[str]) -> list[tuple[str, str, str]]:
     if not len(run.column("t")):
         return []
     trial = [
-        ("Stages and contacts", "The active stage of the strategy, and all contacts.", stages_chart(run)),
+        (
+            "Stages and contacts",
+            "The active stage of the strategy, and all contacts; “hand” is its palm, “left” and “right” are its "
+            "fingers.",
+            stages_chart(run),
+        ),
         (
             "Force",
-            "The hand’s net force on each object, and the force at the wrist, where a grasp’s squeeze cancels. "
-            "Green band: the force that the task asks for.",
+            "The hand’s net force on each object, and the force at the wrist, where a grasp’s squeeze cancels."
+            f"{wanted_forces(run)}",
             force_chart(run, objects),
         ),
         ("Height above the table", "Height of the tool and of each object’s centre.", motion_chart(run, objects)),

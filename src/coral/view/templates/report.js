@@ -129,7 +129,7 @@
   }));
   all(".map .decision").forEach((g) => { g.onclick = () => select(g.dataset.decision); g.onkeydown = (e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); select(g.dataset.decision); } }; });
   all(".seek").forEach((b) => { b.onclick = (e) => { e.preventDefault(); select(b.dataset.decision); $("survey").scrollIntoView(); }; });
-  all(".layers input").forEach((box) => { box.onchange = () => { for (const id of [box.dataset.layer, ...(box.dataset.layer === "decisions" ? ["links"] : [])]) $(`layer-${id}`).style.display = box.checked ? "" : "none"; }; });
+  all(".layers input").forEach((box) => { box.onchange = () => { for (const id of [box.dataset.layer, ...({ decisions: ["links"], truth: ["truenames"] }[box.dataset.layer] || [])]) $(`layer-${id}`).style.display = box.checked ? "" : "none"; }; });
   document.addEventListener("click", (e) => {
     const link = e.target.closest && e.target.closest("[data-open]");
     if (link) $(`decision-${link.dataset.open}`).open = true;
