@@ -1,11 +1,12 @@
-import signal
+from contextlib import ExitStack
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from coral.cli import main
-from coral.commands.reef_sail import ReefSail, conduct, signals_as_words
-from coral.errors import InputError, RunError
+from coral.commands.reef_sail import ReefSail
+from coral.errors import InputError
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.sea.operator import OperatorWords
 
@@ -38,24 +39,17 @@ def test_bad_flags_are_one_line(flags, where):
     assert error.value.where == where
 
 
-def test_a_signal_becomes_a_word_and_the_handler_is_put_back():
-    words = OperatorWords()
-    found = signal.signal(signal.SIGINT, signal.default_int_handler)  # a process in the background ignores it
-    try:
-        with signals_as_words(words):
-            signal.raise_signal(signal.SIGINT)
-        assert words.take() == [("stop", "SIGINT")]
-        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    finally:
-        signal.signal(signal.SIGINT, found)
+def test_whoever_sails_over_ros_2_can_change_the_instruction(monkeypatch):
+    made = []
 
+    def topics(*given):
+        made.append(given)
+        return SimpleNamespace(close=lambda: made.append("closed"))
 
-def test_a_failure_of_the_control_loop_is_told():
-    class Broken:
-        instructing = None
-
-        def run(self, observers):
-            raise ValueError("no way")
-
-    with pytest.raises(RunError, match="ValueError: no way"):
-        conduct(Broken(), [], OperatorWords())
+    monkeypatch.setattr("coral.commands.reef_sail.our_part", lambda *names: topics)
+    words, mission = OperatorWords(), SimpleNamespace(instructing=print)
+    mission.crew = SimpleNamespace(words=words)
+    with ExitStack() as opened:
+        assert len(list(ReefSail(area="s1", vehicle="ros2:/rov")._topics(mission, opened))) == 1
+        assert list(ReefSail(area="s1")._topics(mission, opened)) == []
+    assert made == [("/rov", words, print), "closed"]

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import signal
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -26,7 +24,9 @@ from coral.commands.keyboard import HELP, HELP_ALIGN, HELP_INSTRUCT, Keyboard
 from coral.commands.notice import mission_notice
 from coral.commands.reef_run import fulfilled
 from coral.commands.render import render
+from coral.commands.sail_conduct import conduct
 from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
+from coral.commands.sail_preflight import watch_sensors
 from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
 from coral.errors import InputError, RunError
@@ -35,15 +35,14 @@ from coral.flags import Argument, Option
 from coral.plugins import our_part
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
-from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_camera, with_sonar
 from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
-from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
+from coral.reef.sea.checklist import CheckLine, Equipment, blocking
 from coral.reef.sea.live_view import LiveView, resized
 from coral.reef.sea.operator import OperatorWords
-from coral.reef.sea.priority import describe_priority, prefer_process, prefer_thread
+from coral.reef.sea.priority import prefer_process
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.saved_survey import load_survey
@@ -53,16 +52,10 @@ from coral.reef.sea.video_camera import Fit
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.world_names import shipped_worlds
-from coral.run_loop import Observer
 from coral.runs import new_run_folder
 from coral.words import many
 
-LOOK_S = 2.0
-"""The checks before arming watch the sensors for this long, to measure their rates."""
-PATIENCE_S = 30.0
-"""Longest wait for sensors that are not there yet."""
 ARM_S = 20.0
-AWAITED = "vehicle", "pose", "velocity", "depth", "camera", "sonar"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -393,80 +386,3 @@ class ReefSail:
     def exit_code(self, result: Mapping[str, Any]) -> int:
         """Return 1 for a check that found the vehicle not ready."""
         return int(self.check and not result["ready"])
-
-
-def watch_sensors(parts: Parts, area: Any, safety: SafetyCfg, equipment: Equipment, sonar: SonarCfg) -> list[CheckLine]:
-    """Watch the sensors for a while and make the preflight list; wait for those that are not there yet."""
-    rates, began = StampRates(), time.monotonic()
-
-    def measured() -> bool:
-        known = (rates.rate_hz("pose"), parts.camera.rate_hz, 0.0 if parts.sonar is None else parts.sonar.rate_hz)
-        return None not in known
-
-    while True:
-        looked = time.monotonic()
-        while (spent := time.monotonic() - looked) < LOOK_S or (spent < 3.0 * LOOK_S and not measured()):
-            rates.note(time.monotonic(), parts.link.report())
-            parts.place()
-            time.sleep(0.02)
-        now, report = time.monotonic(), parts.link.report()
-        lines = preflight_list(now, report, rates, parts.camera, area, safety, equipment, parts.sonar, sonar)
-        waits = [line for line in blocking(lines) if line.subject in AWAITED]
-        if not waits or now - began > PATIENCE_S:
-            return lines
-
-
-def conduct(
-    mission: SeaMission, observers: Sequence[Observer[SeaMission]], words: OperatorWords, *, first: bool = False
-) -> dict[str, Any]:
-    """Run the control loop on a thread of its own; keyboard and signals stay here and never interrupt a tick.
-
-    With `first`, the thread goes before all ordinary programs, where the system allows it.
-
-    Raises:
-        RunError: The loop failed; the vehicle was told to hold.
-    """
-    result: dict[str, Any] = {}
-    failure: list[BaseException] = []
-
-    def control() -> None:
-        try:
-            allowed = describe_priority(first, first and prefer_thread())
-            result.update(mission.run(observers), priority=allowed)
-        except BaseException as error:
-            failure.append(error)
-
-    thread = threading.Thread(target=control, name="coral-control", daemon=True)
-    with signals_as_words(words):
-        thread.start()
-        Keyboard(words, instruct=mission.instructing).listen(lambda: not thread.is_alive())
-        thread.join()
-    if failure:
-        raise RunError(f"the survey failed: {type(failure[0]).__name__}: {failure[0]}") from failure[0]
-    return result
-
-
-@contextmanager
-def signals_as_words(words: OperatorWords) -> Iterator[None]:
-    """Let Ctrl-C, SIGTERM and SIGHUP stop the survey in order: the vehicle holds before the program ends."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before: dict[int, Callable[..., Any] | int | None] = {}
-
-    def stop(number: int, _: object) -> None:
-        words.say("stop", signal.Signals(number).name)
-        handler = before[number]
-        if number != signal.SIGINT and callable(handler):
-            with suppress(KeyboardInterrupt):
-                handler(number, None)  # notes the signal for the exit code
-
-    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
-            before[number] = signal.signal(number, stop)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
