@@ -26,7 +26,8 @@ def puddle(tmp_path):
 def test_shipped_reefs_and_files_are_listed_together(told, puddle):
     code, text, _ = told("reef", "envs", "l1", puddle("pond"))
     assert code == 0
-    assert [line.split()[0] for line in text.splitlines()] == ["name", "l1", "pond"]
+    assert [line.split()[0] for line in text.splitlines()] == ["name", "l1", "pond", "pond:"]
+    assert text.splitlines()[-1].startswith("pond: clusters[0] 'bed': too few oysters to be recognised")
 
 
 def test_a_reef_is_described_in_numbers(told):

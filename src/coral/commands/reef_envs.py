@@ -63,6 +63,7 @@ class ReefEnvs:
                 f"{w['name']:<6} {w['topology']:<9} {size:<10} {w['clusters']:>8}  {w['oysters']:>7}  "
                 f"{w['obstacles']:>9}  {w['current_m_s']:>13.2f}"
             )
+        lines += [f"{w['name']}: {note}" for w in result["worlds"] for note in w["notes"]]
         if "sheet" in result:
             lines.append(f"previews: {result['sheet']}")
         return "\n".join(lines)
@@ -75,6 +76,8 @@ def _found(names: Sequence[str]) -> list[ReefWorld]:
 
 
 def _row(world: ReefWorld) -> dict[str, Any]:
+    from coral.reef.map.recognisable import unrecognisable
+
     return {
         "name": world.name,
         "topology": world.topology,
@@ -84,4 +87,5 @@ def _row(world: ReefWorld) -> dict[str, Any]:
         "obstacles": len(world.obstacles) + len(world.walls),
         "current_m_s": round((world.current.x_m_s**2 + world.current.y_m_s**2) ** 0.5, 3),
         "seed": world.seed,
+        "notes": unrecognisable(world),
     }
