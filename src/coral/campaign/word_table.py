@@ -18,9 +18,9 @@ NOTES = (
     "Fulfilled: all conditions of the mission met in truth, without a contact, with 95 % intervals (Wilson). Time: of "
     "fulfilled missions, over that of an oracle that knows what everything is. Spared, kept off: missions with such a "
     "condition in which what was to be left alone was not seen from near, or was not passed too near.",
-    "full with the rules visits everything; geometry knows the conditions, not kinds; keywords reads key words. "
-    "reader, a control, understands the words and knows, in truth, what it has seen from within 5 m or 60 % of "
-    "the visibility.",
+    "full with the rules visits everything; geometry knows the conditions, not kinds; keywords reads key words; "
+    "lawnmower follows lanes. reader, a control, understands the words and knows, in truth, what it has seen from "
+    "within 5 m or 60 % of the visibility.",
 )
 
 

@@ -73,6 +73,11 @@ def test_the_paper_s_variant_is_its_algorithm_with_its_cooldown():
     }
 
 
+def test_lanes_in_a_mission_in_words_go_over_what_lies_on_them():
+    assert apply_variant("full", MissionCfg()).planner.instruction.clear_m > 0.0
+    assert apply_variant("lawnmower", MissionCfg()).planner.instruction.clear_m == 0.0
+
+
 def test_pd_goes_through_what_it_hits():
     assert changes("pd") == {".driver": "pd", ".simulator.contact": "ghost"}
 

@@ -117,7 +117,9 @@ def _frontier(cfg: MissionCfg) -> MissionCfg:
 
 
 def _lawnmower(cfg: MissionCfg) -> MissionCfg:
-    """Lanes over the whole area, planned before the dive."""
+    """Lanes over the whole area, planned before the dive; in a mission in words, over whatever lies on them."""
+    told = replace(cfg.planner.instruction, clear_m=0.0)
+    cfg = replace(cfg, planner=replace(cfg.planner, instruction=told))
     return _alone(_asked_near(replace(_planned_before(_no_centroid_selection(cfg)), decider="lawnmower", latency="0")))
 
 
