@@ -54,7 +54,7 @@ class WordReader:
         """Return the next step."""
         pose, told = Pose(**facts["arrival"]["pose"]), facts["mission"]
         self._see(facts, pose)
-        if len(rejections) > 3 or self._late(told) or self._enough():
+        if len(rejections) > 3 or self._late(told) or (self._enough() and not rejections):
             return self._end(facts, rejections)
         refused = {rejection.details.get("index") for rejection in rejections} - {None}
         open_ = [d for d in facts["centroids"] if d["path_m"] is not None and d["index"] not in refused]
