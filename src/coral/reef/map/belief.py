@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from coral.config import Count
 from coral.reef.map.best_views import BestViews
+from coral.reef.map.carried import is_jump
 from coral.reef.map.chain import CentroidTracker, ChainCfg, InspectCfg, Track
 from coral.reef.map.changes import Box, joined
 from coral.reef.map.costfield import CostFieldCfg
@@ -101,6 +102,11 @@ class Belief:
         self._failed.clear()
         self._still.clear()
         return True
+
+    def correct(self, before: Pose, after: Pose) -> None:
+        """Take in a correction of the robot's pose: after a jump, what is around the robot has moved with it."""
+        if is_jump(before, after):
+            self.map.carry(before, after)
 
     def water(self, cfg: CostFieldCfg) -> Water:
         """Return the water of the present map; a later call may change it in place."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from coral.config import CellSize, Count, NonNegative
 from coral.errors import InputError
 from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
+from coral.reef.map.carried import AROUND_M, moved_cells
 from coral.reef.map.changes import Box
 from coral.reef.map.mapping_kernels import SATURATED, cell_classes, classify, explore, look, project
 from coral.reef.map.obstacle_layer import ObstacleLayer, SonarLayerCfg
@@ -297,6 +298,28 @@ class OccupancyMap:
         distance = np.zeros(self.obstacle.shape, np.float32)
         distance[y0:y1, x0:x1] = distance_to(~free | self.obstacle[y0:y1, x0:x1], cell)
         return distance
+
+    def carry(self, before: Pose, after: Pose) -> None:
+        """Take what is around the robot along when its estimated place jumps; oysters stay where they were mapped.
+
+        What it saw last stands where it stood relative to the robot. Were it left behind, the robot would stand among
+        obstacles that are not there, and beside some that are no longer on the map.
+
+        Args:
+            before: The robot's pose as it was believed.
+            after: The corrected one, of the same moment.
+        """
+        to, source = moved_cells(self.obstacle.shape, self.cfg.cell_m, before, after)
+        known = (self.explored | self.obstacle).flat[source]
+        to, source = to[known], source[known]
+        layers = [layer.grids for layer in (self.layer, self.sight) if layer is not None]
+        for grid in (self._obstacles, self._ground, self.explored, *(grid for grids in layers for grid in grids)):
+            grid.flat[to] = grid.flat[source]
+        self._obstacles[self._closed] = SATURATED
+        window = self._window(after, AROUND_M)
+        self._classify(window)
+        self._combine(window)
+        self.version += 1
 
     def close_off(self, cells: NDArray[np.bool_]) -> None:
         """Make cells obstacles for good, whatever a picture shows there: places where the robot must not go.

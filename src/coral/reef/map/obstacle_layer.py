@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,11 @@ class ObstacleLayer:
         self._height = np.full(shape, np.nan, np.float32)
         self._beams = beam_directions((sonar.height, sonar.width), sonar.hfov_deg, sonar.vfov_deg)
         self._geometry = (sonar.height, sonar.width), sonar.hfov_deg, sonar.vfov_deg
+
+    @property
+    def grids(self) -> tuple[NDArray[Any], ...]:
+        """Arrays that say what is known of each cell. Shape=(NY, NX)."""
+        return self.obstacle, self._hits, self._through, self._clear
 
     @property
     def free(self) -> NDArray[np.bool_]:

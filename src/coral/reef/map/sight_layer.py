@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +77,11 @@ class SightLayer:
     def doubtful(self) -> NDArray[np.bool_]:
         """Obstacle cells that were seen from one side only, and from afar. Shape=(NY, NX)."""
         return np.asarray(self.obstacle & ~self._sure)
+
+    @property
+    def grids(self) -> tuple[NDArray[Any], ...]:
+        """Arrays that say what is known of each cell. Shape=(NY, NX)."""
+        return self.obstacle, self.odds, self._sure, self._aspect
 
     def forget(self, cells: NDArray[np.bool_]) -> None:
         """Take back what is known of cells. Shape=(NY, NX)."""

@@ -137,7 +137,9 @@ class Robot:
         reading = self.pilot.sense(self.seen)
         self._unlocated_s += dt
         if reading.frame is not None and reading.frame_pose is not None:
-            self.localizer.update(reading.frame, reading.frame_pose, self._unlocated_s, reading.covariance)
+            before = self.localizer.locate(reading.frame_pose)
+            after = self.localizer.update(reading.frame, reading.frame_pose, self._unlocated_s, reading.covariance)
+            self.belief.correct(before, after)
             self._unlocated_s = 0.0
         if reading.frame_pose is not None:
             self.odometry = reading.frame_pose

@@ -1,0 +1,50 @@
+"""The water around a robot whose estimated place jumps: what it saw last moves along."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.reef.world.geometry import Pose, wrap
+
+AROUND_M = 3.0
+"""How far about the robot the map moves along: what it may touch before it has seen it anew."""
+JUMP_M = 0.15
+"""A correction moves the map if it moves something within `AROUND_M` by this: three cells of 0.05 m. What is less is
+drawn anew by the next pictures."""
+
+
+def is_jump(before: Pose, after: Pose) -> bool:
+    """Check whether a correction of the pose moves what is around the robot too far to be drawn anew."""
+    turn = AROUND_M * abs(wrap(after.theta - before.theta))
+    return math.dist(before[:2], after[:2]) + turn >= JUMP_M
+
+
+def moved_cells(
+    shape: tuple[int, int], cell_m: float, before: Pose, after: Pose
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the cells around the robot after a jump, and those that lay in the same place of its frame before.
+
+    Args:
+        shape: Rows and columns of the grid.
+        cell_m: Edge of a cell (m).
+        before: The robot's pose as it was believed.
+        after: The corrected one, of the same moment.
+
+    Returns:
+        Two arrays of flat indices, only of cells that lie in the grid both times. Shape=(N,) each.
+    """
+    reach = math.ceil(AROUND_M / cell_m)
+    rows, columns = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1)
+    rows, columns = rows + int(after.y // cell_m), columns + int(after.x // cell_m)
+    x, y = (columns + 0.5) * cell_m - after.x, (rows + 0.5) * cell_m - after.y
+    c, s = math.cos(before.theta - after.theta), math.sin(before.theta - after.theta)
+    from_columns = np.floor((before.x + c * x - s * y) / cell_m).astype(np.intp)
+    from_rows = np.floor((before.y + s * x + c * y) / cell_m).astype(np.intp)
+    ny, nx = shape
+    kept = np.hypot(x, y) <= AROUND_M
+    for row, column in ((rows, columns), (from_rows, from_columns)):
+        kept &= (row >= 0) & (row < ny) & (column >= 0) & (column < nx)
+    return (rows * nx + columns)[kept], (from_rows * nx + from_columns)[kept]
