@@ -41,11 +41,11 @@ class LocalizationCfg:
     less_likely: Positive = 20.0
     """A hypothesis is dropped whose logarithm of the likelihood is smaller than the best one's by this: five sightings
     that the other explains and it calls unknown."""
-    alike_m: NonNegative = 0.3
+    alike_m: NonNegative = 0.2
     """Of two hypotheses the less likely one is dropped if their positions differ by less than this on each axis (m),
-    ... A third of the distance between obstacles: the next landmark that could be meant lies farther off. With 0.02,
+    ... A fifth of the distance between obstacles: the next landmark that could be meant lies farther off. With 0.02,
     variants of one hypothesis took all the room, and a loop closed with the wrong landmark had no rival left."""
-    alike_rad: NonNegative = 0.05
+    alike_rad: NonNegative = 0.035
     """... and their headings by less than this."""
     gate: Positive = 16.0
     """Largest squared Mahalanobis distance between a sighting and its landmark: 99.9 % of three normal variables."""
