@@ -60,7 +60,7 @@ def test_what_is_accepted_is_told_in_words(flags):
     assert told["--lamp.tilt"] == "a number >= 0"  # as coral.config.checked
     assert told["--lamp.colour"] == "one of red, white"
     assert told["--lamp.blinks"] == "any number of values, each a whole number"
-    assert (told["--out"], told["--lit"], told["PLACE"]) == ("a path, or None", "yes or no", "a text")
+    assert (told["--out"], told["--lit"], told["PLACE"]) == ("a path", "yes or no", "a text")
 
 
 def test_defaults_names_and_words(flags):

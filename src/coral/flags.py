@@ -139,7 +139,7 @@ def _walk(
                 optional=optional,
                 default="" if default is MISSING else shown(default),
                 text=text,
-                type=_type(base, bounds or from_zero, optional),
+                type=_type(base, bounds or from_zero, optional and default is not None),
                 names=names or (get_args(base) if get_origin(base) is Literal else ()),
             )
         )

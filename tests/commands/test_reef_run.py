@@ -40,7 +40,8 @@ def test_the_outcome_in_words_names_the_run_and_who_decided():
         "decided": "the advisor decided 1 of 2 goals, the fallback's rules 1",
     }
     assert ReefRun(world="s1").describe(result).splitlines() == [
-        "s1: 1 of 8 oyster clusters covered (12 %), 1 collision, 2 advisor calls (1 re-query), 9 s simulated in 1 s; "
+        "s1: 1 of 8 oyster clusters covered (12 %), 1 collision, 2 advisor calls (1 re-query), 9 s simulated in 1 s "
+        "(start and report not counted); "
         "ended: time limit",
         "run folder: runs/s1-001",
         "report: runs/s1-001/report.html",

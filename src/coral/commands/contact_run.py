@@ -67,7 +67,7 @@ class ContactRun:
     """Attempt a contact task and write a run folder with logs, metrics, pictures and report."""
 
     task: Annotated[str, Argument(metavar="TASK", names=shipped_tasks)]
-    """A shipped task (see coral contact tasks) or a task file."""
+    """A shipped task (see coral contact tasks) or a task file, which also sets the time limit (`time_limit_s`)."""
     world: str = "panda"
     """World: panda, the robot in robosuite; hand, its hand alone, free-flying; franka, the arm of --robot."""
     robot: Annotated[str | None, Option(metavar="ADDRESS|sim")] = None
@@ -305,7 +305,8 @@ class ContactRun:
         force = "contact forces unknown" if peak is None else f"at most {peak:.0f} N on an object"
         thinking = f" ({whole_s:.1f} s with thinking)" if whole_s > result["sim_time_s"] else ""
         how = (
-            f" after {result['sim_time_s']:.1f} s simulated{thinking} in {result['wall_time_s']:.0f} s; "
+            f" after {result['sim_time_s']:.1f} s simulated{thinking} in {result['wall_time_s']:.0f} s (start and "
+            "report not counted); "
             f"{_count(result)} of {result['plan_ms_median']:.0f} ms, {result['path_length_m']:.2f} m of path, "
             f"{force}{_judged(result)}"
         )

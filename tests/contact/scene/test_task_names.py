@@ -11,5 +11,12 @@ def test_a_name_means_a_shipped_file_and_a_path_itself(tmp_path):
 
 
 def test_a_mistyped_name_is_answered_with_the_nearest():
-    with pytest.raises(InputError, match=r"task: found pick-bx, expected one of push-pick-board, .*'pick-box'"):
+    with pytest.raises(InputError, match=r"task: found 'pick-bx', expected one of push-pick-board, .*'pick-box'"):
         task_path("pick-bx")
+
+
+def test_a_file_beside_without_its_ending_is_suggested(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "nudge.yaml").write_text("")
+    with pytest.raises(InputError, match=r"did you mean 'nudge\.yaml'"):
+        task_path("nudge")

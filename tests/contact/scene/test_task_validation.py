@@ -34,6 +34,19 @@ def test_a_plain_task_is_sound():
     check(plain())
 
 
+@pytest.mark.parametrize(("z", "fine"), [(0.1, True), (0.9, False)])
+def test_an_object_cannot_rest_on_a_thing_far_below_its_goal(z, fine):
+    at = {"kind": "at", "object": "box", "place": "spot", "axes": "xyz", "tolerance_m": 0.03}
+    resting = {"kind": "resting", "object": "box", "thing": "wall"}
+    task = plain() | {"places": {"spot": [0, 0, z]}, "success": {"conditions": [at, resting]}}
+    if fine:
+        check(task)
+    else:
+        field, text = refusal(task)
+        assert field == "places.spot[2]"
+        assert "where the box can rest on the wall" in text
+
+
 @pytest.mark.parametrize("name", [*sorted(RESERVED), "robot0_box", "gripper0_right_eef", "fixed_mount0_base", "wall"])
 def test_names_of_the_robot_and_of_the_record_are_taken(name):
     field, text = refusal(

@@ -13,3 +13,10 @@ def test_a_name_means_a_shipped_file_and_a_path_itself(tmp_path):
 def test_a_mistyped_name_is_answered_with_the_nearest():
     with pytest.raises(InputError, match=r"world: found 'K1x', expected a YAML file or one of l1, .*did you mean 'k1'"):
         world_file("K1x")
+
+
+def test_a_file_beside_without_its_ending_is_suggested(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bay.yaml").write_text("")
+    with pytest.raises(InputError, match=r"did you mean 'bay\.yaml'"):
+        world_file("bay")

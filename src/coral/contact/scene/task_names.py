@@ -47,6 +47,7 @@ def task_path(name_or_path: str | Path) -> Path:
         return TASKS_DIR / f"{text}.yaml"
     path = unseen.get(text, Path(name_or_path))
     if path.suffix not in (".yaml", ".yml") and not path.exists():
-        close = nearest(text, (*shipped, *unseen))
-        raise InputError("task", "", text, f"one of {', '.join(shipped)}{close}, or a YAML file")
+        beside = [f"{text}.yaml"] if Path(f"{text}.yaml").is_file() else []
+        close = nearest(text, beside, 0.0) or nearest(text, (*shipped, *unseen))
+        raise InputError("task", "", repr(text), f"one of {', '.join(shipped)}{close}, or a YAML file")
     return path

@@ -6,9 +6,12 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
 from coral.contact.scene.condition import check_known
 from coral.contact.scene.mesh import mesh_vertices
+from coral.contact.scene.trial import corners
 from coral.errors import InputError
 
 if TYPE_CHECKING:
@@ -54,6 +57,22 @@ def check_task(task: Task, where: str) -> None:
         )
     for index, condition in enumerate(task.success.conditions):
         condition.check(task, where, f"success.conditions[{index}]")
+    _check_goal_heights(task, where)
+
+
+def _check_goal_heights(task: Task, where: str) -> None:
+    """Refuse a place above all heights at which its object can touch the fixed thing that it is to rest on."""
+    tops = {"table": 0.0, **{one.name: one.position[2] + one.size[2] / 2 for one in task.fixtures}}
+    resting = {one.object: one.thing for one in task.success.conditions if one.kind == "resting" and one.thing in tops}
+    for goal in task.success.conditions:
+        if goal.kind != "at" or "z" not in goal.axes or goal.point is not None or goal.object not in resting:
+            continue
+        item, thing = task.object(goal.object), resting[goal.object]
+        reach_m = float(np.linalg.norm(corners(item, np.array([axis[1] for axis in item.scale])), axis=1).max())
+        highest, z = tops[thing] + reach_m + goal.tolerance_m, task.places[goal.place][2]
+        if z > highest:
+            expected = f"at most {highest:.2f} m, where the {goal.object} can rest on the {thing}"
+            raise InputError(where, f"places.{goal.place}[2]", f"{z:g}", expected)
 
 
 def _check_names(task: Task, where: str) -> None:

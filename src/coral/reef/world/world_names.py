@@ -26,6 +26,8 @@ def world_file(name: str | Path) -> Path:
     text, known = str(name), shipped_worlds()
     path = WORLDS_DIR / f"{text}.yaml" if text in known else Path(text)
     if path.suffix not in (".yaml", ".yml", ".json") and not os.path.exists(path):
-        expected = f"a YAML file or one of {', '.join(known)}{nearest(text.lower(), known)}"
+        beside = [f"{text}.yaml"] if os.path.isfile(f"{text}.yaml") else []
+        close = nearest(text, beside, 0.0) or nearest(text.lower(), known)
+        expected = f"a YAML file or one of {', '.join(known)}{close}"
         raise InputError("world", "", shown(text), expected)
     return path
