@@ -50,7 +50,7 @@ def test_the_outcome_in_words_names_the_run_and_who_decided():
 
 
 def test_clusters_that_are_covered_and_not_inspected_to_the_end_are_told():
-    assert still_left({"clusters_left": 1}) == ["not inspected to the end, by the robot's own map: 1 cluster"]
+    assert still_left({"clusters_left": 1}) == ["not fully inspected, by the robot's own map: 1 cluster"]
     assert still_left({"clusters_left": 0}) == []
 
 

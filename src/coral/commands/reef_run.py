@@ -255,7 +255,7 @@ def still_left(result: Mapping[str, Any]) -> list[str]:
         f"{state} {states[state]:.0f} s" for state in ("holding", "surfacing", "taken over") if state in states
     )
     return [
-        *([f"not inspected to the end, by the robot's own map: {many(left, 'cluster')}"] if left else []),
+        *([f"not fully inspected, by the robot's own map: {many(left, 'cluster')}"] if left else []),
         *([f"not surveying: {stood}"] if stood else []),
     ]
 

@@ -11,6 +11,7 @@ import numpy as np
 from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
 from coral.contact.scene.condition import check_known
 from coral.contact.scene.mesh import mesh_vertices
+from coral.contact.scene.state_conditions import At, Resting
 from coral.contact.scene.trial import corners
 from coral.errors import InputError
 
@@ -63,9 +64,10 @@ def check_task(task: Task, where: str) -> None:
 def _check_goal_heights(task: Task, where: str) -> None:
     """Refuse a place above all heights at which its object can touch the fixed thing that it is to rest on."""
     tops = {"table": 0.0, **{one.name: one.position[2] + one.size[2] / 2 for one in task.fixtures}}
-    resting = {one.object: one.thing for one in task.success.conditions if one.kind == "resting" and one.thing in tops}
-    for goal in task.success.conditions:
-        if goal.kind != "at" or "z" not in goal.axes or goal.point is not None or goal.object not in resting:
+    conditions = task.success.conditions
+    resting = {one.object: one.thing for one in conditions if isinstance(one, Resting) and one.thing in tops}
+    for goal in (one for one in conditions if isinstance(one, At) and "z" in one.axes and one.point is None):
+        if goal.object not in resting:
             continue
         item, thing = task.object(goal.object), resting[goal.object]
         reach_m = float(np.linalg.norm(corners(item, np.array([axis[1] for axis in item.scale])), axis=1).max())
