@@ -1,6 +1,7 @@
 """`coral reef picture`: one picture, a sheet of waters, and refusals before anything is drawn."""
 
 import cv2
+import numpy as np
 import pytest
 
 
@@ -82,3 +83,13 @@ def test_pictures_of_one_folder_are_a_recording_that_map_reads(told, tmp_path):
     assert (code, error.count("\n")) == (2, 1)
     assert "camera.yaml: found another camera" in error
     assert not (folder / "2.png").exists()
+
+
+def test_an_animal_is_elsewhere_at_another_time(told, tmp_path):
+    reddest = []
+    for t in ("0", "12"):
+        out = tmp_path / f"{t}.png"
+        told("reef", "picture", "kind:crab", "--at", "10", "7.5", "90", "--t", t, "--out", out, "--size", "160", "120")
+        blue, green, red = np.moveaxis(cv2.imread(str(out)).astype(int), -1, 0)
+        reddest.append(np.unravel_index(np.argmax(2 * red - green - blue), red.shape))
+    assert np.hypot(*np.subtract(*reddest)) > 5

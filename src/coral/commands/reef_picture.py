@@ -33,7 +33,7 @@ class ReefPicture:
     size: tuple[int, int] = (640, 480)
     """Width and height of a picture (px)."""
     t: float = 0.0
-    """Time (s): waves and snow move."""
+    """Time (s): waves, snow and animals move."""
     seed: Annotated[int, Option(metavar="N")] = 0
     """Of the place, where --at names none."""
     painter: PainterCfg = field(default_factory=PainterCfg)
@@ -74,7 +74,7 @@ class ReefPicture:
         else:
             pose = Pose(self.at[0], self.at[1], math.radians(self.at[2]))
         add_picture = None if len(waters) > 1 else PictureFolder(self.out.parent, camera).add
-        frame = Camera(scene, camera).render(pose)
+        frame = Camera(scene, camera).render(pose, t=self.t)
         taken = [
             (f"{water.name}, visibility {water.visibility_m:.1f} m",
              Painter(scene, camera, water, cfg, world.seed).paint(frame, pose, t=self.t))

@@ -104,7 +104,7 @@ def _moments(world: ReefWorld, planner: MissionPlanner, cfg: MissionCfg) -> Iter
     t, seen = 0.0, list[str]()
 
     def look(pose: Pose) -> None:
-        belief.update(stills.of(camera.render(pose), pose, t), pose)
+        belief.update(stills.of(camera.render(pose, t=t), pose, t), pose)
 
     look(Pose(world.start.x, world.start.y, world.start.theta))
     belief.goal = to_world(belief.pose, 2.0, 0.0)
