@@ -114,10 +114,12 @@ def load_mapping(
         content = yaml.load(text, Loader=Loader)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
-        line = f"line {mark.line + 1}" if mark else ""
-        problem = getattr(error, "problem", None) or "broken YAML"
+        problem = getattr(error, "problem", None)
+        if mark is None or problem is None:
+            reason = getattr(error, "reason", "broken YAML").removesuffix(" are not allowed")  # control characters
+            raise InputError(where, "", reason, "valid YAML") from None
         said = next((meant for part, meant in _FAULTS.items() if part in problem), problem)
-        raise InputError(where, line, said, "") from None
+        raise InputError(where, f"line {mark.line + 1}", said, "") from None
     except InputError:
         raise
     except (ValueError, TypeError, RecursionError, OverflowError) as error:  # for example an integer of 5000 digits

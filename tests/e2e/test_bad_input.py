@@ -22,7 +22,7 @@ def refused(place, capsys, monkeypatch):
         told = capsys.readouterr()
         assert code == 2
         assert told.out == ""
-        assert re.fullmatch(r"coral[^\n]*: found [^\n]+, expected [^\n]+\n", told.err), told.err
+        assert re.fullmatch(r"coral[^\n]*: (found [^\n]+, expected [^\n]+|line \d+: [^\n]+)\n", told.err), told.err
         assert "Traceback" not in told.err
         assert sorted(path.relative_to(place) for path in place.rglob("*")) == before
         return told.err

@@ -163,7 +163,7 @@ def test_every_robot_of_a_fleet_is_drawn_and_listed(fresh):
             {"sim_time_s": 22.0, "clusters_covered": 0, "clusters_total": 1},
             "The robot covered 0 of 1 oyster cluster and surveyed for 22 s over ",
         ),
-        ({"requeries": 1}, "of them 1 re-query<"),
+        ({"requeries": 1}, "1 re-query among them<"),
     ],
 )
 def test_the_headline_tells_the_time_of_the_whole_survey(fresh, changed, said):

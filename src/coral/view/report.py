@@ -180,7 +180,7 @@ def _tiles(metrics: Mapping[str, Any], mission: Mapping[str, Any]) -> list[tuple
         (f"{float(metrics.get('distance_m', 0)):.0f} m", "along the path", "distance", ""),
         (
             str(metrics.get("advisor_calls", 0)),
-            f"of them {many(int(metrics.get('requeries', 0)), 're-query', 're-queries')}",
+            f"{many(int(metrics.get('requeries', 0)), 're-query', 're-queries')} among them",
             "advisor calls",
             "",
         ),

@@ -86,6 +86,15 @@ def test_stages_follow_one_another_to_the_end(recorded):
     assert stage_names(run) == list(dict.fromkeys(name for _, _, name in spans))
 
 
+def test_a_contact_in_the_last_moment_has_a_width(recorded):
+    run = RunFolder.read(recorded)
+    end_s = run.duration_s
+    last = {"t": end_s, "event": "contact_end", "first": "a", "second": "b", "begun_s": end_s, "ended_s": end_s}
+    svg = stages_chart(replace(run, events=(*run.events, {**last, "mean_n": 1.0, "peak_n": 1.0})))
+    widths = [float(width) for width in re.findall(r'<rect [^>]*width="([\d.]+)"', svg)]
+    assert min(widths) >= 4.0
+
+
 def test_an_open_contact_of_a_killed_run_ends_with_its_record(recorded):
     run = RunFolder.read(recorded)
     opened = tuple(event for event in run.events if event["event"] not in ("contact_end", "contact"))

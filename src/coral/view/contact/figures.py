@@ -255,7 +255,7 @@ def _conditions(run: RunFolder) -> list[dict[str, Any]]:
 def _bar(
     axis: Span, start: float, end: float, middle: float, height: float, hue: str, opacity: float, said: str
 ) -> str:
-    x = axis(start)
+    x = min(axis(start), WIDTH - RIGHT - 4.0)  # a contact at the very end is seen, too
     width = min(max(4.0, axis(min(end, axis.high)) - x), WIDTH - RIGHT - x)
     return (
         f'<rect x="{x:.1f}" y="{middle - height / 2:.1f}" width="{width:.1f}" '
