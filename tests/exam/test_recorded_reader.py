@@ -1,9 +1,7 @@
 """Answers of the recorded reader (a vision-language model at the desk), against the package as it is now."""
 
 import dataclasses
-import importlib.util
 import json
-import sys
 from collections import Counter
 from pathlib import Path
 
@@ -32,11 +30,6 @@ from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.world import load_world
 
 ROOT = Path(__file__).parents[2]
-spec = importlib.util.spec_from_file_location("recorded_reader", ROOT / "benchmarks" / "recorded_reader.py")
-recorded_reader = importlib.util.module_from_spec(spec)
-sys.modules[spec.name] = recorded_reader  # dataclasses look their module up
-spec.loader.exec_module(recorded_reader)
-
 NAMES = shipped_recordings()
 CONTACT = {
     **{name: (name, 300) for name in shipped_tasks()},
@@ -142,16 +135,6 @@ def test_the_recorded_repair_passes_the_checks_in_its_scene():
         assert verify_plan(unknown, world.schema, samples) is not None
     finally:
         world.close()
-
-
-def test_choices_of_the_recorded_reader_by_the_bench_s_measure():
-    made = [choice for run in recorded_reader.clean_missions() for choice in recorded_reader.choices(run)]
-    waypoints = [choice for choice in made if choice.kind == "reef-waypoint"]
-    centroids = [choice for choice in made if choice.kind == "reef-centroid"]
-    assert (len(waypoints), len(centroids)) == (38, 20)
-    assert all(choice.lost_s == choice.rules_lost_s for choice in centroids)
-    own, rules = (recorded_reader.worth([getattr(c, key) for c in waypoints]) for key in ("lost_s", "rules_lost_s"))
-    assert own > rules + 0.15
 
 
 def test_a_recorded_mission_says_that_its_questions_have_changed(tmp_path):

@@ -1,4 +1,4 @@
-"""The handle of the simulated arm; the simulation itself is tested where franky-sim is, by benchmarks/franka_arm.py."""
+"""The handle of the simulated arm; the simulation itself is tested by `make test-franka`."""
 
 import threading
 
@@ -36,8 +36,6 @@ def double(monkeypatch):
 def test_it_tells_its_address_and_takes_wishes(double):
     assert double.address == "127.0.0.3"
     double.send_poses_to("127.0.0.1", 5577)
-    double.hide_objects()
-    double.drop_link()
 
 
 def test_a_failure_in_the_simulation_is_told(double):

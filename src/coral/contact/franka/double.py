@@ -127,14 +127,6 @@ class Double:
         """Begin to send the true state to a simulated camera; None to cover it."""
         self._ask(("state", address))
 
-    def hide_objects(self) -> None:
-        """Send no more poses, as if the camera were covered."""
-        self._ask(("poses", None))
-
-    def drop_link(self) -> None:
-        """Send no more states, as if the cable were pulled."""
-        self._ask(("link", False))
-
     def truth(self) -> Truth:
         """Return the true state, for the judge only."""
         found: Truth = self._ask(("truth", None))
@@ -200,7 +192,6 @@ class _Server:
         self._sending: tuple[str, int] | None = None
         self._state_to: tuple[str, int] | None = None
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._linked = True
         simulator = MujocoSimulator()
         measured = self
 
@@ -208,10 +199,6 @@ class _Server:
             def _get_state_bytes(self) -> bytes:
                 wrench = tuple(measured.reported_wrench())
                 return bytes(self.robot_state.replace(O_F_ext_hat_K=wrench, K_F_ext_hat_K=wrench).pack_state())
-
-            def send_state(self) -> None:
-                if measured._linked:
-                    super().send_state()
 
         class Server(franky_sim.SimulationServer):  # type: ignore[misc]
             def init(self) -> None:
@@ -275,8 +262,6 @@ class _Server:
             self._sending = value
         elif question == "state":
             self._state_to = value
-        elif question == "link":
-            self._linked = value
         elif question == "peak":
             answer, self._peak_n = self._peak_n, 0.0
         elif question == "truth":

@@ -132,10 +132,6 @@ class StreamProcess:
         """Return the id of the process, for a signal."""
         return int(self._process.pid or 0)
 
-    def pause_beat(self) -> None:
-        """Give no more signs of life, as if the program hung: to measure the watchdog."""
-        self._ended.set()
-
     def _order(
         self,
         start: bool = False,
