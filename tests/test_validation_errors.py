@@ -57,6 +57,10 @@ def said(**changes):
             {"things": [{"kind": "bal"}]},
             "things[0].kind: found 'bal', expected one of ball, box (did you mean 'ball'?)",
         ),
+        (
+            {"things": [{"kind": "ball", "radius_m": 1, 0: None}]},
+            "things[0].0: found an unknown key, expected one of kind, radius_m",
+        ),
         ({"things": []}, "things: found 0 entries, expected at least 1"),
         ({"things": [3]}, "things[0]: found 3, expected a mapping"),
         ({"at": {"a": 3}}, "at.a: found 3, expected a list"),

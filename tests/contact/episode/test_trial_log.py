@@ -74,4 +74,4 @@ def test_a_timeout_tells_which_conditions_do_not_hold():
     assert conditions_not_held(trial, holding) == f"not held: box {kinds[0]}"
     assert conditions_not_held(trial, ()) == ""  # nothing was checked
     resting = make_trial({"kind": "resting", "thing": "table"})
-    assert conditions_not_held(resting, [False]) == "not held: box resting (table)"
+    assert conditions_not_held(resting, [False]) == "not held: box resting on table"

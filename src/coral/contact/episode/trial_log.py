@@ -74,6 +74,7 @@ def conditions_not_held(trial: Trial, holding: Sequence[bool]) -> str:
     conditions = trial.task.success.conditions[: len(holding)]
     names = []
     for one, holds in zip(conditions, holding, strict=True):
-        target = getattr(one, "place", None) or getattr(one, "thing", None)
-        names += [] if holds else [f"{one.object} {one.kind}{f' ({target})' if target else ''}"]
+        target = getattr(one, "place", None) or getattr(one, "thing", None) or ""
+        words = (one.object, one.kind.replace("-", " "), "on" * (one.kind == "resting"), target)
+        names += [] if holds else [" ".join(filter(None, words))]
     return f"not held: {', '.join(names)}" if names else ""
