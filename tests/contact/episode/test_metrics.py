@@ -61,7 +61,7 @@ def test_metrics_of_a_finished_episode():
         "plan_cost_jump": 1.0,
         "plan_late_ms_median": 0.0,
         "effective_samples": 3.0,
-        "diverged_rehearsals": 1,
+        "diverged_rollouts": 1,
         "track_lost": 0,
         "track_recovered": 0,
         "track_lost_s": 0.0,
