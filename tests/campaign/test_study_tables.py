@@ -1,13 +1,11 @@
-import csv
-import io
 import json
 
 import pytest
 
-from coral.campaign.measures import difference, mean
+from coral.campaign.measures import mean
 from coral.campaign.presets import by_preset, with_presets
 from coral.campaign.reef_tables import reef_tables
-from coral.campaign.study_tables import COLUMNS, MEASURES, RESTRICTED, groups, study_csv, study_tables
+from coral.campaign.study_tables import RESTRICTED, study_tables
 
 ABOUT = {"commit": "abc1234", "machine": "x86_64, 2 cores, Linux"}
 
@@ -111,26 +109,6 @@ def test_effects_put_all_conditions_side_by_side():
     )
     row = next(row for row in effects.rows if row[0] == "w/o self-verification")
     assert [cell.split(" [")[0] for cell in row[1:]] == ["+40", "+450", "+400", "+300"]
-
-
-def test_the_csv_has_every_number_of_the_tables():
-    rows = list(csv.DictReader(io.StringIO(study_csv(ROWS))))
-    assert tuple(rows[0]) == COLUMNS
-    assert {row["topology"] for row in rows} == {"all", "L", "S", "K"}
-    (cell,) = [
-        row
-        for row in rows
-        if (row["preset"], row["advisor"], row["topology"], row["variant"], row["measure"])
-        == ("hard", "heuristic", "all", "no-verification", RESTRICTED.key)
-    ]
-    group = next(g for g in groups(ROWS) if (g.preset, g.advisor) == ("hard", "heuristic"))
-    apart = difference(group.by_variant["no-verification"], group.by_variant["full"], RESTRICTED)
-    assert float(cell["difference"]) == apart.mean == 400.0
-    assert (cell["mean"], cell["missions"], cell["defined"], cell["pairs"]) == ("600", "3", "3", "3")
-    per_group = [
-        row for row in rows if (row["preset"], row["advisor"], row["topology"]) == ("hard", "heuristic", "all")
-    ]
-    assert len(per_group) == 3 * len(MEASURES)
 
 
 def test_presets_multiply_the_settings_and_clear_water_needs_no_key():

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from coral.campaign.measures import Measure, Row, field, mean_text
+from coral.campaign.measure_tables import means_table
+from coral.campaign.measures import Measure, Row, field
 from coral.campaign.table import Table
 
 BASELINES = ("blind-sweep", "random", "random-unchecked", "oracle")
@@ -51,13 +52,11 @@ def inspection_table(
     shown: list[Measure] = [
         m for m in MEASURES if any(m.of(row) is not None for rows in judged.values() for row in rows)
     ]
-    return Table(
+    return means_table(
         "Inspection",
         f"What was inspected, and how soon: means per mission. {caption}",
-        ("variant", "missions", *(measure.label for measure in shown)),
-        tuple(
-            (name(variant), str(len(rows)), *(mean_text(rows, measure) for measure in shown))
-            for variant, rows in judged.items()
-        ),
+        "variant",
+        {name(variant): rows for variant, rows in judged.items()},
+        shown,
         (*NOTES, *source),
     )

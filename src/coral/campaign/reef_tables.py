@@ -10,11 +10,10 @@ from typing import Any
 
 from coral.campaign.decided import decided_table, mark_notes, marked, share
 from coral.campaign.inspection_table import BASELINES, INSPECTED, TIME_TO_90, inspection_table
+from coral.campaign.measure_tables import differences_table, means_table
 from coral.campaign.measures import (
     Measure,
     Row,
-    difference,
-    difference_text,
     field,
     mean_text,
     pair,
@@ -167,21 +166,18 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
     tables.append(inspection_table(by_variant, name, f"Advisor: {called(advisor)}.", source))
     tables.append(question_table(by_variant, name, f"Advisor: {called(advisor)}.", source))
     everything = (COVERAGE, coverage_time, MISSION_TIME, EFFICIENCY, DISTANCE, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
-    shares = (share("advisor"), share("fallback"))
+    groups = {name(variant): found for variant, found in by_variant.items()}
     tables.append(
-        Table(
+        means_table(
             "All variants",
             f"Means per mission. Advisor: {called(advisor)}.",
-            ("variant", "missions", *(m.label for m in (*everything, *shares))),
-            tuple(
-                (marked(name(variant), found), str(len(found)), *(mean_text(found, m) for m in (*everything, *shares)))
-                for variant, found in by_variant.items()
-            ),
+            "variant",
+            groups,
+            (*everything, share("advisor"), share("fallback")),
             (time_note, *source),
         )
     )
     caption = f"Who decided, and what it cost. Advisor: {called(advisor)}."
-    groups = {name(variant): found for variant, found in by_variant.items()}
     tables.append(decided_table(groups, caption, source, runs="missions"))
     return [table for table in tables if table.rows]
 
@@ -228,37 +224,20 @@ def _differences(
     advisor: str,
     source: tuple[str, ...],
 ) -> Table:
-    """Return each variant minus the reference, with intervals, and a sentence about variants without a difference."""
-    rows, silent = [], []
-    reference = by_variant.get(REFERENCE, ())
-    for variant in variants if reference else ():
-        found = by_variant.get(variant)
-        if variant == REFERENCE or not found:
-            continue
-        estimates = [difference(found, reference, measure) for measure in measures]
-        pairs = len({pair(row) for row in found} & {pair(row) for row in reference})
-        rows.append(
-            (
-                marked(name(variant), found),
-                str(pairs),
-                *(difference_text(e, m.digits) for e, m in zip(estimates, measures, strict=True)),
-            )
-        )
-        if not any(estimate.tells for estimate in estimates):
-            silent.append(name(variant))
-    notes = [
+    """Return each variant minus the reference."""
+    note = (
         "Variant minus CORAL (full) in the same world with the same seed and advisor; 95 % intervals from a "
         "seeded bootstrap that draws whole worlds. ≈: the interval contains zero, so these missions do not "
         "distinguish the difference from chance."
-    ]
-    if silent:
-        notes.append(f"No difference in any of these numbers could be shown for: {', '.join(silent)}.")
-    return Table(
+    )
+    return differences_table(
         label,
         f"Paired differences from {name(REFERENCE)}. Advisor: {called(advisor)}.",
-        ("variant", "pairs", *(f"Δ {measure.label}" for measure in measures)),
-        tuple(rows),
-        (*notes, *source),
+        "variant",
+        {name(variant): by_variant.get(variant, ()) for variant in variants if variant != REFERENCE},
+        by_variant.get(REFERENCE, ()),
+        measures,
+        (note, *source),
     )
 
 

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from coral.campaign.decided import counts, mark_notes, marked, share
+from coral.campaign.decided import counts, mark_notes, share
 from coral.campaign.inspection_table import BASELINES, INSPECTED, ORACLE_RATIO, TIME_TO_90
+from coral.campaign.measure_tables import differences_table, means_table
 from coral.campaign.measures import (
     Measure,
     Row,
     difference,
     difference_text,
     field,
-    mean,
     mean_interval_text,
-    pair,
     select,
 )
 from coral.campaign.presets import by_preset
@@ -89,6 +85,10 @@ class Group:
             found.setdefault(row["variant"], []).append(row)
         return found
 
+    def named(self, *variants: str) -> dict[str, list[Row]]:
+        """Return the missions of these variants under their names in the tables."""
+        return {name(variant): self.by_variant.get(variant, []) for variant in variants}
+
     @property
     def what(self) -> str:
         """Return the words of a caption."""
@@ -106,10 +106,27 @@ def study_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) ->
     tables: list[Table] = []
     for group in groups(rows):
         notes = (*NOTES, *_source(group, about, command))
-        for label, variants in (("Table I", TABLE_I), ("Table II", TABLE_II)):
+        for label, what, variants in (("Table I", "Baselines", TABLE_I), ("Table II", "Ablations", TABLE_II)):
+            shown = group.named(*variants, *BASELINES)
             tables += [
-                _means(group, label, _ordered(variants), notes),
-                _differences(group, f"{label}, differences", _ordered(variants), notes[2:]),
+                means_table(
+                    label,
+                    f"{what}. {group.what}",
+                    "variant",
+                    shown,
+                    MEASURES,
+                    (*notes, *mark_notes(group.rows)),
+                    text=mean_interval_text,
+                ),
+                differences_table(
+                    f"{label}, differences",
+                    f"Variant minus {name(REFERENCE)}, same world and seed. {group.what}",
+                    "variant",
+                    {key: rows for key, rows in shown.items() if key != name(REFERENCE)},
+                    group.by_variant.get(REFERENCE, ()),
+                    COMPARED,
+                    ("≈: the interval holds zero.", *notes[2:]),
+                ),
             ]
         tables.append(_by_topology(group, notes))
     effects = _effects(groups(rows))
@@ -127,119 +144,20 @@ def groups(rows: Sequence[Row]) -> list[Group]:
     return [group for group in found if group.rows]
 
 
-def study_csv(rows: Sequence[Row]) -> str:
-    """Return every number of the tables, one a line; differences are paired, from the whole system."""
-    text = io.StringIO()
-    lines = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    lines.writeheader()
-    for group in groups(rows):
-        kinds = ["all", *_topologies(group.rows)]
-        for kind in kinds:
-            own = [row for row in group.rows if kind == "all" or row.get("topology") == kind]
-            lines.writerows(_cells(Group(group.preset, group.advisor, own), kind))
-    return text.getvalue()
-
-
-COLUMNS = (
-    "preset",
-    "advisor",
-    "topology",
-    "variant",
-    "measure",
-    "mean",
-    "low",
-    "high",
-    "missions",
-    "defined",
-    "difference",
-    "difference_low",
-    "difference_high",
-    "pairs",
-)
-
-
-def _cells(group: Group, kind: str) -> Iterator[dict[str, Any]]:
-    reference = group.by_variant.get(REFERENCE, [])
-    for variant, found in group.by_variant.items():
-        for measure in MEASURES:
-            estimate, apart = mean(found, measure), difference(found, reference, measure)
-            yield {
-                "preset": group.preset,
-                "advisor": NO_ADVISOR if found[0]["advisor"] == NO_ADVISOR else group.advisor,
-                "topology": kind,
-                "variant": variant,
-                "measure": measure.key,
-                "missions": len(found),
-                "defined": estimate.count,
-                **_numbers("mean", "low", "high", values=(estimate.mean, estimate.low, estimate.high)),
-                **_numbers(
-                    "difference",
-                    "difference_low",
-                    "difference_high",
-                    values=(apart.mean, apart.low, apart.high) if variant != REFERENCE else (math.nan,) * 3,
-                ),
-                "pairs": apart.count if variant != REFERENCE else 0,
-            }
-
-
-def _numbers(*names: str, values: Sequence[float]) -> dict[str, str]:
-    """Format numbers for the CSV; empty where there is none."""
-    return {key: "" if math.isnan(value) else f"{value:.6g}" for key, value in zip(names, values, strict=True)}
-
-
-def _ordered(variants: Sequence[str]) -> tuple[str, ...]:
-    return (*variants, *BASELINES)
-
-
-def _means(group: Group, label: str, variants: Sequence[str], notes: tuple[str, ...]) -> Table:
-    by_variant = group.by_variant
-    return Table(
-        label,
-        f"{_CAPTION[label]} {group.what}",
-        ("variant", "missions", *(measure.label for measure in MEASURES)),
-        tuple(
-            (marked(name(variant), found), str(len(found)), *(mean_interval_text(found, m) for m in MEASURES))
-            for variant in variants
-            if (found := by_variant.get(variant))
-        ),
-        (*notes, *mark_notes(group.rows)),
-    )
-
-
-def _differences(group: Group, label: str, variants: Sequence[str], notes: tuple[str, ...]) -> Table:
-    by_variant, lines = group.by_variant, []
-    reference = by_variant.get(REFERENCE, [])
-    for variant in variants if reference else ():
-        found = by_variant.get(variant)
-        if variant == REFERENCE or not found:
-            continue
-        pairs = len({pair(row) for row in found} & {pair(row) for row in reference})
-        apart = [difference_text(difference(found, reference, measure), measure.digits) for measure in COMPARED]
-        lines.append((marked(name(variant), found), str(pairs), *apart))
-    return Table(
-        label,
-        f"Variant minus {name(REFERENCE)}, same world and seed. {group.what}",
-        ("variant", "pairs", *(f"Δ {measure.label}" for measure in COMPARED)),
-        tuple(lines),
-        ("≈: the interval holds zero.", *notes),
-    )
-
-
 def _by_topology(group: Group, notes: tuple[str, ...]) -> Table:
-    by_variant, lines = group.by_variant, []
-    for kind in _topologies(group.rows):
-        for variant in (REFERENCE, *BASELINES):
-            found = [row for row in by_variant.get(variant, ()) if row.get("topology") == kind]
-            if found:
-                shape = f"{kind}-shape" if kind in TABLE_III else kind
-                cells = (mean_interval_text(found, measure) for measure in MEASURES)
-                lines.append((marked(f"{shape}: {name(variant)}", found), str(len(found)), *cells))
-    return Table(
+    groups = {
+        f"{f'{kind}-shape' if kind in TABLE_III else kind}: {named}": [r for r in rows if r.get("topology") == kind]
+        for kind in _topologies(group.rows)
+        for named, rows in group.named(REFERENCE, *BASELINES).items()
+    }
+    return means_table(
         "Table III",
-        f"{_CAPTION['Table III']} {group.what}",
-        ("topology", "missions", *(measure.label for measure in MEASURES)),
-        tuple(lines),
+        f"{name(REFERENCE)} and the references by topology. {group.what}",
+        "topology",
+        groups,
+        MEASURES,
         notes,
+        text=mean_interval_text,
     )
 
 
@@ -276,10 +194,3 @@ def _source(group: Group, about: Mapping[str, Any], command: str) -> tuple[str, 
         f"{few if len(worlds) < FEW_WORLDS else ''}Worlds: {', '.join(worlds)}. Seeds: {', '.join(map(str, seeds))}. "
         f"Commit {about.get('commit', 'unknown')}, {about.get('machine', '?')}. Made by: {command}",
     )
-
-
-_CAPTION = {
-    "Table I": "Baselines.",
-    "Table II": "Ablations.",
-    "Table III": f"{name(REFERENCE)} and the references by topology.",
-}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from coral.campaign.decided import marked
-from coral.campaign.measures import Measure, Row, difference, difference_text, mean_interval_text, pair
+from coral.campaign.measure_tables import differences_table, means_table
+from coral.campaign.measures import Measure, Row, mean_interval_text
 from coral.campaign.sweep import NOMINAL, in_order, setting_text
 from coral.campaign.table import Table
 
@@ -36,46 +36,29 @@ def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str,
         notes = (f"Few worlds to draw from ({worlds}): these intervals are narrower than they should be.", *notes)
     if not set(settings) - {NOMINAL}:
         return []
-    labels = [measure.label for measure in measures]
-    means = [
-        (marked(setting, found), str(len(found)), *(mean_interval_text(found, measure) for measure in measures))
-        for setting, found in settings.items()
-    ]
-    tables = [
-        Table(
+    nominal = settings.get(NOMINAL, [])
+    changed = {setting: found for setting, found in settings.items() if setting != NOMINAL}
+    tables = (
+        means_table(
             "Sweep",
             f"Means per mission under each setting. {caption}",
-            ("setting", "missions", *labels),
-            tuple(means),
+            "setting",
+            settings,
+            measures,
             (_INTERVALS, *notes),
-        )
-    ]
-    nominal = settings.pop(NOMINAL, [])
-    if nominal:
-        lines, silent = [], []
-        for setting, found in settings.items():
-            estimates = [difference(found, nominal, measure) for measure in measures]
-            pairs = len({pair(row) for row in found} & {pair(row) for row in nominal})
-            lines.append(
-                (
-                    marked(setting, found),
-                    str(pairs),
-                    *(difference_text(e, m.digits) for e, m in zip(estimates, measures, strict=True)),
-                )
-            )
-            if not any(estimate.tells for estimate in estimates):
-                silent.append(setting)
-        more = (f"No difference in any of these numbers could be shown for: {', '.join(silent)}.",) if silent else ()
-        tables.append(
-            Table(
-                "Sweep, differences",
-                f"Paired differences from the nominal setting. {caption}",
-                ("setting", "pairs", *(f"Δ {label}" for label in labels)),
-                tuple(lines),
-                (_DIFFERENCES, *more, *notes),
-            )
-        )
-    return tables
+            text=mean_interval_text,
+        ),
+        differences_table(
+            "Sweep, differences",
+            f"Paired differences from the nominal setting. {caption}",
+            "setting",
+            changed,
+            nominal,
+            measures,
+            (_DIFFERENCES, *notes),
+        ),
+    )
+    return [table for table in tables if table.rows]
 
 
 _INTERVALS = (

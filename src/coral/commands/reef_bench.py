@@ -20,7 +20,7 @@ from coral.campaign.presets import by_preset, with_presets
 from coral.campaign.reef_tables import DRAWN, REFERENCE, TABLE_I, TABLE_II, reef_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, called, grid, parse_names, parse_seeds
 from coral.campaign.store import Store
-from coral.campaign.study_tables import study_csv, study_tables
+from coral.campaign.study_tables import study_tables
 from coral.campaign.sweep import parse_sweeps
 from coral.campaign.table import document
 from coral.campaign.version import code_version
@@ -112,7 +112,7 @@ class ReefBench(CampaignFlags):
     presets: Annotated[str, Option(help=preset_help("Water and sensors, separated by commas"))] = CLEAR
     study: Annotated[tuple[str, ...] | None, Option(metavar="[words]")] = None
     """The study: all variants of Tables I and II and the references, with the rules and two sloppy advisors, in clear
-    and hard water, each mission to its own end; writes study.md and study.csv too. words:
+    and hard water, each mission to its own end; writes study.md too. words:
     missions in words, both halves, in three waters. Flags change these defaults."""
     sweep: Annotated[tuple[str, ...], Option(repeated=True)] = ()
     """KEY=V1,V2,...: repeat the whole grid for each value. KEY: current, visibility, mask_errors, depth_noise,
@@ -169,7 +169,7 @@ class ReefBench(CampaignFlags):
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the tables and where everything is."""
-        files = ("data", "tables", "figure", "sweep", *(("study", "numbers") if self.study == () else ()))
+        files = ("data", "tables", "figure", "sweep", *(("study",) if self.study == () else ()))
         several = len(parse_names(self.variants, "--variants")) > 1
         return describe_campaign(self.out, result, "mission", files, SHOWN if several else SHOWN_OF_ONE)
 
@@ -246,9 +246,8 @@ class ReefBench(CampaignFlags):
         study = {}
         if self.study == ():
             made = study_tables(results.rows, results.about, results.command)
-            study = {"study": str(self.out / "study.md"), "numbers": str(self.out / "study.csv")}
+            study = {"study": str(self.out / "study.md")}
             write_whole(self.out / "study.md", document(made, "md", "Study of the reef survey").encode())
-            write_whole(self.out / "study.csv", study_csv(results.rows).encode())
         return {
             **write_tables(store, results, tables, "Reef survey", summary),
             **study,
