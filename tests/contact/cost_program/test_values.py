@@ -14,7 +14,6 @@ from coral.contact.cost_program.values import (
     Vec,
     bounded,
     is_matrix,
-    is_one_of,
     kind,
     weight,
 )
@@ -48,12 +47,6 @@ def test_a_matrix_is_a_vector_of_vectors():
     assert not is_matrix(Vec((1.0,)))
     assert not is_matrix(Vec(()))
     assert not is_matrix(Seq((Vec((1.0,)),)))
-
-
-def test_a_number_of_the_state_equals_no_option():
-    assert is_one_of(0, (0, -1))
-    assert is_one_of(None, (None, 0))
-    assert not is_one_of(np.array([[0.0]]), (0, -1))
 
 
 def test_nested_entries_count_and_shared_ones_count_each_time():

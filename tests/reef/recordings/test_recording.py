@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
+from coral.foreign_file import read_picture_file
 from coral.reef.recordings.recording import PosedFrame, Recording, map_of
 from coral.reef.recordings.run_recording import read_run
 from coral.reef.vehicle.camera import CameraCfg
@@ -42,7 +43,7 @@ def test_the_map_of_keyframes_is_that_of_their_pictures(survey_run):
     made = map_of(read_run(survey_run).located())
     assert made.target.sum() > 200
     # Depth was kept in millimetres: a few cells at edges differ from the map of the exact pictures.
-    final = read_run(survey_run).final_map == 3
+    final = read_picture_file(max((survey_run / "frames").glob("*_map.png")), channels=1) == 3
     shared = (final & made.target).sum() / (final | made.target).sum()
     assert shared > 0.9
 

@@ -174,17 +174,6 @@ def test_the_joystick_moves_it_ahead_before_there_was_a_position():
     assert not report.manual_override
 
 
-def test_a_speed_measured_elsewhere_closes_the_loop():
-    vehicle = SimulatedVehicle()
-    vehicle.autopilot.parameters.write("SIM_GPS1_ENABLE", 0.0)
-    vehicle.run(3.0)
-    vehicle.link.arm()
-    for _ in range(200):
-        vehicle.link.measure_speed(vehicle.autopilot.body.velocity[0], vehicle.now())
-        vehicle.run(0.1, (0.3, 0.0, 1.0))
-    assert vehicle.autopilot.body.velocity[0] == pytest.approx(0.3, abs=0.02)
-
-
 def test_without_commands_the_joystick_is_neutral_after_half_a_second():
     vehicle = SimulatedVehicle()
     vehicle.autopilot.parameters.write("SIM_GPS1_ENABLE", 0.0)

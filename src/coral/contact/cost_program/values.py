@@ -184,11 +184,6 @@ def kind(value: Value) -> str:
     return words.get(type(value), "such a value")
 
 
-def is_one_of(value: Value, options: tuple[Value, ...]) -> bool:
-    """Check whether a constant equals one of several; a number that depends on the state equals none."""
-    return (value is None or isinstance(value, int | float | str)) and value in options
-
-
 def is_matrix(value: Value) -> bool:
     """Check whether the value is a vector of vectors."""
     return isinstance(value, Vec) and bool(value.items) and isinstance(value.items[0], Vec)

@@ -24,9 +24,6 @@ from coral.contact.plan.touchable_points import MISSED, REACH, Candidates, Scene
 from coral.contact.scene.facts import ObjectFacts, SceneFacts, on_table
 from coral.contact.scene.geometry import rotate
 
-UNTOUCHABLE = ("missed", "buried", "out-of-reach")
-"""Codes of regions that are valid in themselves but cannot be touched in the present scene."""
-
 
 def verify_regions(
     answer: RegionsAnswer,

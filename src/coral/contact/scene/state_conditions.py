@@ -20,7 +20,6 @@ from coral.contact.scene.condition import (
     degrees_between,
     touches,
 )
-from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Array, BodyState, Contact, Truth
 from coral.errors import InputError
 
@@ -307,8 +306,3 @@ class Undisturbed(BaseCondition):
             return bool(near and degrees_between(before, axis_of(body.quaternion, "z")) <= self.tolerance_deg)
 
         return holds
-
-
-def local_place(trial: TrialLike, name: str, point: str | None, body: BodyState, frame: BodyState) -> Array:
-    """Compute an object's origin, or a named point on it, in the frame of another body, Shape=(3,) m."""
-    return rotate(conjugate(frame.quaternion), _place(trial, name, point, body) - frame.position)

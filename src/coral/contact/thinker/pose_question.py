@@ -25,8 +25,6 @@ from coral.contact.thinker.fallback import StandIn, stand_in
 from coral.contact.thinker.question_facts import PoseFacts, UnposedObjectFacts
 from coral.contact.thinker.scene_facts import pose
 
-LEAST_PIXELS = 20
-"""With fewer measured pixels, an object's measured position is ignored."""
 BESIDE_M, BELOW_M = 0.3, 0.02
 """Margin beside the table and below its top within which a centre is accepted."""
 

@@ -97,8 +97,6 @@ class Plan:
     """Number of rollouts without a collision."""
     effective_samples: float = 0.0
     """1 / sum of squared weights."""
-    mean_feasible: bool = True
-    """Whether the weighted mean itself was feasible. If not, the plan is the best rollout."""
     rollouts: Array | None = None
     """All rollouts, Shape=(K, T + 1, 3), and whether each is `feasible`, Shape=(K,). None unless asked for."""
     feasible: NDArray[np.bool_] | None = None
@@ -264,7 +262,6 @@ class DdpMppi:
             costs=dict(zip(COSTS, map(float, self._weights * costs), strict=True)),
             n_feasible=n_feasible,
             effective_samples=effective_sample_size(weights),
-            mean_feasible=free,
             rollouts=kept[0],
             feasible=kept[1],
         )

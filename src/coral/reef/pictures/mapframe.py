@@ -17,7 +17,6 @@ CELL_COLORS: NDArray[np.uint8] = np.array([(255, 255, 255), (190, 193, 197), (0,
 """Colours: white unexplored, gray explored free, black obstacles, green oysters (CORAL III-A)."""
 
 ORANGE: RGB = (255, 133, 0)
-PALE_ORANGE: RGB = (255, 214, 163)
 FAR: RGB = (150, 210, 70)
 """Of a dot that stands for oysters seen from afar only."""
 BORDER: RGB = (120, 90, 60)

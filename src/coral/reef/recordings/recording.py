@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.map.mapping import MapCfg, OccupancyMap
@@ -74,8 +73,6 @@ class Recording:
     """The sonar; None without one."""
     start: Pose | None = None
     """Pose at the start of the survey; None: of the first keyframe."""
-    final_map: NDArray[np.uint8] | None = None
-    """Classes of the map's cells as the robot had them in the end, if the recording has them. Shape=(NY, NX)."""
     seen_by: str = RECORDED
     """Who found classes and depth: "recorded", nobody knows; "exact", a simulator; or the name of a network."""
     omitted: set[float] = field(default_factory=set)

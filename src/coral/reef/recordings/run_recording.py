@@ -7,12 +7,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from coral.config import merge, read_yaml
 from coral.errors import MALFORMED, InputError
-from coral.foreign_file import read_picture_file
 from coral.reef.map.mapping import MapCfg
 from coral.reef.mission.record import POSES
 from coral.reef.recordings.perception import PicturePerception
@@ -60,7 +56,6 @@ def read_run(path: Path, perception: PicturePerception | None = None, period_s: 
         map=merge(MapCfg(), _part(config, "map"), where),
         start=start or recording.start,
         seen_by=perception.name if perception else str(_mission(config).get("perception", RECORDED)),
-        final_map=_final_map(path),
     )
 
 
@@ -112,9 +107,3 @@ def _world(path: Path, config: dict[str, Any]) -> tuple[str, tuple[float, float]
     except MALFORMED:
         raise InputError(str(path / "world.yaml"), "size_m, start", "values missing", "a reef world") from None
     return str(world.get("name", path.name)), (width, height), start
-
-
-def _final_map(path: Path) -> NDArray[np.uint8] | None:
-    maps = sorted((path / "frames").glob("*_map.png"))
-    cells = read_picture_file(maps[-1], channels=1) if maps else None
-    return None if cells is None or cells.dtype != np.uint8 else np.asarray(cells)

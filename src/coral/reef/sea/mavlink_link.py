@@ -120,7 +120,6 @@ class MavlinkLink:
         self._acks: dict[int, tuple[int, float]] = {}
         self._words: list[tuple[float, str]] = []
         self._reboots = 0
-        self._external_speed: tuple[float, float] | None = None
         self._axes: tuple[int, int, int, int] = NEUTRAL
         self._commanded_s = self._beat_s = self._stick_s = self._asked_s = self._synced_s = -math.inf
         self._sync_sent: dict[int, float] = {}
@@ -135,12 +134,6 @@ class MavlinkLink:
             now = self._clock()
             report = self.telemetry.report(now, self._override)
             return replace(report, identity_faults=self._stations.faults(now))
-
-    def measure_speed(self, forward_m_s: float, stamp_s: float) -> None:
-        """Tell the forward speed of a sensor that the autopilot does not have, for driving without a position."""
-        if math.isfinite(forward_m_s):
-            with self._lock:
-                self._external_speed = (forward_m_s, stamp_s)
 
     def command(self, forward_m_s: float, yaw_rate_rad_s: float, depth_m: float) -> None:
         """Send one set-point; see `VehicleLink.command`."""
@@ -170,8 +163,7 @@ class MavlinkLink:
 
     def _fresh(self, now: float) -> tuple[float | None, float | None]:
         limit = self.cfg.stick_loop.fresh_s
-        speeds = [s for s in (self.telemetry.measured_speed, self._external_speed) if s is not None]
-        speed = max(speeds, key=lambda s: s[1], default=None)
+        speed = self.telemetry.measured_speed
         turn = self.telemetry.measured_turn
         return (
             speed[0] if speed is not None and now - speed[1] <= limit else None,

@@ -10,8 +10,6 @@ from coral.config import Positive
 VELOCITY_AND_YAW_RATE = 0b0101_1100_0111
 """Type mask of SET_POSITION_TARGET_LOCAL_NED: position, acceleration and yaw ignored. ArduSub drops a velocity whose
 acceleration bits are not all set (also after its changes to GUIDED in 2026, which concern positions)."""
-DEPTH_ALONE = 0b1101_1111_1011
-"""Type mask of SET_POSITION_TARGET_GLOBAL_INT: all but the altitude ignored."""
 NEUTRAL = (0, 0, 500, 0)
 """Axes x, y, z, r of MANUAL_CONTROL that mean: do nothing."""
 

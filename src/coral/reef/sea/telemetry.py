@@ -17,8 +17,6 @@ from coral.reef.world.geometry import Pose, wrap
 TEXTS = 64
 STICK_PWM = 30
 """A channel further from 1500 than this is a hand on the joystick."""
-WATER_SENSOR = 0x20000000
-"""MAV_SYS_STATUS bit by which a remote leak sensor reports water."""
 
 
 class Telemetry:
