@@ -1,6 +1,6 @@
 import pytest
 
-from coral.advisor.attribution import DEFINITIONS, Attribution, source_of, spent, who_decided
+from coral.advisor.attribution import DEFINITIONS, Attribution, attribution_of, source_of, spent, who_decided
 from coral.advisor.consult import Attempt
 from coral.advisor.fallible import FallibleAdvisor, FallibleCfg
 from coral.advisor.question import Usage
@@ -32,18 +32,6 @@ def test_nothing_is_counted_before_anything_happens():
     assert set(DEFINITIONS) == set(Attribution().to_json())
 
 
-def test_attempts_and_decisions_add_up():
-    found = Attribution()
-    for verdict in ("rejected", "malformed", "accepted"):
-        found = found.attempted(attempt(verdict, input_tokens=100, output_tokens=10, cost_usd=0.002))
-    found = found.attempted(attempt("unavailable", requests=1)).attempted(attempt("withdrawn", requests=0))
-    found = found.decided("advisor").decided("fallback").decided("fallback")
-    said = found.to_json()
-    assert said["answers"] == {"accepted": 1, "refused": 1, "malformed": 1, "missing": 1}
-    assert said["decided_by"] == {"advisor": 1, "memory": 0, "recording": 0, "fallback": 2}
-    assert (said["tokens_in"], said["tokens_out"], said["cost_usd"], said["thinking_s"]) == (300, 30, 0.006, 12.5)
-
-
 @pytest.mark.parametrize(
     ("verdict", "usage", "known"),
     [
@@ -59,9 +47,59 @@ def test_what_is_not_known_is_none(verdict, usage, known):
     assert (cost.tokens_in, cost.tokens_out, cost.cost_usd) == known
 
 
-def test_one_unknown_cost_makes_the_sum_unknown():
-    paid = Attribution().attempted(attempt("accepted", input_tokens=5, output_tokens=5, cost_usd=0.1))
-    assert paid.attempted(attempt("accepted", requests=1)).to_json()["cost_usd"] is None
+KNOWN = {"tokens_in": 10, "tokens_out": 2, "cost_usd": 0.5}
+EVENTS = [
+    {"event": "goal", "t": 0.0, "source": "initial", "decision": None},
+    {"event": "verdict", "t": 10.0, "asked_at": 0.0, "verdict": "rejected", **KNOWN},
+    {"event": "verdict", "t": 22.0, "asked_at": 10.0, "verdict": "accepted", **KNOWN},
+    {"event": "goal", "t": 22.0, "source": "advisor", "decision": 0},
+    {"event": "verdict", "t": 30.0, "asked_at": 25.0, "verdict": "unavailable", **dict.fromkeys(KNOWN, 0)},
+    {"event": "fallback", "t": 30.0, "policy": "rules", "failure": "connection", "decision": 1},
+    {"event": "goal", "t": 30.0, "source": "fallback", "decision": 1},
+    {"event": "held", "t": 40.0, "source": "fallback", "decision": 2},
+]
+
+
+def test_goals_adopted_and_held_are_the_decisions():
+    found = attribution_of(EVENTS).to_json()
+    assert found["decided_by"] == {"advisor": 1, "memory": 0, "recording": 0, "fallback": 2}
+    assert found["answers"] == {"accepted": 1, "refused": 1, "malformed": 0, "missing": 1}
+    assert (found["tokens_in"], found["tokens_out"], found["cost_usd"], found["thinking_s"]) == (20, 4, 1.0, 27.0)
+
+
+def test_events_of_older_versions_know_no_cost():
+    found = attribution_of([{"event": "verdict", "t": 3.0, "verdict": "accepted"}])
+    assert (found.tokens_in, found.tokens_out, found.cost_usd, found.thinking_s) == (None, None, None, 0.0)
+
+
+def test_each_decision_has_one_source_and_what_nobody_decides_is_none():
+    found = attribution_of(
+        [
+            {
+                "event": "verdict",
+                "verdict": "accepted",
+                "thinking_s": 2.0,
+                "tokens_in": 9,
+                "tokens_out": 1,
+                "cost_usd": 0.1,
+            },
+            {"event": "beliefs", "decided": "parameters", "source": "advisor"},
+            {"event": "verdict", "verdict": "malformed", "thinking_s": 1.0, "tokens_in": 9, "tokens_out": 1},
+            {"event": "fallback", "decided": "plan", "source": "fallback"},
+            {"event": "plan_answer", "failure": "requeries-used-up"},
+            {"event": "recall", "decided": "plan", "source": "memory"},
+            {"event": "beliefs", "source": "given"},
+            {"event": "correction", "accepted": False},
+        ]
+    )
+    assert found.decided_by == {"advisor": 1, "memory": 1, "recording": 0, "fallback": 1}
+    assert found.answers == {"accepted": 1, "refused": 0, "malformed": 1, "missing": 0}
+    assert (found.tokens_in, found.tokens_out, found.cost_usd, found.thinking_s) == (18, 2, None, 3.0)
+
+
+def test_experts_ask_nobody():
+    found = attribution_of([{"event": "strategy", "name": "expert"}, {"event": "end", "reason": "success"}])
+    assert sum(found.decided_by.values()) == sum(found.answers.values()) == 0
 
 
 def test_a_recording_keeps_its_name_inside_other_advisors(tmp_path):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
@@ -48,7 +48,7 @@ def source_of(advisor: Any) -> Source:
 
 @dataclass(frozen=True, kw_only=True)
 class Attribution:
-    """Counts of a run's decisions by source. `decided` and `attempted` return a copy with one more.
+    """Counts of a run's decisions by source. `decided` and `heard` return a copy with one more.
 
     `Ledger` holds the spending of a single model, and its limits; this counts a whole run with all its advisors.
     """
@@ -64,10 +64,6 @@ class Attribution:
     def decided(self, source: Source) -> Attribution:
         """Count one more decision."""
         return replace(self, decided_by={**self.decided_by, source: self.decided_by[source] + 1})
-
-    def attempted(self, attempt: Attempt) -> Attribution:
-        """Count one more question, as `consult` logs it."""
-        return self.heard(attempt.verdict, spent(attempt), attempt.answered_at_s - attempt.asked_at_s)
 
     def heard(self, verdict: Verdict, cost: Spent, seconds: float) -> Attribution:
         """Count one more question by its verdict.
@@ -122,6 +118,27 @@ def spent(attempt: Attempt) -> Spent:
         tokens_out=usage.output_tokens if told else None,
         cost_usd=usage.cost_usd if usage.cost_usd or not replied else None,
     )
+
+
+def attribution_of(events: Iterable[Mapping[str, Any]]) -> Attribution:
+    """Count the decisions of a run, or of one of its robots, by source.
+
+    A decision is an event that says what was `decided` (poses, parameters, plan, regions, repair, an adopted
+    correction), or a goal that was adopted (`goal`) or kept because no new one was found (`held`). The decisions of one
+    answer, or of one remembered plan, count once; a missing one that ended the run is the fallback's. The initial
+    waypoint, a withdrawn question, and one that found nothing left to explore are no decisions.
+    """
+    found = Attribution()
+    for event in events:
+        if event["event"] == "verdict":
+            cost = Spent(*(event.get(name) for name in ("tokens_in", "tokens_out", "cost_usd")))
+            waited_s = float(event["t"]) - float(event["asked_at"]) if "asked_at" in event else 0.0
+            found = found.heard(event["verdict"], cost, float(event.get("thinking_s", waited_s)))
+        elif event.get("decided") is not None or (
+            event["event"] in ("goal", "held") and event.get("decision") is not None
+        ):
+            found = found.decided(event["source"])
+    return found
 
 
 def who_decided(

@@ -9,7 +9,7 @@ from statistics import fmean, median
 from typing import Any
 
 from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
-from coral.contact.episode.attribution import attribution_of
+from coral.advisor.attribution import attribution_of
 from coral.errors import InputError
 from coral.runs import read_events, read_rows
 

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
+from coral.advisor.attribution import attribution_of
 from coral.errors import InputError
 from coral.reef.mission import outcome
-from coral.reef.mission.attribution import attribution_of
 from coral.reef.mission.state_metrics import clusters_left, seconds_in_states
 from coral.reef.pilot import timeliness
 from coral.runs import read_events, read_rows, trajectory_name
