@@ -6,7 +6,7 @@ rules read them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NotRequired, TypedDict
 
 import numpy as np
@@ -92,7 +92,7 @@ Goal = dict[str, Any]
 
 
 class SceneFacts(TypedDict):
-    """The whole scene.
+    """The whole scene, and what single questions add to it.
 
     Args:
         task: Name of the task.
@@ -103,6 +103,11 @@ class SceneFacts(TypedDict):
         numbers: Named numbers of the task.
         table: The table's top.
         hand: The hand.
+        refused: Number of refused answers about the plan before the accepted one; regions must fit that one.
+        diagnoses: Of questions about the plan: the diagnoses so far, in order.
+        contact_strategy: Likewise: whether the plan may name contact regions.
+        stages: Of the question about regions: the names of the plan's stages.
+        fitted: Of a correction: mass and friction fitted to an object, and whether they explain the history better.
     """
 
     task: str
@@ -114,6 +119,11 @@ class SceneFacts(TypedDict):
     numbers: dict[str, float]
     table: TableFacts
     hand: HandFacts
+    refused: NotRequired[int]
+    diagnoses: NotRequired[Sequence[str]]
+    contact_strategy: NotRequired[bool]
+    stages: NotRequired[Sequence[str]]
+    fitted: NotRequired[Mapping[str, Any]]
 
 
 def goals_of(conditions: Sequence[Condition]) -> list[Goal]:

@@ -10,11 +10,11 @@ import numpy as np
 from coral.advisor.question import Rejection
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.uncertainty import UncertaintyCfg
+from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation, Transition
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.history_rows import HistoryRow
-from coral.contact.thinker.question_facts import CorrectionFacts, FittedFacts, QuestionFacts
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.force_balance import balances
 from coral.contact.world_model.history import windows
@@ -40,7 +40,7 @@ def correct_beliefs(
     past: TouchHistory,
     trial: Trial,
     world: PlanningWorld,
-    facts: QuestionFacts,
+    facts: SceneFacts,
     cfg: ThinkCfg,
     rng: np.random.Generator,
     emit: Callable[..., None],
@@ -107,13 +107,13 @@ def correct_beliefs(
                 f"are: {kept}",
             )
 
-        fitted: FittedFacts = {
+        fitted = {
             "object": name,
             "mass_kg": fit.after.mass_kg,
             "friction": fit.after.friction,
             "better": fit.accepted,
         }
-        asked: CorrectionFacts = {**facts, "fitted": fitted}
+        asked: SceneFacts = {**facts, "fitted": fitted}
         replayed = compare_motions(replay, name, believed)
         outcome = asker.ask(
             "parameter-repair",

@@ -1,54 +1,10 @@
-"""Facts of each kind of question, for advisors without vision: the scene, and the additions of the question."""
+"""Facts of the question about poses, which objects do not have yet, for advisors without vision."""
 
 from __future__ import annotations
 
-from typing import NotRequired, TypedDict
+from typing import TypedDict
 
-from coral.contact.scene.facts import SceneFacts, TableFacts
-from coral.contact.thinker.diagnosis import Diagnosis
-
-
-class QuestionFacts(SceneFacts):
-    """The scene as last observed.
-
-    Args:
-        refused: Number of refused answers about the plan before the accepted one; regions must fit that one.
-    """
-
-    refused: NotRequired[int]
-
-
-class PlanFacts(QuestionFacts):
-    """Facts of questions about the plan.
-
-    Args:
-        diagnoses: Diagnoses so far, in order.
-        contact_strategy: Whether the plan may name contact regions.
-    """
-
-    diagnoses: list[Diagnosis]
-    contact_strategy: bool
-
-
-class RegionFacts(PlanFacts):
-    """Facts of the question about the regions of a plan with these stage names."""
-
-    stages: list[str]
-
-
-class FittedFacts(TypedDict):
-    """Mass and friction fitted to an object, and whether they explain the history better."""
-
-    object: str
-    mass_kg: float
-    friction: float
-    better: bool
-
-
-class CorrectionFacts(QuestionFacts):
-    """Facts of the question about corrected parameters."""
-
-    fitted: FittedFacts
+from coral.contact.scene.facts import TableFacts
 
 
 class UnposedObjectFacts(TypedDict):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NoReturn, cast
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,12 @@ from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.sampled_states import sample_states
 from coral.contact.plan.stage_beginnings import stage_beginnings
 from coral.contact.plan.touchable_points import Scenery, candidates_of
+from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import Diagnosis
 from coral.contact.thinker.fallback import stand_in
-from coral.contact.thinker.question_facts import PlanFacts, QuestionFacts, RegionFacts
 from coral.contact.thinker.repair_prompt import fit_prompt
 from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
@@ -72,7 +72,7 @@ class Questions:
         emit: Emit,
         limits: Callable[[], PlannerLimits] | None = None,
     ) -> None:
-        self.facts: QuestionFacts
+        self.facts: SceneFacts
         self.sizes = {name: trial.size(name) for name in trial.objects}
         self.scenery = Scenery.of(trial)
         self.diagnoses: list[Diagnosis] = []
@@ -91,7 +91,7 @@ class Questions:
 
     def update_facts(self, now: Observation, believed: bool = True) -> None:
         """Update the scene's facts, with or without the beliefs about the objects."""
-        self.facts = cast(QuestionFacts, scene_facts(self._trial, now, self.beliefs if believed else None))
+        self.facts = scene_facts(self._trial, now, self.beliefs if believed else None)
         self._seen = now
 
     def ask_parameters(self, given: Mapping[str, PhysicalParameters]) -> None:
@@ -160,7 +160,7 @@ class Questions:
         """
         if not self._cfg.regions:
             return RegionsAnswer({})
-        asked: RegionFacts = {**self._plan_facts(), "stages": plan.names}
+        asked: SceneFacts = {**self._plan_facts(), "stages": plan.names}
         outcome = self._asker.ask(
             "contact-regions",
             RegionsAnswer,
@@ -302,7 +302,7 @@ class Questions:
             advice=[] if plan is None else list(self.advice),
         )
 
-    def _plan_facts(self) -> PlanFacts:
+    def _plan_facts(self) -> SceneFacts:
         """Return the facts of a question about the plan."""
         facts = self.facts if self._cfg.prompt == "full" else {**self.facts, "goals": []}
         return {**facts, "diagnoses": list(self.diagnoses), "contact_strategy": self._cfg.strategy}

@@ -19,8 +19,8 @@ from coral.contact.plan.contact_regions import ObjectRegions, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.touchable_points import Scenery
+from coral.contact.scene.facts import SceneFacts
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.question_facts import PlanFacts
 from coral.contact.thinker.repair_prompt import fit_prompt
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.parameter_estimates import ParameterEstimate, ParameterEstimates, verify_estimates
@@ -63,7 +63,7 @@ def unified_prompt(shown: Mapping[str, Any], cfg: ThinkCfg, history: Mapping[str
 
 def ask_unified(
     asker: Asker,
-    facts: PlanFacts,
+    facts: SceneFacts,
     shown: Mapping[str, Any],
     world: PlanningWorld,
     wrong_plan: Callable[[UnifiedAnswer], Rejection | None],
