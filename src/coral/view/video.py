@@ -15,6 +15,7 @@ from coral.file_writer import scratch_for, writing
 from coral.reef.pictures.cameraview import Kind, camera_picture
 from coral.reef.pictures.mapview import MapViewCfg, draw_map
 from coral.view.decisions import Decision, decisions
+from coral.view.mp4 import write_mp4
 from coral.view.run import RunFolder
 from coral.view.runmap import scene_at, snapshot, step_at
 from coral.view.svg import clock
@@ -41,24 +42,8 @@ def write_video(run_folder: str | Path) -> Path:
     if not run.frame_steps:
         raise InputError(str(run.path), "frames/", "no snapshots", "a run that kept its frames")
     path = run.path / "mission.mp4"
-    import imageio_ffmpeg
-
     with writing(path), scratch_for(path) as scratch:
-        writer = imageio_ffmpeg.write_frames(
-            str(scratch),
-            (WIDTH, HEIGHT),
-            fps=FPS,
-            codec="libx264",
-            macro_block_size=8,
-            quality=None,
-            pix_fmt_out="yuv420p",
-            output_params=["-crf", "27", "-preset", "veryfast", "-movflags", "+faststart"],
-            ffmpeg_log_level="error",
-        )
-        writer.send(None)
-        for picture in pictures(run):
-            writer.send(np.ascontiguousarray(picture))
-        writer.close()
+        write_mp4(scratch, pictures(run), (WIDTH, HEIGHT), FPS, "-crf", "27")
     return path
 
 

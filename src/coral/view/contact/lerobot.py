@@ -18,6 +18,7 @@ from coral.errors import InputError
 from coral.file_writer import scratch_for, write_whole
 from coral.view.contact.lerobot_stats import PictureStats, column_stats
 from coral.view.contact.replay import ReplayedScene
+from coral.view.mp4 import write_mp4
 from coral.view.run import RunFolder
 
 Array = NDArray[np.float32]
@@ -269,22 +270,11 @@ def _write_json(path: Path, content: Any) -> None:
 
 def _write_video(path: Path, pictures: Iterator[Image], stats: PictureStats, cfg: LerobotCfg) -> None:
     """Write an MP4 (H.264) with a key frame at every second picture, so that a learner can jump in it."""
-    import imageio_ffmpeg
+
+    def counted() -> Iterator[Image]:
+        for picture in pictures:
+            stats.add(picture)
+            yield picture
 
     path.parent.mkdir(parents=True, exist_ok=True)
-    video = imageio_ffmpeg.write_frames(
-        str(path),
-        (cfg.width, cfg.height),
-        fps=cfg.fps,
-        codec="libx264",
-        macro_block_size=2,
-        quality=None,
-        pix_fmt_out="yuv420p",
-        output_params=["-crf", "23", "-preset", "veryfast", "-g", "2", "-bf", "0", "-movflags", "+faststart"],
-        ffmpeg_log_level="error",
-    )
-    video.send(None)
-    for picture in pictures:
-        stats.add(picture)
-        video.send(np.ascontiguousarray(picture))
-    video.close()
+    write_mp4(path, counted(), (cfg.width, cfg.height), cfg.fps, "-crf", "23", "-g", "2", "-bf", "0")

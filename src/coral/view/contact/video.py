@@ -12,6 +12,7 @@ from coral.drawing import Image, draw_text
 from coral.file_writer import scratch_for, writing
 from coral.view.contact.figures import stage_spans
 from coral.view.contact.replay import ReplayedScene
+from coral.view.mp4 import write_mp4
 from coral.view.run import RunFolder
 
 WIDTH, HEIGHT = 640, 480
@@ -33,24 +34,8 @@ def write_contact_video(run_folder: str | Path) -> Path:
     run = RunFolder.read(run_folder)
     scene = ReplayedScene(run, (WIDTH, HEIGHT))
     path = run.path / "episode.mp4"
-    import imageio_ffmpeg
-
     with writing(path), scratch_for(path) as scratch:
-        writer = imageio_ffmpeg.write_frames(
-            str(scratch),
-            (WIDTH, HEIGHT + STRIP),
-            fps=FPS,
-            codec="libx264",
-            macro_block_size=8,
-            quality=None,
-            pix_fmt_out="yuv420p",
-            output_params=["-crf", "24", "-preset", "veryfast", "-movflags", "+faststart"],
-            ffmpeg_log_level="error",
-        )
-        writer.send(None)
-        for picture in pictures(run, scene):
-            writer.send(np.ascontiguousarray(picture))
-        writer.close()
+        write_mp4(scratch, pictures(run, scene), (WIDTH, HEIGHT + STRIP), FPS, "-crf", "24")
     return path
 
 
