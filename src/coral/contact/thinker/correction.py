@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation, Transition
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.history_rows import HistoryRow
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.force_balance import balances
 from coral.contact.world_model.history import windows
@@ -29,7 +29,7 @@ class TouchHistory:
 
     steps: Sequence[Transition]
     """All control steps: those taken while stuck say little about a push that went wrong earlier."""
-    recent: Sequence[HistoryRow]
+    recent: Sequence[Mapping[str, Any]]
     """The last rows, as prompts show them."""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypedDict
+from typing import Any
 
 import numpy as np
 
@@ -15,34 +15,17 @@ REPAIR_ROWS = 3
 tokens, and the evidence is in sentences beside them."""
 
 
-class HistoryRow(TypedDict):
-    """One control step as prompts and events show it: metres, newtons, world frame, quaternions (w, x, y, z).
-
-    `touches` names what the fingers ("left", "right") and the palm ("hand") touch, as measured; a `cost` of None is
-    unknown.
-    """
-
-    time_s: float
-    object_pos: list[float]
-    object_quat: list[float]
-    object_moved_mm: float
-    hand_pos: list[float]
-    hand_quat: list[float]
-    hand_told_to: list[float]
-    opening_told_m: float
-    force_on_hand_n: list[float]
-    touches: list[str]
-    cost: float | None
-
-
 def recent(
     steps: Sequence[Transition],
     costs: Sequence[tuple[float, float]],
     name: str,
     most: int = 5,
     notes: Sequence[PlanNote] = (),
-) -> list[HistoryRow]:
+) -> list[dict[str, Any]]:
     """Summarise the latest history in a few rows, as the prompts show it (the paper's last five steps).
+
+    A row is one control step: metres, newtons, world frame, quaternions (w, x, y, z). Its `touches` name what the
+    fingers ("left", "right") and the palm ("hand") touch, as measured; a `cost` of None is unknown.
 
     Args:
         steps: Control steps.
@@ -54,7 +37,7 @@ def recent(
     if not steps:
         return []
     chosen = np.unique(np.linspace(0, len(steps) - 1, most).astype(int))
-    rows: list[HistoryRow] = []
+    rows: list[dict[str, Any]] = []
     for index in chosen:
         step = steps[int(index)]
         body, before = step.after.objects[name], step.before.objects[name]

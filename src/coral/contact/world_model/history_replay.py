@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypedDict
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -120,22 +120,9 @@ class HistoryReplay:
         return np.where(sane[:, None], found, np.inf)
 
 
-class ComparedMotion(TypedDict):
-    """One window of a history, as it was expected and as it was measured: world axes."""
-
-    from_s: float
-    to_s: float
-    expected_moved_mm: list[float]
-    measured_moved_mm: list[float]
-    expected_turned_deg: float
-    measured_turned_deg: float
-    expected_force_n: list[float]
-    measured_force_n: list[float]
-
-
 def compare_motions(
     replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters], most: int = 6
-) -> list[ComparedMotion]:
+) -> list[dict[str, Any]]:
     """Replay windows of a history under a belief, and compare the object's motion with the measured one.
 
     Args:
@@ -145,7 +132,7 @@ def compare_motions(
         most: Maximum number of windows, the first ones; windows that diverge are left out.
     """
     replay.world.believe([believed])
-    rows: list[ComparedMotion] = []
+    rows: list[dict[str, Any]] = []
     for window in replay.windows[:most]:
         states, sane = replay.world.rollout(window.start, replay.controls(window))
         if not sane[0]:
