@@ -72,7 +72,7 @@ def test_a_small_world_loads_with_defaults(tmp_path):
     [
         ("size_m", [-3.0, 10.0], "size_m[0]", "greater than 0"),
         ("size_m", "10x10", "size_m", "a list"),
-        ("size_m", [10.0], "size_m[1]", "a value"),
+        ("size_m", [10.0], "size_m", "2 entries"),
         ("start", None, "start", "a mapping with the keys x, y, theta"),
         ("start.x", math.nan, "start.x", "finite"),
         ("start.x", "left", "start.x", "number"),
