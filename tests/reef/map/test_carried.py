@@ -3,7 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.map.carried import AROUND_M, is_jump, moved_cells
+from coral.reef.map.belief import Belief
+from coral.reef.map.carried import AROUND_M, is_jump, moved, moved_cells
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
@@ -37,6 +38,28 @@ def mapped(occupied, clear):
 )
 def test_a_small_correction_is_no_jump(after, jumped):
     assert is_jump(Pose(5.0, 5.0, 0.0), after) is jumped
+
+
+def test_a_motion_is_made_in_the_robots_frame():
+    turned = moved(Pose(1.0, 1.0, math.pi / 2), Pose(5.0, 5.0, 0.0), Pose(6.0, 5.5, 0.1))
+    assert turned == pytest.approx((0.5, 2.0, math.pi / 2 + 0.1))
+
+
+def test_small_corrections_add_up():
+    belief = Belief(mapped(occupied=[(6.02, 5.02)], clear=[(5.02, 5.02)]))
+    for k in range(4):
+        assert belief.map.obstacle[at(6.02, 5.02)]
+        belief.correct(Pose(5.0 + 0.05 * k, 5.0, 0.0), Pose(5.05 + 0.05 * k, 5.0, 0.0))
+    assert belief.map.obstacle[at(6.22, 5.02)]
+
+
+def test_to_drive_is_no_correction():
+    belief = Belief(mapped(occupied=[(6.02, 5.02)], clear=[(5.02, 5.02)]))
+    version = belief.map.version
+    for k in range(20):
+        pose = Pose(5.0 + 0.05 * k, 5.0, 0.03 * k)
+        belief.correct(pose, pose)
+    assert belief.map.version == version
 
 
 def test_cells_keep_their_place_in_the_robots_frame():

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from coral.config import Count
 from coral.reef.map.best_views import BestViews
-from coral.reef.map.carried import is_jump
+from coral.reef.map.carried import is_jump, moved
 from coral.reef.map.chain import CentroidTracker, ChainCfg, InspectCfg, Track
 from coral.reef.map.changes import Box, joined
 from coral.reef.map.costfield import CostFieldCfg
@@ -73,6 +73,8 @@ class Belief:
         self._regions = OysterRegions(occupancy.target, occupancy.cfg.cell_m, self.cfg.chain)
         self._seen: Box | None = None
         """The rectangle that has been in view since clusters were last inspected."""
+        self._drawn: tuple[Pose, Pose] | None = None
+        """Where the robot would be had nothing been corrected since the map last moved along, and where it is."""
         self._waters: dict[CostFieldCfg, WaterMap] = {}
         self._still: dict[CostFieldCfg, Water] = {}
         """Of a snapshot."""
@@ -104,9 +106,17 @@ class Belief:
         return True
 
     def correct(self, before: Pose, after: Pose) -> None:
-        """Take in a correction of the robot's pose: after a jump, what is around the robot has moved with it."""
-        if is_jump(before, after):
-            self.map.carry(before, after)
+        """Take in a correction of the robot's pose: once it has moved far in all, what is around the robot moves along.
+
+        Args:
+            before: The pose without the correction.
+            after: The pose with it.
+        """
+        drawn = before if self._drawn is None else moved(self._drawn[0], self._drawn[1], before)
+        if is_jump(drawn, after):
+            self.map.carry(drawn, after)
+            drawn = after
+        self._drawn = drawn, after
 
     def water(self, cfg: CostFieldCfg) -> Water:
         """Return the water of the present map; a later call may change it in place."""

@@ -7,19 +7,25 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.world.geometry import Pose, wrap
+from coral.reef.world.geometry import Pose, to_robot, to_world, wrap
 
 AROUND_M = 3.0
 """How far about the robot the map moves along: what it may touch before it has seen it anew."""
 JUMP_M = 0.15
-"""A correction moves the map if it moves something within `AROUND_M` by this: three cells of 0.05 m. What is less is
-drawn anew by the next pictures."""
+"""Corrections move the map once they have moved something within `AROUND_M` by this: three cells of 0.05 m. Moved more
+often, obstacles would fray."""
 
 
 def is_jump(before: Pose, after: Pose) -> bool:
-    """Check whether a correction of the pose moves what is around the robot too far to be drawn anew."""
+    """Check whether corrections have moved what is around the robot too far."""
     turn = AROUND_M * abs(wrap(after.theta - before.theta))
     return math.dist(before[:2], after[:2]) + turn >= JUMP_M
+
+
+def moved(pose: Pose, begin: Pose, end: Pose) -> Pose:
+    """Return the pose that the motion from `begin` to `end`, in the robot's frame, leads to from `pose`."""
+    x, y = to_world(pose, *to_robot(begin, end.x, end.y))
+    return Pose(x, y, wrap(pose.theta + end.theta - begin.theta))
 
 
 def moved_cells(
