@@ -52,6 +52,12 @@ def test_the_clearance_of_a_slow_vehicle_is_added():
     assert with_response(cfg, SLOW).controller.margin_m == pytest.approx(cfg.controller.margin_m + 0.1)
 
 
+def test_a_drifting_robot_keeps_more_clearance():
+    cfg = MissionCfg(localization=LocalizationCfg(drift_xy=0.06))
+    assert robot_of(cfg).driver.cfg.margin_m == pytest.approx(cfg.controller.margin_m + 0.06)
+    assert robot_of(MissionCfg()).driver.cfg == MissionCfg().controller
+
+
 def test_a_plan_made_before_the_dive_takes_the_place_of_questions():
     assert isinstance(robot_of(MissionCfg(), commands=np.zeros((3, 2))).pilot, TourPilot)
 

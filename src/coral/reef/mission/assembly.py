@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
@@ -42,6 +43,9 @@ from coral.reef.world.world import ReefWorld
 
 PAPER_LATENCY = "fixed:10"
 """Median latency of a call in the paper's CORAL experiments (IV-E)."""
+UNSEEN_S = 1.0
+"""Time for which an obstacle is out of the picture while the robot passes it: the position that it loses meanwhile is
+added to the clearance."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,8 +95,9 @@ def make_robot(
     """
     vehicle_cfg = cfg.simulator.vehicle
     make_driver = deciding.make_driver or controller_maker(cfg.driver)
+    margin_m = cfg.controller.margin_m + cfg.localization.drift_xy * math.sqrt(UNSEEN_S)
     setup = ControllerSetup(
-        cfg=cfg.controller,
+        cfg=replace(cfg.controller, margin_m=margin_m),
         vehicle=vehicle_cfg,
         rng=rng,
         control_period_s=cfg.control_period_s,
