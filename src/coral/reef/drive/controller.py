@@ -42,8 +42,8 @@ class MppiCfg:
     n_points: Count = 32
     """n of Eq. 11. The points are 5.9 cm apart on the hull, about one map cell."""
     margin_m: float = 0.08
-    """Clearance that a rollout must keep: one map cell of position error, and the thrust lag that rollouts omit. A mission
-    adds what its position loses while an obstacle is out of the picture (`localization.drift_xy`)."""
+    """Clearance that a rollout must keep: one map cell of position error, and the thrust lag that rollouts omit. A
+    mission adds what its position loses while an obstacle is out of the picture (`localization.drift_xy`)."""
     substep_near_s: TimeStep = 0.05
     substep_far_s: TimeStep = 0.2
     """Integration steps of the first and of the last interval. Between them the step grows with the interval."""
