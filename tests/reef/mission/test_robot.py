@@ -23,6 +23,7 @@ from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.states import PilotState
 from coral.reef.vehicle.vehicle import VehicleCfg
+from coral.reef.world.geometry import Pose
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 POOL = ReefWorld(
@@ -142,6 +143,16 @@ def test_dead_reckoning_reaches_guard_and_localizer_with_its_covariance(robot):
     assert one.localizer.active
     assert one.localizer.sigma[0] > 0.0
     assert one.seen.velocity.t == pytest.approx(0.1 * 19)
+
+
+def test_a_corrected_pose_takes_what_is_around_the_robot_along(robot, monkeypatch):
+    one, told = robot(), []
+    corrected = Pose(3.5, 5.2, 0.1)
+    monkeypatch.setattr(one.localizer, "update", lambda *_: corrected)
+    monkeypatch.setattr(one.belief, "correct", lambda before, after: told.append((before, after)))
+    one.sense(0.0)
+    one.localize(0.0)
+    assert told == [(one.reading.frame_pose, corrected)]
 
 
 def test_a_velocity_without_bottom_lock_keeps_its_old_stamp(robot):
