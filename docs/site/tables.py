@@ -17,18 +17,26 @@ from typing import get_args
 from cost_tables import tables as cost_tables
 
 from coral import limits
+from coral.advisor import log
 from coral.advisor.registry import ENTRIES
 from coral.cli import COMMANDS
 from coral.commands.config import ListConfig
 from coral.configurations import CONFIGURATIONS
+from coral.contact.episode import events as contact_events
 from coral.contact.episode import metrics as contact_metrics
+from coral.contact.episode.recorder import columns_told
 from coral.contact.scene.conditions import Condition
+from coral.field_docs import field_docs
 from coral.plugins import GROUPS
+from coral.reef.mission import events as reef_events
 from coral.reef.mission import metrics as reef_metrics
+from coral.reef.mission import record
 from coral.reef.mission.presets import PRESETS
 from coral.reef.recordings.bag_export import TOPICS
 from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
 from coral.reef.vehicle.states import CHANGES
+from coral.run_files import SurveyFiles, TaskFiles
+from coral.run_loop import TIMING
 from coral.surface import described
 
 MARK = re.compile(r"^<!-- table: ([\w-]+) -->$", re.MULTILINE)
@@ -74,6 +82,10 @@ def _settings(of: str) -> str:
 
 def _named(head: str, rows: Mapping[str, str]) -> str:
     return _table(head, ((f"`{name}`", text) for name, text in rows.items()))
+
+
+def _files(kind: type) -> str:
+    return _named("file | what", {getattr(kind, name): text for name, text in field_docs(kind).items()})
 
 
 def _limits() -> str:
@@ -133,6 +145,14 @@ def _conditions() -> str:
 TABLES: dict[str, Callable[[], str]] = {
     "commands": _commands,
     **{f"settings-{name}": partial(_settings, name) for name in CONFIGURATIONS},
+    "files-survey": partial(_files, SurveyFiles),
+    "files-task": partial(_files, TaskFiles),
+    "events-survey": partial(_named, "event | what, and its keys", reef_events.EVENTS),
+    "events-task": partial(_named, "event | what, and its keys", contact_events.EVENTS),
+    "columns-survey": partial(_named, "columns | what", record.TRAJECTORY),
+    "columns-task": partial(_named, "columns | what", columns_told()),
+    "attempts": partial(_named, "keys | what", log.KEYS),
+    "timing": partial(_named, "key | what", TIMING),
     "metrics-survey": partial(_named, "key | what", reef_metrics.DEFINITIONS),
     "metrics-task": partial(_named, "key | what", contact_metrics.DEFINITIONS),
     "presets": _presets,

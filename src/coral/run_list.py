@@ -9,6 +9,7 @@ from typing import Any
 from coral.config import read_yaml
 from coral.errors import InputError
 from coral.foreign_file import read_json
+from coral.run_files import RunFiles
 
 MOST_RUNS = 200
 """Runs that the page lists, the latest first."""
@@ -40,12 +41,12 @@ def run_folders(root: Path) -> list[Path]:
     """Find the run folders below a folder, at most two floors down, the latest first."""
     found = [path.parent for pattern in ("*", "*/*") for path in root.glob(f"{pattern}/config.yaml")]
     found = [path for path in found if not path.is_symlink()]
-    return sorted(found, key=lambda path: (path / "config.yaml").stat().st_mtime, reverse=True)[:MOST_RUNS]
+    return sorted(found, key=lambda path: (path / RunFiles.CONFIG).stat().st_mtime, reverse=True)[:MOST_RUNS]
 
 
 def run_card(folder: Path, root: Path) -> dict[str, Any]:
     """Describe a run: `name`, what it was of, `ended` ("" while it runs or if it was killed), and its `numbers`."""
-    config, metrics = _mapping(folder / "config.yaml"), _mapping(folder / "metrics.json")
+    config, metrics = _mapping(folder / RunFiles.CONFIG), _mapping(folder / RunFiles.METRICS)
     system = "contact" if config.get("system") == "contact" else "reef"
     numbers = [
         {"name": name, "unit": unit, "value": _value(metrics[key], unit)}
@@ -56,7 +57,7 @@ def run_card(folder: Path, root: Path) -> dict[str, Any]:
         "name": folder.relative_to(root).as_posix(),
         **{key: str(config[key]) for key in ABOUT if isinstance(config.get(key), str | int)},
         "ended": str(metrics.get("end_reason", "")),
-        "report": (folder / "report.html").is_file(),
+        "report": (folder / RunFiles.REPORT).is_file(),
         "numbers": numbers,
     }
 

@@ -20,6 +20,7 @@ from coral.foreign_file import parse_json
 from coral.odd_text import encodable, encodable_values
 from coral.package_version import __version__
 from coral.rotating_log import RotatingLog, read_lines
+from coral.run_files import RunFiles
 from coral.yaml_file import to_yaml
 
 
@@ -41,7 +42,7 @@ class RunWriter:
         try:
             folder.mkdir(PRIVATE, parents=True, exist_ok=True)
             require_empty(folder)
-            self._events = RotatingLog(folder / "events.jsonl")
+            self._events = RotatingLog(folder / RunFiles.EVENTS)
             self._rows = [RotatingLog(folder / trajectory_name(k), ",".join(columns)) for k in range(robots)]
         except OSError as error:
             raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
@@ -99,13 +100,18 @@ def require_empty(folder: Path) -> None:
 
 def read_events(path: Path) -> Iterator[dict[str, Any]]:
     """Read the events of a run, in order; skip an incomplete last line of a killed run."""
+    yield from (event for event in read_records(path) if isinstance(event.get("event"), str))
+
+
+def read_records(path: Path) -> Iterator[dict[str, Any]]:
+    """Read the JSON objects of a log, in order; skip an incomplete last line of a killed run."""
     for line in read_lines(path):
         try:
-            event = parse_json(line)
+            record = parse_json(line)
         except ValueError:
             return
-        if isinstance(event, dict) and isinstance(event.get("event"), str):
-            yield event
+        if isinstance(record, dict):
+            yield record
 
 
 def read_rows(path: Path) -> Iterator[dict[str, str]]:
@@ -115,7 +121,7 @@ def read_rows(path: Path) -> Iterator[dict[str, str]]:
 
 def trajectory_name(robot: int) -> str:
     """Return the file name of a robot's trajectory in a run folder."""
-    return f"trajectory_{robot}.csv" if robot else "trajectory.csv"
+    return f"trajectory_{robot}.csv" if robot else RunFiles.TRAJECTORY
 
 
 def file_stem(name: str) -> str:

@@ -38,6 +38,7 @@ def test_a_folder_is_kept_with_its_report_only_if_it_is_given(tmp_path):
     assert (tmp_path / "run" / "report.html").is_file()
     assert (result.end_reason, result.trajectory.num_rows) == ("time limit", 20)
     assert result.coverage == result.metrics["coverage"]
+    assert [attempt["kind"] for attempt in result.attempts] == ["reef-centroid"]
 
 
 def test_it_runs_where_an_event_loop_is_running():

@@ -19,9 +19,24 @@ from coral.advisor.question import Question
 from coral.errors import naming
 from coral.file_writer import open_log, write_whole
 from coral.odd_text import encodable
+from coral.run_files import RunFiles
 
 RAW_LIMIT = 65_536
 """Characters of a raw reply that are kept."""
+
+KEYS = {
+    "decision attempt": "number of the decision, and of the attempt at it (0: the first)",
+    "asked_at_s answered_at_s": "when, on the clock of the run (s)",
+    "kind prompt_version schema prompt_digest pictures facts_digest": "the identity of the question, by which a "
+    "recording finds it; `pictures` are digests, the names of files in `pictures/`",
+    "verdict": "`accepted`, `rejected` by a check, `malformed`, `unavailable` or `withdrawn`",
+    "code reason details": "of a refusal",
+    "final": "whether the decision ended with this attempt",
+    "answer raw raw_chars": "the answer as parsed and as it came (at most 65,536 characters), and its whole length",
+    "usage": "tokens, cost, requests, faults",
+    "prompt captions facts": "what was asked: the text, names and captions of the pictures, and the facts as numbers",
+}
+"""Keys of a line of attempts.jsonl."""
 
 
 def schema_digest(answer_type: type[BaseModel]) -> str:
@@ -81,10 +96,10 @@ class AttemptRecorder:
     """
 
     def __init__(self, folder: Path) -> None:
-        self._folder = folder / "pictures"
+        self._folder = folder / RunFiles.PICTURES
         self._seen: set[str] = set()
         folder.mkdir(parents=True, exist_ok=True)
-        self._file = open_log(folder / "attempts.jsonl")
+        self._file = open_log(folder / RunFiles.ATTEMPTS)
 
     def __call__(self, attempt: Attempt) -> None:
         """Append one attempt; pass the recorder itself as `consult`'s `log`."""

@@ -12,6 +12,7 @@ from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Repl
 from coral.errors import InputError, shown
 from coral.foreign_file import parse_json, regular_bytes
 from coral.limits import LOG_BYTES
+from coral.run_files import RunFiles
 
 A = TypeVar("A", bound=BaseModel)
 
@@ -85,7 +86,7 @@ def find_recording(name: str) -> Path:
     """
     file = Path(name)
     if file.is_dir():
-        return file / "attempts.jsonl"
+        return file / RunFiles.ATTEMPTS
     if not file.exists() and name in shipped_recordings():
         return SHIPPED / f"{name}.jsonl"
     return file

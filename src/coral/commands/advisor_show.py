@@ -15,6 +15,7 @@ from coral.flags import Argument
 from coral.foreign_file import parse_json, read_bytes, read_log_lines, read_text
 from coral.limits import PICTURE_BYTES
 from coral.odd_text import encodable
+from coral.run_files import RunFiles
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,12 +103,13 @@ def _ask_in_mission(kind: str, world: str, folder: Path) -> tuple[str, dict[str,
         cfg, kind = apply_variant("paper", cfg), kind.removesuffix(PAPER)
     cfg = replace(cfg, record=replace(cfg.record, frames=False))
     mission = Mission(find_world(world), cfg, RuleAdvisor(REEF_RULES), folder, draw=question_pictures)
-    mission.run([_UntilAsked(folder / "attempts.jsonl", kind)])
-    attempts = [parse_json(line) for line in read_log_lines(folder / "attempts.jsonl")]
+    mission.run([_UntilAsked(folder / RunFiles.ATTEMPTS, kind)])
+    attempts = [parse_json(line) for line in read_log_lines(folder / RunFiles.ATTEMPTS)]
     asked = [attempt for attempt in attempts if attempt["kind"] == kind]
     if not asked:
         raise RunError(f"no {kind} question comes up in {world}; try another --world")
     names = [name for name, _ in asked[-1]["captions"]]
     return asked[-1]["prompt"], {
-        name: folder / "pictures" / f"{digest}.png" for name, digest in zip(names, asked[-1]["pictures"], strict=True)
+        name: folder / RunFiles.PICTURES / f"{digest}.png"
+        for name, digest in zip(names, asked[-1]["pictures"], strict=True)
     }

@@ -59,6 +59,7 @@ from coral.file_writer import write_whole
 from coral.flags import Option
 from coral.foreign_file import read_bytes, read_json, regular_bytes
 from coral.limits import MESH_BYTES
+from coral.run_files import TaskFiles
 from coral.runs import provenance
 
 
@@ -268,7 +269,7 @@ class ContactBench(CampaignFlags):
         """
         found: list[Any] = []
         for spec in store.specs():
-            file = store.run_folder(spec) / "remembered.json"
+            file = store.run_folder(spec) / TaskFiles.REMEMBERED
             if spec.variant == "full" and file.is_file():
                 found += read_json(file, "experiences")["experiences"]
         if not found:

@@ -11,6 +11,7 @@ from coral.errors import InputError
 from coral.flags import Argument, Option
 from coral.plugins import OURS, named_plugin, our_part
 from coral.reef.recordings.run_recording import read_run
+from coral.run_files import TaskFiles
 from coral.words import many
 
 SUFFIX = {"bag": "_bag", "mcap": ".mcap", "pictures": "_pictures"}
@@ -37,7 +38,7 @@ class Export:
 
     def __call__(self) -> Mapping[str, Any]:
         """Write it."""
-        attempt = (self.run / "task.yaml").is_file()
+        attempt = (self.run / TaskFiles.TASK).is_file()
         write = self._of_attempts() if attempt else named_plugin("coral.exporters", self.to, "--to")
         out = self.out or self.run / f"{self.run.resolve().name}{SUFFIX.get(self.to, f'_{self.to}')}"
         if out.exists():

@@ -12,6 +12,7 @@ from coral.contact.scene.task_names import shipped_tasks, task_path, unseen_task
 from coral.errors import InputError
 from coral.interrupts import wait_for_interrupt
 from coral.reef.world.world_names import shipped_worlds, world_file
+from coral.run_files import RunFiles
 from coral.runs import new_run_folder
 
 SETTINGS: Mapping[str, Mapping[str, tuple[str, str, tuple[str, ...]]]] = {
@@ -103,5 +104,5 @@ def command(wanted: Mapping[str, Any], root: Path) -> tuple[list[str], Path]:
     folder = new_run_folder(root, Path(name).stem)
     folder.mkdir(parents=True, mode=0o700)
     if system == "contact" and settings.get("advisor") == "desk":
-        words += ["--inbox", str(folder / "inbox")]
+        words += ["--inbox", str(folder / RunFiles.INBOX)]
     return [*words, "--out", str(folder), "--live", "--no-wait", "--live-port", "0"], folder

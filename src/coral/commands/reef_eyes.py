@@ -16,6 +16,7 @@ import numpy as np
 from coral.config import Count, Positive
 from coral.errors import InputError
 from coral.flags import Argument
+from coral.run_files import SurveyFiles
 
 if TYPE_CHECKING:
     from coral.reef.vehicle.camera import CameraCfg
@@ -124,7 +125,7 @@ class ReefEyes:
         reefs = []
         for run in self.runs:
             recording = read_run(run, PicturePerception(eyes, self.perception))
-            reefs.append(gather_evidence(recording, load_world(run / "world.yaml"), CoverCfg()))
+            reefs.append(gather_evidence(recording, load_world(run / SurveyFiles.WORLD), CoverCfg()))
             _tell(f"{len(reefs)} of {len(self.runs)} runs")
         names = " ".join(one.name for one in reefs)
         made = calibrate(reefs, f"coral reef eyes calibrate --perception {self.perception}, runs of {names}")

@@ -26,6 +26,7 @@ from coral.reef.recordings.recording import RECORDED
 from coral.reef.recordings.run_recording import is_run
 from coral.reef.recordings.sonar_file import add_sonar_file
 from coral.reef.world.world import load_world
+from coral.run_files import SurveyFiles
 from coral.words import many
 
 
@@ -95,7 +96,7 @@ class ReefMap:
             if datum is not None:
                 raise InputError("--datum", "", datum, f"none: {self.recording / TABLE} has lat and lon")
             datum = f"{own[0]!r},{own[1]!r}"
-        world = self.recording / "world.yaml"
+        world = self.recording / SurveyFiles.WORLD
         truth = load_world(world) if is_run(self.recording) and world.is_file() else None
         made = make_products(recording, self.cfg, datum, self.out, truth)
         lens = check_lens(recording)

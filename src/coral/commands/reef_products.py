@@ -17,6 +17,7 @@ from coral.reef.products.survey_products import ProductsCfg, measure
 from coral.reef.recordings.recording import EXACT, RECORDED, Recording
 from coral.reef.recordings.run_recording import read_run
 from coral.reef.world.world import ReefWorld, load_world
+from coral.run_files import SurveyFiles
 from coral.view.products_page import TruthComparison, write_products_page
 from coral.words import many
 
@@ -39,7 +40,7 @@ class ReefProducts:
 
     def __call__(self) -> Mapping[str, Any]:
         """Make them."""
-        world = self.run / "world.yaml"
+        world = self.run / SurveyFiles.WORLD
         out = self.out or self.run / "products"
         if self.out is None and out.is_symlink():  # whoever made the run chose where it leads
             raise InputError(str(out), "", "a link to another folder", "no such file, or --out FOLDER")

@@ -37,6 +37,7 @@ from coral.reef.mission.word_judge import with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.generated import find_world
 from coral.reef.world.world_names import shipped_worlds
+from coral.run_files import RunFiles
 from coral.runs import new_run_folder
 from coral.words import many
 
@@ -142,7 +143,7 @@ class ReefRun:
             cfg = with_instruction(cfg, self.instruction, world.mission)
         folder = self.out or new_run_folder(Path("runs"), world.name)
         rng = np.random.default_rng([self.seed, 7])
-        inbox = self.inbox or folder / "inbox"
+        inbox = self.inbox or folder / RunFiles.INBOX
         advisor = make_advisor(
             self.advisor,
             rules=REEF_RULES,

@@ -52,6 +52,7 @@ from coral.reef.sea.video_camera import Fit
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.world_names import shipped_worlds
+from coral.run_files import SurveyFiles
 from coral.runs import new_run_folder
 from coral.words import many
 
@@ -232,8 +233,8 @@ class ReefSail:
         if wrong := blocking(lines):
             raise RunError(f"will not arm: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
         mission = SeaMission(area, sail, crew, folder, belief=belief, saved=saved, seed=self.seed, about=about)
-        write_whole(folder / "preflight.txt", "".join(f"{line}\n" for line in lines).encode())
-        inbox = self.inbox or folder / "inbox"
+        write_whole(folder / SurveyFiles.PREFLIGHT, "".join(f"{line}\n" for line in lines).encode())
+        inbox = self.inbox or folder / SurveyFiles.INBOX
         asked = asks_person(self.advisor)
         noticed = mission_notice(
             asked,
@@ -289,7 +290,7 @@ class ReefSail:
         return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
 
     def _advisor(self, folder: Path, cfg: MissionCfg) -> Any:
-        inbox = self.inbox or folder / "inbox"
+        inbox = self.inbox or folder / SurveyFiles.INBOX
         model = dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts)
         rng = np.random.default_rng([self.seed, 7])
         advisor = make_advisor(self.advisor, rules=REEF_RULES, rng=rng, inbox=inbox, cfg=model, mistakes=REEF_MISTAKES)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from coral.flags import Argument
+from coral.run_files import SurveyFiles, TaskFiles
 from coral.view.rendering import render_attempt, render_survey
 
 
@@ -24,14 +25,14 @@ class Report:
 
     def __call__(self) -> Mapping[str, Any]:
         """Write the files."""
-        if (self.run / "task.yaml").is_file():
+        if (self.run / TaskFiles.TASK).is_file():
             return self._contact()
-        return {**render_survey(self.run, report=True, video=self.video), "map": str(self.run / "map.png")}
+        return {**render_survey(self.run, report=True, video=self.video), "map": str(self.run / SurveyFiles.MAP)}
 
     def _contact(self) -> Mapping[str, Any]:
         made = render_attempt(self.run, report=True, video=self.video)
-        if (self.run / "keyframes.png").is_file():
-            made["keyframes"] = str(self.run / "keyframes.png")
+        if (self.run / TaskFiles.KEYFRAMES).is_file():
+            made["keyframes"] = str(self.run / TaskFiles.KEYFRAMES)
         return made
 
     def describe(self, result: Mapping[str, Any]) -> str:

@@ -29,6 +29,7 @@ from coral.reef.mission.resolution import resolve_mission
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.generated import find_world
 from coral.reef.world.world import ReefWorld
+from coral.run_files import RunFiles
 from coral.run_loop import Observer
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def run_mission(
             advisor,
             rules=REEF_RULES,
             rng=np.random.default_rng([seed, 7]) if isinstance(seed, int) and seed >= 0 else np.random.default_rng(0),
-            inbox=folder.path / "inbox",
+            inbox=folder.path / RunFiles.INBOX,
             cfg=checked(model or ModelCfg(), "--model"),
             mistakes=REEF_MISTAKES,
         )

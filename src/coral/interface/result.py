@@ -14,7 +14,8 @@ from coral.advisor.registry import asks_person
 from coral.errors import InputError
 from coral.foreign_file import read_log_lines
 from coral.plugins import our_part
-from coral.runs import read_events, trajectory_name
+from coral.run_files import RunFiles
+from coral.runs import read_events, read_records, trajectory_name
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -70,13 +71,13 @@ class RunResult:
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """Read all events in order: `step`, `t` (s), `event`, and the fields of its kind."""
-        return list(read_events(self.folder / "events.jsonl"))
+        return list(read_events(self.folder / RunFiles.EVENTS))
 
     @cached_property
     def attempts(self) -> list[dict[str, Any]]:
         """Read every question's attempts with their answers and verdicts; empty if nobody was asked."""
-        path = self.folder / "attempts.jsonl"
-        return list(read_events(path)) if path.exists() else []
+        path = self.folder / RunFiles.ATTEMPTS
+        return list(read_records(path)) if path.exists() else []
 
     @property
     def trajectory(self) -> pa.Table:

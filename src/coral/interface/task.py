@@ -44,6 +44,7 @@ from coral.errors import InputError
 from coral.interface.result import ResultFolder, RunResult, demand_inbox
 from coral.interface.settings import resolve_settings
 from coral.plugins import our_part
+from coral.run_files import RunFiles
 from coral.run_loop import Observer
 
 __all__ = ["Context", "TaskResult", "run_task"]
@@ -140,7 +141,7 @@ def run_task(
             spec,
             rules={},
             rng=np.random.default_rng(0),
-            inbox=folder.path / "inbox",
+            inbox=folder.path / RunFiles.INBOX,
             cfg=checked(model or contact_model(), "--model"),
             mistakes=CONTACT_MISTAKES,
         )
@@ -189,7 +190,7 @@ def run_task(
             world=world,
             memory=memory,
             folder=folder.path,
-            inbox=folder.path / "inbox",
+            inbox=folder.path / RunFiles.INBOX,
             think=resolved(settings.think, settings.controller, spec),
             believe=beliefs,
             model=checked(model or contact_model(), "--model"),

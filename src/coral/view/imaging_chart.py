@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from coral.reef.mission.judge import JUDGE_FILE
+from coral.run_files import SurveyFiles
 from coral.view.run import RunFolder, read_table
 from coral.view.svg import LEFT, Span, chart, clock, line, path, text, time_axis
 
@@ -16,7 +16,7 @@ MARKS = (0.5, 0.8, 0.9, 1.0)
 
 def imaging_chart(run: RunFolder) -> str:
     """Draw both curves over time; "" for a run without them."""
-    table = read_table(run.path / JUDGE_FILE)
+    table = read_table(run.path / SurveyFiles.JUDGE)
     if not {"t", "imaged", "inspected"} <= table.keys() or not len(table["t"]):
         return ""
     axis = time_axis(run.duration_s)

@@ -13,6 +13,7 @@ from markupsafe import Markup, escape
 from coral.file_writer import write_whole, writing
 from coral.foreign_file import read_text
 from coral.odd_text import encodable
+from coral.run_files import RunFiles
 from coral.view.run import Record, RunFolder
 from coral.view.svg import clock
 from coral.yaml_file import to_yaml
@@ -44,7 +45,7 @@ def render_page(template: str, **values: Any) -> str:
     return environment.get_template(template).render(style=style, **values)
 
 
-def write_page(folder: Path, page: str, name: str = "report.html") -> Path:
+def write_page(folder: Path, page: str, name: str = RunFiles.REPORT) -> Path:
     """Write a page atomically and return its path.
 
     Raises:

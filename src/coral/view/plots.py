@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from coral.reef.pictures.mapview import draw_map
+from coral.run_files import SurveyFiles
 from coral.view.run import RunFolder, read_table
 from coral.view.runmap import scene_at
 
@@ -32,7 +33,7 @@ def plot_survey(folder: Path) -> Figure:
     left.set_axis_off()
     left.set_title("the robot's map")
     right.plot(run.column("t"), 100 * run.column("coverage"), label="covered")
-    judged = read_table(run.path / "judge.csv")
+    judged = read_table(run.path / SurveyFiles.JUDGE)
     if len(judged.get("inspected", ())):
         right.plot(judged["t"], 100 * judged["inspected"], label="inspected")
     _finish(right, "clusters and oysters (%)")

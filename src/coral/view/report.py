@@ -16,6 +16,7 @@ from coral.foreign_file import read_text
 from coral.reef.decide.said import said_by
 from coral.reef.mission.metrics import DEFINITIONS, OWN_MAP, fleet_metrics, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
+from coral.run_files import SurveyFiles
 from coral.view.decisions import Decision, decisions
 from coral.view.figures import (
     HELD,
@@ -90,7 +91,7 @@ def render_report(run: RunFolder) -> str:
         held=HELD,
         has_frames=bool(run.frame_steps),
         has_colours=any(run.frame(step, "rgb") is not None for step in run.frame_steps[:1]),
-        video=(run.path / "mission.mp4").is_file(),
+        video=(run.path / SurveyFiles.VIDEO).is_file(),
         script=Markup(read_text(TEMPLATES / "report.js", "a file of this package")),
     )
 

@@ -19,13 +19,14 @@ from coral.limits import LARGEST_NUMBER, LOG_BYTES
 from coral.odd_text import encodable_values
 from coral.reef.world.geometry import Frame
 from coral.rotating_log import earlier_parts, read_parts
+from coral.run_files import RunFiles, SurveyFiles, TaskFiles
 from coral.runs import trajectory_name
 from coral.view.records import figures, histogram, is_extent, is_number, shallow, sound
 from coral.words import many
 from coral.yaml_file import load_mapping
 
 Record = Mapping[str, Any]
-_MARKS = ("events.jsonl", "trajectory.csv", "config.yaml", "metrics.json")
+_MARKS = (RunFiles.EVENTS, RunFiles.TRAJECTORY, RunFiles.CONFIG, RunFiles.METRICS)
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ class RunFolder:
 
         Shape=(H, W); of "rgb" Shape=(H, W, 3), in OpenCV's order of colours.
         """
-        path = self.path / "frames" / f"{step:06d}_{kind}.{'jpg' if kind == 'rgb' else 'png'}"
+        path = self.path / SurveyFiles.FRAMES / f"{step:06d}_{kind}.{'jpg' if kind == 'rgb' else 'png'}"
         return read_picture_file(path, channels=3 if kind == "rgb" else 1)
 
     def camera_frame(self, step: int) -> Frame | None:
@@ -96,7 +97,7 @@ class RunFolder:
 
     def picture(self, digest: str) -> Path | None:
         """Find a picture of a question by its digest."""
-        path = self.path / "pictures" / f"{digest}.png"
+        path = self.path / RunFiles.PICTURES / f"{digest}.png"
         return path if digest.isalnum() and path.is_file() else None
 
     @classmethod
@@ -117,29 +118,31 @@ class RunFolder:
             raise InputError(str(folder), "", "no run in it", f"at least one of {', '.join(_MARKS)}")
         notes: list[str] = []
         # The world of the run, a reef or a contact task; only a reef mission always asks an advisor.
-        task = (folder / "task.yaml").is_file()
-        events = _lines(folder / "events.jsonl", notes)
+        task = (folder / TaskFiles.TASK).is_file()
+        events = _lines(folder / RunFiles.EVENTS, notes)
         tables: list[Mapping[str, NDArray[np.float64]]] = []
         while (more := folder / trajectory_name(len(tables) + 1)).is_file():
             tables.append(_table(more, notes))
         named = tuple(event for event in events if isinstance(event.get("event"), str) and is_number(event.get("t")))
         if len(named) < len(events):
             notes.append(f"events.jsonl: {len(events) - len(named)} lines have no name or time and were left out.")
-        whole = _keep_sound("events.jsonl", named, notes)
+        whole = _keep_sound(RunFiles.EVENTS, named, notes)
         return cls(
             path=folder,
             events=whole,
-            trajectory=_table(folder / "trajectory.csv", notes),
+            trajectory=_table(folder / RunFiles.TRAJECTORY, notes),
             attempts=()
-            if task and not (folder / "attempts.jsonl").is_file()
-            else _keep_sound("attempts.jsonl", _lines(folder / "attempts.jsonl", notes), notes),
-            metrics=figures(_document(folder / "metrics.json", parse_json, notes)),
-            timing=histogram(_document(folder / "timing.json", parse_json, notes)),
-            config=_document(folder / "config.yaml", _yaml, notes),
-            world=_world(folder / ("task.yaml" if task else "world.yaml"), notes),
+            if task and not (folder / RunFiles.ATTEMPTS).is_file()
+            else _keep_sound(RunFiles.ATTEMPTS, _lines(folder / RunFiles.ATTEMPTS, notes), notes),
+            metrics=figures(_document(folder / RunFiles.METRICS, parse_json, notes)),
+            timing=histogram(_document(folder / RunFiles.TIMING, parse_json, notes)),
+            config=_document(folder / RunFiles.CONFIG, _yaml, notes),
+            world=_world(folder / (TaskFiles.TASK if task else SurveyFiles.WORLD), notes),
             frame_steps=tuple(
                 sorted(
-                    int(file.name[:-8]) for file in (folder / "frames").glob("*_map.png") if file.name[:-8].isdigit()
+                    int(file.name[:-8])
+                    for file in (folder / SurveyFiles.FRAMES).glob("*_map.png")
+                    if file.name[:-8].isdigit()
                 )
             ),
             notes=tuple(notes),

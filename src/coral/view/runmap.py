@@ -13,6 +13,7 @@ from coral.reef.decide.said import said_by
 from coral.reef.pictures.companions import COLORS, Companion
 from coral.reef.pictures.mapview import MapScene, draw_map
 from coral.reef.world.geometry import Pose
+from coral.run_files import SurveyFiles
 from coral.view.decisions import chain_at
 from coral.view.run import RunFolder
 
@@ -24,7 +25,7 @@ def write_map(run_folder: str | Path) -> Path:
         InputError: There is no run in the folder, or the picture cannot be written.
     """
     run = RunFolder.read(run_folder)
-    path = run.path / "map.png"
+    path = run.path / SurveyFiles.MAP
     with writing(path):
         write_whole(path, png(draw_map(scene_at(run, run.duration_s)).rgb))
     return path

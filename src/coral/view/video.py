@@ -14,6 +14,7 @@ from coral.errors import InputError
 from coral.file_writer import scratch_for, writing
 from coral.reef.pictures.cameraview import Kind, camera_picture
 from coral.reef.pictures.mapview import MapViewCfg, draw_map
+from coral.run_files import SurveyFiles
 from coral.view.decisions import Decision, decisions
 from coral.view.mp4 import write_mp4
 from coral.view.run import RunFolder
@@ -40,8 +41,8 @@ def write_video(run_folder: str | Path) -> Path:
     """
     run = RunFolder.read(run_folder)
     if not run.frame_steps:
-        raise InputError(str(run.path), "frames/", "no snapshots", "a run that kept its frames")
-    path = run.path / "mission.mp4"
+        raise InputError(str(run.path), SurveyFiles.FRAMES, "no snapshots", "a run that kept its frames")
+    path = run.path / SurveyFiles.VIDEO
     with writing(path), scratch_for(path) as scratch:
         write_mp4(scratch, pictures(run), (WIDTH, HEIGHT), FPS, "-crf", "27")
     return path

@@ -4,11 +4,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.reef.mission.record import COLUMNS, POSES, PicturePose, RecordCfg
+from coral.reef.mission.record import COLUMNS, PicturePose, RecordCfg
 from coral.reef.sea.record import OWN_COLUMNS, SeaRecord
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.world import load_world
+from coral.run_files import SurveyFiles
 from coral.runs import read_events, read_rows
 
 STATE = (0.5, 0.0, 0.1, 0.5, 0.1, float("nan"), float("nan"), 1.0)
@@ -78,7 +79,7 @@ def test_keyframes_are_kept_twice_a_second_with_colour_and_pose(tmp_path):
         at = PicturePose(pose=Pose(0.1 * step, 2.0, 0.3), odometry=Pose(0.0, 0.0, 0.0), height_m=0.9, pitch=0.1)
         record.offer_frame(step, 0.1 * step, lambda: np.zeros((4, 4), np.uint8), frame, at)
     record.close()
-    rows = list(read_rows(tmp_path / "run" / POSES))
+    rows = list(read_rows(tmp_path / "run" / SurveyFiles.POSES))
     assert [float(row["t"]) for row in rows] == [0.0, 0.5, 1.0, 1.5]
     assert (float(rows[2]["x"]), float(rows[2]["yaw"]), float(rows[2]["pitch"])) == (1.0, 0.3, 0.1)
     assert (tmp_path / "run" / "frames" / rows[2]["rgb"]).is_file()

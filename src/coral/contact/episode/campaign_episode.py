@@ -20,6 +20,7 @@ from coral.contact.scene.trial import sample_trial
 from coral.contact.thinker.think_cfg import resolved
 from coral.errors import RunError
 from coral.file_writer import write_whole
+from coral.run_files import TaskFiles
 
 
 def run_episode(
@@ -91,4 +92,4 @@ def _keep_new(own: Memory, known: int, folder: Path) -> None:
     new = everything["experiences"][known:]
     if new:
         text = json.dumps({**everything, "experiences": new}, indent=1)
-        write_whole(folder / "remembered.json", f"{text}\n")
+        write_whole(folder / TaskFiles.REMEMBERED, f"{text}\n")

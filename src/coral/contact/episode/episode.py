@@ -47,6 +47,7 @@ from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
 from coral.contact.worlds.registry import make_world
 from coral.contact.worlds.robot_world import RobotWorld, in_real_time
 from coral.errors import InputError, RunError
+from coral.run_files import RunFiles
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter
 
@@ -557,8 +558,8 @@ class Episode:
     def _finish(self) -> dict[str, Any]:
         timing = timing_of(self._wall, self.t, plan_ms=self.plan_ms)
         metrics = compute_metrics(self.writer.folder)
-        self.writer.json("metrics.json", metrics)
-        self.writer.json("timing.json", timing)
+        self.writer.json(RunFiles.METRICS, metrics)
+        self.writer.json(RunFiles.TIMING, timing)
         return {**metrics, **timing}
 
 

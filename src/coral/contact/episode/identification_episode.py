@@ -16,6 +16,7 @@ from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.scene.trial import PhysicalParameters, Trial, with_beliefs
 from coral.contact.thinker.think_cfg import resolved
+from coral.run_files import RunFiles
 from coral.run_loop import Observer
 from coral.runs import read_events
 
@@ -68,7 +69,7 @@ def probe_episode(
     )
     episode = Episode(real, world, strategist, cfg, folder, variant="full", advisor="recorded")
     result = episode.run([] if observer is None else [observer])
-    events = read_events(folder / "events.jsonl")
+    events = read_events(folder / RunFiles.EVENTS)
     told = tuple(
         event for event in events if event["event"] == "correction" and event["object"] == name and "after" in event
     )

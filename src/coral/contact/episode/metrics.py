@@ -11,6 +11,7 @@ from typing import Any
 from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
 from coral.advisor.attribution import attribution_of
 from coral.errors import InputError
+from coral.run_files import RunFiles
 from coral.runs import read_events, read_rows
 
 HAND = {"hand", "left", "right"}
@@ -62,10 +63,10 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
     Raises:
         InputError: The folder is not a run.
     """
-    for name in ("events.jsonl", "trajectory.csv"):
+    for name in (RunFiles.EVENTS, RunFiles.TRAJECTORY):
         if not (folder / name).is_file():
             raise InputError(str(folder), name, "no such file", "a run folder")
-    return metrics_of(read_events(folder / "events.jsonl"), read_rows(folder / "trajectory.csv"))
+    return metrics_of(read_events(folder / RunFiles.EVENTS), read_rows(folder / RunFiles.TRAJECTORY))
 
 
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:

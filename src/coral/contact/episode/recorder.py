@@ -16,9 +16,27 @@ from coral.contact.scene.observation import Array, BodyState, Contact, HandTarge
 from coral.contact.worlds.evaluation_world import simulation_of
 from coral.contact.worlds.robot_world import RobotWorld
 from coral.file_writer import open_log
+from coral.run_files import TaskFiles
 from coral.runs import RunWriter
 
-POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+TRAJECTORY = {
+    "step t": "number of the control step and simulated time (s)",
+    "x y z qw qx qy qz": "measured pose of the tool in the world",
+    "opening": "measured opening of the hand (m)",
+    "cmd_x cmd_y cmd_z cmd_qw cmd_qx cmd_qy cmd_qz cmd_opening cmd_stiffness": "the command: pose, opening, "
+    "stiffness (N/m)",
+    "fx fy fz tx ty tz": "force (N) and torque (N m) on the hand",
+    "stage": "index of the stage",
+}
+"""Columns of trajectory.csv, SI units: first these, then `OF_OBJECT` for each object, then `TRACKED` for each."""
+OF_OBJECT = {
+    "x y z qw qx qy qz": "its pose; as measured where nobody knows the truth",
+    "hand_force": "the hand's net force on it (N); empty where contacts are not known",
+    "touch_x touch_y touch_z": "mean point of that contact in the object's frame (m); empty without contact",
+}
+TRACKED = {
+    "off_m off_rad lost": "error of its tracked pose, modulo symmetry, and whether it is lost; empty without tracking"
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,37 +53,18 @@ class EpisodeRecordCfg:
     """Write episode.mp4 at the end."""
 
 
-def columns(objects: Sequence[str]) -> tuple[str, ...]:
-    """Return the columns of trajectory.csv: SI units, world frame; one row per control step.
+def columns_told() -> dict[str, str]:
+    """Return what the columns are, of any object: `OBJECT_x OBJECT_y ...`."""
+    each = {" ".join(f"OBJECT_{part}" for part in parts.split()): what for parts, what in (OF_OBJECT | TRACKED).items()}
+    return TRAJECTORY | each
 
-    The measured tool pose and opening, the command, the wrench on the hand, the index of the stage. Then for each
-    object its pose (as measured where nobody knows the truth), the hand's net force on it (empty where contacts are not
-    known), and the mean point of that contact in the object's frame, empty without contact. Last the error of its
-    tracked pose (m, rad; modulo symmetry) and whether it is lost, empty without tracking.
-    """
-    found = [
-        "step",
-        "t",
-        *POSE,
-        "opening",
-        *(f"cmd_{name}" for name in (*POSE, "opening", "stiffness")),
-        "fx",
-        "fy",
-        "fz",
-        "tx",
-        "ty",
-        "tz",
-        "stage",
-    ]
-    for name in objects:
-        found += [
-            *(f"{name}_{part}" for part in POSE),
-            f"{name}_hand_force",
-            *(f"{name}_touch_{axis}" for axis in "xyz"),
-        ]
-    for name in objects:
-        found += [f"{name}_{part}" for part in ("off_m", "off_rad", "lost")]
-    return tuple(found)
+
+def columns(objects: Sequence[str]) -> tuple[str, ...]:
+    """Return the columns of trajectory.csv: SI units, world frame; one row per control step."""
+    return (
+        *" ".join(TRAJECTORY).split(),
+        *(f"{name}_{part}" for kinds in (OF_OBJECT, TRACKED) for name in objects for part in " ".join(kinds).split()),
+    )
 
 
 class EpisodeRecorder:
@@ -121,7 +120,7 @@ class EpisodeRecorder:
         self._due = t + self._cfg.state_period_s
         data = simulation.data
         if self._states is None:
-            path = self._writer.folder / "states.csv"
+            path = self._writer.folder / TaskFiles.STATES
             self._states = open_log(path)
             self._states.write(",".join(["step", "t", *(f"q{k}" for k in range(len(data.qpos)))]) + "\n")
         self._states.write(",".join([str(step), f"{t:.6g}", *(f"{value:.6g}" for value in data.qpos)]) + "\n")

@@ -9,6 +9,7 @@ from coral.contact.episode.recorder import numbers
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import Truth
 from coral.contact.scene.trial import PhysicalParameters, Trial
+from coral.run_files import RunFiles, TaskFiles
 from coral.runs import RunWriter, provenance
 
 
@@ -21,9 +22,9 @@ def write_head(writer: RunWriter, trial: Trial, about: dict[str, Any], cfg: dict
         about: World, advisor, variant, and further fields that identify the run.
         cfg: The episode's configuration as a mapping.
     """
-    writer.yaml("task.yaml", trial.task.model_dump(mode="json"))
+    writer.yaml(TaskFiles.TASK, trial.task.model_dump(mode="json"))
     head = {"system": "contact", "task": trial.task.name, **about}
-    writer.yaml("config.yaml", {**head, "episode": cfg, "provenance": provenance()})
+    writer.yaml(RunFiles.CONFIG, {**head, "episode": cfg, "provenance": provenance()})
 
 
 def start_fields(trial: Trial, **about: Any) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
 from coral.interrupts import interruptible
+from coral.run_files import RunFiles, TaskFiles
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter
 
@@ -137,7 +138,7 @@ class PolicyEpisode:
         outside, wrist = self.eyes.look(self._data, self.now.tool)
         if not self.calls:
             both = np.concatenate([outside, wrist], axis=1)
-            self.writer.bytes("seen.png", cv2.imencode(".png", both[..., ::-1])[1].tobytes())
+            self.writer.bytes(TaskFiles.SEEN, cv2.imencode(".png", both[..., ::-1])[1].tobytes())
         looked = time.perf_counter()
         seen = {
             "observation/image": outside,
@@ -201,6 +202,6 @@ class PolicyEpisode:
     def _finish(self, wall_s: float) -> dict[str, Any]:
         timing = timing_of(wall_s, self.t, plan_ms=self._ask_ms, pictures_ms=self._look_ms)
         metrics = compute_metrics(self.writer.folder)
-        self.writer.json("metrics.json", metrics)
-        self.writer.json("timing.json", timing)
+        self.writer.json(RunFiles.METRICS, metrics)
+        self.writer.json(RunFiles.TIMING, timing)
         return {**metrics, **timing}

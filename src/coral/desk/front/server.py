@@ -12,6 +12,7 @@ from coral.desk.inbox import Inbox
 from coral.desk.server import DeskServer
 from coral.errors import InputError
 from coral.foreign_file import read_text
+from coral.run_files import RunFiles
 from coral.run_list import run_card, run_folders
 from coral.view.live.viewer import Viewer
 from coral.web import WebServer, read_json, refusal
@@ -83,7 +84,7 @@ class FrontServer(WebServer):
                 "running": job.running,
                 "code": job.code,
                 "told": job.told,
-                "asks": (job.folder / "inbox").is_dir(),
+                "asks": (job.folder / RunFiles.INBOX).is_dir(),
             }
             for number, job in enumerate(self.jobs)
         ]
@@ -133,9 +134,9 @@ class FrontServer(WebServer):
                 page = Viewer(folder)
                 page.stream.subject  # noqa: B018  # tells what is wrong before the page opens
             elif what == "answer":
-                page = DeskServer(Inbox(folder / "inbox"), port=0)
+                page = DeskServer(Inbox(folder / RunFiles.INBOX), port=0)
             else:
-                page = WebServer((), page=read_text(folder / "report.html", "the report of a run"))
+                page = WebServer((), page=read_text(folder / RunFiles.REPORT, "the report of a run"))
             if len(self._pages) >= MOST_PAGES:
                 self._pages.pop(next(iter(self._pages))).close()
             self._pages[key] = page.__enter__()

@@ -16,8 +16,8 @@ from coral.reef.map.chain import Track
 from coral.reef.map.mapping import distance_to
 from coral.reef.simulation.imaging import ImagingMeter
 from coral.reef.world.world import ReefWorld
+from coral.run_files import SurveyFiles
 
-JUDGE_FILE = "judge.csv"
 COLUMNS = ("step", "t", "imaged", "inspected", "reef_m")
 """Mean share of the clusters' oyster area imaged and inspected so far, and distance from the reef (m) of the robot, or
 of the farthest one if there are several."""
@@ -38,7 +38,7 @@ class MissionJudge:
         there = np.zeros((height, width), np.bool_)
         there[_cells(reef[:, 1], height), _cells(reef[:, 0], width)] = True
         self._away = distance_to(there, CELL_M) if len(reef) else np.full(there.shape, np.nan, np.float32)
-        self._file: IO[str] = open_log(folder / JUDGE_FILE)
+        self._file: IO[str] = open_log(folder / SurveyFiles.JUDGE)
         self._file.write(",".join(COLUMNS) + "\n")
 
     def note(self, step: int, t: float, positions: Sequence[tuple[float, float]]) -> None:

@@ -13,6 +13,7 @@ from coral.errors import InputError
 from coral.reef.mission import outcome
 from coral.reef.mission.state_metrics import clusters_left, seconds_in_states
 from coral.reef.pilot import timeliness
+from coral.run_files import RunFiles
 from coral.runs import read_events, read_rows, trajectory_name
 
 OWN_MAP, TRUTH = "the vehicle's own map", "the truth of a simulated reef"
@@ -90,11 +91,11 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
     Raises:
         InputError: The folder is not a run.
     """
-    for name in ("events.jsonl", "trajectory.csv"):
+    for name in (RunFiles.EVENTS, RunFiles.TRAJECTORY):
         if not (folder / name).is_file():
             raise InputError(str(folder), name, "no such file", "a run folder")
-    events = list(read_events(folder / "events.jsonl"))
-    tables = [list(read_rows(folder / "trajectory.csv"))]
+    events = list(read_events(folder / RunFiles.EVENTS))
+    tables = [list(read_rows(folder / RunFiles.TRAJECTORY))]
     while (more := folder / trajectory_name(len(tables))).is_file():
         tables.append(list(read_rows(more)))
     found = metrics_of(events, tables[0]) if len(tables) == 1 else fleet_metrics(events, tables)
@@ -115,7 +116,7 @@ def verdict_of(events: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 def covered_at(folder: Path) -> list[float]:
     """Return the simulated times (s) at which clusters were covered, ascending (coverage time, IV-E)."""
     return sorted(
-        float(event["t"]) for event in read_events(folder / "events.jsonl") if event["event"] == "cluster_covered"
+        float(event["t"]) for event in read_events(folder / RunFiles.EVENTS) if event["event"] == "cluster_covered"
     )
 
 

@@ -46,6 +46,7 @@ from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
 from coral.reef.simulation.simulator import ReefSimulator
 from coral.reef.simulation.starts import starts_beside
 from coral.reef.world.world import ReefWorld, save_world
+from coral.run_files import RunFiles, SurveyFiles
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter, provenance, require_empty
 
@@ -324,9 +325,9 @@ class Mission:
         return len(self._covered) / max(len(self.world.clusters), 1)
 
     def _begin(self) -> None:
-        save_world(self.world, self.writer.folder / "world.yaml")
+        save_world(self.world, self.writer.folder / SurveyFiles.WORLD)
         self.writer.yaml(
-            "config.yaml",
+            RunFiles.CONFIG,
             {
                 "system": "reef",
                 "world": self.world.name,
@@ -401,10 +402,10 @@ class Mission:
             self._wall, self.t, control_ms=self.loop.control_ms, tick_ms=self.loop.tick_ms
         )
         metrics = compute_metrics(self.writer.folder)
-        self.writer.json("metrics.json", metrics)
+        self.writer.json(RunFiles.METRICS, metrics)
         histogram, edges = np.histogram(control, bins=tick_edges(control))
         self.writer.json(
-            "timing.json",
+            RunFiles.TIMING,
             {
                 **timing,
                 "control_ms_histogram": {"counts": histogram.tolist(), "edges": [round(float(e), 4) for e in edges]},

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.foreign_file import read_log_lines
-from coral.reef.mission.judge import JUDGE_FILE
+from coral.run_files import SurveyFiles
 
 Row = Mapping[str, str]
 SHARES = (0.5, 0.8, 0.9, 1.0)
@@ -70,7 +70,7 @@ def outcome_metrics(
         events: All events, in order.
         tables: Rows of every robot's trajectory.
     """
-    t, imaged, inspected, reef_m = _judged(folder / JUDGE_FILE)
+    t, imaged, inspected, reef_m = _judged(folder / SurveyFiles.JUDGE)
     judged: Mapping[str, Any] = next((e for e in reversed(list(events)) if e["event"] == "judged"), {})
     times = {f"time_to_{100 * s:.0f}_s": time_to(t, inspected, s) for s in SHARES}
     best = judged.get("oracle_time_to_90_s")

@@ -16,37 +16,25 @@ from coral.errors import naming
 from coral.file_writer import open_log
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
 from coral.reef.world.geometry import Frame, Pose
+from coral.run_files import SurveyFiles
 from coral.runs import RunWriter
 
-COLUMNS = (
-    "step",
-    "t",
-    "x",
-    "y",
-    "theta",
-    "u",
-    "v",
-    "r",
-    "est_x",
-    "est_y",
-    "est_theta",
-    "v_cmd",
-    "omega_cmd",
-    "goal_x",
-    "goal_y",
-    "clearance",
-    "planner_ok",
-    "coverage",
-    "clusters_covered",
-    "odo_x",
-    "odo_y",
-    "odo_theta",
-)
-"""trajectory.csv: SI units, world frame for poses, body frame for velocities; goal empty when there is none.
-est: where the robot believed it was; odo: where its odometry alone put it."""
+TRAJECTORY = {
+    "step t": "number of the step and simulated time (s)",
+    "x y theta": "true pose in the world (m, rad); at sea, where the vehicle believed it was",
+    "u v r": "velocity, forward, to port and turning, in the body's frame (m/s, rad/s)",
+    "est_x est_y est_theta": "where the robot believed it was; not at sea, where nobody knows better",
+    "v_cmd omega_cmd": "commanded speed (m/s) and rate of turn (rad/s)",
+    "goal_x goal_y": "the goal (m); empty without one",
+    "clearance": "distance from the hull to the nearest obstacle (m), in truth; at sea, by its own map",
+    "planner_ok": "whether the planner found a feasible rollout",
+    "coverage clusters_covered": "share and number of the true clusters covered so far",
+    "odo_x odo_y odo_theta": "where odometry alone put the robot",
+}
+"""Columns of trajectory.csv, SI units."""
+COLUMNS = tuple(" ".join(TRAJECTORY).split())
 
 
-POSES = "frames/poses.csv"
 POSE_COLUMNS = (
     "t", "x", "y", "z", "roll", "pitch", "yaw", "odo_x", "odo_y", "odo_yaw", "labels", "depth", "rgb",
     "doubt", "depth_doubt",
@@ -166,22 +154,22 @@ class FrameRecorder:
         if cells is not None:
             images["map"] = cells
         for name, image in images.items():
-            self._writer.bytes(f"frames/{step:06d}_{name}.png", _png(image))
+            self._writer.bytes(f"{SurveyFiles.FRAMES}{step:06d}_{name}.png", _png(image))
         names = [f"{step:06d}_labels.png", f"{step:06d}_depth.png", "", "", ""]
         if frame.rgb is not None:
             names[2] = f"{step:06d}_rgb.jpg"
-            self._writer.bytes(f"frames/{names[2]}", _jpeg(frame.rgb))
+            self._writer.bytes(f"{SurveyFiles.FRAMES}{names[2]}", _jpeg(frame.rgb))
         if taken_at is not None:
             doubts = (("doubt", frame.doubt, LABEL_STEPS), ("depth_doubt", frame.depth_doubt, DEPTH_STEPS))
             for k, (name, share, whole) in enumerate(doubts, 3):
                 if share is not None:
                     names[k] = f"{step:06d}_{name}.png"
-                    self._writer.bytes(f"frames/{names[k]}", _png(pack_doubt(share, whole)))
+                    self._writer.bytes(f"{SurveyFiles.FRAMES}{names[k]}", _png(pack_doubt(share, whole)))
             self._note_pose(t, taken_at, names)
 
     def _note_pose(self, t: float, at: PicturePose, names: list[str]) -> None:
         """Append a row to frames/poses.csv, after its pictures: a killed run has no row without them."""
-        path = self._writer.folder / POSES
+        path = self._writer.folder / SurveyFiles.POSES
         with naming(path):
             if self._poses is None:
                 self._poses = open_log(path)

@@ -10,7 +10,6 @@ from typing import Any
 from coral.config import merge, read_yaml
 from coral.errors import MALFORMED, InputError
 from coral.reef.map.mapping import MapCfg
-from coral.reef.mission.record import POSES
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import read_folder
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
@@ -18,12 +17,13 @@ from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
+from coral.run_files import RunFiles, SurveyFiles, TaskFiles
 from coral.runs import read_events
 
 
 def is_run(path: Path) -> bool:
     """Check whether a folder is the run of a reef mission."""
-    return (path / "config.yaml").is_file() and not (path / "task.yaml").is_file()
+    return (path / RunFiles.CONFIG).is_file() and not (path / TaskFiles.TASK).is_file()
 
 
 def read_run(path: Path, perception: PicturePerception | None = None, period_s: float = 0.0) -> Recording:
@@ -40,12 +40,14 @@ def read_run(path: Path, perception: PicturePerception | None = None, period_s: 
     if not is_run(path):
         found = "nothing" if not path.exists() else "no run of a reef mission"
         raise InputError(str(path), "", found, "the folder of a run")
-    if not (path / POSES).is_file():
-        raise InputError(str(path), POSES, "nothing", "a run that kept its keyframes (--cfg.record.keyframes)")
-    where = str(path / "config.yaml")
-    config = read_yaml(path / "config.yaml")
+    if not (path / SurveyFiles.POSES).is_file():
+        raise InputError(
+            str(path), SurveyFiles.POSES, "nothing", "a run that kept its keyframes (--cfg.record.keyframes)"
+        )
+    where = str(path / RunFiles.CONFIG)
+    config = read_yaml(path / RunFiles.CONFIG)
     camera = RecordedCamera.plain(camera_of(config, where))
-    recording = read_folder((path / POSES).parent, camera, perception, period_s)
+    recording = read_folder((path / SurveyFiles.POSES).parent, camera, perception, period_s)
     name, size, start = _world(path, config)
     return dataclasses.replace(
         recording,
@@ -61,7 +63,7 @@ def read_run(path: Path, perception: PicturePerception | None = None, period_s: 
 
 def _in_one_frame(path: Path, read: Callable[[], Iterator[PosedFrame]]) -> Callable[[], Iterator[PosedFrame]]:
     """Move the keyframes from before a resumed survey found its place into the frame of the saved map."""
-    logged = read_events(path / "events.jsonl") if (path / "events.jsonl").is_file() else ()
+    logged = read_events(path / RunFiles.EVENTS) if (path / RunFiles.EVENTS).is_file() else ()
     found = [event for event in logged if event.get("event") == "frame" and len(event.get("shift", ())) == 3]
     if not found:
         return read
@@ -98,12 +100,12 @@ def _part(config: dict[str, Any], *names: str) -> dict[str, Any]:
 
 def _world(path: Path, config: dict[str, Any]) -> tuple[str, tuple[float, float] | None, Pose | None]:
     """Return name, extent (m) and start of the run's world. Nothing else of it is read: the rest is the truth."""
-    if not (path / "world.yaml").is_file():
+    if not (path / SurveyFiles.WORLD).is_file():
         return str(config.get("world", path.name)), None, None
-    world = read_yaml(path / "world.yaml")
+    world = read_yaml(path / SurveyFiles.WORLD)
     try:
         width, height = (float(edge) for edge in world["size_m"])
         start = Pose(*(float(world["start"][name]) for name in ("x", "y", "theta")))
     except MALFORMED:
-        raise InputError(str(path / "world.yaml"), "size_m, start", "values missing", "a reef world") from None
+        raise InputError(str(path / SurveyFiles.WORLD), "size_m, start", "values missing", "a reef world") from None
     return str(world.get("name", path.name)), (width, height), start

@@ -19,8 +19,8 @@ from coral.reef.map.mapping import MapCfg, OccupancyMap
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
+from coral.run_files import SurveyFiles
 
-FILE = "survey.npz"
 FORMAT = "coral-saved-survey/1"
 
 
@@ -58,7 +58,7 @@ def save_survey(folder: Path, belief: Belief, pose: Pose, clusters: Sequence[Tra
         trail=belief.trajectory,
         **belief.map.memory(),  # type: ignore[arg-type]
     )
-    write_whole(folder / FILE, buffer.getvalue(), durable=True)
+    write_whole(folder / SurveyFiles.SAVED, buffer.getvalue(), durable=True)
 
 
 def load_survey(
@@ -74,7 +74,7 @@ def load_survey(
     Raises:
         InputError: There is none, it is broken, or it is of another area or cell size.
     """
-    path = run / FILE
+    path = run / SurveyFiles.SAVED
     expected = "the run folder of an earlier survey of more than 5 s"
     if not path.is_file():
         raise InputError(str(path), "--resume", "no such file", expected)

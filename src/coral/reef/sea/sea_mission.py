@@ -46,6 +46,7 @@ from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.vehicle.states import PilotState, StateMachine
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld
+from coral.run_files import RunFiles
 from coral.run_loop import Observer, timing_of
 
 ORDER_S = 6.0
@@ -418,6 +419,6 @@ class SeaMission:
         ages = {"picture_age_ms": self.picture_age_ms}
         timing = timing_of(wall_s, self.t, control_ms=loop.control_ms, tick_ms=loop.tick_ms, **ages)
         if not record.work.failure:
-            record.writer.json("metrics.json", metrics)
-            record.writer.json("timing.json", timing)
+            record.writer.json(RunFiles.METRICS, metrics)
+            record.writer.json(RunFiles.TIMING, timing)
         return {**metrics, **timing}

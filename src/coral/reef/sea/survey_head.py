@@ -12,6 +12,7 @@ from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.world import ReefWorld, save_world
+from coral.run_files import RunFiles, SurveyFiles
 from coral.runs import RunWriter, provenance
 
 
@@ -36,14 +37,14 @@ def write_head(
         frame: From the vehicle's frame to the survey's.
     """
     if world is not None:
-        save_world(world, writer.folder / "world.yaml")
+        save_world(world, writer.folder / SurveyFiles.WORLD)
     else:
         outlines = [{"name": name, "metres": [list(p) for p in ring]} for name, ring in area.keep_out]
         fence = [list(p) for p in area.fence]
         content = {"name": area.name, "size_m": list(area.size_m), "geofence": fence, "keep_out": outlines}
-        writer.yaml("world.yaml", content)
+        writer.yaml(SurveyFiles.WORLD, content)
     writer.yaml(
-        "config.yaml",
+        RunFiles.CONFIG,
         {
             "system": "reef",
             **about,

@@ -18,6 +18,7 @@ from coral.bag_writer import BagWriter, open_bag
 from coral.contact.scene.geometry import conjugate, from_rpy_deg, rotate
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError
+from coral.run_files import RunFiles
 from coral.view.contact.replay import trial_of_run
 from coral.view.run import RunFolder
 
@@ -65,7 +66,7 @@ def write_bag(run: RunFolder, out: Path, *, single_file: bool) -> dict[str, int]
     """
     trial, times = trial_of_run(run), run.column("t")
     if not len(times):
-        raise InputError(str(run.path), "trajectory.csv", "no rows", "at least one control step")
+        raise InputError(str(run.path), RunFiles.TRAJECTORY, "no rows", "at least one control step")
     steps = {name: _poses(run, prefix) for name, prefix in _frames(trial).items()}
     wrench = np.stack([run.column(name) for name in WRENCH], axis=1)
     opening = np.stack([run.column("opening"), run.column("cmd_opening")], axis=1)

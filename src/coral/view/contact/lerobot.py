@@ -16,6 +16,7 @@ from coral.config import Count
 from coral.drawing import Image
 from coral.errors import InputError
 from coral.file_writer import scratch_for, write_whole
+from coral.run_files import RunFiles
 from coral.view.contact.lerobot_stats import PictureStats, column_stats
 from coral.view.contact.replay import ReplayedScene
 from coral.view.mp4 import write_mp4
@@ -124,7 +125,7 @@ def frames_of(run: RunFolder, fps: int) -> Frames:
         raise InputError(str(run.path), "", "no finished contact run", "a run folder with config.yaml and metrics.json")
     times = run.column("t")
     if len(times) < 2:
-        raise InputError(str(run.path), "trajectory.csv", f"{len(times)} rows", "at least two")
+        raise InputError(str(run.path), RunFiles.TRAJECTORY, f"{len(times)} rows", "at least two")
     step_s = float(np.median(np.diff(times)))
     stride = round(1.0 / (fps * step_s))
     if stride < 1 or abs(stride * step_s * fps - 1.0) > 1e-3:
@@ -132,7 +133,7 @@ def frames_of(run: RunFolder, fps: int) -> Frames:
         raise InputError("--cfg", "fps", fps, f"a rate that fits a control step of {step_s:g} s: {', '.join(rates)}")
     rows = np.arange(0, len(times) - stride, stride)
     if not len(rows):
-        raise InputError(str(run.path), "trajectory.csv", f"{len(times)} rows", f"more than {stride}, one frame")
+        raise InputError(str(run.path), RunFiles.TRAJECTORY, f"{len(times)} rows", f"more than {stride}, one frame")
     state = np.stack([run.column(name)[rows] for name in STATE], axis=1).astype(np.float32)
     action = np.stack([run.column(name)[rows + stride] for name in ACTION], axis=1).astype(np.float32)
     starts = run.select("start")

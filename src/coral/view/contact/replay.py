@@ -15,6 +15,7 @@ from coral.contact.tasks import load_task
 from coral.contact.worlds.registry import make_world
 from coral.drawing import Image
 from coral.errors import InputError
+from coral.run_files import TaskFiles
 from coral.view.run import RunFolder, read_table
 
 Array = NDArray[np.float64]
@@ -41,10 +42,10 @@ class ReplayedScene:
     """
 
     def __init__(self, run: RunFolder, size: tuple[int, int]) -> None:
-        states = read_table(run.path / "states.csv")
+        states = read_table(run.path / TaskFiles.STATES)
         self.times: Array = states.get("t", np.zeros(0))
         if not len(self.times):
-            raise InputError(str(run.path), "states.csv", "no states", "a run that kept them (record.states)")
+            raise InputError(str(run.path), TaskFiles.STATES, "no states", "a run that kept them (record.states)")
         self.trial = trial_of_run(run)
         world = make_world(str(run.config.get("world", "hand")), self.trial, 0.02)
         try:
@@ -58,7 +59,7 @@ class ReplayedScene:
         if self._places.shape[1] != self._model.nq:
             raise InputError(
                 str(run.path),
-                "states.csv",
+                TaskFiles.STATES,
                 f"{self._places.shape[1]} joint positions",
                 f"the {self._model.nq} of its world",
             )
@@ -136,7 +137,7 @@ def trial_of_run(run: RunFolder) -> Trial:
     Raises:
         InputError: The run has no task, or no seed.
     """
-    path = Path(run.path) / "task.yaml"
+    path = Path(run.path) / TaskFiles.TASK
     seed = run.config.get("seed")
     if not path.is_file() or not isinstance(seed, int):
         raise InputError(str(run.path), "", "no task.yaml and seed", "the folder of a contact run")

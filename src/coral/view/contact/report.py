@@ -16,6 +16,7 @@ from coral.contact.scene.trial import Trial
 from coral.drawing import png
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole, writing
+from coral.run_files import TaskFiles
 from coral.view.contact.figures import (
     cost_chart,
     force_chart,
@@ -68,13 +69,13 @@ def write_contact_report(run_folder: str | Path) -> Path:
     run = RunFolder.read(run_folder)
     notes = list(run.notes)
     frames: list[Keyframe] = []
-    if (run.path / "states.csv").is_file():
+    if (run.path / TaskFiles.STATES).is_file():
         try:
             frames = keyframes(run)
         except (InputError, RunError) as error:
             notes.append(f"No pictures: {error}")
     if frames:
-        path = run.path / "keyframes.png"
+        path = run.path / TaskFiles.KEYFRAMES
         with writing(path):
             write_whole(path, png(sheet(frames)))
     return write_page(run.path, render_contact_report(run, frames, notes))
@@ -122,7 +123,7 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
         rows=metric_rows(metrics, DEFINITIONS),
         **origin(run, ("task", "world", "variant", "advisor", "seed", "poses", "tracker"), tuple(run.timing)),
         notes=notes,
-        video=(run.path / "episode.mp4").is_file(),
+        video=(run.path / TaskFiles.VIDEO).is_file(),
     )
 
 

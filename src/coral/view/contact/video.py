@@ -10,6 +10,7 @@ import numpy as np
 
 from coral.drawing import Image, draw_text
 from coral.file_writer import scratch_for, writing
+from coral.run_files import TaskFiles
 from coral.view.contact.figures import stage_spans
 from coral.view.contact.replay import ReplayedScene
 from coral.view.mp4 import write_mp4
@@ -33,7 +34,7 @@ def write_contact_video(run_folder: str | Path) -> Path:
     """
     run = RunFolder.read(run_folder)
     scene = ReplayedScene(run, (WIDTH, HEIGHT))
-    path = run.path / "episode.mp4"
+    path = run.path / TaskFiles.VIDEO
     with writing(path), scratch_for(path) as scratch:
         write_mp4(scratch, pictures(run, scene), (WIDTH, HEIGHT + STRIP), FPS, "-crf", "24")
     return path

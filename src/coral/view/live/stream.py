@@ -12,6 +12,7 @@ from typing import IO, Any, Protocol
 from coral.foreign_file import open_regular, parse_json
 from coral.odd_text import encodable_values
 from coral.rotating_log import earlier_parts, read_parts
+from coral.run_files import RunFiles
 from coral.runs import trajectory_name
 from coral.view.records import shallow, sound
 from coral.view.run import Record, numbers_of
@@ -88,7 +89,7 @@ class RunStream:
         self._make = subject
         self._subject: Subject | None = None
         self._lock = threading.Lock()
-        self._events = Tail(folder / "events.jsonl")
+        self._events = Tail(folder / RunFiles.EVENTS)
         self._tables: list[_Table] = []
         self._moments: list[Moment] = []
 
@@ -125,7 +126,7 @@ class RunStream:
                 "moments": self._moments[moments:],
                 "rows": [table.rows[max(n, 0) :] for table, n in zip(self._tables, have, strict=False)],
                 "steps_per_s": self._tables[0].steps_per_s if self._tables else 10.0,
-                "complete": (self.folder / "metrics.json").is_file(),
+                "complete": (self.folder / RunFiles.METRICS).is_file(),
             }
 
     def close(self) -> None:

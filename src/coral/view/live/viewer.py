@@ -20,6 +20,7 @@ from coral.interrupts import wait_for_interrupt
 from coral.reef.pictures.cameraview import camera_picture
 from coral.reef.pictures.mapframe import CELL_COLORS
 from coral.reef.world.geometry import Frame
+from coral.run_files import RunFiles, SurveyFiles, TaskFiles
 from coral.view.live.controls import Controls
 from coral.view.live.stream import RunStream, Subject
 from coral.view.run import RunFolder
@@ -167,9 +168,9 @@ class Viewer(WebServer):
         found = self._frames
         if time.monotonic() - found.looked > 1.0:
             found.looked = time.monotonic()
-            found.colour = found.colour or any((self.folder / "frames").glob("*_rgb.jpg"))
+            found.colour = found.colour or any((self.folder / SurveyFiles.FRAMES).glob("*_rgb.jpg"))
             for kind, kept in (("map", found.maps), ("labels", found.eyes)):
-                names = (self.folder / "frames").glob(f"*_{kind}.png")
+                names = (self.folder / SurveyFiles.FRAMES).glob(f"*_{kind}.png")
                 kept[:] = sorted(int(name.name.partition("_")[0]) for name in names if name.name[:6].isdigit())
         return {"maps": found.maps, "eyes": found.eyes, "colour": found.colour}
 
@@ -185,7 +186,7 @@ class Viewer(WebServer):
         from starlette.responses import FileResponse
 
         digest = request.path_params["digest"]
-        path = self.folder / "pictures" / f"{digest}.png"
+        path = self.folder / RunFiles.PICTURES / f"{digest}.png"
         if not re.fullmatch(r"\w{1,128}", digest) or path.is_symlink() or not path.is_file():
             raise refusal(HTTPStatus.NOT_FOUND, "There is no such picture.")
         return FileResponse(path, media_type="image/png")
@@ -206,11 +207,11 @@ def subject_of(folder: Path) -> Subject | None:
     Raises:
         InputError: It is a task, and its folder has no task file or no seed.
     """
-    events = folder / "events.jsonl"
-    if not (folder / "config.yaml").is_file() and not (events.is_file() and events.stat().st_size):
+    events = folder / RunFiles.EVENTS
+    if not (folder / RunFiles.CONFIG).is_file() and not (events.is_file() and events.stat().st_size):
         return None
     run = RunFolder.read(folder)
-    if (folder / "task.yaml").is_file():
+    if (folder / TaskFiles.TASK).is_file():
         from coral.view.live.task_subject import TaskSubject
 
         return TaskSubject(run)
@@ -223,7 +224,7 @@ def frame_picture(folder: Path, step: int, kind: str) -> Image | None:
     """Draw one picture of a run: "map", "segmentation", "depth" or "colour"; None if it was not kept."""
 
     def stored(name: str) -> Any:
-        path = folder / "frames" / f"{step:06d}_{name}.{'jpg' if name == 'rgb' else 'png'}"
+        path = folder / SurveyFiles.FRAMES / f"{step:06d}_{name}.{'jpg' if name == 'rgb' else 'png'}"
         return read_picture_file(path, channels=3 if name == "rgb" else 1)
 
     if kind == "map":

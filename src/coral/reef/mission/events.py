@@ -1,0 +1,51 @@
+"""What `events.jsonl` of a survey holds: each event with its keys, which stand in backticks."""
+
+from __future__ import annotations
+
+EVENTS = {
+    "start": "`world`, `advisor`, `variant`, `preset`, `seed`, `clusters_total`; `own_parts`: parts exchanged in "
+    "Python; `robots` and `hull_radius_m` of several. At sea also `judged_by`, `vehicle`, `camera`, and `resumed` "
+    "with `place`.",
+    "instruction": "The words of a mission, at the start or changed under way: `text`, and `by` whom.",
+    "question": "A question was asked: number of the `decision`, `attempt` (0: the first), `mode`, digests of its "
+    "`pictures`, `centroids` of the chain, and what would be `acceptable`.",
+    "verdict": "An answer was judged: `decision`, `attempt`, `verdict`, `code` of a refusal, `tokens_in`, "
+    "`tokens_out`, `cost_usd`, `faults` of a bad reply; `reason` of a refusal, the `answer`, and when it was "
+    "`asked_at` (s).",
+    "goal": "A goal was adopted: `x`, `y` (m); its `source` (an advisor or fallback, `initial`, `tour`, `home`), "
+    "`decision`, `reason`; `index` of the cluster; `centroids`; `violates`: whether it goes back or off the trend "
+    "(Eqs. 4-8); `waits`: goals before it; `then`: goals after it; `later_s`: what it costs; `expect`: what the "
+    "advisor expects there; `overtaken`: seen from near meanwhile; in words also `look` and `said`.",
+    "held": "A decision without a goal: `source`, `decision`, `reason`; in words also `answer`, `said`, `look`, "
+    "`violates`.",
+    "fallback": "The advisor did not decide: `decision`, `failure`, and the `policy` that took over.",
+    "guess": "What an advisor had expected at `x`, `y` came out: `what`, how `sure`, whether it was a `hit`.",
+    "mode": "The `mode` of questions changed: centroids or free waypoints.",
+    "trigger": "The smart trigger's verdict changed (Eq. 12): `cause`, `fired`, `held_by`.",
+    "monitor": "The reference path was planned anew: `deviation_m`.",
+    "planner_failure": "No rollout was feasible, and the vehicle brakes: `reason`.",
+    "doubt": "The robot looks again at doubtful places before it ends: `step`.",
+    "cluster_covered": "A true cluster was covered: `name`, `fraction` of its area.",
+    "collision": "Contact with `obstacle` at `x`, `y` (m).",
+    "robot_collision": "Contact of two robots: the `other`, at `x`, `y` (m).",
+    "state": "The vehicle's state changed: `state`, before that `was`, `cause`, `by` whom, `reason`.",
+    "sensor": "An `input` was `refused` (empty: accepted again), `detail`.",
+    "blind": "The sonar alone shows the way (`blind`), or no longer: `reason`.",
+    "deaf": "The sonar is silent (`deaf`), or no longer: `reason`.",
+    "awaited": "At sea, what ends a state: `state`, `reason`, `ends_when`.",
+    "operator": "At sea, the operator said a `word`, from a `source` (keyboard, page, ROS).",
+    "limit": "At sea, a limit was reached: `cause`, `reason`, and the `action` taken.",
+    "alignment": "At sea, the search for the place on a saved map: `status`, `reason`; `moved_m`, `turned_deg`, "
+    "`bodies`, `matched`, `residual_m`, `score`, and that of the `second` best place.",
+    "frame": "At sea, the place on a saved map was found: `x`, `y`, `turn` of the frame, `start`, `shift`.",
+    "vehicle_text": "At sea, a message of the autopilot: `severity`, `text`.",
+    "late_tick": "At sea, a tick came late: `behind_ms`, `woken_ms`, `control_ms`.",
+    "recording_stopped": "At sea, the disk is full, say: `reason`.",
+    "order": "At sea, the vehicle was given an `order`.",
+    "order_refused": "At sea, the vehicle refused an `order`: `reason`.",
+    "left": "At the end, `clusters` that were not finished, each with why; `centroids` of the chain.",
+    "judged": "At the end, the truth: `clusters` with the share imaged and inspected, the robot's `tracks` and "
+    "`phantoms` among them, `oracle_time_to_90_s`; in words `instruction` with its conditions.",
+    "end": "The last line: `reason`.",
+}
+"""Every line also has `step`, `t` (simulated seconds) and, of several robots, `robot`."""

@@ -1,0 +1,91 @@
+"""The reference names every file, event, key and column that a run has."""
+
+import ast
+import csv
+import importlib
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+import coral
+from coral.contact.episode import events as contact_events
+from coral.contact.tasks import load_task
+from coral.reef.mission import events as reef_events
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "docs" / "site"))
+tables = importlib.import_module("tables")
+
+
+def words(*names):
+    """The words that tables show in backticks."""
+    found = re.findall(r"`([^`]+)`", " ".join(tables.TABLES[name]() for name in names))
+    return {word for cell in found for word in cell.split()}
+
+
+def keys(text):
+    return set(re.findall(r"`(\w+)`", text))
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """A survey and a task, cut short, with all that their folders may hold but videos."""
+    folder = tmp_path_factory.mktemp("runs")
+    survey = coral.run_mission("s1", cfg={"time_limit_s": 3}, out=folder / "survey")
+    task = coral.run_task(
+        load_task("push-pick-board").model_copy(update={"time_limit_s": 0.5}),
+        world="hand",
+        cfg={"controller": {"horizon": 10}},
+        samples=4,
+        out=folder / "task",
+    )
+    return {"survey": survey.folder, "task": task.folder}
+
+
+@pytest.mark.parametrize("kind", ["survey", "task"])
+def test_every_file_of_a_run_has_a_row(runs, kind):
+    named = words(f"files-{kind}")
+    left = [str(path.relative_to(runs[kind])) for path in runs[kind].rglob("*") if path.is_file()]
+    assert [name for name in left if name not in named and f"{name.split('/')[0]}/" not in named] == []
+    assert len(left) > 9
+
+
+@pytest.mark.parametrize(("kind", "events"), [("survey", reef_events.EVENTS), ("task", contact_events.EVENTS)])
+def test_every_event_and_each_of_its_keys_has_a_row(runs, kind, events):
+    lines = [json.loads(line) for line in (runs[kind] / "events.jsonl").read_text().splitlines()]
+    objects = set(lines[0].get("trial", ()))
+    always = {"step", "t", "event", "robot"}
+    missing = {(line["event"], key) for line in lines for key in set(line) - keys(events[line["event"]]) - objects}
+    assert {(event, key) for event, key in missing if key not in always} == set()
+
+
+@pytest.mark.parametrize("kind", ["survey", "task"])
+def test_every_metric_time_column_and_attempt_has_a_row(runs, kind):
+    def of(name):
+        return set(json.loads((runs[kind] / name).read_text()))
+
+    assert of("metrics.json") <= words(f"metrics-{kind}")
+    assert {re.sub("_(median|p99)$", "", key) for key in of("timing.json")} <= words("timing")
+    attempts = [json.loads(line) for line in (runs[kind] / "attempts.jsonl").read_text().splitlines()]
+    assert attempts
+    assert set().union(*attempts) <= words("attempts")
+    objects = re.compile("^board_")
+    for path in [runs[kind] / "trajectory.csv", *runs[kind].glob("judge.csv"), *runs[kind].glob("frames/*.csv")]:
+        columns = {objects.sub("OBJECT_", name) for name in next(csv.reader(path.open()))}
+        assert columns <= words(f"columns-{kind}", f"files-{kind}")
+
+
+@pytest.mark.parametrize(("room", "events"), [("reef", reef_events.EVENTS), ("contact", contact_events.EVENTS)])
+def test_every_event_that_the_code_can_tell_has_a_row(room, events):
+    """Those of a short run are few: read the calls that name one."""
+    told = set()
+    for path in (ROOT / "src/coral" / room).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Call) and (call := re.match(r"[\w.]*_?(?:emit|tell)\('(\w+)'", ast.unparse(node))):
+                told |= {(call[1], word.arg) for word in node.keywords if word.arg}
+    assert len(told) > 50
+    assert {(event, key) for event, key in told if key not in keys(events.get(event, ""))} == set()
+    assert set(events) - {event for event, _ in told} <= {"contact", "contact_end", "track", "frame", "guess", "start"}
