@@ -345,7 +345,7 @@ def test_a_study_goes_on_where_it_stopped(study):
 
 def test_a_study_of_missions_in_words_has_both_halves_in_three_waters():
     made = ReefBench.from_file(["--study", "words"])
-    assert made.presets == "clear,bay,hard"
+    assert made.presets == "clear,coast,bay"
     assert made.worlds == "words:all:0-3,words:all:100-103"
     with pytest.raises(InputError, match="--study"):
         dataclasses.replace(made, study=("word",))()

@@ -1,10 +1,12 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from coral.exam.generation import make_word_set
 from coral.exam.question_set import load_set, save_set
 from coral.exam.score import score
-from coral.exam.word_questions import word_item, word_items
+from coral.exam.word_questions import _moment, word_item, word_items
 from coral.reef.decide.mission_answer import MissionAnswer
 from coral.reef.world.generated import find_world
 
@@ -35,6 +37,22 @@ def test_some_dots_are_right_and_others_are_not(item):
 def test_an_answer_is_scored(item):
     right, wrong = (MissionAnswer(selected_centroid_index=item.key[name][0]) for name in ("right", "unwanted"))
     assert (score(item, right).score, score(item, wrong).score) == (0.5, 0.0)
+
+
+def test_no_dot_stands_for_an_animal_that_passes():
+    world = find_world("words:living:0")
+    clump, dead = (
+        next(one for one in world.things if one.kind.startswith(kind)) for kind in ("living", ("dead", "mus"))
+    )
+    fish = next(one for one in world.things if one.kind == "fish")
+    beside = fish.model_copy(update={"x": clump.x + 0.4, "y": clump.y})
+    world = world.model_copy(update={"things": (beside, *(one for one in world.things if one is not fish))})
+    tracks = [SimpleNamespace(index=1, x=beside.x, y=beside.y), SimpleNamespace(index=2, x=dead.x, y=dead.y)]
+    views = SimpleNamespace(of=lambda tracks: [(track, None, 0.0) for track in tracks])
+    outlook = SimpleNamespace(
+        belief=SimpleNamespace(tracks=tracks, best_views=views), done=lambda track: False, unvisited=lambda: tracks
+    )
+    assert _moment(world, outlook, 0.0, []).key["kinds"] == {"1": "living-clump", "2": dead.kind}
 
 
 def test_missions_of_the_other_half(monkeypatch, item):

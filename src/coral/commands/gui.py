@@ -18,7 +18,7 @@ from coral.runs import new_run_folder
 SETTINGS: Mapping[str, Mapping[str, tuple[str, str, tuple[str, ...]]]] = {
     "reef": {
         "seed": ("seed", "0", ()),
-        "preset": ("water and sensors", "clear", ("clear", "bay", "hard")),
+        "preset": ("water and sensors", "clear", ("clear", "coast", "bay", "hard")),
         "advisor": ("advisor", "heuristic", ("heuristic", "desk", "sloppy:0.3:heuristic")),
         "variant": ("variant", "full", ("full", "paper")),
         "cfg.time-limit-s": ("time limit (s)", "600", ()),

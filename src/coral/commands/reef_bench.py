@@ -348,7 +348,7 @@ STUDY: dict[str, Any] = {
 STUDY_IN_WORDS: dict[str, Any] = {
     "variants": "full,geometry,keywords,lawnmower,random,reader,oracle",
     "worlds": "words:all:0-3,words:all:100-103",
-    "presets": "clear,bay,hard",
+    "presets": "clear,coast,bay",
     "out": Path("runs/words"),
 }
 """Defaults of the flags with `--study words`."""

@@ -27,7 +27,7 @@ class ReefPicture:
     """The PNG file to write. Camera and pose go into camera.yaml and poses.csv of its folder, which `coral reef map`
     reads; pictures that are taken into the same folder later are added."""
     water: tuple[str, ...] = ("clear",)
-    """Jerlov types (jerlov-3C) or presets (clear, bay, hard); all: every Jerlov type."""
+    """Jerlov types (jerlov-3C) or presets (clear, coast, bay, hard); all: every Jerlov type."""
     at: Annotated[tuple[float, float, float] | None, Option(metavar="X Y HEADING")] = None
     """Place of the robot (m) and heading (degrees, counter-clockwise from +x); a place near oysters by default."""
     size: tuple[int, int] = (640, 480)

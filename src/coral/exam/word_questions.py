@@ -27,6 +27,7 @@ from coral.reef.simulation.simulator import make_stills
 from coral.reef.vehicle.camera import Camera
 from coral.reef.world.generated import find_world
 from coral.reef.world.geometry import Pose, to_world
+from coral.reef.world.kinds import find_kind
 from coral.reef.world.scene import Scene
 from coral.reef.world.word_missions import FAMILIES, PREFIX, TEST_FROM
 from coral.reef.world.world import ReefWorld
@@ -131,8 +132,9 @@ def _moment(world: ReefWorld, outlook: Outlook, t: float, seen: list[str]) -> _M
     """Return a moment if pictures decide at it; `seen`: names of the things that were visited, in order."""
     belief = outlook.belief
     things: dict[int, Any] = {}
+    settled = [thing for thing in world.things if not find_kind(thing.kind).circles]  # no dot is of an animal
     for track in belief.tracks:
-        near = min(world.things, key=lambda thing: math.dist((thing.x, thing.y), (track.x, track.y)))
+        near = min(settled, key=lambda thing: math.dist((thing.x, thing.y), (track.x, track.y)))
         if math.dist((near.x, near.y), (track.x, track.y)) <= SAME_M:
             things[track.index] = near
             if outlook.done(track) and near.name not in seen:

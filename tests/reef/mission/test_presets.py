@@ -20,7 +20,7 @@ def test_clear_is_what_a_mission_is_by_default():
     assert world is WORLD
 
 
-@pytest.mark.parametrize("name", ["bay", "hard"])
+@pytest.mark.parametrize("name", ["coast", "bay", "hard"])
 def test_every_value_of_a_preset_arrives(name):
     cfg, world = apply_preset(name, CFG, WORLD)
     values = {f"{NOISE}{key}": value for key, value in to_mapping(cfg.simulator.noise).items()}
@@ -33,11 +33,12 @@ def test_every_value_of_a_preset_arrives(name):
     assert world.clusters == WORLD.clusters
 
 
-def test_hard_is_at_least_as_bad_as_bay_in_everything():
-    bay, hard = PRESETS["bay"].values, PRESETS["hard"].values
-    assert set(bay) == set(hard)
-    for key, value in bay.items():
-        assert hard[key] < value if key.endswith("visibility_m") else hard[key] >= value
+@pytest.mark.parametrize(("better", "worse"), [("coast", "bay"), ("bay", "hard")])
+def test_a_preset_is_at_least_as_bad_in_everything_as_the_one_before(better, worse):
+    before, after = PRESETS[better].values, PRESETS[worse].values
+    assert set(before) == set(after)
+    for key, value in before.items():
+        assert after[key] < value if key.endswith("visibility_m") else after[key] >= value
 
 
 def test_what_the_user_has_set_wins():

@@ -9,7 +9,7 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.world.generated import expand_names, find_world
-from coral.reef.world.instruction import DoneBy, Inspected, KeptOff, Sides, Spared, spoken
+from coral.reef.world.instruction import Deeds, DoneBy, Inspected, KeptOff, Sides, Spared, spoken
 from coral.reef.world.kinds import find_kind
 from coral.reef.world.word_missions import APART_M, FAMILIES, word_mission
 
@@ -44,6 +44,31 @@ def test_the_words_and_the_judge_have_the_same_numbers(name):
                 assert f"{seconds:g} seconds" in words or f"{seconds / 60:g} minutes" in words
             case _:
                 pass
+
+
+@pytest.mark.parametrize("number", [1, 101])
+def test_a_mission_asks_for_the_plot_of_the_fish_and_other_animals_keep_to_the_others(number):
+    world = word_mission(f"words:plots:{number}")
+    assert re.search("fish|shoal", world.mission.instruction)
+    home = {
+        animal.kind: next(
+            one for one in world.things if one.name != animal.name and (one.x, one.y) == (animal.x, animal.y)
+        )
+        for animal in world.things
+        if find_kind(animal.kind).circles
+    }
+    assert {plot.name for plot in home.values()} == {"north", "east", "south"}
+    assert home["ray"].kind == "plot-old"  # where fish would be expected
+    inspected = {plot.name: 10.0 for plot in home.values()}
+    for animal, right in {"fish": True, "crab": False, "ray": False}.items():
+        deeds = Deeds(
+            kinds={thing.name: thing.kind for thing in world.things},
+            inspected_s=inspected,
+            end_s=300.0,
+            done=True,
+            answer=f"the {home[animal].name} plot",
+        )
+        assert all(one.met for one in world.mission.judge(deeds)) is right
 
 
 def test_a_wrong_name_gets_the_nearest_family():

@@ -84,6 +84,21 @@ PRESETS: dict[str, Preset] = {
             name=CLEAR, what="the paper's simulation: clear water, perfect sensors, the current of the world's file"
         ),
         Preset(
+            name="coast",
+            what="a clear coast: 11 m of visibility, and less of everything that `bay` has",
+            conditions=(
+                Condition(
+                    key=f"{NOISE}visibility_m",
+                    value=11.0,
+                    reason="Jerlov 1C: beyond what is told apart at any distance in `clear`, but with colours lost",
+                ),
+                *_masks(0.02, "less than half of `bay`: 2 % missed, 0.2 % false"),
+                Condition(key=f"{NOISE}depth_sigma", value=0.01, reason="half of `bay`"),
+                *_drift(0.01, "half of `bay`: 0.3 m after ten minutes on average"),
+                Condition(key=CURRENT, value=0.1, reason="as in `bay`: what is hard here is to see, not to drive"),
+            ),
+        ),
+        Preset(
             name="bay",
             what="a calm bay: 4.5 m of visibility, a few wrong masks, depth noise, slow drift, a weak current",
             conditions=(
@@ -128,7 +143,7 @@ PRESETS: dict[str, Preset] = {
         ),
     )
 }
-"""clear, bay and hard in order of difficulty: no value of one is easier than that of the one before."""
+"""clear, coast, bay and hard in order of difficulty: no value of one is easier than that of the one before."""
 
 
 def named(name: str) -> Preset:

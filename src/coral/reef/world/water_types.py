@@ -72,8 +72,9 @@ attenuation by so much, so it is the mean of its neighbours 3C and 7C, and its s
 green.
 Diffuse attenuation: Jerlov, Marine Optics, 1976, table XXVII, at 625, 550 and 450 nm."""
 
-ALIASES = {"clear": "jerlov-IB", "pool": "jerlov-IB", "bay": "jerlov-3C", "hard": "jerlov-5C"}
-"""Waters of the presets of a mission: visibility 44 m, 4.3 m and 3.0 m, where the presets say none, 4.5 m and 3 m."""
+ALIASES = {"clear": "jerlov-IB", "pool": "jerlov-IB", "coast": "jerlov-1C", "bay": "jerlov-3C", "hard": "jerlov-5C"}
+"""Waters of the presets of a mission: visibility 44 m, 10.9 m, 4.3 m and 3.0 m, where the presets say none, 11 m, 4.5 m
+and 3 m."""
 
 
 def find_water(name: str, where: str = "water") -> WaterType:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
 from zlib import crc32
@@ -47,11 +47,11 @@ AHEAD_M, AHEAD_HALF_M = 9.0, 2.0
 """Water ahead of the start that stays empty: length, and half of the width."""
 POSTS, FROM_POST_M = 3, 2.4
 ANIMALS, ROOM_M = ("fish", "crab", "ray"), 2.6
-"""What swims or walks past, one of each, so far from the edges; no mission is about it."""
+"""What swims or walks past, one of each, so far from the edges or at a thing that a mission names."""
 LIKE_OYSTERS = ("dead-shell", "mussels", "sponge", "shell-bags", "reef-ball", "crab-pot", "tyre")
 
 Draft = tuple[list[tuple[str, str]], tuple[Clause, ...]]
-"""Names and kinds of the things, and the conditions."""
+"""Names and kinds of the things, and the conditions. An animal is named after the thing that it lives at."""
 
 
 def _others(rng: np.random.Generator, count: int, without: Sequence[str]) -> list[tuple[str, str]]:
@@ -93,17 +93,22 @@ def _count(rng: np.random.Generator) -> Draft:
     return things, (*seen, Answered(right=(str(number),)), EndsAt(), DoneBy(time_s=TIME_S))
 
 
-def _plots(rng: np.random.Generator) -> Draft:
+def _plots(rng: np.random.Generator, asked: str = "plot-old") -> Draft:
     kinds = ["plot-old", "plot-young", "plot-young"]
     order = rng.permutation(3)
     names = ("north", "east", "south")
     things = [(name, kinds[k]) for name, k in zip(names, order, strict=True)]
-    right = next(name for name, kind in things if kind == "plot-old")
+    things += [(f"{names[order.tolist().index(k)]}-{ANIMALS[k - 1]}", ANIMALS[k - 1]) for k in range(3)]
+    right = next(name.partition("-")[0] for name, kind in things if kind == asked)
     wrong = tuple(name for name in names if name != right)
     return (
         [*things, *_others(rng, 3, ())],
         (Inspected(of=names), Answered(right=(right,), wrong=wrong), DoneBy(time_s=TIME_S)),
     )
+
+
+def _fish(rng: np.random.Generator) -> Draft:
+    return _plots(rng, "fish")
 
 
 def _east(rng: np.random.Generator) -> Draft:
@@ -132,16 +137,17 @@ def _cable(rng: np.random.Generator) -> Draft:
     )
 
 
-FAMILIES: dict[str, Callable[[np.random.Generator], Draft]] = {
-    "living": _living,
-    "net": _net,
-    "order": _order,
-    "count": _count,
-    "plots": _plots,
-    "east": _east,
-    "bags": _bags,
-    "cable": _cable,
+FAMILIES: dict[str, tuple[Callable[[np.random.Generator], Draft], ...]] = {
+    "living": (_living,),
+    "net": (_net,),
+    "order": (_order,),
+    "count": (_count,),
+    "plots": (_plots, _fish),
+    "east": (_east,),
+    "bags": (_bags,),
+    "cable": (_cable,),
 }
+"""What is drawn, in turn by number, as the instructions are."""
 
 
 @cache
@@ -174,12 +180,13 @@ def word_mission(name: str) -> ReefWorld:
             repr(name),
             f"{PREFIX}FAMILY:NUMBER, one of {', '.join(FAMILIES)}{nearest(given, list(FAMILIES))}",
         )
-    draft, number = FAMILIES[match[1]], int(match[2])
+    drafts, number = FAMILIES[match[1]], int(match[2])
     rng = np.random.default_rng([crc32(match[1].encode()), number])
-    things, conditions = draft(rng)
+    things, conditions = drafts[number % len(drafts)](rng)
     said = instructions()[match[1]][half_of(name)]
     text = MissionText(instruction=said[number % len(said)], time_s=TIME_S, conditions=conditions)
-    placed = _place(things, rng)
+    placed = _place([one for one in things if one[1] not in ANIMALS], rng)
+    homes = {kind: name.partition("-")[0] for name, kind in things if kind in ANIMALS}
     posts = _posts(placed, rng)
     world = ReefWorld.model_validate(
         {
@@ -189,7 +196,7 @@ def word_mission(name: str) -> ReefWorld:
             "seed": number,
             "clusters": [],
             "obstacles": posts,
-            "things": [*placed, *_animals(number, match[1])],
+            "things": [*placed, *_animals(number, match[1], placed, homes)],
             "mission": text.model_dump(mode="json"),
         }
     )
@@ -250,12 +257,16 @@ def _cable_of(
     return list(line.values()) if any(kind == "cable" for _, kind in things) else []
 
 
-def _animals(number: int, family: str) -> list[dict[str, object]]:
-    """Return the animals, drawn apart from all else."""
+def _animals(
+    number: int, family: str, placed: Sequence[dict[str, object]], homes: Mapping[str, str]
+) -> list[dict[str, object]]:
+    """Return the animals, drawn apart from all else, or at the things that are their homes by name."""
     rng = np.random.default_rng([crc32(family.encode()), number, 1])
     low, high = np.full(2, ROOM_M), np.array(SIZE_M) - ROOM_M
     places = [(kind, *rng.uniform(low, high).round(2).tolist(), rng.uniform(-3.1, 3.1)) for kind in ANIMALS]
-    return [{"name": kind, "kind": kind, "x": x, "y": y, "yaw": round(yaw, 2)} for kind, x, y, yaw in places]
+    free = {kind: {"name": kind, "kind": kind, "x": x, "y": y, "yaw": round(yaw, 2)} for kind, x, y, yaw in places}
+    at = {str(one["name"]): {"x": one["x"], "y": one["y"]} for one in placed}
+    return [{**free[kind], **(at[homes[kind]] if kind in homes else {})} for kind in ANIMALS]
 
 
 def _posts(placed: Sequence[dict[str, object]], rng: np.random.Generator) -> list[dict[str, object]]:
