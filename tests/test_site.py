@@ -65,6 +65,11 @@ def test_a_table_has_rows_that_all_say_something(name: str) -> None:
     assert len({len(re.split(r"(?<!\\)\|", line)) for line in lines}) == 1
 
 
+@pytest.mark.parametrize("name", ["task-file", "world-file", "variants-survey"])
+def test_every_key_and_variant_has_a_text(name: str) -> None:
+    assert [line for line in tables.TABLES[name]().splitlines() if re.search(r"\| (None)? ?\|$", line)] == []
+
+
 def test_tables_tell_what_the_code_knows() -> None:
     from coral import limits
     from coral.advisor.registry import ENTRIES

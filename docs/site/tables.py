@@ -19,22 +19,33 @@ from cost_tables import tables as cost_tables
 from coral import limits
 from coral.advisor import log
 from coral.advisor.registry import ENTRIES
+from coral.advisor.setting import Mistake
 from coral.cli import COMMANDS
 from coral.commands.config import ListConfig
 from coral.configurations import CONFIGURATIONS
 from coral.contact.episode import events as contact_events
 from coral.contact.episode import metrics as contact_metrics
+from coral.contact.episode import variants as contact_variants
+from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.recorder import columns_told
+from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.scene.conditions import Condition
-from coral.field_docs import field_docs
+from coral.contact.scene.shapes import Fixture, Joint, Movable, Shape, TableMark, TableTop
+from coral.contact.scene.task import Success, Task
+from coral.field_docs import class_doc, field_docs
 from coral.plugins import GROUPS
+from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission import events as reef_events
 from coral.reef.mission import metrics as reef_metrics
 from coral.reef.mission import record
 from coral.reef.mission.presets import PRESETS
+from coral.reef.mission.variants import VARIANTS
 from coral.reef.recordings.bag_export import TOPICS
 from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
 from coral.reef.vehicle.states import CHANGES
+from coral.reef.world.instruction import Clause, MissionText
+from coral.reef.world.structures import Obstacle, Tank, Tether, Wall
+from coral.reef.world.world_model import Cluster, Current, Oyster, ReefWorld, Seabed, Start, Thing
 from coral.run_files import SurveyFiles, TaskFiles
 from coral.run_loop import TIMING
 from coral.surface import described
@@ -113,6 +124,14 @@ def _states() -> str:
     )
 
 
+def _mistakes(mistakes: Iterable[Mistake]) -> str:
+    def linked(text: str) -> str:
+        return re.sub(r"arXiv:([\d.]+\d)", r"[arXiv:\1](https://arxiv.org/abs/\1)", text)
+
+    rows = ((f"`{one.name}`", one.what, linked(one.found_in) or "–") for one in mistakes)
+    return _table("error | what goes wrong | where models were found to make it", rows)
+
+
 def _presets() -> str:
     return _table(
         "preset | key | value | why",
@@ -124,22 +143,43 @@ def _presets() -> str:
     )
 
 
-def _conditions() -> str:
+def _plain(default: object) -> str:
+    """Return a default as it would stand in a file; nothing where it says nothing."""
+    values = default if isinstance(default, tuple) else (default,)
+    plain = default not in ((), "") and all(isinstance(value, str | int | float) for value in values)
+    return f"`{list(values) if isinstance(default, tuple) else default}`" if plain else ""
+
+
+def _conditions(union: object) -> str:
     def keys(kind: type) -> str:
         fields = {key: field for key, field in kind.model_fields.items() if key not in ("kind", "object")}  # type: ignore[attr-defined]
         return ", ".join(
-            f"`{key}`" + ("" if field.is_required() or field.default is None else f" ({field.default})")
+            f"`{key}`" + ("" if field.is_required() or not _plain(field.default) else f" ({field.default})")
             for key, field in fields.items()
         )
 
-    kinds = sorted(get_args(get_args(Condition)[0]), key=lambda kind: kind.model_fields["kind"].default)
+    kinds = sorted(get_args(get_args(union)[0]), key=lambda kind: kind.model_fields["kind"].default)
     return _table(
         "kind | holds when | keys (default)",
-        (
-            (f"`{kind.model_fields['kind'].default}`", inspect.cleandoc(kind.__doc__).partition("\n\n")[0], keys(kind))
-            for kind in kinds
-        ),
+        ((f"`{kind.model_fields['kind'].default}`", class_doc(kind), keys(kind)) for kind in kinds),
     )
+
+
+def _keys(**kinds: type) -> str:
+    """Return the keys of a file, part by part. Keys without a text share that of the next one."""
+    parts = []
+    for place, kind in kinds.items():
+        rows, names, docs = [], [], field_docs(kind)
+        for name, field in kind.model_fields.items():  # type: ignore[attr-defined]
+            names.append(f"`{name}`")
+            if name in docs:
+                rows.append(
+                    (", ".join(names), "required" if field.is_required() else _plain(field.default), docs[name])
+                )
+                names = []
+        rows += [(name, "", "") for name in names]
+        parts.append(f"**`{place}`**: {class_doc(kind)}\n\n{_table('key | default | what', rows)}")
+    return "\n\n".join(parts)
 
 
 TABLES: dict[str, Callable[[], str]] = {
@@ -155,6 +195,11 @@ TABLES: dict[str, Callable[[], str]] = {
     "timing": partial(_named, "key | what", TIMING),
     "metrics-survey": partial(_named, "key | what", reef_metrics.DEFINITIONS),
     "metrics-task": partial(_named, "key | what", contact_metrics.DEFINITIONS),
+    "variants-survey": partial(_named, "variant | what", {name: inspect.getdoc(of) for name, of in VARIANTS.items()}),
+    "variants-task": partial(_named, "variant | what", contact_variants.WHAT),
+    "ends-task": partial(_named, "reason | what", END_REASONS),
+    "mistakes-survey": partial(_mistakes, REEF_MISTAKES),
+    "mistakes-task": partial(_mistakes, CONTACT_MISTAKES),
     "presets": _presets,
     "sensor-faults": partial(_named, "fault | what", {name: kind.means for name, kind in SENSOR_FAULTS.items()}),
     "states": _states,
@@ -162,7 +207,34 @@ TABLES: dict[str, Callable[[], str]] = {
     "advisors": partial(_named, "advisor | who", {entry.form: entry.what for entry in ENTRIES}),
     "entry-points": partial(_named, "group | the entry point is a", GROUPS),
     "topics": partial(_named, "topic | type", TOPICS),
-    "conditions": _conditions,
+    "conditions": partial(_conditions, Condition),
+    "clauses": partial(_conditions, Clause),
+    "task-file": partial(
+        _keys,
+        task=Task,
+        success=Success,
+        objects=Movable,
+        parts=Shape,
+        joint=Joint,
+        fixtures=Fixture,
+        marks=TableMark,
+        table=TableTop,
+    ),
+    "world-file": partial(
+        _keys,
+        world=ReefWorld,
+        start=Start,
+        current=Current,
+        seabed=Seabed,
+        clusters=Cluster,
+        oysters=Oyster,
+        obstacles=Obstacle,
+        tether=Tether,
+        walls=Wall,
+        tank=Tank,
+        things=Thing,
+        mission=MissionText,
+    ),
     **{f"cost-{name}": partial(str, text.rstrip()) for name, text in cost_tables().items()},
 }
 

@@ -4,13 +4,11 @@ import re
 from pathlib import Path
 from typing import get_args
 
-import pytest
 import yaml
 from pydantic import TypeAdapter
 
 from coral.contact.scene.conditions import Condition
-from coral.contact.scene.shapes import Fixture, Joint, Movable, Shape
-from coral.contact.scene.task import Task
+from coral.contact.scene.shapes import Joint
 from coral.contact.scene.task_names import UNSEEN_HALVES, unseen_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
@@ -40,9 +38,3 @@ def test_the_pieces_of_files_are_valid():
 def test_the_unseen_suite_is_listed_by_half():
     for half in UNSEEN_HALVES:
         assert sorted(re.findall(rf"^\| `([\w-]+)` \| {half} \|", PAGE, re.MULTILINE)) == list(unseen_tasks(half))
-
-
-@pytest.mark.parametrize("part", [Task, Movable, Shape, Fixture, Joint])
-def test_every_key_is_on_the_page(part):
-    hidden = {"format", "friction"} if part is Fixture else {"format"}
-    assert [key for key in part.model_fields if key not in hidden and f"`{key}`" not in PAGE] == []

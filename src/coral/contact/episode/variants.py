@@ -148,6 +148,22 @@ VARIANTS: dict[str, Make] = {
     "no-tracking": _asking_variant("no-tracking", tracking=False),
 }
 """Function that makes the strategist of each variant."""
+WHAT = {
+    "expert": "One cost for the whole task, written by a person (Table 1: expert, single stage).",
+    "expert-fsm": "A cost for each stage and a test for its end, written by a person (Table 1: expert, FSM).",
+    "full": "The advisor estimates masses and frictions, writes the cost, says where to touch, and is asked again "
+    "when the robot is stuck.",
+    "paper": "Asked and planned as in the paper: its prompt, 200 samples with equal noise, one step executed per plan.",
+    "no-memory": "`full`, but nothing is stored or looked up.",
+    "no-refinement": "`full`, but the advisor is never asked again; a cost that fails in use ends the episode.",
+    "unguided": "The paper's *Without Strategy* (4.1.4): one cost of the outcome that does not say where to touch, "
+    "no regions, and no memory, because that holds plans with a contact strategy.",
+    "no-regions": "`full` without contact regions: the same plan, but nothing guides its samples; it reads the "
+    "memory but adds nothing.",
+    "unified": "`full`, but one question with a picture asks for masses, frictions, cost and regions at once.",
+    "no-tracking": "`full`, but the advisor guesses the poses once (`object-poses`), and nothing tracks them.",
+}
+"""What each variant is."""
 ALONE = ("expert", "expert-fsm")
 """Variants without an advisor."""
 REMEMBERING = ("full", "paper", "no-refinement", "no-regions", "no-tracking")

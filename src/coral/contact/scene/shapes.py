@@ -56,23 +56,26 @@ ScaleRange = Annotated[tuple[Factor, Factor], BeforeValidator(_as_range), AfterV
 class TaskPart(BaseModel):
     """A part of a task file: unknown keys, NaN and infinities are errors."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
 
 
 class Shape(TaskPart):
-    """One rigid piece of an object, at `position` and turned by `rpy_deg` (z-y-x) in the object's frame.
-
-    `size`: box, full edges (x, y, z); cylinder, (diameter, diameter, length) along z; sphere, three times the diameter;
-    mesh, the factors on `file` (STL or OBJ; its path relative to the task file, once loaded absolute). What touches is
-    the hull of a mesh. `color`, if it has its own, is red, green and blue from 0 to 1.
-    """
+    """One rigid part of an object."""
 
     shape: Literal["box", "cylinder", "sphere", "mesh"] = "box"
+    """`box`, `cylinder` (along z), `sphere` or `mesh`. What touches is the hull of a mesh: build a hollow object from
+    several parts."""
     size: Extents
+    """Of a box its edges; of a cylinder the diameter twice, then its length; of a sphere the diameter three times; of a
+    mesh the factors on its file."""
     position: Vector = (0.0, 0.0, 0.0)
+    """Its middle in the object's frame."""
     rpy_deg: Turn = (0.0, 0.0, 0.0)
+    """How it is turned there (z-y-x)."""
     file: str | None = Field(default=None, pattern=r"^[^\x00]+$")
+    """Of a mesh: a binary STL or an OBJ; the path is relative to the task file."""
     color: Color | None = None
+    """Red, green and blue from 0 to 1, if not the object's."""
 
     @model_validator(mode="after")
     def _round(self) -> Shape:
@@ -86,23 +89,20 @@ class Shape(TaskPart):
 
 
 class Joint(TaskPart):
-    """What holds an object: a hinge (door, lid) or a slide (drawer), fixed to the world.
-
-    Args:
-        kind: Hinge or slide.
-        axis: Its direction in the object's frame.
-        point: A point on a hinge's axis, in the object's frame.
-        range: Its ends, in degrees or metres, measured from how the file places the object.
-        start: Where it stands at first, sampled in each trial.
-        friction: Its friction, N m or N.
-    """
+    """What holds an object: a hinge (door, lid) or a slide (drawer), fixed to the world."""
 
     kind: Literal["hinge", "slide"]
+    """`hinge` or `slide`."""
     axis: Vector
+    """Its direction in the object's frame."""
     point: Vector = (0.0, 0.0, 0.0)
+    """Of a hinge: a point on its axis, in the object's frame."""
     range: JointRange
+    """Its ends, in degrees (within ±170) or metres (within ±1), measured from how the file places the object."""
     start: JointRange = (0.0, 0.0)
+    """Where it stands at first, sampled in each trial."""
     friction: float = Field(default=0.02, ge=0, le=50, strict=True)
+    """Of the joint itself (N m or N)."""
 
     @model_validator(mode="after")
     def _possible(self) -> Joint:
@@ -119,37 +119,41 @@ class Joint(TaskPart):
 
 
 class Movable(TaskPart):
-    """An object that moves.
-
-    Args:
-        parts: What it is made of; the object's frame is its own.
-        mass_kg, friction: Drawn anew in each trial; unknown to the planner.
-        scale: Factors on the three axes of all parts and points, drawn anew; the planner knows the result (known
-            meshes).
-        x, y: Where its frame's origin stands; z follows from resting on the table, or is `z`. With `stands_on`, x and
-            y are those from the origin of that object, on whose top it stands.
-        yaw_deg: Its heading; `rpy_deg` turns it before that, as to lay it on a side.
-        points: Named points on it, in its frame.
-        symmetry: Which turns leave it looking the same.
-        joint: What holds it; it then passes through fixed things, and its range keeps it from them.
-    """
+    """An object that can move."""
 
     name: Name
+    """Small letters, digits, underscores; a cost reads `box` as `box_pos`, `box_quat` and so on."""
     label: str = Field(default="", max_length=60)
+    """Its name for people."""
     parts: tuple[Shape, ...] = Field(min_length=1, max_length=12)
+    """1 to 12 rigid parts."""
     mass_kg: MassRange
+    """Range, within 0.005 to 20 kg; the planner does not know the mass."""
     friction: FrictionRange
+    """Range, within 0.02 to 2: against table, fixtures and other objects, of which the larger counts. Against finger
+    pads it is always 1."""
     scale: tuple[ScaleRange, ScaleRange, ScaleRange] = ((1.0, 1.0), (1.0, 1.0), (1.0, 1.0))
+    """Three ranges of factors along its axes. The planner knows the scaled size. Round shapes stay round."""
     x: PositionRange
+    """Range of the origin of its frame."""
     y: PositionRange
+    """The same across."""
     z: Coordinate | None = None
+    """Height of its origin; without it, the object stands on the table."""
     stands_on: Name | None = None
+    """Another object, on whose top it stands; `x` and `y` are then measured from the origin of that one."""
     yaw_deg: AngleRange = (0.0, 0.0)
+    """Range of its heading."""
     rpy_deg: Turn = (0.0, 0.0, 0.0)
+    """How it is turned before the heading, for example to lie on its side."""
     points: dict[Name, Vector] = Field(default_factory=dict)
+    """Named points on it, in its frame; a cost reads `handle` as `mug_handle_pos`."""
     symmetry: Literal["none", "box", "square-box", "cube", "cylinder", "sphere"] = "none"
+    """Which turns look the same to a tracker: those of a `box`, `square-box`, `cube`, `cylinder`, `sphere`."""
     joint: Joint | None = None
+    """What holds it."""
     color: Color = (0.76, 0.6, 0.42)
+    """Its colour in pictures."""
 
     @model_validator(mode="after")
     def _placed_once(self) -> Movable:
@@ -164,23 +168,34 @@ class Fixture(TaskPart):
     """A box that does not move, as a wall or the side of a bin."""
 
     name: Name
+    """As of an object."""
     size: Extents
+    """Its edges."""
     position: Vector
+    """Of its middle."""
     yaw_deg: Degrees = 0.0
+    """Its heading."""
     friction: Friction = 0.6
+    """Its own; between two bodies the larger counts."""
     color: Color = (0.55, 0.58, 0.62)
+    """Its colour in pictures."""
 
 
 class TableMark(TaskPart):
-    """A coloured rectangle, `size` along x and y, on the table under a place: seen in pictures, felt by nothing."""
+    """A coloured rectangle on the table under a place: seen in pictures, felt by nothing."""
 
     place: Name
+    """The place that it lies under."""
     size: tuple[Metres, Metres] = (0.06, 0.06)
+    """Along x and y."""
     color: Color
+    """Red, green and blue from 0 to 1."""
 
 
 class TableTop(TaskPart):
     """The table: its top face lies at z = 0."""
 
     size: Extents = (0.8, 0.8, 0.05)
+    """Its edges."""
     center: tuple[Coordinate, Coordinate] = (0.0, 0.0)
+    """Of its top, x and y."""

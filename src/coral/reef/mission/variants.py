@@ -14,8 +14,16 @@ PAPER_COOLDOWN_S = 50.0
 Change = Callable[[MissionCfg], MissionCfg]
 
 
+def _full(cfg: MissionCfg) -> MissionCfg:
+    """Nothing is changed."""
+    return cfg
+
+
 def _no_verification(cfg: MissionCfg) -> MissionCfg:
-    """Chosen points go to the controller unchecked, but for those outside the survey area; violations are counted."""
+    """Chosen points go to the controller without a check, into an obstacle if need be.
+
+    Only points outside the survey area are refused. Violations are counted.
+    """
     return replace(cfg, planner=replace(cfg.planner, checks=False))
 
 
@@ -31,12 +39,12 @@ def _alone(cfg: MissionCfg) -> MissionCfg:
 
 
 def _no_centroid_selection(cfg: MissionCfg) -> MissionCfg:
-    """Show the chain, but ask only for free waypoints."""
+    """The advisor sees the chain, but is asked only for free waypoints."""
     return replace(cfg, planner=replace(cfg.planner, centroid_selection=False))
 
 
 def _no_topology(cfg: MissionCfg) -> MissionCfg:
-    """Plan no tour of what is left: the mode follows Alg. 2, and no price is told."""
+    """No tour of what is left is planned: the mode follows Alg. 2, and no choice is priced."""
     return replace(cfg, planner=replace(cfg.planner, topology=replace(cfg.planner.topology, enabled=False)))
 
 
@@ -46,7 +54,12 @@ def _asked_near(cfg: MissionCfg) -> MissionCfg:
 
 
 def _paper(cfg: MissionCfg) -> MissionCfg:
-    """As the paper has it: Alg. 2 with its prompts and checks, a cooldown of 50 s, clusters visited by distance."""
+    """The paper's Alg. 2 in place of our planner.
+
+    Its prompts (five points, priority rules), one goal at a time, asked for 2.5 m before the present one and measured
+    from the robot, checked by Eqs. 4-8 at request and response; refusals that name only the failure mode; 1 m from the
+    previous goal, 50 s between questions, a cluster visited within 3 m of its centre.
+    """
     belief = replace(cfg.belief, inspect=replace(cfg.belief.inspect, enabled=False))
     trigger = replace(cfg.pilot.trigger, cooldown_s=PAPER_COOLDOWN_S)
     cfg = replace(cfg, belief=belief, pilot=replace(cfg.pilot, trigger=trigger))
@@ -54,40 +67,44 @@ def _paper(cfg: MissionCfg) -> MissionCfg:
 
 
 def _no_trigger(cfg: MissionCfg) -> MissionCfg:
-    """Ask the advisor again at every cooldown."""
+    """The advisor is asked again after every cooldown."""
     return replace(cfg, pilot=replace(cfg.pilot, trigger=replace(cfg.pilot.trigger, always=True)))
 
 
 def _no_ddp(cfg: MissionCfg) -> MissionCfg:
-    """Use uniform intervals and check every boundary point at every step."""
+    """All rollout steps have the same fidelity: equal intervals, every boundary point at every step."""
     return replace(cfg, controller=replace(cfg.controller, uniform=True))
 
 
 def _no_cost_to_go(cfg: MissionCfg) -> MissionCfg:
-    """Drive by the straight distance to the goal: only the rollouts see what lies between."""
+    """The controller is given the straight distance to its goal instead of the way around known obstacles.
+
+    Only its rollouts, 3 m long, see what lies between.
+    """
     return replace(cfg, pilot=replace(cfg.pilot, cost_to_go=False))
 
 
 def _no_cost_to_go_no_ddp(cfg: MissionCfg) -> MissionCfg:
-    """Do without both: what DDP is worth where no cost-to-go leads around obstacles."""
+    """Both: what DDP is worth to a local planner alone."""
     return _no_ddp(_no_cost_to_go(cfg))
 
 
 def _pd(cfg: MissionCfg) -> MissionCfg:
-    """Use a PD controller in place of DDP-MPPI ("w/o low-level planner").
+    """A PD controller drives; it passes through what it hits, and each contact is counted ("w/o low-level planner").
 
-    It passes through what it hits: the paper's PD still covers 91 %, so contacts cannot have stopped that vehicle.
+    The paper's PD still covers 91 %, so contacts cannot have stopped that vehicle.
     Against solid obstacles ours stays at the first one.
     """
     return replace(cfg, driver="pd", simulator=replace(cfg.simulator, contact="ghost"))
 
 
 def _dream(cfg: MissionCfg) -> MissionCfg:
-    """DREAM (paper IV-C, IV-E): one action of 1 s for each answer, standing still meanwhile; PD, no chain, no checks.
+    """DREAM, the earlier system that the paper compares with, rebuilt from its description (IV-C, IV-E).
 
-    No clusters are extracted, so that its pictures, prompt and facts hold none; only the map's green cells show where
-    oysters are. Its own action set and gains are not public: an action here is a second's drive towards the chosen
-    waypoint.
+    One action of one second per answer, one answer every 5 s whatever `--cfg.latency` says, standing still in between;
+    PD control; no chain in its pictures, prompt or facts, only the green cells of the map; no check except that a point
+    lies in the survey area. Its own actions and gains are not public: an action here is a second's drive towards the
+    chosen waypoint.
     """
     trigger = replace(cfg.pilot.trigger, always=True, cooldown_s=0.0)
     pilot = replace(cfg.pilot, trigger=trigger, synchronous=True)
@@ -98,38 +115,39 @@ def _dream(cfg: MissionCfg) -> MissionCfg:
 
 
 def _rule_based(cfg: MissionCfg) -> MissionCfg:
-    """The nearest unvisited centroid in place of the advisor; where none is known, the nearest frontier."""
+    """Always drives to the nearest unvisited cluster, or to the nearest unexplored water if none is known."""
     return _alone(replace(cfg, decider="nearest", latency="0"))
 
 
 def _rule_based_dots_only(cfg: MissionCfg) -> MissionCfg:
-    """The paper's rule to the letter: on the paper's pipeline, and without a goal when no unvisited dot is known.
+    """The same rule in the `paper` variant, without exploring (`--cfg.planner.no-explore`).
 
-    The paper (IV-D) names the nearest unvisited centroid, and no rule for water where none is known yet.
+    If no unvisited cluster is known, the robot stays where it is: the paper (IV-D) names the nearest unvisited centroid,
+    and no rule for water where none is known yet.
     """
     cfg = _rule_based(_paper(cfg))
     return replace(cfg, planner=replace(cfg.planner, explore=False))
 
 
 def _frontier(cfg: MissionCfg) -> MissionCfg:
-    """Frontier exploration (Yamauchi 1997), blind to oysters."""
+    """Frontier exploration (Yamauchi 1997) that ignores oysters."""
     return _alone(_asked_near(replace(_planned_before(_no_centroid_selection(cfg)), decider="frontier", latency="0")))
 
 
 def _lawnmower(cfg: MissionCfg) -> MissionCfg:
-    """Lanes over the whole area, planned before the dive; in a mission in words, over whatever lies on them."""
+    """Parallel lanes over the whole area, planned before the dive; in words, over whatever lies on them."""
     told = replace(cfg.planner.instruction, clear_m=0.0)
     cfg = replace(cfg, planner=replace(cfg.planner, instruction=told))
     return _alone(_asked_near(replace(_planned_before(_no_centroid_selection(cfg)), decider="lawnmower", latency="0")))
 
 
 def _random(cfg: MissionCfg) -> MissionCfg:
-    """The whole system, but its advisor draws lots among the candidates; it takes as long to answer as the rules."""
+    """The whole system, but the advisor draws lots among what is offered; it takes as long as the rules."""
     return _alone(replace(cfg, decider="random"))
 
 
 def _random_unchecked(cfg: MissionCfg) -> MissionCfg:
-    """Drive wherever the random advisor draws: what chance is worth without verification."""
+    """The same without verification: the robot drives wherever the draw says."""
     return _no_verification(_random(cfg))
 
 
@@ -140,33 +158,42 @@ def _glided(cfg: MissionCfg) -> MissionCfg:
 
 
 def _blind_sweep(cfg: MissionCfg) -> MissionCfg:
-    """Drive straight lanes at cruise speed, without sensing and through all obstacles; each contact counts."""
+    """Straight lanes 10 m apart (`--cfg.lane-m`) at cruise speed, without sensing.
+
+    It passes through whatever is in the way; each contact is counted.
+    """
     cfg = replace(cfg, simulator=replace(cfg.simulator, contact="ghost"))
     return replace(_glided(cfg), decider="sweep")
 
 
 def _oracle(cfg: MissionCfg) -> MissionCfg:
-    """Drive a short tour past everything, planned on the true reef: a reference, not a method."""
+    """A short tour past everything, planned on the true reef: a bound, not a method.
+
+    In a mission in words it knows the kinds.
+    """
     return replace(_glided(cfg), decider="oracle")
 
 
 def _geometry(cfg: MissionCfg) -> MissionCfg:
-    """Rules that are told the conditions of a mission in words without its kinds: what geometry can do."""
+    """In a mission in words: rules that know its conditions, but not the kinds of things."""
     return _alone(replace(cfg, decider="geometry"))
 
 
 def _keywords(cfg: MissionCfg) -> MissionCfg:
-    """Rules that read key words of a mission in words, and see no pictures."""
+    """In a mission in words: rules that read key words, and see no pictures."""
     return _alone(replace(cfg, decider="keywords"))
 
 
 def _reader(cfg: MissionCfg) -> MissionCfg:
-    """Understands a mission in words and sees, in truth, what it has been near: a control, not a method."""
+    """In a mission in words: a control that understands the words.
+
+    It knows, in truth, what it has seen from within 5 m, or 60 % of the visibility.
+    """
     return _alone(replace(cfg, decider="reader"))
 
 
 VARIANTS: dict[str, Change] = {
-    "full": lambda cfg: cfg,
+    "full": _full,
     "paper": _paper,
     "pd": _pd,
     "dream": _dream,

@@ -191,9 +191,11 @@ class MissionText(WorldPart):
     """What a mission is to do, in plain words, and when that is done in truth."""
 
     instruction: str = Field(min_length=1, max_length=MOST_CHARACTERS)
+    """The words, at most 1,000 characters."""
     time_s: float = Field(default=150.0, gt=0, le=3600)
     """Time after which the mission ends."""
     conditions: tuple[Clause, ...] = Field(min_length=1, max_length=10)
+    """1 to 10 conditions, each with its `kind`."""
 
     def judge(self, deeds: Deeds) -> list[Fulfilment]:
         """Judge every condition."""

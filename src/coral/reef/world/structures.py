@@ -27,7 +27,7 @@ def is_none(value: object) -> bool:
 class WorldPart(BaseModel):
     """A part of a world file: every key must be known, every number finite."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
 
 
 class Tether(WorldPart):
@@ -46,7 +46,9 @@ class Wall(WorldPart):
     end: tuple[Coordinate, Coordinate]
     """Ends of its middle line (m)."""
     height_m: Metres = 1.5
+    """Its height."""
     thickness_m: Metres = 0.1
+    """Its thickness."""
 
     @model_validator(mode="after")
     def _has_a_length(self) -> Wall:
@@ -66,26 +68,28 @@ class Tank(WorldPart):
     height_m: Metres = 1.5
     """Height of its wall."""
     thickness_m: Metres = 0.1
+    """Thickness of its wall."""
 
 
 class Obstacle(WorldPart):
-    """Something to keep clear of. `size`: half-extents (m) along its own axes.
-
-    sphere: (r, r, r); ellipsoid: half-axes; cylinder (upright): (r, r, half height); box: half edges.
-    """
+    """Something to keep clear of."""
 
     shape: Literal["sphere", "ellipsoid", "cylinder", "box"]
+    """`sphere`, `ellipsoid`, `cylinder` (upright) or `box`."""
     x: Coordinate
     y: Coordinate
     z: Coordinate
+    """Its middle."""
     size: tuple[Extent, Extent, Extent]
+    """Half-extents along its own axes: (r, r, r), half-axes, (r, r, half height), half edges."""
     yaw: Angle = 0.0
+    """Its heading."""
     tether: Tether | None = None
     """For a floating obstacle: its line and its anchor."""
     look: str | None = Field(default=None, exclude_if=is_none)
-    """Its look in `kinds.yaml`, and..."""
+    """Of a part of a thing: its look in `kinds.yaml`."""
     thing: str | None = Field(default=None, exclude_if=is_none)
-    """... the name of the thing that it is a part of."""
+    """The name of that thing."""
 
     @model_validator(mode="after")
     def _round_shapes_are_round(self) -> Obstacle:

@@ -33,31 +33,38 @@ class Seabed(WorldPart):
     """Flat sea floor."""
 
     z_m: Coordinate = 0.0
+    """Its height."""
 
 
 class Start(WorldPart):
-    """Where the vehicle begins, heading `theta` (rad)."""
+    """Where the vehicle begins."""
 
     x: Coordinate
     y: Coordinate
+    """Its place."""
     theta: Angle = 0.0
+    """Its heading, counter-clockwise from +x."""
 
 
 class Current(WorldPart):
-    """Steady ocean current: the water's velocity in the world frame (m/s)."""
+    """Steady ocean current."""
 
     x_m_s: Speed = 0.0
     y_m_s: Speed = 0.0
+    """The water's velocity in the world frame (m/s), each within ±1."""
 
 
 class Oyster(WorldPart):
-    """One oyster: an ellipsoid with half-axes `radii` (m), turned by roll, pitch, yaw (rad, z-y-x)."""
+    """One oyster, an ellipsoid."""
 
     x: Coordinate
     y: Coordinate
     z: Coordinate
+    """Its middle."""
     radii: tuple[Extent, Extent, Extent]
+    """Half-axes."""
     rpy: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw (z-y-x)."""
     shape: Literal["sphere", "ellipsoid", "cylinder", "box"] | None = Field(default=None, exclude_if=is_none)
     """Of a part of a thing that is taken for an oyster; null: ellipsoid."""
     look: str | None = Field(default=None, exclude_if=is_none)
@@ -68,7 +75,9 @@ class Cluster(WorldPart):
     """Oysters that settled together, what coverage is counted in; or the solids of a thing that is none."""
 
     name: str = Field(min_length=1, max_length=40)
+    """At most 40 characters."""
     oysters: tuple[Oyster, ...] = Field(min_length=1)
+    """At least one."""
     kind: str | None = Field(default=None, exclude_if=is_none)
     """What it is in truth, where it is a thing of the world's list."""
 
@@ -77,10 +86,14 @@ class Thing(WorldPart):
     """Something of a kind of `kinds.yaml` that lies on the sea floor."""
 
     name: str = Field(min_length=1, max_length=40)
+    """At most 40 characters."""
     kind: str = Field(max_length=40)
+    """One of `kinds.yaml`."""
     x: Coordinate
     y: Coordinate
+    """Its place."""
     yaw: Angle = 0.0
+    """Its heading."""
 
 
 def is_empty(values: tuple[Any, ...]) -> bool:
@@ -99,23 +112,34 @@ def _upright_part(solid: dict[str, Any], thing: str) -> dict[str, Any]:
 
 
 class ReefWorld(WorldPart):
-    """A whole environment, as read from a YAML file."""
+    """The file itself."""
 
     format: Literal["coral-reef/1"] = FORMAT
+    """May be left out."""
     name: str = Field(min_length=1, max_length=60)
+    """At most 60 characters."""
     topology: Literal["L", "S", "K", "E", "O", "branching", "looping", "patchy", "custom"] = "custom"
+    """The layout that it was generated in."""
     size_m: tuple[Metres, Metres]
+    """Extent: x and y begin at 0."""
     seabed: Seabed = Seabed()
+    """The sea floor."""
     start: Start
+    """Where the vehicle begins."""
     current: Current = Current()
+    """Velocity of the water."""
     clusters: tuple[Cluster, ...]
     """The true oysters, those of things too. Empty only where there are things."""
     obstacles: tuple[Obstacle, ...] = ()
+    """What to keep clear of."""
     seed: int = Field(default=0, ge=0, lt=2**63, strict=True)
+    """The one that it was generated from."""
     water_depth_m: Metres | None = None
-    """Depth of the water above the sea floor (m); null: not stated."""
+    """Depth of the water above the sea floor, for the depth sensor and the sonar; null: not stated."""
     tank: Tank | None = None
+    """A round tank about the reef."""
     walls: tuple[Wall, ...] = ()
+    """Upright walls."""
     spine: tuple[tuple[tuple[Coordinate, Coordinate], ...], ...] = ()
     """Polylines (m) that the reef was grown along; for drawings only, no decision reads them."""
     things: tuple[Thing, ...] = Field(default=(), max_length=200, exclude_if=is_empty)
