@@ -122,8 +122,8 @@ def _rule_based(cfg: MissionCfg) -> MissionCfg:
 def _rule_based_dots_only(cfg: MissionCfg) -> MissionCfg:
     """The same rule in the `paper` variant, without exploring (`--cfg.planner.no-explore`).
 
-    If no unvisited cluster is known, the robot stays where it is: the paper (IV-D) names the nearest unvisited centroid,
-    and no rule for water where none is known yet.
+    If no unvisited cluster is known, the robot stays where it is: the paper (IV-D) names the nearest unvisited
+    centroid, and no rule for water where none is known yet.
     """
     cfg = _rule_based(_paper(cfg))
     return replace(cfg, planner=replace(cfg.planner, explore=False))
