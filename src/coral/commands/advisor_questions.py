@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from coral.errors import InputError
-from coral.exam.generation import CONTACT, REEFS, make_set, make_unseen_set, make_word_set
+from coral.exam.generation import CONTACT, REEFS, make_kind_set, make_set, make_unseen_set, make_word_set
 from coral.exam.question_set import QuestionSet, save_set
 
 
@@ -28,6 +28,10 @@ class AdvisorQuestions:
     """Instead, one question for a plan of each contact task in this half of the unseen suite."""
     words: Literal["development", "test"] | None = None
     """Instead, questions of missions in words of this half, --each missions of each family."""
+    kinds: str | None = None
+    """Instead, --each questions that show every kind of thing to be named, in this water: a Jerlov type or a preset."""
+    distance_m: float = 2.0
+    """From which, with --kinds."""
     each: int = 3
     """Missions of each family, with --words; one at which pictures never decide gives no question."""
     share: float = 1.0
@@ -57,6 +61,8 @@ class AdvisorQuestions:
         }
 
     def _make(self) -> QuestionSet:
+        if self.kinds is not None:
+            return make_kind_set(self.out.stem, self.kinds, self.distance_m, self.seed, self.each)
         if self.words is not None:
             return make_word_set(self.out.stem, self.words, self.seed, self.each)
         if self.unseen is not None:

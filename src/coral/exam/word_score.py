@@ -23,14 +23,17 @@ def score_mission(key: Mapping[str, Any], facts: Mapping[str, Any], answer: Miss
 
     Half for the next step: an oracle would go to the dot that it goes to or looks at. A quarter for the share of the
     dots that the instruction does not want and that are ruled out, less those that it wants. A quarter for the share of
-    the dots with a picture that are named by their kind.
+    the dots with a picture that are named by their kind: all of the score where nothing else is asked.
     """
+    marks = {str(mark.dot): mark.label for mark in answer.marks}
+    named = sum(names_kind(marks.get(dot, ""), kind) for dot, kind in key["kinds"].items()) / len(key["kinds"])
+    if "right" not in key:
+        missed = [f"{dot}: {kind}" for dot, kind in key["kinds"].items() if not names_kind(marks.get(dot, ""), kind)]
+        return Worth(named, f"{named:.0%} named{'; not ' * bool(missed)}{', '.join(missed)}")
     dot = answer.selected_centroid_index if answer.look is None else answer.look.dot
     right = dot in key["right"]
     skipped, unwanted = set(answer.skip), set(key["unwanted"])
     out = max(0, len(skipped & unwanted) - len(skipped & set(key["wanted"]))) / len(unwanted)
-    marks = {str(mark.dot): mark.label for mark in answer.marks}
-    named = sum(names_kind(marks.get(dot, ""), kind) for dot, kind in key["kinds"].items()) / len(key["kinds"])
     wrong = f"dot {dot}, where {' or '.join(map(str, key['right']))} is right"
     why = f"{'a right next step' if right else wrong}; {out:.0%} of what may be left out is; {named:.0%} named"
     return Worth(NEXT * right + SKIP * out + MARKS * named, why)

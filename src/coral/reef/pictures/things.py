@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from coral.drawing import Image, draw_text
 from coral.reef.map.belief import Belief
-from coral.reef.map.best_views import HALF_M
+from coral.reef.map.best_views import HALF_M, View
 
 TILE_PX, COLUMNS, MOST = 240, 4, 12
 """Edge of a tile, tiles in a row, and most tiles: those of the clusters that lie nearest."""
@@ -23,9 +24,14 @@ def things_picture(belief: Belief) -> Image | None:
     """Draw the sheet; None if no cluster has been in view. Shape=(H, W, 3) RGB."""
     found = belief.best_views.of(belief.tracks)
     found.sort(key=lambda each: math.dist((each[0].x, each[0].y), belief.pose[:2]))
+    return crops_picture([(t.index, view, age_s) for t, view, age_s in sorted(found[:MOST], key=lambda f: f[0].index)])
+
+
+def crops_picture(found: Sequence[tuple[int, View, float]]) -> Image | None:
+    """Draw labels, views and their ages (s) as tiles; None if there are none. Shape=(H, W, 3) RGB."""
     tiles = [
-        _tile(view.crop, f"{track.index}: {view.distance_m:.1f} m, {age_s:.0f} s ago", _bar_px(view.crop))
-        for track, view, age_s in sorted(found[:MOST], key=lambda each: each[0].index)
+        _tile(view.crop, f"{label}: {view.distance_m:.1f} m, {age_s:.0f} s ago", _bar_px(view.crop))
+        for label, view, age_s in found
     ]
     if not tiles:
         return None
