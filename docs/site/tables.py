@@ -12,14 +12,16 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from itertools import groupby, pairwise
+from types import ModuleType
 from typing import get_args
 
 from cost_tables import tables as cost_tables
 
 from coral import limits
-from coral.advisor import log
+from coral.advisor import desk, log
 from coral.advisor.registry import ENTRIES
 from coral.advisor.setting import Mistake
+from coral.campaign.campaign_files import CampaignFiles
 from coral.cli import COMMANDS
 from coral.commands.config import ListConfig
 from coral.configurations import CONFIGURATIONS
@@ -28,6 +30,7 @@ from coral.contact.episode import metrics as contact_metrics
 from coral.contact.episode import variants as contact_variants
 from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.recorder import columns_told
+from coral.contact.memory.memory import Experience
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.scene.conditions import Condition
 from coral.contact.scene.shapes import Fixture, Joint, Movable, Shape, TableMark, TableTop
@@ -40,7 +43,9 @@ from coral.reef.mission import metrics as reef_metrics
 from coral.reef.mission import record
 from coral.reef.mission.presets import PRESETS
 from coral.reef.mission.variants import VARIANTS
-from coral.reef.recordings.bag_export import TOPICS
+from coral.reef.products import product_files
+from coral.reef.products.product_files import ProductFiles
+from coral.reef.recordings import bag_export as reef_bag
 from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
 from coral.reef.vehicle.states import CHANGES
 from coral.reef.world.instruction import Clause, MissionText
@@ -49,6 +54,7 @@ from coral.reef.world.world_model import Cluster, Current, Oyster, ReefWorld, Se
 from coral.run_files import SurveyFiles, TaskFiles
 from coral.run_loop import TIMING
 from coral.surface import described
+from coral.view.contact import bag_export as contact_bag
 
 MARK = re.compile(r"^<!-- table: ([\w-]+) -->$", re.MULTILINE)
 Rows = Iterable[Iterable[object]]
@@ -97,6 +103,12 @@ def _named(head: str, rows: Mapping[str, str]) -> str:
 
 def _files(kind: type) -> str:
     return _named("file | what", {getattr(kind, name): text for name, text in field_docs(kind).items()})
+
+
+def _topics(bag: ModuleType) -> str:
+    return _table(
+        "topic | type | what", ((f"`{name}`", kind.split("/")[-1], bag.WHAT[name]) for name, kind in bag.TOPICS.items())
+    )
 
 
 def _limits() -> str:
@@ -206,7 +218,16 @@ TABLES: dict[str, Callable[[], str]] = {
     "limits": _limits,
     "advisors": partial(_named, "advisor | who", {entry.form: entry.what for entry in ENTRIES}),
     "entry-points": partial(_named, "group | the entry point is a", GROUPS),
-    "topics": partial(_named, "topic | type", TOPICS),
+    "files-bench": partial(_files, CampaignFiles),
+    "files-products": partial(_files, ProductFiles),
+    "columns-clusters": partial(_named, "columns | what", product_files.CLUSTERS),
+    "columns-shells": partial(_named, "columns | what", product_files.SHELLS),
+    "columns-density": partial(_named, "columns | what", product_files.DENSITY),
+    "products": partial(_named, "keys | what", product_files.NUMBERS),
+    "question": partial(_named, "keys | what", desk.KEYS),
+    "memory-file": partial(_keys, experiences=Experience),
+    "topics-survey": partial(_topics, reef_bag),
+    "topics-task": partial(_topics, contact_bag),
     "conditions": partial(_conditions, Condition),
     "clauses": partial(_conditions, Clause),
     "task-file": partial(

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
+from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.dataset import read_parquet
 from coral.cli import _parse, main
 from coral.commands.reef_bench import ReefBench, mission_alone
@@ -65,6 +66,8 @@ def test_a_bench_leaves_data_tables_figure_and_runs(finished):
         assert row["commit"]
     for form in ("md", "tex", "html"):
         assert "coral reef bench --variants full,lawnmower" in (out / f"tables.{form}").read_text()
+    named = {value.rstrip("/") for name, value in vars(CampaignFiles).items() if name.isupper()}
+    assert {path.name for path in out.iterdir() if not path.name.startswith(".")} <= named
     assert (out / "trajectories.png").read_bytes().startswith(b"\x89PNG")
     assert {path.name for path in next((out / "runs").glob("*full_heuristic*")).iterdir()} == {
         "attempts.jsonl",

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.spec import Spec
 from coral.errors import InputError
 from coral.file_writer import open_log, write_whole
@@ -23,15 +24,14 @@ Record = dict[str, Any]
 class Store:
     """The folder of a campaign.
 
-    `manifest.json` lists every episode ever requested and their conditions, `episodes/KEY.json` is a finished episode,
-    `failures/KEY.json` a failed one, `runs/KEY/` contains the files of an episode, and `runs/.KEY/` those of a running
-    one. The file in `episodes/` is the commit point: with it an episode is finished and stays, without it the episode
-    never happened. Only one process at a time writes (`lock`).
+    `runs/KEY/` contains the files of an episode, and `runs/.KEY/` those of a running one. The file in `episodes/` is
+    the commit point: with it an episode is finished and stays, without it the episode never happened. Only one process
+    at a time writes (`lock`).
     """
 
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
-        self.manifest_path = self.folder / "manifest.json"
+        self.manifest_path = self.folder / CampaignFiles.MANIFEST
 
     @contextmanager
     def lock(self) -> Iterator[None]:
@@ -76,7 +76,7 @@ class Store:
         content = _read(self.manifest_path)
         if content is None or content.get("format") != FORMAT:
             found = "no campaign" if content is None else repr(content.get("format"))
-            raise InputError(str(self.folder), "manifest.json", found, f"a campaign's folder ({FORMAT})")
+            raise InputError(str(self.folder), CampaignFiles.MANIFEST, found, f"a campaign's folder ({FORMAT})")
         return content
 
     def open(
@@ -133,33 +133,33 @@ class Store:
 
     def pending(self, specs: Iterable[Spec], *, retry_failed: bool = False) -> tuple[Spec, ...]:
         """Return the episodes that still have to run."""
-        done, failed = self._keys("episodes"), self._keys("failures")
+        done, failed = self._keys(CampaignFiles.EPISODES), self._keys(CampaignFiles.FAILURES)
         return tuple(spec for spec in specs if spec.key not in done and (retry_failed or spec.key not in failed))
 
     def scratch(self, spec: Spec) -> Path:
         """Return the folder of a running episode; it becomes `run_folder` once the episode is finished."""
-        return self.folder / "runs" / f".{spec.key}"
+        return self.folder / CampaignFiles.RUNS / f".{spec.key}"
 
     def run_folder(self, spec: Spec) -> Path:
         """Return the folder of a finished episode."""
-        return self.folder / "runs" / spec.key
+        return self.folder / CampaignFiles.RUNS / spec.key
 
     def finish(self, spec: Spec, result: Mapping[str, Any], about: Mapping[str, Any]) -> bool:
         """Record a finished episode with its files; return False, and change nothing, if it was recorded before."""
-        path = self.folder / "episodes" / f"{spec.key}.json"
+        path = self.folder / CampaignFiles.EPISODES / f"{spec.key}.json"
         if _read(path) is not None:
             shutil.rmtree(self.scratch(spec), ignore_errors=True)
             return False
         self._keep(spec)
         self._write(path, {"spec": spec.to_json(), "status": "done", "result": dict(result), "about": dict(about)})
-        (self.folder / "failures" / path.name).unlink(missing_ok=True)
+        (self.folder / CampaignFiles.FAILURES / path.name).unlink(missing_ok=True)
         return True
 
     def fail(self, spec: Spec, message: str, detail: str, about: Mapping[str, Any]) -> None:
         """Record that an episode could not be finished; its files are kept for diagnosis."""
         self._keep(spec)
         self._write(
-            self.folder / "failures" / f"{spec.key}.json",
+            self.folder / CampaignFiles.FAILURES / f"{spec.key}.json",
             {"spec": spec.to_json(), "status": "failed", "message": message, "detail": detail, "about": dict(about)},
         )
 
@@ -167,7 +167,7 @@ class Store:
         """Return every recorded episode, finished or failed, in the order of the grid."""
         found = []
         for spec in self.specs():
-            for kind in ("episodes", "failures"):
+            for kind in (CampaignFiles.EPISODES, CampaignFiles.FAILURES):
                 content = _read(self.folder / kind / f"{spec.key}.json")
                 if content is not None:
                     found.append(content)
@@ -183,9 +183,9 @@ class Store:
 
     def _sweep(self) -> None:
         """Remove the unfinished work of a killed campaign."""
-        for leftover in self.folder.glob("runs/.*"):
+        for leftover in self.folder.glob(f"{CampaignFiles.RUNS}.*"):
             shutil.rmtree(leftover, ignore_errors=True)
-        for place in (self.folder, self.folder / "episodes", self.folder / "failures"):
+        for place in (self.folder, self.folder / CampaignFiles.EPISODES, self.folder / CampaignFiles.FAILURES):
             for leftover in place.glob("*.part"):
                 leftover.unlink(missing_ok=True)
 

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from coral.campaign.bench import make_executor, table_json
 from coral.campaign.campaign import Summary, run_campaign
+from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.dataset import Row, read_parquet, to_rows, write_parquet
 from coral.campaign.episode import Episode
 from coral.campaign.progress import CampaignProgress
@@ -109,7 +110,7 @@ def read_results(store: Store, noun: str, command: str) -> Results:
     rows = to_rows(records, {name: about.get(name, "") for name in ("commit", "machine")})
     if not rows:
         raise RunError(f"no {noun} is recorded in {store.folder} yet")
-    data = store.folder / "results.parquet"
+    data = store.folder / CampaignFiles.RESULTS
     write_parquet(rows, data)
     return Results(read_parquet(data), records, about, "; then ".join(manifest["commands"]) or command)
 
@@ -118,8 +119,8 @@ def write_tables(
     store: Store, results: Results, tables: Sequence[Table], title: str, summary: Summary | None
 ) -> dict[str, Any]:
     """Write the tables as Markdown, LaTeX and HTML; return the bench's result."""
-    for form in ("md", "tex", "html"):
-        write_whole(store.folder / f"tables.{form}", document(tables, form, title).encode())
+    for name in (CampaignFiles.TABLES, CampaignFiles.LATEX, CampaignFiles.HTML):
+        write_whole(store.folder / name, document(tables, name.rpartition(".")[2], title).encode())
     return {
         "out": str(store.folder),
         "episodes": len(store.specs()),
@@ -127,8 +128,8 @@ def write_tables(
         "failed": len(results.records) - len(results.done),
         "ran": summary.finished + summary.failed if summary else 0,
         "found": summary.found if summary else len(results.records),
-        "data": str(store.folder / "results.parquet"),
-        "tables": str(store.folder / "tables.md"),
+        "data": str(store.folder / CampaignFiles.RESULTS),
+        "tables": str(store.folder / CampaignFiles.TABLES),
         "results": [table_json(table) for table in tables],
     }
 

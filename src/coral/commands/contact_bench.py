@@ -18,6 +18,7 @@ from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.campaign.bench import digest
 from coral.campaign.campaign import Summary
+from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.contact_ablation import NAMES, ablations, chosen
 from coral.campaign.contact_tables import contact_tables
 from coral.campaign.dataset import Row
@@ -274,7 +275,7 @@ class ContactBench(CampaignFlags):
                 found += read_json(file, "experiences")["experiences"]
         if not found:
             return ""
-        path = self.out / "memory.json"
+        path = self.out / CampaignFiles.MEMORY
         write_whole(path, (json_text.dumps({"format": FORMAT, "experiences": found}, indent=1) + "\n").encode())
         return str(path)
 
@@ -302,7 +303,8 @@ class ContactBench(CampaignFlags):
             }
             if len(runs) < 2 or not all(runs.values()):
                 continue
-            path = self.out / f"ablation-{Path(task).stem}{f'-{number}' if number else ''}.png"
+            one = f"{Path(task).stem}-{number}" if number else Path(task).stem
+            path = self.out / CampaignFiles.ABLATION.replace("TASK", one)
             draw_ablation(runs, path, f"{Path(task).stem}, world {place}, advisor {called(advisor)}")
             figures.append(str(path))
         return figures

@@ -14,6 +14,7 @@ from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor, rules_alone
 from coral.campaign.bench import digest
 from coral.campaign.campaign import Summary
+from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.inspection_table import BASELINES
 from coral.campaign.presets import KEY as PRESET
 from coral.campaign.presets import by_preset, with_presets
@@ -246,8 +247,9 @@ class ReefBench(CampaignFlags):
         study = {}
         if self.study == ():
             made = study_tables(results.rows, results.about, results.command)
-            study = {"study": str(self.out / "study.md")}
-            write_whole(self.out / "study.md", document(made, "md", "Study of the reef survey").encode())
+            path = self.out / CampaignFiles.STUDY
+            study = {"study": str(path)}
+            write_whole(path, document(made, "md", "Study of the reef survey").encode())
         return {
             **write_tables(store, results, tables, "Reef survey", summary),
             **study,
@@ -281,8 +283,9 @@ class ReefBench(CampaignFlags):
             return ""
         from coral.campaign.overlay import draw_overlay
 
-        draw_overlay(runs, self.out / "trajectories.png", seed=seed, advisor=advisor)
-        return str(self.out / "trajectories.png")
+        path = self.out / CampaignFiles.TRAJECTORIES
+        draw_overlay(runs, path, seed=seed, advisor=advisor)
+        return str(path)
 
     def _draw_sweep(self, rows: Sequence[Mapping[str, Any]]) -> str:
         """Draw the sweep's figure under the first advisor; return "" if nothing was swept."""
@@ -296,8 +299,9 @@ class ReefBench(CampaignFlags):
             if row["advisor"] in (advisor, NO_ADVISOR):
                 variants.setdefault(row["variant"], []).append(row)
         worlds = ", ".join(dict.fromkeys(Path(row["world"]).stem for row in done))
-        drawn = draw_sweep(variants, DRAWN, self.out / "sweep.png", title=f"{worlds} · advisor {called(advisor)}")
-        return str(self.out / "sweep.png") if drawn else ""
+        path = self.out / CampaignFiles.SWEEP
+        drawn = draw_sweep(variants, DRAWN, path, title=f"{worlds} · advisor {called(advisor)}")
+        return str(path) if drawn else ""
 
     def _command(self) -> str:
         """Return the command that makes this campaign, without flags that do not change its results."""

@@ -13,6 +13,7 @@ from coral.flags import Argument, Option
 from coral.reef.products.files import summary, write_products
 from coral.reef.products.picture_labels import write_labels
 from coral.reef.products.placement import EarthPlacement, parse_datum
+from coral.reef.products.product_files import ProductFiles
 from coral.reef.products.survey_products import ProductsCfg, measure
 from coral.reef.recordings.recording import EXACT, RECORDED, Recording
 from coral.reef.recordings.run_recording import read_run
@@ -74,8 +75,8 @@ def make_products(
     assert products.recording.start is not None
     placement = EarthPlacement(products.recording.start, where)
     files = write_products(products, placement, out)
-    labels = write_labels(products.recording, products.keyframes, cfg.labels, out / "labels")
-    files = sorted([*files, *(f"labels/{name}" for name in labels)])
+    labels = write_labels(products.recording, products.keyframes, cfg.labels, out / ProductFiles.LABELS)
+    files = sorted([*files, *(f"{ProductFiles.LABELS}{name}" for name in labels)])
     truth = None if true is None else TruthComparison.of(products, true)
     page = write_products_page(products, placement, out, files, cfg.cover, truth)
     compared = {} if truth is None else _compared(truth)

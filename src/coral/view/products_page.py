@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from coral.reef.products.cover import CoverCfg
 from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
+from coral.reef.products.product_files import ProductFiles
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, Stop
 from coral.reef.products.survey_products import SurveyProducts
 from coral.reef.products.truth import true_oysters
@@ -24,7 +25,6 @@ from coral.reef.world.world_model import ReefWorld
 from coral.view.page import render_page, write_page
 from coral.view.svg import clock
 
-PAGE = "products.html"
 UNSEEN = (214, 218, 222)
 
 
@@ -72,7 +72,7 @@ def write_products_page(
     Raises:
         InputError: The page cannot be written.
     """
-    return write_page(folder, render_products(products, placement, files, cover, truth), PAGE)
+    return write_page(folder, render_products(products, placement, files, cover, truth), ProductFiles.PAGE)
 
 
 def render_products(

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.products.files import write_products
+from coral.reef.products.files import summary, write_products
 from coral.reef.products.placement import Datum, EarthPlacement
+from coral.reef.products.product_files import NUMBERS, ProductFiles
 
 pytest.importorskip("tifffile")
 rasterio = pytest.importorskip("rasterio")
@@ -52,6 +53,13 @@ def test_every_raster_opens_with_its_place(placed):
     assert "pictures/cluster-01-1.png" in files
     assert "oysters.qml" in files
     assert json.loads((folder / "products.json").read_text())["clusters"] == 1
+
+
+def test_the_reference_names_every_file_and_number(placed, products):
+    _, placement, files = placed
+    named = {value for name, value in vars(ProductFiles).items() if name.isupper()}
+    assert [name for name in files if not {name, f"{name.split('/')[0]}/", f"*{name[-4:]}"} & named] == []
+    assert set(summary(products, placement)) == set(" ".join(NUMBERS).split())
 
 
 def test_without_a_datum_there_are_no_degrees(products, tmp_path):

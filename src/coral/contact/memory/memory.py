@@ -35,26 +35,23 @@ FORMAT = "coral-memory/1"
 
 
 class Experience(BaseModel):
-    """One success.
-
-    Args:
-        task, instruction: The task.
-        goals: The task file's conditions.
-        numbers: Measurements of the scene, by name (`scene_numbers`).
-        plan, regions: The successful plan and its regions.
-        beliefs: Believed mass and friction at the end.
-        provenance: Origin of the success: world, seed, variant, advisor, run, metrics.
-    """
+    """One success."""
 
     model_config = ConfigDict(extra="forbid")
     task: str
     instruction: str
+    """The task."""
     goals: list[dict[str, Any]]
+    """The task file's conditions."""
     numbers: dict[str, FiniteFloat]
+    """Measurements of the scene, by name: sizes, heights, distances."""
     plan: PlanAnswer
     regions: RegionsAnswer
+    """The successful plan and its regions."""
     beliefs: dict[str, tuple[FiniteFloat, FiniteFloat]]
+    """Believed mass (kg) and friction of each object at the end."""
     provenance: dict[str, Any]
+    """Origin of the success: world, seed, variant, advisor, run, metrics."""
 
     @model_validator(mode="before")
     @classmethod

@@ -11,23 +11,22 @@ import numpy as np
 
 from coral.errors import InputError
 from coral.file_writer import write_whole
+from coral.reef.products import product_files
 from coral.reef.products.feature import Feature, Layer, Value, closed_ring
 from coral.reef.products.geojson import write_geojson
 from coral.reef.products.geopackage import write_geopackage
 from coral.reef.products.geotiff import write_geotiff
 from coral.reef.products.placement import EarthPlacement, place_raster
+from coral.reef.products.product_files import ProductFiles
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, outline_style, raster_style
 from coral.reef.products.survey_products import SurveyProducts
 from coral.reef.products.table import write_table
 from coral.reef.recordings.picture_files import encode_png
 
 NOTHING = -9999.0
-CLUSTER_COLUMNS = (
-    "number", "x_m", "y_m", "latitude", "longitude", "area_m2", "area_low_m2", "area_high_m2", "outline_m2",
-    "cover", "seen_from_m", "pixel_mm", "looks", "pictures",
-)  # fmt: skip
-SHELL_COLUMNS = ("x_m", "y_m", "length_mm", "width_mm", "area_cm2")
-DENSITY_COLUMNS = ("x_m", "y_m", "oysters_m2_per_m2")
+CLUSTER_COLUMNS, SHELL_COLUMNS, DENSITY_COLUMNS = (
+    tuple(" ".join(told).split()) for told in (product_files.CLUSTERS, product_files.SHELLS, product_files.DENSITY)
+)
 
 
 def write_products(products: SurveyProducts, placement: EarthPlacement, folder: Path) -> list[str]:
@@ -40,19 +39,19 @@ def write_products(products: SurveyProducts, placement: EarthPlacement, folder: 
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(str(folder), "--out", "a folder that is not empty", "a new or empty folder")
     _write_rasters(products, placement, folder)
-    write_whole(folder / "cells.png", encode_png(products.cells.cells()))
+    write_whole(folder / ProductFiles.CELLS, encode_png(products.cells.cells()))
     layers = make_layers(products, placement)
-    write_geopackage(folder / "survey.gpkg", layers, placement)
+    write_geopackage(folder / ProductFiles.SURVEY, layers, placement)
     if placement.datum is not None:
-        write_geojson(folder / "clusters.geojson", layers[0], placement)
-        write_whole(folder / "clusters.qml", layers[0].style.encode())
-    write_table(folder / "clusters.csv", CLUSTER_COLUMNS, [feature.values for feature in layers[0].features])
+        write_geojson(folder / ProductFiles.PLACES, layers[0], placement)
+        write_whole((folder / ProductFiles.PLACES).with_suffix(".qml"), layers[0].style.encode())
+    write_table(folder / ProductFiles.CLUSTERS, CLUSTER_COLUMNS, [feature.values for feature in layers[0].features])
     density = [{name: feature.values[name] for name in DENSITY_COLUMNS} for feature in layers[1].features]
-    write_table(folder / "density.csv", DENSITY_COLUMNS, density)
-    write_table(folder / "shells.csv", SHELL_COLUMNS, _shells(products))
+    write_table(folder / ProductFiles.DENSITIES, DENSITY_COLUMNS, density)
+    write_table(folder / ProductFiles.SHELLS, SHELL_COLUMNS, _shells(products))
     for name, picture in zip(picture_names(products), products.pictures, strict=True):
         write_whole(folder / name, encode_png(np.ascontiguousarray(picture.image[:, :, ::-1])))
-    write_whole(folder / "products.json", (json.dumps(summary(products, placement), indent=2) + "\n").encode())
+    write_whole(folder / ProductFiles.NUMBERS, (json.dumps(summary(products, placement), indent=2) + "\n").encode())
     return sorted({str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()})
 
 
@@ -101,7 +100,7 @@ def picture_names(products: SurveyProducts) -> list[str]:
     names = []
     for picture in products.pictures:
         seen[picture.cluster] = seen.get(picture.cluster, 0) + 1
-        names.append(f"pictures/cluster-{picture.cluster:02d}-{seen[picture.cluster]}.png")
+        names.append(f"{ProductFiles.PICTURES}cluster-{picture.cluster:02d}-{seen[picture.cluster]}.png")
     return names
 
 
@@ -149,15 +148,18 @@ def _shells(products: SurveyProducts) -> list[dict[str, Value]]:
 def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: Path) -> None:
     cell_m, focal = products.cells.cfg.cell_m, products.cells.focal_px
     mosaic = place_raster(products.mosaic.rgba, products.mosaic.pixel_m, placement, 0)
-    write_geotiff(folder / "orthomosaic.tif", mosaic, placement.epsg)
+    write_geotiff(folder / ProductFiles.MOSAIC, mosaic, placement.epsg)
     layers = (
-        ("oysters", products.cover[:, :, None], cell_m, ("share of the cell that oysters cover",), COVER_STOPS),
         (
-            "density", products.density[:, :, None], products.density_cell_m,
+            ProductFiles.OYSTERS, products.cover[:, :, None], cell_m,
+            ("share of the cell that oysters cover",), COVER_STOPS,
+        ),
+        (
+            ProductFiles.DENSITY, products.density[:, :, None], products.density_cell_m,
             ("oysters per sea floor seen (m2/m2)",), COVER_STOPS,
         ),
         (
-            "seen",
+            ProductFiles.SEEN,
             np.dstack([products.quality.nearest_m, products.quality.pixel_m(focal), products.quality.looks]),
             cell_m,
             ("nearest look (m)", "size of a pixel at the nearest look (m)", "pictures that show the cell"),
@@ -166,11 +168,11 @@ def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: 
     )  # fmt: skip
     for name, values, edge_m, bands, stops in layers:
         filled = np.where(np.isfinite(values), values, NOTHING).astype(np.float32)
-        if name == "seen":
+        if name == ProductFiles.SEEN:
             filled[products.quality.looks == 0] = NOTHING
         raster = place_raster(filled, edge_m, placement, NOTHING)
-        write_geotiff(folder / f"{name}.tif", raster, placement.epsg, bands=bands, nothing=NOTHING)
-        write_whole(folder / f"{name}.qml", raster_style(stops).encode())
+        write_geotiff(folder / name, raster, placement.epsg, bands=bands, nothing=NOTHING)
+        write_whole((folder / name).with_suffix(".qml"), raster_style(stops).encode())
 
 
 def _density(products: SurveyProducts) -> list[Feature]:

@@ -36,6 +36,22 @@ TOPICS = {
     "/map": "nav_msgs/msg/OccupancyGrid",
     "/oysters": "nav_msgs/msg/OccupancyGrid",
 }
+WHAT = {
+    "/camera/image/compressed": "Colour, if the run took it.",
+    "/camera/depth/compressed": "PNG without loss.",
+    "/camera/classes/compressed": "PNG without loss.",
+    "/camera/doubt/compressed": "Doubt of classes in steps of 1/255, where a network saw the pictures.",
+    "/camera/depth_doubt/compressed": "Doubt of depths in percent.",
+    "/camera/seen_by": "What found classes and depth, if known: `exact`, `rgb` or a file.",
+    "/camera/camera_info": "The camera.",
+    "/camera/points": "x, y, z, class; every third pixel, every 2 s.",
+    "/odometry": "`odom` to `base_link`, by odometry alone.",
+    "/tf": "`map` to `odom` (what localization corrects), `odom` to `base_link`.",
+    "/tf_static": "`base_link` to `camera_optical`.",
+    "/map": "Every 20 s and at the end, made from the kept pictures.",
+    "/oysters": "The same, of oysters.",
+}
+"""What is on each topic."""
 MAP_EVERY_S = 20.0
 POINTS_EVERY_S = 2.0
 POINTS_STRIDE = 3

@@ -31,6 +31,16 @@ TOPICS = {
     "/events": "std_msgs/msg/String",
     "/scene": "visualization_msgs/msg/MarkerArray",
 }
+WHAT = {
+    "/tf": "`world` to `hand` (as measured), to `hand_target`, and to each object (in a simulation, its true pose).",
+    "/hand/wrench": "Force and torque on the hand, on its own axes.",
+    "/hand/opening": "Its opening and the commanded one (m).",
+    "/plan/aim": "Where each plan leads the hand.",
+    "/plan/cost": "The cost of each plan.",
+    "/events": "Every line of `events.jsonl`.",
+    "/scene": "Table, fixtures and objects, once; meshes are left out.",
+}
+"""What is on each topic."""
 Array = NDArray[np.float64]
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 WORLD, HAND, TARGET = "world", "hand", "hand_target"
