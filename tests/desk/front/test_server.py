@@ -72,6 +72,15 @@ def test_a_command_is_started_and_its_end_is_told(server):
     assert ask(server, "/api/stop", {"number": 7})[0] == 404
 
 
+def test_a_run_can_be_watched_once_its_page_is_open(server, monkeypatch):
+    ask(server, "/api/start", {"name": "s1"})
+    server.jobs[0].stop(60.0)
+    monkeypatch.setattr(type(server.jobs[0]), "running", True)
+    assert ask(server, "/api/state")[1]["jobs"][0]["opens"] is False
+    server.jobs[0].url = "http://127.0.0.1:1/"
+    assert ask(server, "/api/state")[1]["jobs"][0]["opens"] is True
+
+
 def test_what_cannot_be_started_is_said(server):
     assert ask(server, "/api/start", {"name": "absent"}) == (400, {"error": "name: found 'absent', expected a reef"})
 

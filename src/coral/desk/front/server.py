@@ -84,6 +84,7 @@ class FrontServer(WebServer):
                 "running": job.running,
                 "code": job.code,
                 "told": job.told,
+                "opens": bool(job.url) or not job.running,
                 "asks": (job.folder / RunFiles.INBOX).is_dir(),
             }
             for number, job in enumerate(self.jobs)
