@@ -45,6 +45,7 @@ def test_events_become_lines_and_numbers(subject):
     assert ["clusters", "1 of 3", ""] in hit["numbers"]
     assert subject.tell({"event": "state", "t": 6, "state": "holding", "reason": "blind"})["numbers"][-1][2] == "bad"
     assert subject.tell({"event": "goal", "t": 6, "source": "fallback"})["line"].endswith("the rules")
+    assert subject.tell({"event": "goal", "t": 0, "source": "initial"})["line"] == "first goal, straight ahead"
     assert subject.tell({"event": "goal", "t": 6, "source": "advisor"}) is None
     assert subject.tell({"event": "end", "t": 7, "reason": "time limit"})["ended"] == "time limit"
     assert subject.tell({"event": "of another program", "t": 8}) is None

@@ -141,8 +141,8 @@ class ReefSubject:
         source = event.get("source")
         if source in ("advisor", "recording"):
             return _marks(event) or None
-        chooser = {"fallback": "the rules", "tour": "the robot's own tour"}.get(str(source), "the start")
-        return {"line": f"new goal, chosen by {chooser}", **_marks(event), **_dots(event)}
+        told = {"fallback": "new goal, chosen by the rules", "tour": "new goal of its own tour", "home": "the way home"}
+        return {"line": told.get(str(source), "first goal, straight ahead"), **_marks(event), **_dots(event)}
 
     def _on_instruction(self, event: Record) -> Moment:
         return {"line": f"instruction, by {event.get('by', '')}", "instruction": str(event.get("text", ""))}
