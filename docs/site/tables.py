@@ -18,7 +18,7 @@ from typing import get_args
 from cost_tables import tables as cost_tables
 
 from coral import limits
-from coral.advisor import desk, log
+from coral.advisor import codes, desk, log
 from coral.advisor.registry import ENTRIES
 from coral.advisor.setting import Mistake
 from coral.campaign.campaign_files import CampaignFiles
@@ -32,11 +32,15 @@ from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.recorder import columns_told
 from coral.contact.memory.memory import Experience
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
+from coral.contact.plan import codes as contact_codes
 from coral.contact.scene.conditions import Condition
 from coral.contact.scene.shapes import Fixture, Joint, Movable, Shape, TableMark, TableTop
 from coral.contact.scene.task import Success, Task
+from coral.contact.scene.task_file import load_task_file
+from coral.contact.scene.task_names import UNSEEN_HALVES, unseen_tasks
 from coral.field_docs import class_doc, field_docs
 from coral.plugins import GROUPS
+from coral.reef.decide import codes as reef_codes
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission import events as reef_events
 from coral.reef.mission import metrics as reef_metrics
@@ -49,6 +53,7 @@ from coral.reef.recordings import bag_export as reef_bag
 from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
 from coral.reef.vehicle.states import CHANGES
 from coral.reef.world.instruction import Clause, MissionText
+from coral.reef.world.kinds import catalogue
 from coral.reef.world.structures import Obstacle, Tank, Tether, Wall
 from coral.reef.world.world_model import Cluster, Current, Oyster, ReefWorld, Seabed, Start, Thing
 from coral.run_files import SurveyFiles, TaskFiles
@@ -109,6 +114,16 @@ def _topics(bag: ModuleType) -> str:
     return _table(
         "topic | type | what", ((f"`{name}`", kind.split("/")[-1], bag.WHAT[name]) for name, kind in bag.TOPICS.items())
     )
+
+
+def _unseen() -> str:
+    rows = ((f"`{name}`", half, load_task_file(name).title) for half in UNSEEN_HALVES for name in unseen_tasks(half))
+    return _table("task | half | what", rows)
+
+
+def _kinds() -> str:
+    rows = ((f"`{name}`", kind.class_, kind.says) for name, kind in catalogue().kinds.items())
+    return _table("kind | class | what", rows)
 
 
 def _limits() -> str:
@@ -226,6 +241,11 @@ TABLES: dict[str, Callable[[], str]] = {
     "products": partial(_named, "keys | what", product_files.NUMBERS),
     "question": partial(_named, "keys | what", desk.KEYS),
     "memory-file": partial(_keys, experiences=Experience),
+    "codes-advisor": partial(_named, "code | what", codes.CODES),
+    "codes-survey": partial(_named, "code | what", reef_codes.CODES),
+    "codes-task": partial(_named, "code | what", contact_codes.CODES),
+    "unseen": _unseen,
+    "kinds": _kinds,
     "topics-survey": partial(_topics, reef_bag),
     "topics-task": partial(_topics, contact_bag),
     "conditions": partial(_conditions, Condition),

@@ -9,7 +9,6 @@ from pydantic import TypeAdapter
 
 from coral.contact.scene.conditions import Condition
 from coral.contact.scene.shapes import Joint
-from coral.contact.scene.task_names import UNSEEN_HALVES, unseen_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
@@ -33,8 +32,3 @@ def test_the_pieces_of_files_are_valid():
     _, conditions, joint = map(yaml.safe_load, BLOCKS)
     assert [TypeAdapter(Condition).validate_python(one).kind for one in conditions] == ["sequence"]
     assert Joint.model_validate(joint["joint"]).kind == "hinge"
-
-
-def test_the_unseen_suite_is_listed_by_half():
-    for half in UNSEEN_HALVES:
-        assert sorted(re.findall(rf"^\| `([\w-]+)` \| {half} \|", PAGE, re.MULTILINE)) == list(unseen_tasks(half))

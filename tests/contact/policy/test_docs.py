@@ -1,6 +1,5 @@
 """The page on served policies: its server serves, its tables name everything there is."""
 
-import dataclasses
 import re
 import threading
 from pathlib import Path
@@ -9,7 +8,6 @@ import numpy as np
 import pytest
 import websockets.sync.server
 
-from coral.contact.episode.policy_cfg import LiberoCfg
 from coral.contact.policy.client import PolicyClient
 from coral.contact.policy.libero_convention import actions_of
 
@@ -44,8 +42,3 @@ def test_the_example_is_a_server_that_the_client_understands(monkeypatch, patien
 )
 def test_every_failure_is_explained(code):
     assert f"| `policy: {code}` |" in PAGE
-
-
-def test_every_key_of_the_convention_is_on_the_page():
-    names = [item.name.replace("_", "-") for item in dataclasses.fields(LiberoCfg)]
-    assert [name for name in names if f"`{name}`" not in PAGE] == []

@@ -1,4 +1,4 @@
-"""The reference names every file, event, key and column that a run has."""
+"""The reference names every file, event, key, column and code that a run has."""
 
 import ast
 import csv
@@ -11,8 +11,11 @@ from pathlib import Path
 import pytest
 
 import coral
+from coral.advisor import codes as advisor_codes
 from coral.contact.episode import events as contact_events
+from coral.contact.plan import codes as contact_codes
 from coral.contact.tasks import load_task
+from coral.reef.decide import codes as reef_codes
 from coral.reef.mission import events as reef_events
 
 ROOT = Path(__file__).parents[1]
@@ -89,3 +92,18 @@ def test_every_event_that_the_code_can_tell_has_a_row(room, events):
     assert len(told) > 50
     assert {(event, key) for event, key in told if key not in keys(events.get(event, ""))} == set()
     assert set(events) - {event for event, _ in told} <= {"contact", "contact_end", "track", "frame", "guess", "start"}
+
+
+@pytest.mark.parametrize(
+    ("room", "codes"),
+    [("advisor", advisor_codes.CODES), ("reef/decide", reef_codes.CODES), ("contact", contact_codes.CODES)],
+)
+def test_every_code_of_an_attempt_has_a_row(room, codes):
+    told = set()
+    for path in (ROOT / "src/coral" / room).rglob("*.py"):
+        text = path.read_text("utf-8")
+        told |= set(re.findall(r"(?:Rejection\(\s*code=|(?:BadAnswer|AdvisorUnavailable)\(\s*)\"([\w-]+)\"", text))
+        if path.stem in ("region_validation", "parse", "own_verifier"):
+            told |= set(re.findall(r'(?:return|(?:code|CODE|mend) =|name,)[\s(]*"([a-z-]+)"[,\n]', text))
+    assert len(told) > 9
+    assert told - set(codes) == set()
