@@ -12,7 +12,8 @@ from coral.reef.decide.mission_answer import Mark, MissionAnswer
 from coral.reef.drive.pd import PdController
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.localization import LocalizationCfg
-from coral.reef.mission.metrics import OWN_MAP, TRUTH
+from coral.reef.mission.events import EVENTS
+from coral.reef.mission.metrics import DEFINITIONS, OWN_MAP, TRUTH
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.word_judge import instructed
 from coral.reef.recordings.find_recording import find_recording
@@ -47,6 +48,11 @@ def test_a_survey_drives_covers_and_leaves_a_run_folder(surveyed):
     stored = json.loads((folder / "metrics.json").read_text())
     assert stored["ticks"] == result["ticks"] >= 199
     assert {"config.yaml", "world.yaml", "trajectory.csv", "judge.csv"} <= {p.name for p in folder.iterdir()}
+    assert set(stored) <= set(DEFINITIONS)
+    for event in read_events(folder / "events.jsonl"):
+        assert [
+            key for key in event if key not in ("step", "t", "event") and f"`{key}`" not in EVENTS[event["event"]]
+        ] == []
     assert voyage.link.report().mode == "POSHOLD"
     assert voyage.link.report().armed  # never disarmed unless asked
     assert voyage.camera.attitude() == CameraAttitude(height=1.0)  # eyes would be told what is measured

@@ -11,7 +11,7 @@ from coral.advisor.rules import RuleAdvisor
 from coral.config import checked
 from coral.errors import InputError
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.metrics import compute_metrics
+from coral.reef.mission.metrics import DEFINITIONS, compute_metrics
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
@@ -47,6 +47,7 @@ def pair(pond, tmp_path_factory):
 def test_two_robots_cover_a_small_reef_and_touch_nothing_and_not_each_other(pair):
     result, _, folder = pair
     assert (result["coverage"], result["collisions"], result["robot_collisions"]) == (1.0, 0, 0)
+    assert set(json.loads((folder / "metrics.json").read_text())) <= set(DEFINITIONS)
     between = positions(folder, "trajectory.csv") - positions(folder, "trajectory_1.csv")
     gap = np.linalg.norm(between, axis=1).min() - 0.6
     assert result["min_separation_m"] == pytest.approx(gap, abs=1e-3)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 EVENTS = {
     "start": "`world`, `advisor`, `variant`, `preset`, `seed`, `clusters_total`; `own_parts`: parts exchanged in "
-    "Python; `robots` and `hull_radius_m` of several. At sea also `judged_by`, `vehicle`, `camera`, and `resumed` "
-    "with `place`.",
+    "Python; `robots` and `hull_radius_m` of several. At sea also `judged_by`, `vehicle`, `camera`, `dvl`, `sonar`, "
+    "and `resumed` with `place`.",
     "instruction": "The words of a mission, at the start or changed under way: `text`, and `by` whom.",
     "question": "A question was asked: number of the `decision`, `attempt` (0: the first), `mode`, digests of its "
     "`pictures`, `centroids` of the chain, and what would be `acceptable`.",

@@ -60,6 +60,8 @@ DEFINITIONS = {
     "robots": "The number of robots; every count and the distance are sums over them, coverage is of what any of "
     "them has seen.",
     "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
+    "per_robot": "The counts, distance, speed and clearance of each of several robots.",
+    "alignment": "How the search for the place on a saved map ended (`reef sail --resume --place map`).",
     "min_separation_m": "Smallest true distance between the discs of two robots (m).",
     "success": "Whether the conditions of a mission in words were all met in truth, without a contact; none "
     "for words without known conditions, which nobody judges.",
