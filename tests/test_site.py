@@ -65,7 +65,9 @@ def test_a_table_has_rows_that_all_say_something(name: str) -> None:
     assert len({len(re.split(r"(?<!\\)\|", line)) for line in lines}) == 1
 
 
-@pytest.mark.parametrize("name", ["task-file", "world-file", "variants-survey"])
+@pytest.mark.parametrize(
+    "name", ["task-file", "world-file", "survey-file", "camera-file", "cost-file", "memory-file", "variants-survey"]
+)
 def test_every_key_and_variant_has_a_text(name: str) -> None:
     assert [line for line in tables.TABLES[name]().splitlines() if re.search(r"\| (None)? ?\|$", line)] == []
 

@@ -10,10 +10,11 @@ import inspect
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import is_dataclass
 from functools import partial
 from itertools import groupby, pairwise
 from types import ModuleType
-from typing import get_args
+from typing import Any, get_args
 
 from cost_tables import tables as cost_tables
 
@@ -33,6 +34,7 @@ from coral.contact.episode.recorder import columns_told
 from coral.contact.memory.memory import Experience
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.plan import codes as contact_codes
+from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
 from coral.contact.scene.conditions import Condition
 from coral.contact.scene.shapes import Fixture, Joint, Movable, Shape, TableMark, TableTop
 from coral.contact.scene.task import Success, Task
@@ -50,6 +52,8 @@ from coral.reef.mission.variants import VARIANTS
 from coral.reef.products import product_files
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.recordings import bag_export as reef_bag
+from coral.reef.sea.recorded_camera import CameraFileCfg
+from coral.reef.sea.survey_file import Origin, Polygon, SurveyFile
 from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
 from coral.reef.vehicle.states import CHANGES
 from coral.reef.world.instruction import Clause, MissionText
@@ -192,18 +196,21 @@ def _conditions(union: object) -> str:
     )
 
 
-def _keys(**kinds: type) -> str:
+def _keys(**kinds: Any) -> str:
     """Return the keys of a file, part by part. Keys without a text share that of the next one."""
     parts = []
     for place, kind in kinds.items():
-        rows, names, docs = [], [], field_docs(kind)
-        for name, field in kind.model_fields.items():  # type: ignore[attr-defined]
+        listed = inspect.getdoc(kind).partition("Args:")[2]
+        docs = dict(re.findall(r"^    (\w+): (.*?)(?=^    \w+: |\Z)", listed, re.M | re.S)) | field_docs(kind)
+        rows: list[tuple[str, str, str]] = []
+        names, defaults = [], []
+        for name, field in (kind.__dataclass_fields__ if is_dataclass(kind) else kind.model_fields).items():
+            needed = not is_dataclass(kind) and field.is_required()
             names.append(f"`{name}`")
+            defaults.append("required" if needed else _plain(field.default))
             if name in docs:
-                rows.append(
-                    (", ".join(names), "required" if field.is_required() else _plain(field.default), docs[name])
-                )
-                names = []
+                rows.append((", ".join(names), ", ".join(dict.fromkeys(filter(None, defaults))), docs[name]))
+                names, defaults = [], []
         rows += [(name, "", "") for name in names]
         parts.append(f"**`{place}`**: {class_doc(kind)}\n\n{_table('key | default | what', rows)}")
     return "\n\n".join(parts)
@@ -261,6 +268,9 @@ TABLES: dict[str, Callable[[], str]] = {
         marks=TableMark,
         table=TableTop,
     ),
+    "cost-file": partial(_keys, cost=PlanAnswer, stages=StageAnswer),
+    "survey-file": partial(_keys, survey=SurveyFile, origin=Origin, start=Start, keep_out=Polygon),
+    "camera-file": partial(_keys, camera=CameraFileCfg),
     "world-file": partial(
         _keys,
         world=ReefWorld,

@@ -43,7 +43,7 @@ class CameraFileCfg:
     """Height above the seabed where the poses have none."""
     range_m: Positive = 12.0
     near_m: Positive = 0.02
-    """As for the simulated camera."""
+    """Farthest and nearest depth that counts (m)."""
 
 
 @dataclass(frozen=True)

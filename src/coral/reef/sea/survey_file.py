@@ -42,6 +42,7 @@ class Origin(_Part):
 
     latitude: Latitude
     longitude: Longitude
+    """In degrees."""
 
     def to_local(self, latitude: float, longitude: float) -> tuple[float, float]:
         """Convert a place in degrees to local metres (east, north)."""
@@ -55,6 +56,7 @@ class Polygon(_Part):
     """An outline, in local metres or in degrees."""
 
     name: str = Field(default="", max_length=60)
+    """For messages and maps."""
     metres: Annotated[tuple[tuple[Metres, Metres], ...], Field(min_length=3, max_length=200)] | None = None
     """Corners (x, y) in order."""
     degrees: Annotated[tuple[tuple[Latitude, Longitude], ...], Field(min_length=3, max_length=200)] | None = None
@@ -65,10 +67,13 @@ class SurveyFile(_Part):
     """What a real survey needs to know beforehand."""
 
     format: Literal["coral-survey/1"] = FORMAT
+    """May be left out."""
     name: str = Field(min_length=1, max_length=60)
+    """At most 60 characters."""
     size_m: tuple[Edge, Edge]
-    """Extent of the area to the east and to the north (m)."""
+    """Extent of the area to the east and to the north (m), at most 100 each."""
     origin: Origin | None = None
+    """Its south-west corner on Earth; without it, outlines are in metres."""
     start: Start
     """Where the vehicle is put into the water, and its heading (rad, counter-clockwise from east)."""
     depth_m: Annotated[float, Field(gt=0, le=100)] = 1.0
@@ -76,6 +81,7 @@ class SurveyFile(_Part):
     geofence: Polygon | None = None
     """The vehicle must stay inside; by default the whole area."""
     keep_out: Annotated[tuple[Polygon, ...], Field(max_length=50)] = ()
+    """Where it must not go, outlines like the geofence."""
     rehearse: str | None = None
     """World to rehearse in, with a simulated vehicle; by default there is nothing in the water."""
 
