@@ -9,59 +9,45 @@ import ast
 import inspect
 import re
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from functools import partial
 from itertools import groupby, pairwise
+from pkgutil import resolve_name
 from types import ModuleType
 from typing import Any, get_args
 
 from cost_tables import tables as cost_tables
 
 from coral import limits
-from coral.advisor import codes, desk, log
 from coral.advisor.registry import ENTRIES
 from coral.advisor.setting import Mistake
 from coral.campaign.campaign_files import CampaignFiles
 from coral.cli import COMMANDS
 from coral.commands.config import ListConfig
 from coral.configurations import CONFIGURATIONS
-from coral.contact.episode import events as contact_events
-from coral.contact.episode import metrics as contact_metrics
-from coral.contact.episode import variants as contact_variants
-from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.recorder import columns_told
 from coral.contact.memory.memory import Experience
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
-from coral.contact.plan import codes as contact_codes
-from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
+from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.scene.conditions import Condition
-from coral.contact.scene.shapes import Fixture, Joint, Movable, Shape, TableMark, TableTop
-from coral.contact.scene.task import Success, Task
+from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import load_task_file
 from coral.contact.scene.task_names import UNSEEN_HALVES, unseen_tasks
 from coral.field_docs import class_doc, field_docs
-from coral.plugins import GROUPS
-from coral.reef.decide import codes as reef_codes
 from coral.reef.decide.mistakes import REEF_MISTAKES
-from coral.reef.mission import events as reef_events
-from coral.reef.mission import metrics as reef_metrics
-from coral.reef.mission import record
 from coral.reef.mission.presets import PRESETS
 from coral.reef.mission.variants import VARIANTS
-from coral.reef.products import product_files
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.recordings import bag_export as reef_bag
 from coral.reef.sea.recorded_camera import CameraFileCfg
-from coral.reef.sea.survey_file import Origin, Polygon, SurveyFile
+from coral.reef.sea.survey_file import SurveyFile
 from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
 from coral.reef.vehicle.states import CHANGES
-from coral.reef.world.instruction import Clause, MissionText
+from coral.reef.world.instruction import Clause
 from coral.reef.world.kinds import catalogue
-from coral.reef.world.structures import Obstacle, Tank, Tether, Wall
-from coral.reef.world.world_model import Cluster, Current, Oyster, ReefWorld, Seabed, Start, Thing
+from coral.reef.world.world_model import ReefWorld
 from coral.run_files import SurveyFiles, TaskFiles
-from coral.run_loop import TIMING
 from coral.surface import described
 from coral.view.contact import bag_export as contact_bag
 
@@ -196,10 +182,10 @@ def _conditions(union: object) -> str:
     )
 
 
-def _keys(**kinds: Any) -> str:
-    """Return the keys of a file, part by part. Keys without a text share that of the next one."""
-    parts = []
-    for place, kind in kinds.items():
+def _keys(place: str, kind: Any, *, nested: bool = True) -> str:
+    """Return the keys of a file, then those of its parts. Keys without a text share that of the next one."""
+    parts, seen, tables = [(place, kind)], [kind], []
+    for place, kind in parts:  # grows
         listed = inspect.getdoc(kind).partition("Args:")[2]
         docs = dict(re.findall(r"^    (\w+): (.*?)(?=^    \w+: |\Z)", listed, re.M | re.S)) | field_docs(kind)
         rows: list[tuple[str, str, str]] = []
@@ -211,81 +197,73 @@ def _keys(**kinds: Any) -> str:
             if name in docs:
                 rows.append((", ".join(names), ", ".join(dict.fromkeys(filter(None, defaults))), docs[name]))
                 names, defaults = [], []
+            if nested and name != "conditions":  # they have a table of their own
+                found = [one for one in _models(getattr(field, "annotation", None)) if one not in seen]
+                parts += [(name, one) for one in found]
+                seen += found
         rows += [(name, "", "") for name in names]
-        parts.append(f"**`{place}`**: {class_doc(kind)}\n\n{_table('key | default | what', rows)}")
-    return "\n\n".join(parts)
+        tables.append(f"**`{place}`**: {class_doc(kind)}\n\n{_table('key | default | what', rows)}")
+    return "\n\n".join(tables)
 
 
+def _models(annotation: Any) -> Iterator[type]:
+    """Find the models in an annotation."""
+    if hasattr(annotation, "model_fields"):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from _models(inner)
+
+
+NAMED = {
+    "events-survey": ("event | what, and its keys", "coral.reef.mission.events:EVENTS"),
+    "events-task": ("event | what, and its keys", "coral.contact.episode.events:EVENTS"),
+    "columns-survey": ("columns | what", "coral.reef.mission.record:TRAJECTORY"),
+    "attempts": ("keys | what", "coral.advisor.log:KEYS"),
+    "timing": ("key | what", "coral.run_loop:TIMING"),
+    "metrics-survey": ("key | what", "coral.reef.mission.metrics:DEFINITIONS"),
+    "metrics-task": ("key | what", "coral.contact.episode.metrics:DEFINITIONS"),
+    "variants-task": ("variant | what", "coral.contact.episode.variants:WHAT"),
+    "ends-task": ("reason | what", "coral.contact.episode.end_reasons:END_REASONS"),
+    "entry-points": ("group | the entry point is a", "coral.plugins:GROUPS"),
+    "columns-clusters": ("columns | what", "coral.reef.products.product_files:CLUSTERS"),
+    "columns-shells": ("columns | what", "coral.reef.products.product_files:SHELLS"),
+    "columns-density": ("columns | what", "coral.reef.products.product_files:DENSITY"),
+    "products": ("keys | what", "coral.reef.products.product_files:NUMBERS"),
+    "question": ("keys | what", "coral.advisor.desk:KEYS"),
+    "codes-advisor": ("code | what", "coral.advisor.codes:CODES"),
+    "codes-survey": ("code | what", "coral.reef.decide.codes:CODES"),
+    "codes-task": ("code | what", "coral.contact.plan.codes:CODES"),
+}
+"""Tables of a mapping: head, and where it is."""
 TABLES: dict[str, Callable[[], str]] = {
     "commands": _commands,
     **{f"settings-{name}": partial(_settings, name) for name in CONFIGURATIONS},
+    **{name: partial(_named, head, resolve_name(place)) for name, (head, place) in NAMED.items()},
+    "columns-task": partial(_named, "columns | what", columns_told()),
+    "variants-survey": partial(_named, "variant | what", {name: inspect.getdoc(of) for name, of in VARIANTS.items()}),
+    "sensor-faults": partial(_named, "fault | what", {name: kind.means for name, kind in SENSOR_FAULTS.items()}),
+    "advisors": partial(_named, "advisor | who", {entry.form: entry.what for entry in ENTRIES}),
     "files-survey": partial(_files, SurveyFiles),
     "files-task": partial(_files, TaskFiles),
-    "events-survey": partial(_named, "event | what, and its keys", reef_events.EVENTS),
-    "events-task": partial(_named, "event | what, and its keys", contact_events.EVENTS),
-    "columns-survey": partial(_named, "columns | what", record.TRAJECTORY),
-    "columns-task": partial(_named, "columns | what", columns_told()),
-    "attempts": partial(_named, "keys | what", log.KEYS),
-    "timing": partial(_named, "key | what", TIMING),
-    "metrics-survey": partial(_named, "key | what", reef_metrics.DEFINITIONS),
-    "metrics-task": partial(_named, "key | what", contact_metrics.DEFINITIONS),
-    "variants-survey": partial(_named, "variant | what", {name: inspect.getdoc(of) for name, of in VARIANTS.items()}),
-    "variants-task": partial(_named, "variant | what", contact_variants.WHAT),
-    "ends-task": partial(_named, "reason | what", END_REASONS),
-    "mistakes-survey": partial(_mistakes, REEF_MISTAKES),
-    "mistakes-task": partial(_mistakes, CONTACT_MISTAKES),
-    "presets": _presets,
-    "sensor-faults": partial(_named, "fault | what", {name: kind.means for name, kind in SENSOR_FAULTS.items()}),
-    "states": _states,
-    "limits": _limits,
-    "advisors": partial(_named, "advisor | who", {entry.form: entry.what for entry in ENTRIES}),
-    "entry-points": partial(_named, "group | the entry point is a", GROUPS),
     "files-bench": partial(_files, CampaignFiles),
     "files-products": partial(_files, ProductFiles),
-    "columns-clusters": partial(_named, "columns | what", product_files.CLUSTERS),
-    "columns-shells": partial(_named, "columns | what", product_files.SHELLS),
-    "columns-density": partial(_named, "columns | what", product_files.DENSITY),
-    "products": partial(_named, "keys | what", product_files.NUMBERS),
-    "question": partial(_named, "keys | what", desk.KEYS),
-    "memory-file": partial(_keys, experiences=Experience),
-    "codes-advisor": partial(_named, "code | what", codes.CODES),
-    "codes-survey": partial(_named, "code | what", reef_codes.CODES),
-    "codes-task": partial(_named, "code | what", contact_codes.CODES),
-    "unseen": _unseen,
-    "kinds": _kinds,
-    "topics-survey": partial(_topics, reef_bag),
-    "topics-task": partial(_topics, contact_bag),
+    "task-file": partial(_keys, "task", Task),
+    "cost-file": partial(_keys, "cost", PlanAnswer),
+    "world-file": partial(_keys, "world", ReefWorld),
+    "survey-file": partial(_keys, "survey", SurveyFile),
+    "camera-file": partial(_keys, "camera", CameraFileCfg),
+    "memory-file": partial(_keys, "experiences", Experience, nested=False),
     "conditions": partial(_conditions, Condition),
     "clauses": partial(_conditions, Clause),
-    "task-file": partial(
-        _keys,
-        task=Task,
-        success=Success,
-        objects=Movable,
-        parts=Shape,
-        joint=Joint,
-        fixtures=Fixture,
-        marks=TableMark,
-        table=TableTop,
-    ),
-    "cost-file": partial(_keys, cost=PlanAnswer, stages=StageAnswer),
-    "survey-file": partial(_keys, survey=SurveyFile, origin=Origin, start=Start, keep_out=Polygon),
-    "camera-file": partial(_keys, camera=CameraFileCfg),
-    "world-file": partial(
-        _keys,
-        world=ReefWorld,
-        start=Start,
-        current=Current,
-        seabed=Seabed,
-        clusters=Cluster,
-        oysters=Oyster,
-        obstacles=Obstacle,
-        tether=Tether,
-        walls=Wall,
-        tank=Tank,
-        things=Thing,
-        mission=MissionText,
-    ),
+    "topics-survey": partial(_topics, reef_bag),
+    "topics-task": partial(_topics, contact_bag),
+    "mistakes-survey": partial(_mistakes, REEF_MISTAKES),
+    "mistakes-task": partial(_mistakes, CONTACT_MISTAKES),
+    "unseen": _unseen,
+    "kinds": _kinds,
+    "presets": _presets,
+    "states": _states,
+    "limits": _limits,
     **{f"cost-{name}": partial(str, text.rstrip()) for name, text in cost_tables().items()},
 }
 
