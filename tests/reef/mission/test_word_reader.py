@@ -101,11 +101,33 @@ def test_it_sees_sides_and_takes_another_where_there_is_no_way():
     question = facts(("tyre",), seen={"tyre": 3.0})
     assert sides(question, ()).look.side == "near"
     assert sides(question, ()).look.side == "right"
-    refused = [Rejection(code="blocked", reason="no way")] * 2
+    refused = [Rejection(code="blocked", reason="no way")]
     sides = reader({"kind": "sides", "of": ["tyre"], "count": 3})
     assert [sides(question, ()).look.side for _ in range(2)] == ["near", "right"]
     assert sides(question, ()).look.side == "right"
-    assert sides(question, refused).look.side == "left"  # the last of three was refused, so two have been seen
+    assert sides(question, refused).look.side == "left"
+
+
+def test_it_does_not_turn_back_to_a_side_that_it_has_seen():
+    sides = reader({"kind": "sides", "of": ["tyre"], "count": 3})
+    blocked = [Rejection(code="blocked", reason="no way")]
+    west, north, east = (
+        facts(("tyre",), seen={"tyre": 3.0}, at=at) for at in ((8.0, 10.0), (12.0, 14.0), (16.0, 10.0))
+    )
+    assert sides(west, ()).look.side == "near"
+    assert [sides(west, refused).look.side for refused in ((), blocked)] == ["right", "left"]
+    assert sides(north, ()).look.side == "left"  # to its right is the west
+    assert sides(east, ()).done
+
+
+def test_where_there_is_no_way_to_a_side_it_goes_round_by_a_waypoint_and_looks_from_there():
+    sides = reader({"kind": "sides", "of": ["tyre"], "count": 2})
+    west = facts(("tyre",), seen={"tyre": 3.0}, at=(8.0, 10.0))
+    assert [sides(west, ()).look.side for _ in range(2)] == ["near", "right"]
+    step = sides(west, [Rejection(code="blocked", reason="no way")] * 2).waypoint
+    assert math.dist((8.0 + step.forward_m, 10.0 + step.left_m), (12.0, 10.0)) > 2.6
+    assert abs(step.left_m) >= 2
+    assert sides(facts(("tyre",), seen={"tyre": 3.0}, at=(10.0, 13.5)), ()).look.side == "near"
 
 
 def test_it_needs_a_mission_in_words():

@@ -15,7 +15,7 @@ from coral.reef.decide.answers import WaypointStep
 from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
 from coral.reef.decide.wordless import MARGIN_S, SPEED_M_S, Side
 from coral.reef.world.geometry import Pose, to_robot, to_world
-from coral.reef.world.instruction import Answered, DoneBy, EndsAt, InOrder, Inspected, Sides
+from coral.reef.world.instruction import Answered, DoneBy, EndsAt, InOrder, Inspected, Sides, apart
 from coral.reef.world.kinds import find_kind
 from coral.reef.world.world import ReefWorld
 from coral.reef.world.world_model import Thing
@@ -30,8 +30,11 @@ NEARER_M, NEAREST_M = 0.4, 2.2
 """A look that told nothing is repeated from so much nearer."""
 JOINED_M = 2.3
 """Pieces of a cable this near to each other are one: who sees the end of one sees where it goes on."""
-TURNS: tuple[tuple[Side, float], ...] = (("right", 4.0), ("right", 3.2), ("left", 4.0), ("far", 3.2))
-"""Sides and distances (m) to look from next, until there is a way to one."""
+SIDE_M = 4.0
+TURNS: Mapping[Side, float] = {"near": 0.0, "right": 0.5 * math.pi, "left": -0.5 * math.pi}
+"""Sides to look from next, at `SIDE_M`, and how far round (rad) they are."""
+ROUND_RAD = tuple(math.radians(turn) for turn in (65.0, -65.0, 90.0, -90.0, 120.0, -120.0, 180.0))
+"""Where there is no way to such a side, the robot goes so far round first."""
 
 Fact = Mapping[str, Any]
 Point = tuple[float, float]
@@ -44,16 +47,23 @@ class WordReader:
         assert world.mission is not None
         self._read_m = READ_M if visibility_m is None else min(READ_M, READ_SHARE * visibility_m)
         self._things = {thing.name: thing for thing in world.things if not find_kind(thing.kind).circles}
+        self._size_m = world.size_m
         self._conditions = world.mission.conditions
         self._known: set[str] = set()
         self._reached: set[str] = set()
-        self._turned = 0
+        self._sides: list[float] = []
+        """Directions (rad) from which the thing was looked at that is to be seen from several sides."""
+        self._turning = ""
+        """Name of that thing, when the last answer was a look at it."""
         self._looked: tuple[Point, ...] = ()
 
     def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> MissionAnswer:
         """Return the next step."""
         pose, told = Pose(**facts["arrival"]["pose"]), facts["mission"]
         self._see(facts, pose)
+        if self._turning and not rejections:
+            self._sides.append(_bearing(pose, _at(self._things[self._turning])))
+            self._turning = ""
         if len(rejections) > 3 or self._late(told) or (self._enough() and not rejections):
             return self._end(facts, rejections)
         refused = {rejection.details.get("index") for rejection in rejections} - {None}
@@ -62,11 +72,7 @@ class WordReader:
         ahead = self._ahead(pose)
         for one in self._conditions:
             if isinstance(one, Sides) and (nets := [d for d in open_ if thing_of[d["index"]] in self._of(one.of)]):
-                turns = TURNS if self._turned else (("near", TURNS[0][1]),)
-                side, distance_m = turns[min(len(rejections), len(turns) - 1)]
-                self._turned += not rejections
-                look = LookFrom(dot=nets[0]["index"], side=side, distance_m=distance_m)
-                return MissionAnswer(look=look, reason=f"side {self._turned} of it")
+                return self._turn(facts, pose, nets[0]["index"], thing_of[nets[0]["index"]], rejections)
         if ahead:
             goal = self._things[ahead[0]]
             at = to_robot(pose, goal.x, goal.y)
@@ -90,6 +96,25 @@ class WordReader:
             return self._end(facts, rejections)
         front = min(fronts, key=lambda f: f["path_m"])
         return self._towards(facts, (front["forward_m"], front["left_m"]), "towards unexplored water", rejections)
+
+    def _turn(self, facts: Fact, pose: Pose, dot: int, name: str, rejections: Sequence[Rejection]) -> MissionAnswer:
+        """Look at a dot from a side that was not seen yet, or go towards one."""
+        x, y = _at(self._things[name])
+        now = _bearing(pose, (x, y))
+
+        def new(turn: float) -> bool:
+            return apart([*self._sides, now + turn]) > apart(self._sides)
+
+        sides = [side for side, turn in TURNS.items() if new(turn)]
+        self._turning = name if len(rejections) < len(sides) else ""
+        if self._turning:
+            look = LookFrom(dot=dot, side=sides[len(rejections)], distance_m=SIDE_M)
+            return MissionAnswer(look=look, reason="a new side of it")
+        ways = [now + turn for turn in ROUND_RAD if new(turn)]
+        places = [(x + SIDE_M * math.cos(a), y + SIDE_M * math.sin(a)) for a in ways]
+        free = [one for one in places if all(1.0 < v < most - 1.0 for v, most in zip(one, self._size_m, strict=True))]
+        at = to_robot(pose, *(free or [(x, y)])[0])
+        return self._towards(facts, at, "round to a new side of it", rejections[len(sides) :])
 
     def _of(self, of: Collection[str]) -> list[str]:
         return [name for name, thing in self._things.items() if thing.kind in of or name in of]
@@ -154,7 +179,7 @@ class WordReader:
                 case InOrder():
                     if not set(self._of(one.of)) <= self._reached:
                         return False
-                case Sides() if self._turned < one.count:
+                case Sides() if apart(self._sides) < one.count:
                     return False
                 case EndsAt() if one.at != "start" and not set(self._of((one.at,))) <= self._reached:
                     return False
@@ -198,6 +223,11 @@ class WordReader:
 
 def _place(pose: Pose, dot: Fact) -> Point:
     return to_world(pose, dot["forward_m"], dot["left_m"])
+
+
+def _bearing(pose: Pose, of: Point) -> float:
+    """Return the direction (rad) of a pose as seen from a place."""
+    return math.atan2(pose.y - of[1], pose.x - of[0])
 
 
 def _at(thing: Thing) -> Point:
