@@ -14,6 +14,7 @@ import coral
 from coral.advisor import codes as advisor_codes
 from coral.contact.episode import events as contact_events
 from coral.contact.plan import codes as contact_codes
+from coral.contact.policy.client import CODES as policy_codes
 from coral.contact.tasks import load_task
 from coral.reef.decide import codes as reef_codes
 from coral.reef.mission import events as reef_events
@@ -96,13 +97,19 @@ def test_every_event_that_the_code_can_tell_has_a_row(room, events):
 
 @pytest.mark.parametrize(
     ("room", "codes"),
-    [("advisor", advisor_codes.CODES), ("reef/decide", reef_codes.CODES), ("contact", contact_codes.CODES)],
+    [
+        ("advisor", advisor_codes.CODES),
+        ("reef/decide", reef_codes.CODES),
+        ("contact", contact_codes.CODES | policy_codes),
+    ],
 )
 def test_every_code_of_an_attempt_has_a_row(room, codes):
     told = set()
     for path in (ROOT / "src/coral" / room).rglob("*.py"):
         text = path.read_text("utf-8")
-        told |= set(re.findall(r"(?:Rejection\(\s*code=|(?:BadAnswer|AdvisorUnavailable)\(\s*)\"([\w-]+)\"", text))
+        told |= set(
+            re.findall(r"(?:Rejection\(\s*code=|(?:BadAnswer|AdvisorUnavailable|PolicyError)\(\s*)\"([\w-]+)\"", text)
+        )
         if path.stem in ("region_validation", "parse", "own_verifier"):
             told |= set(re.findall(r'(?:return|(?:code|CODE|mend) =|name,)[\s(]*"([a-z-]+)"[,\n]', text))
     assert len(told) > 9

@@ -223,6 +223,8 @@ NAMED = {
     "metrics-survey": ("key | what", "coral.reef.mission.metrics:DEFINITIONS"),
     "metrics-task": ("key | what", "coral.contact.episode.metrics:DEFINITIONS"),
     "variants-task": ("variant | what", "coral.contact.episode.variants:WHAT"),
+    "ends-survey": ("reason | what", "coral.reef.mission.end_reasons:END_REASONS"),
+    "codes-policy": ("code | what", "coral.contact.policy.client:CODES"),
     "ends-task": ("reason | what", "coral.contact.episode.end_reasons:END_REASONS"),
     "entry-points": ("group | the entry point is a", "coral.plugins:GROUPS"),
     "columns-clusters": ("columns | what", "coral.reef.products.product_files:CLUSTERS"),

@@ -13,6 +13,7 @@ from coral.reef.decide.answers import CentroidChoice
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.drive.controller import shift_matrix
 from coral.reef.map.costfield import CostField
+from coral.reef.mission.end_reasons import END_REASONS
 from coral.reef.mission.metrics import compute_metrics
 from coral.reef.mission.mission import Mission, tick_edges
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -27,7 +28,9 @@ QUIET = MissionCfg(
 
 def run(world, folder, advisor=None, cfg=QUIET, seed=0, observers=()):
     mission = Mission(world, cfg, advisor or RuleAdvisor(REEF_RULES), folder, seed=seed)
-    return mission.run(observers)
+    result = mission.run(observers)
+    assert result["end_reason"].partition(":")[0] in END_REASONS
+    return result
 
 
 def events(folder, kind):

@@ -1,6 +1,7 @@
 """A survey in a simulated reef on a fake clock: nothing sleeps, and the same seed gives the same voyage."""
 
 import dataclasses
+import re
 import socket
 
 import numpy as np
@@ -9,6 +10,7 @@ from coral.advisor.clock import SimulatedClock
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.map.sonar_3d15 import Sonar3d15
+from coral.reef.mission.end_reasons import END_REASONS
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
@@ -156,4 +158,6 @@ class Voyage:
         return ""
 
     def run(self):
-        return self.mission.run([self])
+        result = self.mission.run([self])
+        assert re.split(r": | \(", result["end_reason"])[0] in {*END_REASONS, "killed"}
+        return result
