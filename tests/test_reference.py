@@ -18,6 +18,7 @@ from coral.contact.policy.client import CODES as policy_codes
 from coral.contact.tasks import load_task
 from coral.reef.decide import codes as reef_codes
 from coral.reef.mission import events as reef_events
+from coral.reef.ros import topics as ros_topics
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "docs" / "site"))
@@ -114,3 +115,10 @@ def test_every_code_of_an_attempt_has_a_row(room, codes):
             told |= set(re.findall(r'(?:return|(?:code|CODE|mend) =|name,)[\s(]*"([a-z-]+)"[,\n]', text))
     assert len(told) > 9
     assert told - set(codes) == set()
+
+
+def test_every_topic_of_ros_has_a_row():
+    modules = set((ROOT / "src/coral/reef/ros").glob("*.py")) - {Path(ros_topics.__file__)}
+    text = "".join(path.read_text("utf-8") for path in modules)
+    told = set(re.findall(r'(?:"|parameter\()"?(coral/[\w/]+|odom|battery|cmd_vel|arm|diagnostics)"', text))
+    assert told | {"coral/WORD"} == set(ros_topics.TOPICS) == set(ros_topics.WHAT)

@@ -40,6 +40,7 @@ from coral.reef.mission.presets import PRESETS
 from coral.reef.mission.variants import VARIANTS
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.recordings import bag_export as reef_bag
+from coral.reef.ros import topics as ros_topics
 from coral.reef.sea.recorded_camera import CameraFileCfg
 from coral.reef.sea.survey_file import SurveyFile
 from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
@@ -258,6 +259,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "conditions": partial(_conditions, Condition),
     "clauses": partial(_conditions, Clause),
     "topics-survey": partial(_topics, reef_bag),
+    "topics-ros2": partial(_topics, ros_topics),
     "topics-task": partial(_topics, contact_bag),
     "mistakes-survey": partial(_mistakes, REEF_MISTAKES),
     "mistakes-task": partial(_mistakes, CONTACT_MISTAKES),
