@@ -130,6 +130,15 @@ def test_where_there_is_no_way_to_a_side_it_goes_round_by_a_waypoint_and_looks_f
     assert sides(facts(("tyre",), seen={"tyre": 3.0}, at=(10.0, 13.5)), ()).look.side == "near"
 
 
+def test_it_ends_where_it_is_told_to_even_if_it_has_been_there():
+    along = reader({"kind": "inspected", "of": ["tyre"]}, {"kind": "ends_at", "at": "ball"})
+    both, seen = ("tyre", "ball"), {"tyre": 3.0, "ball": 3.0}
+    assert along(facts(both, seen=seen, visited=("ball",), at=(12.0, 5.0)), ()).selected_centroid_index == 0
+    back = along(facts(both, seen=seen, visited=both, at=(12.0, 9.0)), ())
+    assert back.waypoint.left_m < 0  # its dot is done: by a waypoint, to the south
+    assert along(facts(both, seen=seen, visited=both, at=(12.0, 5.0)), ()).done
+
+
 def test_it_needs_a_mission_in_words():
     cfg = apply_variant("reader", MissionCfg())
     with pytest.raises(InputError, match="a mission in words"):

@@ -140,6 +140,8 @@ class WordReader:
             if self._lies(name) and math.dist(_at(thing), pose[:2]) <= SAME_M:
                 self._reached.add(name)
         self._reached |= {self._thing(_place(pose, dot)) for dot in dots.values() if dot["visited"]} & self._known
+        last = self._of([one.at for one in self._conditions if isinstance(one, EndsAt)])
+        self._reached -= {name for name in last if math.dist(_at(self._things[name]), pose[:2]) > SAME_M}
 
     def _lies(self, name: str) -> bool:
         """Tell whether a thing lies flat: no dot is of it."""
