@@ -10,8 +10,8 @@ EVENTS = {
     "verdict": "An answer was judged: `kind` of the question, `decision`, `attempt`, `verdict`, `code` of a refusal, "
     "`tokens_in`, `tokens_out`, `cost_usd`, `faults` of a bad reply; `thinking_s`.",
     "thinking": "Simulated `seconds` passed while the advisor thought, and what happened `meanwhile`.",
-    "fallback": "The advisor did not decide `what`: `because`, the `policy`, `by` what it is replaced, `decided`, "
-    "`source`.",
+    "fallback": "The advisor did not decide `what` (`decided` says the same): why (`because`), the `policy`, and "
+    "what stands in (`by`, `source`).",
     "poses": f"Poses guessed from a picture, by object; {_ASKED}.",
     "beliefs": f"Masses and frictions, by object; {_ASKED}.",
     "plan_answer": f"A plan or a repair (`kind`): its `code`, `explanation`, `advice` of the check; {_ASKED}.",
@@ -24,19 +24,19 @@ EVENTS = {
     "strategy": "A strategy is followed: `name`, `stages`, `beliefs`.",
     "stage": "A `stage` begins: `index`, and the one `before`.",
     "plan": "The planner planned: `stage`, `cost` and its `terms`, effective sample size (`ess`), `diverged` "
-    "rollouts, whether it is `ok`, where it leads the hand (`aim`), what is `touched`; `ahead_s`: planned for so "
-    "much later.",
+    "rollouts, whether it is `ok`, where it leads the hand (`aim`), what is `touched`; `ahead_s`: it begins so much "
+    "later.",
     "weight": "A person changed a cost's weight on the live page: `stage`, `term`, `factor`, `by`.",
     "policy": "A served policy was asked: `call`, actions in its `chunk`, the `actions` executed.",
-    "contact": "A contact began: `first`, `second`, `force_n`, `point` (m).",
-    "contact_end": "It ended: `first`, `second`, `begun_s`, `ended_s`, `peak_n`, `mean_n`.",
+    "contact": "A contact of `first` and `second` began: `force_n`, `point` (m).",
+    "contact_end": "It ended: `first`, `second`, `begun_s`, `ended_s`, largest and mean force (`peak_n`, `mean_n`).",
     "track": "The tracker `lost` an `object` (`reason`, whether the hand `held` it), or found it `after_s`.",
     "stuck": "The outer loop found no progress: `attempts`, `stage`, `object`, `diagnosis` with its `text`, "
     "`evidence`, `cost`, `history`.",
-    "planner_effort": "More samples were tried first: `diagnosis`, `stage`, `samples`, `more`, `cost`, `lower`, "
-    "`gain`, `text`.",
-    "correction": "Masses and frictions were replayed: `object`, `accepted`, `text`, `errors`, values `before` and "
-    "`after`; `decided`, `source`, `failure`, `refused`.",
+    "planner_effort": "Before a plan was thrown away, `more` samples than `samples` were tried: `lower` cost than "
+    "`cost`, the `gain`, and what follows (`diagnosis`, `text`); `stage`.",
+    "correction": "Mass and friction of an `object` were replayed with the history: whether new ones were "
+    "`accepted`, `text`, `errors` of both, values `before` and `after`; `decided`, `source`, `failure`, `refused`.",
     "cost_error": "A cost failed in use: `stage`, `code`, `reason`, and what happens `meanwhile`.",
     "end": "The last line: `reason`, `detail`, `advisor_calls`, `repairs`, `memory_hit`.",
 }

@@ -15,9 +15,10 @@ EVENTS = {
     "goal": "A goal was adopted: `x`, `y` (m); its `source` (an advisor or fallback, `initial`, `tour`, `home`), "
     "`decision`, `reason`; `index` of the cluster; `centroids`; `violates`: whether it goes back or off the trend "
     "(Eqs. 4-8); `waits`: goals before it; `then`: goals after it; `later_s`: what it costs; `expect`: what the "
-    "advisor expects there; `overtaken`: seen from near meanwhile; in words also `look` and `said`.",
-    "held": "A decision without a goal: `source`, `decision`, `reason`; in words also `answer`, `said`, `look`, "
-    "`violates`.",
+    "advisor expects there; `overtaken`: the robot has seen it from near meanwhile; in a mission in words also the "
+    "side it is to `look` from, and what was `said` of things.",
+    "held": "A decision without a goal: `source`, `decision`, `reason`; in a mission in words also its `answer`, "
+    "`said`, `look`, `violates`.",
     "fallback": "The advisor did not decide: `decision`, `failure`, and the `policy` that took over.",
     "guess": "What an advisor had expected at `x`, `y` came out: `what`, how `sure`, whether it was a `hit`.",
     "mode": "The `mode` of questions changed: centroids or free waypoints.",
@@ -28,24 +29,27 @@ EVENTS = {
     "cluster_covered": "A true cluster was covered: `name`, `fraction` of its area.",
     "collision": "Contact with `obstacle` at `x`, `y` (m).",
     "robot_collision": "Contact of two robots: the `other`, at `x`, `y` (m).",
-    "state": "The vehicle's state changed: `state`, before that `was`, `cause`, `by` whom, `reason`.",
-    "sensor": "An `input` was `refused` (empty: accepted again), `detail`.",
+    "state": "The vehicle's state changed: the new `state`, the old one (`was`), `cause`, `by` whom, `reason`.",
+    "sensor": "An `input` of the pilot was `refused`, and why (empty: it is accepted again); `detail`.",
     "blind": "The sonar alone shows the way (`blind`), or no longer: `reason`.",
     "deaf": "The sonar is silent (`deaf`), or no longer: `reason`.",
     "awaited": "At sea, what ends a state: `state`, `reason`, `ends_when`.",
     "operator": "At sea, the operator said a `word`, from a `source` (keyboard, page, ROS).",
     "limit": "At sea, a limit was reached: `cause`, `reason`, and the `action` taken.",
-    "alignment": "At sea, the search for the place on a saved map: `status`, `reason`; `moved_m`, `turned_deg`, "
-    "`bodies`, `matched`, `residual_m`, `score`, and that of the `second` best place.",
+    "alignment": "At sea, the search for the place on a saved map: `status`, `reason`; how far it is from the stated "
+    "start: `moved_m`, `turned_deg`, obstacles (`bodies`) and those `matched`, `residual_m`, `score`, and that of "
+    "the `second` best place.",
     "frame": "At sea, the place on a saved map was found: `x`, `y`, `turn` of the frame, `start`, `shift`.",
     "vehicle_text": "At sea, a message of the autopilot: `severity`, `text`.",
-    "late_tick": "At sea, a tick came late: `behind_ms`, `woken_ms`, `control_ms`.",
-    "recording_stopped": "At sea, the disk is full, say: `reason`.",
+    "late_tick": "At sea, a tick ended late: by `behind_ms`, of which it began `woken_ms` late and computed for "
+    "`control_ms`.",
+    "recording_stopped": "At sea, nothing more is recorded, for instance because the disk is full: `reason`.",
     "order": "At sea, the vehicle was given an `order`.",
     "order_refused": "At sea, the vehicle refused an `order`: `reason`.",
     "left": "At the end, `clusters` that were not finished, each with why; `centroids` of the chain.",
     "judged": "At the end, the truth: `clusters` with the share imaged and inspected, the robot's `tracks` and "
-    "`phantoms` among them, `oracle_time_to_90_s`; in words `instruction` with its conditions.",
+    "`phantoms` among them, time of a tour that knows the reef (`oracle_time_to_90_s`); in a mission in words "
+    "`instruction` with its conditions.",
     "end": "The last line: `reason`.",
 }
 """Every line also has `step`, `t` (simulated seconds) and, of several robots, `robot`."""
