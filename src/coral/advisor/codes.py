@@ -17,7 +17,7 @@ CODES = {
     "not-yours": "`answer.json` at the desk belongs to another user.",
     "timeout": "No reply in time.",
     "connection": "The server was not reached, or the connection broke.",
-    "http-STATUS": "The server answered with an error; `http-429` and `http-5..` are tried again, `http-400` is not.",
+    "http-STATUS": "The server answered with an error; 408, 409, 425, 429 and 500 or more are tried again.",
     "key-refused": "The key was refused; not tried again.",
     "no-such-model": "There is no such model; not tried again.",
     "budget": "The budget of the run is used up; not tried again.",

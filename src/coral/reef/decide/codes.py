@@ -7,7 +7,7 @@ CODES = {
     "outside": "The point lies outside the survey area.",
     "no-such-centroid": "There is no such dot on the map.",
     "visited": "The dot is done.",
-    "finished": "Around the point everything is known and done, and nothing that is left is nearer from there.",
+    "finished": "Within 3 m of the point everything is known and done, and nothing that is left is nearer from there.",
     "too-dear": "To look where something is expected costs more than is allowed.",
     "too-close": "The point is where the robot will be, or at the last goal.",
     "taken": "Another robot goes there.",
