@@ -4,10 +4,14 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.sweep import SHORT, apply_setting
+from coral.reef.mission.sweep import CURRENT, SHORT, WHAT, apply_setting
 from coral.reef.world.world import Current, load_world
 
 CFG, WORLD = MissionCfg(), load_world("l1")
+
+
+def test_every_word_is_explained():
+    assert set(WHAT) == {CURRENT, *SHORT}
 
 
 def test_no_setting_changes_nothing():

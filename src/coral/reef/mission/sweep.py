@@ -40,6 +40,16 @@ Mask errors: of ten pixels of sea floor there is hardly one of an oyster, so fal
 ones. Drift: 0.1 rad for each metre, about what a heading error of that size adds over the 10 m between two places.
 The robot knows how far its odometry drifts, as a data sheet says, not where to.
 """
+WHAT = {
+    CURRENT: "m/s: speed of the water, in the direction of the world's own current (+x in still water).",
+    "visibility": "m: turbidity. Nothing is seen beyond; pixels are lost from 70 % of that range on.",
+    "mask_errors": "Share of the 6 × 6 pixel patches of oysters and obstacles that are labelled as sea floor; a tenth "
+    "of it is the share of sea floor labelled as each of them.",
+    "depth_noise": "m/m: standard deviation of depth per metre of depth.",
+    "pose_drift": "m/√s: random walk of the odometry's position, on each axis; a tenth of it, in rad/√s, of the "
+    "heading. The robot knows how much it drifts, not in which direction.",
+}
+"""Meaning of each word."""
 Overrides = Sequence[tuple[str, Any]]
 
 
