@@ -85,7 +85,7 @@ class ReefEyes:
             raise InputError("coral reef eyes train", "", f"no package {error.name}", "the extra `train`") from None
         from coral.reef.paint.familiar import know_training
         from coral.reef.paint.labelled_pictures import read_labelled
-        from coral.reef.paint.left_out import measure_left_out
+        from coral.reef.paint.left_out import OYSTER_FROM, correct_odds, measure_left_out
         from coral.reef.paint.teaching import gather_real, teach
 
         begin = None if self.begin is None else weights_in(self.begin)
@@ -103,8 +103,9 @@ class ReefEyes:
         )
         net = train(data, cfg, self.seed, _tell, begin)
         know_training(net, kept, data.reefs, self.seed)
+        correct_odds(net)
         self.out.parent.mkdir(parents=True, exist_ok=True)
-        export(net, self.out)
+        export(net, self.out, OYSTER_FROM)
         rows = measure_left_out(net, [one for one in marked if one.video in self.without])
         return {"file": str(self.out), "pictures": 2 * self.reefs * self.pictures, "real": len(kept), "rows": rows}
 
@@ -205,10 +206,19 @@ class ReefEyes:
         """Return the file, or a table in Markdown."""
         if self.action == "train":
             rows = [
-                f"| {row['video']} | {row['iou']:.2f} | {row['precision']:.2f} | {row['recall']:.2f} |"
+                f"| {row['video']} | {row['iou']:.2f} | {row['precision']:.2f} | {row['recall']:.2f} "
+                f"| {100 * row['said']:.0f} % | {100 * row['true']:.0f} % |"
                 for row in result["rows"]
             ]
-            table = ["| left out | IoU | precision | recall |", "|---|---|---|---|", *rows] if rows else []
+            table = (
+                [
+                    "| left out | IoU | precision | recall | oysters, said | outlined |",
+                    "|---|---|---|---|---|---|",
+                    *rows,
+                ]
+                if rows
+                else []
+            )
             made = f"{result['file']}, from {result['pictures']} painted and {result['real']} real pictures"
             return "\n".join([*table, made])
         if self.action == "calibrate":

