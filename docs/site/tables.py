@@ -44,7 +44,9 @@ from coral.reef.ros import topics as ros_topics
 from coral.reef.sea.recorded_camera import CameraFileCfg
 from coral.reef.sea.survey_file import SurveyFile
 from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
+from coral.reef.vehicle.sensing import Attitude, VehicleObservation
 from coral.reef.vehicle.states import CHANGES
+from coral.reef.world.geometry import Frame
 from coral.reef.world.instruction import Clause
 from coral.reef.world.kinds import catalogue
 from coral.reef.world.world_model import ReefWorld
@@ -192,7 +194,7 @@ def _keys(place: str, kind: Any, *, nested: bool = True) -> str:
         rows: list[tuple[str, str, str]] = []
         names, defaults = [], []
         for name, field in (kind.__dataclass_fields__ if is_dataclass(kind) else kind.model_fields).items():
-            needed = not is_dataclass(kind) and field.is_required()
+            needed = field.default is field.default_factory if is_dataclass(kind) else field.is_required()
             names.append(f"`{name}`")
             defaults.append("required" if needed else _plain(field.default))
             if name in docs:
@@ -256,6 +258,9 @@ TABLES: dict[str, Callable[[], str]] = {
     "world-file": partial(_keys, "world", ReefWorld),
     "survey-file": partial(_keys, "survey", SurveyFile),
     "camera-file": partial(_keys, "camera", CameraFileCfg),
+    "observation": partial(_keys, "VehicleObservation", VehicleObservation),
+    "observation-frame": partial(_keys, "frame", Frame),
+    "observation-attitude": partial(_keys, "attitude", Attitude),
     "memory-file": partial(_keys, "experiences", Experience, nested=False),
     "conditions": partial(_conditions, Condition),
     "clauses": partial(_conditions, Clause),

@@ -53,17 +53,19 @@ class VehicleObservation:
     """
 
     t: float
-    """Now (s), by a clock that only goes forward."""
+    """Now (s), ten times a second, by a clock that only goes forward (`time.monotonic()`), as the stamps are."""
     pose: Stamped[Pose] | None = None
-    """World ENU, by odometry."""
+    """x, y, theta by odometry, world ENU: metres, radians counter-clockwise from east."""
     velocity: Stamped[Velocity] | None = None
+    """u, v, r over ground, body FLU: m/s forward and to the left, rad/s to the left."""
     frame: Stamped[Frame] | None = None
-    """Stamped with the time of exposure, not of arrival."""
+    """The camera's picture, stamped with the time of exposure, not of arrival."""
     covariance: NDArray[np.float64] | None = None
-    """Of the pose (x, y, theta), in m and rad. Shape=(3, 3). None: unknown."""
+    """Of the pose, in m and rad, Shape=(3, 3): a position that is not known to 2 m is refused. None: unknown."""
     attitude: Stamped[Attitude] | None = None
+    """What is measured outside the plane."""
     sonar: Stamped[RangeImage] | None = None
-    """Stamped with the time of the ping."""
+    """Ranges in metres, inf where there is no echo, stamped with the time of the ping."""
 
     @classmethod
     def at(

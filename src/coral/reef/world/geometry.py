@@ -36,7 +36,7 @@ class Frame:
     depth: NDArray[np.float32]
     """Depth along the optical axis, not range (m); inf where nothing is seen. Shape=(H, W), float32."""
     labels: NDArray[np.uint8]
-    """`Label` of every pixel. Shape=(H, W), uint8."""
+    """`Label` of every pixel: 0 water, 1 oyster, 2 obstacle, 3 seabed. Shape=(H, W), uint8."""
     instances: NDArray[np.int32]
     """Index of the object in the scene, -1 for seabed and water. Shape=(H, W), int32. For tests and metrics
     only: no decision reads it."""
