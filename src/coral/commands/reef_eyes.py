@@ -59,7 +59,8 @@ class ReefEyes:
     limit_s: Positive = 7200.0
     """train: longest time."""
     begin: Path | None = None
-    """train: weights to begin with, the FILE.pt of an earlier training; random ones by default."""
+    """train: weights to begin with, whose encoder stays as it is: FILE.pt of an earlier training, or rgb, the shipped
+    network. By default the encoder has seen photographs, and learns as well."""
     threads: Count = 2
     """train: threads of torch."""
     out: Path | None = None
@@ -83,12 +84,13 @@ class ReefEyes:
             from coral.reef.paint.training import TrainingCfg, export, train, weights_in
         except ImportError as error:
             raise InputError("coral reef eyes train", "", f"no package {error.name}", "the extra `train`") from None
-        from coral.reef.paint.familiar import know_training
+        from coral.reef.eyes.reef_net import WEIGHTS
+        from coral.reef.paint.familiar import know_more, know_training
         from coral.reef.paint.labelled_pictures import read_labelled
         from coral.reef.paint.left_out import OYSTER_FROM, correct_odds, measure_left_out
         from coral.reef.paint.teaching import gather_real, teach
 
-        begin = None if self.begin is None else weights_in(self.begin)
+        begin = None if self.begin is None else weights_in(WEIGHTS if str(self.begin) == "rgb" else self.begin)
         marked = [one for folder in self.labelled for one in read_labelled(folder, self.oysters)]
         unknown = set(self.without) - {one.video for one in marked}
         if unknown:
@@ -99,10 +101,18 @@ class ReefEyes:
             tell=_tell,
         )  # fmt: skip
         cfg = TrainingCfg(
-            steps=self.steps, batch=self.batch, limit_s=self.limit_s, threads=self.threads, device=self.device
+            rate=6e-4 if begin else 3e-3,
+            steps=self.steps,
+            batch=self.batch,
+            limit_s=self.limit_s,
+            threads=self.threads,
+            device=self.device,
         )
         net = train(data, cfg, self.seed, _tell, begin)
-        know_training(net, kept, data.reefs, self.seed)
+        if begin is None:
+            know_training(net, kept, data.reefs, self.seed)
+        else:
+            know_more(net, kept, self.seed)
         correct_odds(net)
         self.out.parent.mkdir(parents=True, exist_ok=True)
         export(net, self.out, OYSTER_FROM)

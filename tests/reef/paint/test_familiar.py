@@ -40,3 +40,23 @@ def test_nothing_is_near_a_set_that_is_empty():
     apart = net.unlike(torch.from_numpy(painted).float()).detach().numpy()
     assert (apart[:, 0] > 100).all()
     assert (apart[:, 1] < 1).all()
+
+
+def test_more_pictures_become_familiar_and_the_others_stay_so(monkeypatch):
+    from coral.reef.paint import familiar
+    from coral.reef.paint.labelled_pictures import LabelledPicture
+    from coral.reef.paint.unet import ReefNet
+
+    rng, net = np.random.default_rng(0), ReefNet()
+    size = net.middle.numel()
+    known, new = rng.normal(0.0, 1.0, (60, size)), rng.normal(-9.0, 1.0, (1, size)).astype(np.float32)
+    familiar.remember(net, known, np.array(["a", "b", "c"] * 20), known + 20.0, 0)
+
+    def unlike(points):
+        return net.unlike(torch.from_numpy(points).float()).numpy()[:, 0]
+
+    assert (unlike(new) > 1).all()
+    monkeypatch.setattr(familiar, "describe_pictures", lambda net, pictures: new)
+    familiar.know_more(net, [LabelledPicture("d-1", np.zeros((48, 64, 3), np.uint8), np.zeros((48, 64), np.uint8))], 0)
+    assert (unlike(new) < 0.01).all()
+    assert (unlike(known) < 1).mean() > 0.9

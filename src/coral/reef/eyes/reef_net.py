@@ -21,6 +21,8 @@ from coral.reef.world.geometry import Label
 SHIPPED = Path(__file__).parent / "weights" / "reef_net.onnx"
 REAL = SHIPPED.with_name("real_net.onnx")
 """The networks that come with the package: for painted reefs, and for real pictures."""
+WEIGHTS = REAL.with_suffix(".pt")
+"""Weights of the latter, from which a training can begin."""
 OUTPUTS = {"logits": 4, "depth": 1, "depth_doubt": 1}
 """Channels by name."""
 MOST_PIXELS = 320 * 240

@@ -54,6 +54,18 @@ def know_training(net: ReefNet, real: list[LabelledPicture], reefs: tuple[Painte
     )
 
 
+def know_more(net: ReefNet, real: list[LabelledPicture], seed: int) -> None:
+    """Let a network whose encoder stayed as it was remember some more real pictures, in place of others."""
+    rng = np.random.default_rng([seed, 0xFB])
+    found = [
+        describe_pictures(net, picture_input(rgb)[None]) for size in (None, (160, 120)) for rgb in _resized(real, size)
+    ]
+    if found:
+        at = (torch.from_numpy(np.concatenate(found)) - net.middle) @ net.axes
+        some = rng.permutation(len(at))[: CENTRES // 2]
+        net.centres[0, rng.permutation(CENTRES)[: len(some)]] = at[some]
+
+
 def _resized(real: list[LabelledPicture], size: tuple[int, int] | None) -> Iterator[NDArray[np.uint8]]:
     for one in real:
         yield one.rgb if size is None else np.asarray(cv2.resize(one.rgb, size, interpolation=cv2.INTER_AREA), np.uint8)

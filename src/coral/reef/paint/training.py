@@ -83,7 +83,8 @@ def train(
         cfg: How long and how fast.
         seed: Of the first weights, the order and the variation of colours.
         tell: Called with a line now and then.
-        begin: Weights to begin with, of `weights_in`; random ones by default.
+        begin: Weights to begin with, of `weights_in`: their encoder stays as it is, and so does what it finds familiar.
+            By default the encoder has seen photographs, and learns at a lower rate.
     """
     torch.set_num_threads(cfg.threads)
     torch.manual_seed(seed)
@@ -95,6 +96,7 @@ def train(
     else:
         net.load_state_dict(begin)
     net = net.to(device=device, memory_format=torch.channels_last).train()
+    net.down.train(begin is None).requires_grad_(begin is None)
     mean = copy.deepcopy(net).eval()
     known = {id(parameter) for parameter in net.down.parameters()}
     groups = [
@@ -240,7 +242,8 @@ def weights_in(path: Path) -> dict[str, Tensor]:
     """
     expected = "weights of our network, as `coral reef eyes train` writes them beside FILE.onnx"
     try:
-        weights = torch.load(path, map_location="cpu", weights_only=True)
+        loaded = torch.load(path, map_location="cpu", weights_only=True)
+        weights = {name: value.float() if value.is_floating_point() else value for name, value in loaded.items()}
         ReefNet().load_state_dict(weights)
     except (OSError, EOFError, RuntimeError, TypeError, AttributeError, UnpicklingError) as error:
         raise InputError("--begin", "", f"{path}: {' '.join(str(error).split())[:80]}", expected) from None
@@ -260,7 +263,8 @@ def export(net: ReefNet, path: Path, oyster_from: float | None = None) -> None:
         oyster_from: Probability from which eyes call a pixel an oyster; None: where that is likeliest.
     """
     net = net.cpu().eval()
-    torch.save(net.state_dict(), path.with_suffix(".pt"))
+    small = {name: value.half() if value.dim() > 1 else value for name, value in net.state_dict().items()}
+    torch.save(small, path.with_suffix(".pt"))  # variances are no numbers for half precision
     free = {2: "height", 3: "width"}
     torch.onnx.export(
         net,
