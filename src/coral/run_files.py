@@ -34,15 +34,15 @@ class SurveyFiles(RunFiles):
     WORLD: Final = "world.yaml"
     """The reef; at sea, the area with its fence."""
     MAP: Final = "map.png"
-    """The map with the robot's way."""
+    """The map with the robot's path."""
     VIDEO: Final = "mission.mp4"
     """The mission as a video (`--video`)."""
     JUDGE: Final = "judge.csv"
     """What only the experimenter knows, at each step: `step`, `t`, shares `imaged` and `inspected`, distance from the
     reef (`reef_m`)."""
     FRAMES: Final = "frames/"
-    """Pictures by number of the step: the map and the camera every 2 s, twice a second those that `poses.csv` lists:
-    classes, depth (mm, 16 bits) and, where there are, colours and doubt."""
+    """Pictures by number of the step: the map and the camera every 2 s; twice a second those that `poses.csv` lists,
+    of classes, depth (mm, 16 bits) and, where there are any, colours and doubt."""
     POSES: Final = "frames/poses.csv"
     """Where each picture was taken: `t`, `x`, `y`, `z`, `roll`, `pitch`, `yaw` as the robot believed, `odo_x`, `odo_y`,
     `odo_yaw` by odometry alone, and its files `labels`, `depth`, `rgb`, `doubt`, `depth_doubt`."""

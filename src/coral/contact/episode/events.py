@@ -24,8 +24,8 @@ EVENTS = {
     "strategy": "A strategy is followed: `name`, `stages`, `beliefs`.",
     "stage": "A `stage` begins: `index`, and the one `before`.",
     "plan": "The planner planned: `stage`, `cost` and its `terms`, effective sample size (`ess`), `diverged` "
-    "rollouts, whether it is `ok`, where it leads the hand (`aim`), what is `touched`; `ahead_s`: it begins so much "
-    "later.",
+    "rollouts, whether it is `ok`, where it leads the hand (`aim`), what is `touched`; `ahead_s`: how much "
+    "later it begins.",
     "weight": "A person changed a cost's weight on the live page: `stage`, `term`, `factor`, `by`.",
     "policy": "A served policy was asked: `call`, actions in its `chunk`, the `actions` executed.",
     "contact": "A contact of `first` and `second` began: `force_n`, `point` (m).",

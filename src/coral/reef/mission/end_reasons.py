@@ -11,7 +11,7 @@ END_REASONS = {
     "the tour is done": "a blind sweep or the oracle reached the end of its path",
     "time limit": "`--cfg.time-limit-s`, 600 by default",
     "advisor failed": "the advisor did not decide, with `--fallback fail`",
-    "surfaced": "a sensor stayed away for too long, or a limit sent the vehicle up; the simulated vehicle of `coral "
+    "surfaced": "a sensor was silent for too long, or a limit sent the vehicle up; the simulated vehicle of `coral "
     "reef run` keeps its depth, so this ends its survey",
     "left to surface": "at sea, the same, and the ascent was not seen to end",
     "back at the start": "at sea, a limit sent the vehicle back",

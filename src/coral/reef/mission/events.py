@@ -20,7 +20,7 @@ EVENTS = {
     "held": "A decision without a goal: `source`, `decision`, `reason`; in a mission in words also its `answer`, "
     "`said`, `look`, `violates`.",
     "fallback": "The advisor did not decide: `decision`, `failure`, and the `policy` that took over.",
-    "guess": "What an advisor had expected at `x`, `y` came out: `what`, how `sure`, whether it was a `hit`.",
+    "guess": "What an advisor expected at `x`, `y` was checked: `what`, how `sure`, whether it was a `hit`.",
     "mode": "The `mode` of questions changed: centroids or free waypoints.",
     "trigger": "The smart trigger's verdict changed (Eq. 12): `cause`, `fired`, `held_by`.",
     "monitor": "The reference path was planned anew: `deviation_m`.",

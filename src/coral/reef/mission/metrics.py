@@ -37,7 +37,7 @@ DEFINITIONS = {
     "sim_time_s": "Simulated mission time (s): steps x 0.1 s. The control loop runs at every tick, so the paper's "
     "T_idle is 0.",
     "coverage_time_s": "Simulated time (s) at which the last cluster of this run was covered.",
-    "steps_per_percent": "Steps for each percentage point of coverage (paper: coverage efficiency); none without any.",
+    "steps_per_percent": "Steps for each percentage point of coverage (paper: coverage efficiency); null without any.",
     "distance_m": "Length of the true trajectory (m).",
     "mean_speed_m_s": "Distance over time (m/s).",
     "min_clearance_m": "Smallest true distance between the robot disc and an obstacle (m).",
@@ -56,16 +56,16 @@ DEFINITIONS = {
     "tether_turns": "Turns of the tether at the end, positive to the left.",
     "seconds_in_state": "Time (s) in each state of the vehicle, added up over the robots.",
     "clusters_left": "Clusters that the robot knew of at the end and had not finished; the event `left` says why.",
-    "preset": "Name of the water and sensors (`--preset`); none where it was not recorded.",
+    "preset": "Name of the water and sensors (`--preset`); null where it was not recorded.",
     "robots": "The number of robots; every count and the distance are sums over them, coverage is of what any of "
     "them has seen.",
     "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
     "per_robot": "The counts, distance, speed and clearance of each of several robots.",
     "alignment": "How the search for the place on a saved map ended (`reef sail --resume --place map`).",
     "min_separation_m": "Smallest true distance between the discs of two robots (m).",
-    "success": "Whether the conditions of a mission in words were all met in truth, without a contact; none "
+    "success": "Whether the conditions of a mission in words were all met in truth, without a contact; null "
     "for words without known conditions, which nobody judges.",
-    "answer": "What the advisor answered when it said that such a mission was done; none if it did not.",
+    "answer": "What the advisor answered when it said that such a mission was done; null if it did not.",
     "conditions": "Its conditions, each with what was found.",
     **outcome.DEFINITIONS,
     **timeliness.DEFINITIONS,

@@ -34,27 +34,27 @@ DEFINITIONS = {
     "within the water's visibility.",
     "inspected": "The same at a resolution at which an ecologist counts oysters: pixels of at most 0.05 m, that is, "
     "from at most 2.3 m with the default camera.",
-    **{f"time_to_{100 * s:.0f}_s": f"Simulated time (s) until {s:.0%} was inspected; none if never." for s in SHARES},
+    **{f"time_to_{100 * s:.0f}_s": f"Simulated time (s) until {s:.0%} was inspected; null if never." for s in SHARES},
     **{
-        f"imaged_time_to_{100 * s:.0f}_s": f"Simulated time (s) until {s:.0%} was imaged; none if never."
+        f"imaged_time_to_{100 * s:.0f}_s": f"Simulated time (s) until {s:.0%} was imaged; null if never."
         for s in SHARES
     },
     "inspected_auc": "Area under the curve of `inspected`: its mean over the first 600 s, the last value held.",
     "imaged_auc": "The same of `imaged`.",
     "oracle_ratio_90": "time_to_90_s over that of an oracle, which knows the reef and drives a short tour past all of "
-    "it at cruise speed. The tour is a heuristic, not a proven optimum; none where 90 % was not inspected.",
+    "it at cruise speed. The tour is a heuristic, not a proven optimum; null where 90 % was not inspected.",
     "idle_fraction": "Share of the time that the vehicle stood still: less than 0.05 m/s over ground, turning or not.",
     "path_deviations": "Deviations of the path that was driven, whatever was adopted: times that it went farther than "
     "3 m from the reef, and stretches of 2 m or more driven back along itself.",
-    "off_route_fraction": "Share of the way driven farther than 3 m from the reef.",
-    "backtracked_m": "Way (m) driven back along the path's own earlier course.",
+    "off_route_fraction": "Share of the path driven farther than 3 m from the reef.",
+    "backtracked_m": "Length (m) of path driven back along its own earlier course.",
     "phantom_clusters": "Clusters on the robot's map at the end that match no true one (no oyster within 1 m).",
     "position_error_m": "Distance between the position that the robot believed at the end and the true one (m).",
     "position_error_max_m": "The largest such distance of the mission (m).",
     "odometry_error_m": "The same distance for the odometry alone, before correction (m).",
     "odometry_error_max_m": "The largest distance of the odometry alone (m).",
-    "all_covered_s": "Simulated time (s) at which every cluster counted as covered, where the experimenter stops a "
-    "mission by default; none where it never came to that.",
+    "all_covered_s": "Simulated time (s) at which every cluster counted as covered, where `--cfg.stop-when-covered` "
+    "would end a mission; null where it never came to that.",
     "all_covered_calls": "Advisor calls until then.",
 }
 """Definitions of the metrics, for the report."""

@@ -135,7 +135,7 @@ def _frontier(cfg: MissionCfg) -> MissionCfg:
 
 
 def _lawnmower(cfg: MissionCfg) -> MissionCfg:
-    """Parallel lanes over the whole area, planned before the dive; in words, over whatever lies on them."""
+    """Parallel lanes over the whole area, planned before the dive; in a mission in words also over dots."""
     told = replace(cfg.planner.instruction, clear_m=0.0)
     cfg = replace(cfg, planner=replace(cfg.planner, instruction=told))
     return _alone(_asked_near(replace(_planned_before(_no_centroid_selection(cfg)), decider="lawnmower", latency="0")))

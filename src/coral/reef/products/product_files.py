@@ -16,7 +16,7 @@ class ProductFiles:
     OYSTERS: Final = "oysters.tif"
     """Share of each cell of 5 cm that oysters cover, 0 to 1."""
     DENSITY: Final = "density.tif"
-    """Oysters per sea floor seen, in cells of 0.5 m."""
+    """Share of the sea floor seen that oysters cover, in cells of 0.5 m."""
     SEEN: Final = "seen.tif"
     """How well each part was seen: distance of the nearest look (m), size of a pixel there (m), number of pictures."""
     CLUSTERS: Final = "clusters.csv"
@@ -52,7 +52,7 @@ CLUSTERS = {
     "x_m y_m latitude longitude": "Its middle.",
     "area_m2 area_low_m2 area_high_m2": "Area of oysters, with its interval.",
     "outline_m2": "Area within its outline.",
-    "cover": "Share of that which oysters cover.",
+    "cover": "Share of `outline_m2` that oysters cover.",
     "seen_from_m pixel_mm looks": "Nearest look, size of a pixel there, number of pictures.",
     "pictures": "Its best pictures.",
 }

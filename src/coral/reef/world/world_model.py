@@ -72,7 +72,7 @@ class Oyster(WorldPart):
 
 
 class Cluster(WorldPart):
-    """Oysters that settled together, what coverage is counted in; or the solids of a thing that is none."""
+    """Oysters that settled together, the unit of coverage; or the solids of another thing."""
 
     name: str = Field(min_length=1, max_length=40)
     """At most 40 characters."""
@@ -145,7 +145,7 @@ class ReefWorld(WorldPart):
     things: tuple[Thing, ...] = Field(default=(), max_length=200, exclude_if=is_empty)
     """What else lies there. Its oysters go to `clusters`, the rest by class to `alike`, `obstacles` or `lying`."""
     alike: tuple[Cluster, ...] = Field(default=(), exclude_if=is_empty)
-    """Things that the robot's classes do not tell from oysters. They are none: nothing true counts them."""
+    """Things that the robot's classes do not tell from oysters. They are no oysters, and are not counted as such."""
     lying: tuple[Cluster, ...] = Field(default=(), exclude_if=is_empty)
     """Things that the robot's classes do not tell from the sea floor."""
 
