@@ -63,9 +63,10 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     from coral.reef.map.belief import BeliefCfg
     from coral.reef.map.mapping import MapCfg
     from coral.reef.sea.dvl_a50 import DvlState, parse_line
-    from coral.reef.sea.saved_survey import FILE, load_survey
+    from coral.reef.sea.saved_survey import load_survey
     from coral.reef.vehicle.camera import CameraCfg
     from coral.rotating_log import read_parts
+    from coral.run_files import SurveyFiles
 
     refused = (InputError,)
     event = b'{"step": 0, "t": 1.0, "event": "decision", "goal": [1.0, 2.0]}\n' * 20
@@ -87,7 +88,7 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     place = {"type": "position_local", "x": 1.0, "y": 2.0, "yaw": 90.0, "std": 0.1, "status": 0}
 
     def saved(path: Path) -> object:
-        (path.parent / FILE).write_bytes(path.read_bytes())
+        (path.parent / SurveyFiles.SAVED).write_bytes(path.read_bytes())
         return load_survey(path.parent, (3.0, 3.0), CameraCfg(), MapCfg(), BeliefCfg())
 
     def remembered(path: Path) -> object:
@@ -137,13 +138,14 @@ def a_survey() -> bytes:
     """Make a small saved survey."""
     from coral.reef.map.belief import Belief
     from coral.reef.map.mapping import OccupancyMap
-    from coral.reef.sea.saved_survey import FILE, save_survey
+    from coral.reef.sea.saved_survey import save_survey
     from coral.reef.vehicle.camera import CameraCfg
     from coral.reef.world.geometry import Pose
+    from coral.run_files import SurveyFiles
 
     with tempfile.TemporaryDirectory() as folder:
         save_survey(Path(folder), Belief(OccupancyMap((3.0, 3.0), CameraCfg())), Pose(1.0, 1.0, 0.0))
-        return (Path(folder) / FILE).read_bytes()
+        return (Path(folder) / SurveyFiles.SAVED).read_bytes()
 
 
 def a_memory() -> bytes:

@@ -1,6 +1,8 @@
 """The shape of the package: data goes one way, and a public name means one thing."""
 
 import ast
+import importlib
+import importlib.util
 from collections import defaultdict
 from pathlib import Path
 
@@ -47,3 +49,23 @@ def does_something(path):
             if not all(isinstance(part, idle) for part in body):
                 return True
     return False
+
+
+def outside_imports():
+    scripts = [path for folder in ("benchmarks", "docs/figures", "docs/site") for path in (ROOT / folder).glob("*.py")]
+    for path in scripts:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("coral"):
+                yield from ((path.name, node.module, alias.name) for alias in node.names)
+
+
+def test_what_scripts_outside_the_package_import_is_there():
+    missing = []
+    for script, module, name in outside_imports():
+        try:
+            there = hasattr(importlib.import_module(module), name) or importlib.util.find_spec(f"{module}.{name}")
+        except ModuleNotFoundError as error:
+            there = not (error.name or "").startswith("coral")  # an extra that is not installed
+        if not there:
+            missing.append((script, module, name))
+    assert not missing
