@@ -86,3 +86,9 @@ def test_a_set_of_missions_in_words(told, monkeypatch, tmp_path):
     words = ("--seed", "3", "--words", "test", "--each", "2")
     code, _, _ = told("advisor", "questions", *words, "--out", tmp_path / "words.zip")
     assert (code, asked) == (0, [("words", "test", 3, 2)])
+
+
+def test_a_distance_without_kinds_is_refused(told, tmp_path):
+    code, _, err = told("advisor", "questions", "--seed", "3", "--distance-m", "3", "--out", tmp_path / "far.zip")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "--kinds WATER" in err

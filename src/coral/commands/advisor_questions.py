@@ -30,8 +30,8 @@ class AdvisorQuestions:
     """Instead, questions of missions in words of this half, --each missions of each family."""
     kinds: str | None = None
     """Instead, --each questions that show every kind of thing to be named, in this water: a Jerlov type or a preset."""
-    distance_m: float = 2.0
-    """From which, with --kinds."""
+    distance_m: float | None = None
+    """From which, with --kinds; 2 m by default."""
     each: int = 3
     """Missions of each family, with --words; one at which pictures never decide gives no question."""
     share: float = 1.0
@@ -62,7 +62,10 @@ class AdvisorQuestions:
 
     def _make(self) -> QuestionSet:
         if self.kinds is not None:
-            return make_kind_set(self.out.stem, self.kinds, self.distance_m, self.seed, self.each)
+            distance_m = 2.0 if self.distance_m is None else self.distance_m
+            return make_kind_set(self.out.stem, self.kinds, distance_m, self.seed, self.each)
+        if self.distance_m is not None:
+            raise InputError("--distance-m", "", self.distance_m, "--kinds WATER beside it")
         if self.words is not None:
             return make_word_set(self.out.stem, self.words, self.seed, self.each)
         if self.unseen is not None:
