@@ -113,6 +113,18 @@ def test_wrong_obstacle_pixels_are_outvoted_by_the_seabed():
     assert grid.version > version
 
 
+def test_bare_floor_of_long_ago_does_not_outvote_an_obstacle_that_is_in_view_now():
+    pose, grid = Pose(4.0, 5.0, 0.0), OccupancyMap((10.0, 10.0), CAMERA)
+    view = empty_frame()
+    view.depth[25, 20], view.labels[25, 20] = 1.0, Label.SEABED
+    for _ in range(300):
+        grid.integrate(view, pose)
+    view.labels[25, 20] = Label.OBSTACLE
+    for _ in range(10):
+        grid.integrate(view, pose)
+    assert grid.obstacle.sum() == 1
+
+
 @pytest.mark.parametrize(("wrong", "believed"), [(6, False), (40, True)])
 def test_oysters_in_a_few_of_many_pictures_are_outvoted_by_the_seabed(wrong, believed):
     grid, views = OccupancyMap((10.0, 10.0), CAMERA), empty_frame()

@@ -126,6 +126,19 @@ def test_beams_that_pass_outvote_echoes_that_came_by_a_detour():
     assert not cells.obstacle[:, :45].any()
 
 
+def test_old_clear_water_does_not_outvote_a_new_echo():
+    cells, echo, wall = layer(hits=1, ratio=0.5), flat_floor(), flat_floor()
+    echo.ranges[14, 15] = 2.0
+    wall.ranges[:] = np.minimum(wall.ranges, 5.0)
+    cells.integrate(echo, HERE, 1.0)
+    for _ in range(300):
+        cells.integrate(wall, HERE, 1.0)
+    assert not cells.obstacle[:, :45].any()
+    for _ in range(20):
+        cells.integrate(echo, HERE, 1.0)
+    assert cells.obstacle[:, :45].any()
+
+
 def test_clear_is_what_beams_have_passed_both_low_and_at_the_vehicles_height():
     cells = layer(FINE)
     cells.integrate(flat_floor(FINE), HERE, 1.0)

@@ -105,10 +105,12 @@ def count(
     through: NDArray[np.uint16],
     clear: NDArray[np.uint8],
     obstacle: NDArray[np.bool_],
+    remembered: int,
 ) -> int:
     """Add what one image says to the counts inside `window` (y0, y1, x0, x1), and clear `said` for the next one.
 
-    An echo outweighs a beam that passes the same cell: a cell is partly filled.
+    An echo outweighs a beam that passes the same cell: a cell is partly filled. At `remembered` images of a kind, both
+    counts of a cell are halved.
 
     Returns:
         Number of obstacle cells that changed.
@@ -122,11 +124,14 @@ def count(
             said[iy, ix] = 0
             clear[iy, ix] |= now & (LOW | LEVEL)
             if now & HIT:
-                hits[iy, ix] = min(hits[iy, ix] + 1, 60000)
+                hits[iy, ix] += 1
             elif now & THROUGH:
-                through[iy, ix] = min(through[iy, ix] + 1, 60000)
+                through[iy, ix] += 1
             else:
                 continue
+            if max(hits[iy, ix], through[iy, ix]) >= remembered:
+                hits[iy, ix] >>= 1
+                through[iy, ix] >>= 1
             solid = hits[iy, ix] >= hits_needed and hits[iy, ix] >= ratio * through[iy, ix]
             if solid != obstacle[iy, ix]:
                 obstacle[iy, ix] = solid

@@ -6,11 +6,12 @@ import copy
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from coral.config import CellSize, Count, NonNegative
 from coral.errors import InputError
@@ -60,6 +61,9 @@ class MapCfg:
     obstacle_ratio: NonNegative = 0.3
     """The same for obstacles, which hide the seabed of their cells. Of 15 pictures with a mask
     that is wrong in 4 of 100 patches, 5 agree on a cell once in 5000."""
+    remembered: Annotated[int, Field(ge=4, le=SATURATED - 1)] = 32
+    """Pictures of one class at which all counts of a cell are halved: where the position drifts, hundreds of pictures
+    of bare floor from long ago must not outvote the obstacle that is now in view."""
     hint_cell_m: CellSize = 0.5
     """Edge of a cell of the hints: at 8 to 12 m a row of pixels covers about as much of the seabed."""
     hint_hits: Count = 5
@@ -200,6 +204,7 @@ class OccupancyMap:
                 self._reach,
                 self._sharp,
                 sharp_m,
+                cfg.remembered,
             )
         look(
             frame.depth,

@@ -30,6 +30,7 @@ def project(
     column_reach: NDArray[np.float64],
     sharp: NDArray[np.bool_],
     sharp_m: float,
+    remembered: int,
 ) -> None:
     """Project every pixel into the grid (Eq. 1). Each cell counts the pictures that show a class there.
 
@@ -53,6 +54,7 @@ def project(
         sharp: Shape=(NY, NX), cells that have been seen from `sharp_m` or nearer, updated in place. What was counted
             from farther away is forgotten then, and nothing more from there is counted.
         sharp_m: Horizontal distance (m); 0: all looks are alike.
+        remembered: Pictures of a class at which all counts of a cell are halved; those of `SATURATED` never are.
     """
     ny, nx = targets.shape
     height, width = depth.shape
@@ -91,11 +93,17 @@ def project(
                 continue
             counted[iy, ix] = done | bit
             if label == OYSTER:
-                targets[iy, ix] = min(targets[iy, ix] + 1, SATURATED)
+                targets[iy, ix] += 1
             elif label == OBSTACLE:
                 obstacles[iy, ix] = min(obstacles[iy, ix] + 1, SATURATED)
             else:
-                ground[iy, ix] = min(ground[iy, ix] + 1, SATURATED)
+                ground[iy, ix] += 1
+            if obstacles[iy, ix] == SATURATED:
+                ground[iy, ix], targets[iy, ix] = min(ground[iy, ix], remembered), min(targets[iy, ix], remembered)
+            elif max(targets[iy, ix], obstacles[iy, ix], ground[iy, ix]) >= remembered:
+                targets[iy, ix] >>= 1
+                obstacles[iy, ix] >>= 1
+                ground[iy, ix] >>= 1
         column_reach[u] = reach
 
 

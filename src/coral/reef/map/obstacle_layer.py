@@ -31,6 +31,8 @@ class SonarLayerCfg:
     """Images that must have an echo in a cell before it is an obstacle: 0.4 s at 5 Hz. One wrong echo has no effect."""
     ratio: NonNegative = 0.3
     """A cell is no obstacle if fewer images have an echo there than this share of those whose beams pass through."""
+    remembered: Annotated[int, Field(ge=4, le=60000)] = 32
+    """Images of one kind at which both counts of a cell are halved: old clear water must not outvote a new echo."""
     range_m: Annotated[float, Field(gt=0, le=15)] = 4.0
     """Obstacle sensing range (paper IV-F)."""
     clear_m: Annotated[float, Field(gt=0, le=15)] = 6.0
@@ -121,5 +123,15 @@ class ObstacleLayer:
             min(max(ix - r, 0), nx), max(min(ix + r + 1, nx), 0),
         )  # fmt: skip
         return bool(
-            count(self._said, window, cfg.hits, cfg.ratio, self._hits, self._through, self._clear, self.obstacle)
+            count(
+                self._said,
+                window,
+                cfg.hits,
+                cfg.ratio,
+                self._hits,
+                self._through,
+                self._clear,
+                self.obstacle,
+                cfg.remembered,
+            )
         )
