@@ -7,18 +7,25 @@ import json
 import re
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 import coral
 from coral.advisor import codes as advisor_codes
 from coral.contact.episode import events as contact_events
+from coral.contact.franka.stream import StopCause
+from coral.contact.franka.world import CODES as STOP_CODES
 from coral.contact.plan import codes as contact_codes
 from coral.contact.policy.client import CODES as policy_codes
+from coral.contact.real_scenes.bop_writing import BopWriter
 from coral.contact.tasks import load_task
+from coral.contact.thinker.diagnosis import TEXTS, Diagnosis
 from coral.reef.decide import codes as reef_codes
 from coral.reef.mission import events as reef_events
 from coral.reef.ros import topics as ros_topics
+from coral.reef.sea.address import FORMS, Medium
+from coral.reef.sea.operator import WORDS, Word
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "docs" / "site"))
@@ -122,3 +129,24 @@ def test_every_topic_of_ros_has_a_row():
     text = "".join(path.read_text("utf-8") for path in modules)
     told = set(re.findall(r'(?:"|parameter\()"?(coral/[\w/]+|odom|battery|cmd_vel|arm|diagnostics)"', text))
     assert told | {"coral/WORD"} == set(ros_topics.TOPICS) == set(ros_topics.WHAT)
+
+
+@pytest.mark.parametrize(
+    ("kinds", "rows"),
+    [
+        (get_args(Diagnosis), TEXTS),
+        (get_args(Word), WORDS),
+        (get_args(Medium), [form.split(":")[1] for form in FORMS]),
+        (set(StopCause) - {StopCause.NONE}, STOP_CODES),
+    ],
+)
+def test_every_value_of_a_kind_has_a_row(kinds, rows):
+    assert set(kinds) == set(rows)
+
+
+def test_every_file_of_a_recorded_scene_has_a_row(tmp_path):
+    writer = BopWriter(tmp_path, {})
+    writer.close()
+    left = [path.name for path in tmp_path.rglob("*.json")]
+    assert len(left) == 3
+    assert set(left) <= words("files-bop")

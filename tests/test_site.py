@@ -90,6 +90,24 @@ def test_tables_tell_what_the_code_knows() -> None:
     assert "| `at-object` |" in made["conditions"]
 
 
+def test_a_table_written_by_hand_explains_and_lists_no_facts_of_the_code() -> None:
+    """A new one with facts is made in docs/site/tables.py; one that explains is named here."""
+    by_hand = {
+        (page.name, match[1].partition(" |")[0])
+        for page in (ROOT / "docs/reference").glob("*.md")
+        for match in re.finditer(r"(?<!\|\n)^\| (.*) \|$\n\|---", page.read_text("utf-8"), re.M)
+    }
+    assert by_hand == {
+        ("glossary.md", "word"),
+        ("index.md", "for everything"),
+        ("index.md", "CORAL (reef)"),
+        ("index.md", "CoRAL (hand)"),
+        ("many-robots.md", "shared"),
+        ("sonar-and-navigation.md", "lost"),
+        ("task-questions.md", "question"),
+    }
+
+
 def test_the_guide_is_short_and_no_diary() -> None:
     pages = {page.name: page.read_text(encoding="utf-8") for page in GUIDE}
     assert len(pages) - 1 <= 20

@@ -7,7 +7,7 @@ from coral.contact.cost.schema import HAND, object_quantities, scenery_quantitie
 from coral.contact.cost_program.errors import CODES
 from coral.contact.cost_program.library import CONSTANTS, MATH, METHODS, NUMPY, OURS, PYTHON
 from coral.contact.cost_program.pybullet import PyBullet
-from coral.contact.cost_program.state import StateSpace
+from coral.contact.cost_program.state import FIXED_BODIES, HAND_BODIES, HANDLES, StateSpace
 
 
 def _kind(quantity: Quantity) -> str:
@@ -47,6 +47,17 @@ def _errors() -> str:
     return "\n".join(["| code | meaning |", "|---|---|", *lines, ""])
 
 
+def _paper() -> str:
+    rows = [
+        (["box_ori", "box_init_ori", "ee_ori"], "the same orientation as `..._quat`, as (x, y, z, w)"),
+        (["in_contact"], "whether the hand touches any object"),
+        ([*HAND_BODIES, "box", *FIXED_BODIES], "bodies for the functions of `p`; also with `_id`"),
+        (HANDLES, "handles that are accepted and ignored"),
+    ]
+    lines = [f"| {', '.join(f'`self.{name}`' for name in names)} | {text} |" for names, text in rows]
+    return "\n".join(["| name | value |", "|---|---|", *lines, ""])
+
+
 def tables() -> dict[str, str]:
     """Return the generated tables of the reference page by name."""
     box = object_quantities("box", ["handle"], ["table"], ["bottle"], "slide")
@@ -57,4 +68,5 @@ def tables() -> dict[str, str]:
         "scenery": _quantities(scenery),
         "functions": _functions(),
         "errors": _errors(),
+        "paper": _paper(),
     }

@@ -15,6 +15,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from coral.commands.unread_settings import changed_keys, refuse_unread
 from coral.completion import completion_script, completions
 from coral.errors import NO_ROOM, InputError, RunError, nearest
+from coral.exit_code import ExitCode
 from coral.flag_parser import build, scan
 from coral.help_page import flag_page, help_page
 from coral.odd_text import encodable, printable
@@ -93,11 +94,7 @@ class Command(Protocol):
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command.
-
-    Exit code: 0 for success, 1 for a failure with a message, 2 for bad usage or input, 128 + N after signal N (130 for
-    Ctrl-C).
-    """
+    """Run one command and return its `ExitCode`."""
     with orderly_termination() as received:
         code = _run(list(sys.argv[1:] if argv is None else argv))
     return received.exit_code(code)
@@ -109,49 +106,49 @@ def _run(words: Sequence[str]) -> int:
             from coral.commands.front_page import front_page
 
             print(fitted(front_page(), sys.stdout))
-            return 0
+            return ExitCode.DONE
         if not words or words[0] in HELP:
             print(_overview(""))
-            return 0
+            return ExitCode.DONE
         if words[0] in ("-V", "--version"):
             words = ["version", *words[1:]]
         if words[0] == "--print-completion":
             print(completion_script("".join(words[1:2])), end="")
-            return 0
+            return ExitCode.DONE
         if words[0] == "--complete":
             for word in completions(words[1:], commands()):
                 print(word)
-            return 0
+            return ExitCode.DONE
         name = _command(words)
         if name is None:
             print(_overview(" ".join(w for w in words if not w.startswith("-"))))
-            return 0
+            return ExitCode.DONE
         words = words[len(name.split()) :]
         if any(word in HELP for word in words):
             print(_help(name, words))
-            return 0
+            return ExitCode.DONE
         command = _parse(name, words)
         result = command()
         as_json = command.json
         text = json.dumps(result, allow_nan=False, default=str) if as_json else command.describe(result)
         print(encodable(text if as_json else fitted(text, sys.stdout)), flush=True)
         # A command may report failure by its result, which is printed in either case.
-        return int(getattr(command, "exit_code", lambda result: 0)(result))
+        return int(getattr(command, "exit_code", lambda result: ExitCode.DONE)(result))
     except InputError as error:
-        return _print_error(error, 2)
+        return _print_error(error, ExitCode.BAD_INPUT)
     except RunError as error:
-        return _print_error(error, 1)
+        return _print_error(error, ExitCode.FAILED)
     except KeyboardInterrupt as stop:
-        return _print_error(str(stop) or "interrupted", 130)
+        return _print_error(str(stop) or "interrupted", ExitCode.INTERRUPTED)
     except BrokenPipeError:
         sys.stderr.close()
-        return 1
+        return ExitCode.FAILED
     except OSError as error:
         if error.errno not in NO_ROOM:
             raise
         place = f"{error.filename}: " if error.filename else ""
         what = (error.strerror or "the disk takes no more").lower()
-        return _print_error(f"{place}{what}; what was written before can be read", 1)
+        return _print_error(f"{place}{what}; what was written before can be read", ExitCode.FAILED)
 
 
 def _print_error(message: object, code: int) -> int:

@@ -19,7 +19,7 @@ LONGEST = 60
 
 
 class InputError(ValueError):
-    """Bad input from the user. The command line prints it as one line and exits with code 2.
+    """Bad input from the user. The command line prints it as one line and exits with `ExitCode.BAD_INPUT`.
 
     Args:
         where: File, folder or flag with the bad value.
@@ -36,7 +36,7 @@ class InputError(ValueError):
 
 
 class RunError(RuntimeError):
-    """A run that was well specified but could not finish. Printed as one line; exit code 1."""
+    """A run that was well specified but could not finish. Printed as one line; `ExitCode.FAILED`."""
 
     def __init__(self, text: object = "") -> None:
         super().__init__(without_password(str(text)))

@@ -13,20 +13,25 @@ from typing import Any
 from coral.errors import InputError, first_line, nearest
 
 GROUPS = {
-    "coral.advisors": "function (name, rest, Setting) that makes an advisor; NAME or NAME:ARGUMENT on the command line",
-    "coral.controllers": "function of a ControllerSetup that makes a controller of the vehicle",
-    "coral.triggers": "function of a TriggerCfg that makes a trigger, or a function of a TriggerMoment",
-    "coral.verifiers": "function (question, answer) that returns why an answer is refused, or None",
-    "coral.costs": "function of a Task that makes a cost, a Stage, several stages or a Strategy",
-    "coral.hand_controllers": "function (planning world, configuration, generator) that makes a controller of the hand",
-    "coral.embedders": "class, or function without arguments, that makes an embedder of instructions for the memory",
+    "coral.advisors": "function (name, rest, Setting) that makes an advisor; NAME[:ARGUMENT] after --advisor",
+    "coral.controllers": "function of a ControllerSetup that makes a controller of the vehicle; NAME after "
+    "--cfg.driver",
+    "coral.triggers": "function of a TriggerCfg that makes a trigger, or a function of a TriggerMoment; NAME after "
+    "--trigger",
+    "coral.verifiers": "function (question, answer) that returns why an answer is refused, or None; NAME after "
+    "--verifier",
+    "coral.costs": "function of a Task that makes a cost, a Stage, several stages or a Strategy; NAME after --cost",
+    "coral.hand_controllers": "function (planning world, configuration, generator) that makes a hand's controller; "
+    "controller= in Python",
+    "coral.embedders": "class, or function without arguments, that makes an embedder of instructions; NAME after "
+    "--cfg.think.memory.embedder",
     "coral.cameras": "function (rest, T_world_camera or None) that makes an RgbdCamera; NAME[:REST] after --camera",
-    "coral.conditions": "class of a condition of success, a subclass of BaseCondition",
-    "coral.commands": "dataclass of a command; a dot in the name separates its two words",
+    "coral.conditions": "class of a condition of success, a subclass of BaseCondition; its `kind` in a task file",
+    "coral.commands": "dataclass of a command, coral NAME; a dot in the name separates its two words",
     "coral.vehicles": "function of what follows NAME: after --vehicle that makes a VehicleLink",
     "coral.eyes": "function without arguments that makes an RgbPerception; NAME after --perception",
     "coral.exporters": "function (recording, path, only_colour) that writes it and returns counts; NAME after --to",
-    "coral.tasks": "function of NAME:REST that loads a contact task",
+    "coral.tasks": "function of NAME:REST that loads a contact task; coral contact run NAME:REST",
     "coral.worlds": "function (trial, control period in s) that makes an EvaluationWorld; NAME after --world",
     "coral.robots": "object with the functions of `RobotKind`; NAME after --world, its address after --robot",
 }

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from types import FrameType
 
+from coral.exit_code import ExitCode
+
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
@@ -27,8 +29,8 @@ class Received:
     """0 without a signal."""
 
     def exit_code(self, code: int) -> int:
-        """Return 128 + the number of the signal, as in shells; `code` without a signal."""
-        return 128 + self.number if self.number else code
+        """Return `ExitCode.SIGNALLED` plus the number of the signal, as in shells; `code` without a signal."""
+        return ExitCode.SIGNALLED + self.number if self.number else code
 
 
 @contextlib.contextmanager

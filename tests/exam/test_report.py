@@ -11,8 +11,9 @@ from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
 from coral.exam.asking import Sheet
 from coral.exam.grading import Graded
 from coral.exam.item import ANSWERS, ExamItem
-from coral.exam.report import KINDS, WIDE_PX, write_report
+from coral.exam.report import WIDE_PX, write_report
 from coral.exam.result import Result
+from coral.exam.score import WORTH
 from coral.exam.worth import Worth
 from coral.reef.decide.answers import CentroidChoice
 
@@ -39,8 +40,8 @@ def headline(text):
 
 
 def test_every_kind_of_question_is_explained(tmp_path):
-    assert set(KINDS) == set(ANSWERS)
-    assert KINDS["reef-centroid"] in page(tmp_path, ("a", [graded(0.5)]))
+    assert set(WORTH) == set(ANSWERS)
+    assert WORTH["reef-centroid"] in page(tmp_path, ("a", [graded(0.5)]))
 
 
 def test_the_best_advisor_is_in_the_headline_with_its_interval(tmp_path):

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Annotated, Any
 
 from coral.advisor.model_cfg import ModelCfg
+from coral.exit_code import ExitCode
 from coral.flags import Argument
 
 
@@ -33,5 +34,5 @@ class AdvisorProbe:
         return "\n".join(result["lines"])
 
     def exit_code(self, result: Mapping[str, Any]) -> int:
-        """Return 1 if the model cannot be used."""
-        return 0 if result["usable"] else 1
+        """Return a failure if the model cannot be used."""
+        return ExitCode.DONE if result["usable"] else ExitCode.FAILED

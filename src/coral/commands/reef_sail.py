@@ -30,6 +30,7 @@ from coral.commands.sail_preflight import watch_sensors
 from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
 from coral.errors import InputError, RunError
+from coral.exit_code import ExitCode
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option
 from coral.plugins import our_part
@@ -385,5 +386,5 @@ class ReefSail:
         return "\n".join(lines)
 
     def exit_code(self, result: Mapping[str, Any]) -> int:
-        """Return 1 for a check that found the vehicle not ready."""
-        return int(self.check and not result["ready"])
+        """Return a failure for a check that found the vehicle not ready."""
+        return ExitCode.FAILED if self.check and not result["ready"] else ExitCode.DONE

@@ -34,6 +34,7 @@ def track_recording(
         results: File for the estimated poses.
         masks: What segments the pictures, as `--masks` takes it; None for the recorded true masks.
     """
+    from coral.contact.real_scenes.bop_records import BopFiles
     from coral.contact.real_scenes.bop_scene import BopScene
     from coral.contact.real_scenes.bop_writing import write_bop_results
     from coral.contact.real_scenes.masks.colour_masks import FILE, read_colours
@@ -44,7 +45,7 @@ def track_recording(
         raise InputError("--results", "", str(results), "a new file")
     scene = BopScene(folder, models)
     if not scene.has_depth:
-        raise InputError(str(folder / "depth"), "", "no such folder", "pictures of depth")
+        raise InputError(str(folder / BopFiles.DEPTH), "", "no such folder", "pictures of depth")
     read, source = scene.read_frame, None
     if masks is not None:
         tracked = {str(number): scene.model(number) for number in scene.objects}

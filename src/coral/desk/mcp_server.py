@@ -18,6 +18,8 @@ PATH = "/mcp"
 LONGEST_WAIT_S = 60.0
 """Clients give up on a call after a minute or more."""
 _LOOK_S = 0.2
+TOOLS = ("list_questions", "get_question", "get_picture", "answer_question", "list_missions", "change_instruction")
+"""Methods of `McpDesk` that an agent may call."""
 INSTRUCTIONS = (
     "You are the operator of a robot that asks when it needs a decision. Call list_questions, read a question with "
     "get_question, look at its pictures with get_picture, and send your answer with answer_question. An answer that "
@@ -47,9 +49,8 @@ class McpDesk:
         self.answered = 0
         """Number of answers accepted by this server."""
         self.server: MCPServer[Any] = MCPServer("coral-desk", instructions=INSTRUCTIONS, log_level="ERROR")
-        answering = (self.list_questions, self.get_question, self.get_picture, self.answer_question)
-        for tool in (*answering, self.list_missions, self.change_instruction):
-            self.server.tool()(tool)
+        for tool in TOOLS:
+            self.server.tool()(getattr(self, tool))
 
     async def list_questions(self, wait_s: float = 0.0) -> list[dict[str, Any]]:
         """List the questions that wait for an answer, the oldest first.

@@ -27,6 +27,8 @@ MASS_SHARE = 0.75
 """Weight of the mass in the score. Most materials have similar friction, so estimating it well proves little."""
 PLACE_M, TURN_RAD = 0.03, math.radians(20.0)
 """A pose that is off by this much scores 0: a grasp tolerates less."""
+PLACE_SHARE = 0.6
+"""Weight of the place in the score of a pose."""
 
 _HALF = math.sqrt(0.5)
 _BOX = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
@@ -87,7 +89,8 @@ def score_poses(key: Facts, facts: Facts, answer: PosesAnswer) -> Worth:
             continue
         off = math.dist(one.position, true["position"])
         angle = _angle(np.array(one.quaternion) / norm, np.array(true["quaternion"]), true["symmetry"])
-        scores.append(0.6 * share_left(off, PLACE_M) + 0.4 * share_left(angle, TURN_RAD) * (off < PLACE_M))
+        turned = share_left(angle, TURN_RAD) * (off < PLACE_M)
+        scores.append(PLACE_SHARE * share_left(off, PLACE_M) + (1.0 - PLACE_SHARE) * turned)
         words.append(f"{name}: off by {100 * off:.1f} cm and {math.degrees(angle):.0f}°")
     return Worth(float(np.mean(scores)), "; ".join(words))
 

@@ -11,29 +11,13 @@ from typing import Any
 import cv2
 
 from coral.exam.result import Result
+from coral.exam.score import WORTH
 from coral.foreign_file import decode_picture
 from coral.view.page import render_page, write_page
 
 WORST = 8
 """Number of answers shown per advisor."""
 WIDE_PX = 420
-KINDS: Mapping[str, str] = {
-    "reef-centroid": "1 for the dot from which the best tour of what is left ends soonest, on the true map; 0 for one "
-    "that loses 10 s, the time of another question, or that the verifiers refuse.",
-    "reef-waypoint": "The same for a waypoint. At one reached before the next answer can come, the robot waits.",
-    "reef-mission": "Half for a next dot that an oracle would go to, a quarter for what is ruled out, a quarter for "
-    "what things are taken for.",
-    "physical-parameters": "By the logarithm of the error: 0 from a factor of 4 in mass and of 2 in friction on; mass "
-    "counts three quarters.",
-    "contact-regions": "Share of the named places on the side of the object that the task wants touched; 0 where the "
-    "verifier refuses one: off the surface, or out of reach.",
-    "object-poses": "Place within 3 cm (0.6) and, if so, turn within 20° (0.4), modulo the object's symmetry.",
-    "parameter-repair": "Share of the error in the belief that is gone; keeping the belief is worth nothing.",
-    "cost-function": "1 where the plan succeeds within 12 s in one episode with a free-flying hand, else 0.",
-    "cost-repair": "The same, from the state in which a bad plan got stuck.",
-    "unified": "Half for the outcome of its plan, a quarter each for its parameters and its places.",
-}
-"""Definition of the score of each kind, for the report."""
 
 
 def write_report(path: Path, results: Sequence[Result], rows: Sequence[Mapping[str, Any]], about: str) -> Path:
@@ -49,7 +33,7 @@ def write_report(path: Path, results: Sequence[Result], rows: Sequence[Mapping[s
         about=about,
         questions=rows[0]["questions"],
         rows=ranked,
-        kinds=[(kind, KINDS[kind], rows[0]["by_kind"][kind]["questions"]) for kind in kinds],
+        kinds=[(kind, WORTH[kind], rows[0]["by_kind"][kind]["questions"]) for kind in kinds],
         headline=_headline(ranked),
         worst=[(result.name, [_answer_row(one) for one in result.worst(WORST)]) for result in results],
     )

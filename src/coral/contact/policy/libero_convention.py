@@ -1,7 +1,6 @@
 """The LIBERO convention of observations and actions, used by most published policies for a Panda.
 
-Observation: two pictures, `state` = position of the tool (m), its orientation as axis times angle (rad), both finger
-joints (m), and the instruction. Action: seven numbers from -1 to 1: a step of the position, a rotation, and the
+Action: seven numbers from -1 to 1: a step of the position, a rotation, and the
 fingers; robosuite's operational-space controller scales them. Sources: openpi's `examples/libero`, LIBERO's tabletop
 arena, robosuite's OSC_POSE defaults.
 """
@@ -20,6 +19,14 @@ from coral.contact.scene.geometry import from_rotvec, multiply
 from coral.contact.scene.observation import Array, HandTarget, Observation
 
 MOST_ACTIONS = 1000
+OBSERVATION = {
+    "observation/image": "LIBERO's camera across the table, ray-cast: bytes, RGB.",
+    "observation/wrist_image": "The same from robosuite's camera at the wrist.",
+    "observation/state": "8 numbers: position of the tool in LIBERO's world (m), its orientation as axis times angle "
+    "(rad), both finger joints (m).",
+    "prompt": "The task's instruction.",
+}
+"""What a policy is sent, in this order."""
 
 
 def state(now: Observation, cfg: LiberoCfg) -> Array:

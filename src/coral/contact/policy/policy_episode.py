@@ -140,12 +140,8 @@ class PolicyEpisode:
             both = np.concatenate([outside, wrist], axis=1)
             self.writer.bytes(TaskFiles.SEEN, cv2.imencode(".png", both[..., ::-1])[1].tobytes())
         looked = time.perf_counter()
-        seen = {
-            "observation/image": outside,
-            "observation/wrist_image": wrist,
-            "observation/state": libero.state(self.now, self.cfg.policy.libero),
-            "prompt": self.trial.task.instruction,
-        }
+        state = libero.state(self.now, self.cfg.policy.libero)
+        seen = dict(zip(libero.OBSERVATION, (outside, wrist, state, self.trial.task.instruction), strict=True))
         with interruptible():
             answer = self.policy.infer(seen)
         self.calls += 1

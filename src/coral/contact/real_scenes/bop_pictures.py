@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.real_scenes.bop_records import MM, PictureCamera, read_cameras, read_shared_camera
+from coral.contact.real_scenes.bop_records import MM, BopFiles, PictureCamera, read_cameras, read_shared_camera
 from coral.errors import InputError
 from coral.foreign_file import read_picture_file
 
@@ -32,11 +32,11 @@ class BopPictures:
         self.folder = folder
         self._shared: PictureCamera | None = None
         self._cameras: dict[int, PictureCamera] = {}
-        path = folder / "scene_camera.json"
+        path = folder / BopFiles.CAMERAS
         if not path.is_file():
             for above in (folder, *folder.resolve().parents[:2]):
-                if (above / "camera.json").is_file():
-                    self._shared = read_shared_camera(above / "camera.json")
+                if (above / BopFiles.SHARED_CAMERA).is_file():
+                    self._shared = read_shared_camera(above / BopFiles.SHARED_CAMERA)
                     return
         self._cameras = read_cameras(path)
 
@@ -45,7 +45,7 @@ class BopPictures:
         """Return the indices of the pictures of which depth was recorded, in order."""
         found = {
             int(path.stem)
-            for path in (self.folder / "depth").glob("*")
+            for path in (self.folder / BopFiles.DEPTH).glob("*")
             if path.suffix in SUFFIXES and path.stem.isdecimal() and path.stem.isascii()
         }
         return sorted(found if self._shared is not None else found & set(self._cameras))
@@ -53,7 +53,7 @@ class BopPictures:
     @property
     def has_depth(self) -> bool:
         """Return whether depth was recorded."""
-        return (self.folder / "depth").is_dir()
+        return (self.folder / BopFiles.DEPTH).is_dir()
 
     def camera(self, picture: int) -> PictureCamera:
         """Return the camera of a picture.
@@ -63,7 +63,7 @@ class BopPictures:
         """
         found = self._cameras.get(picture, self._shared)
         if found is None:
-            where = str(self.folder / "scene_camera.json")
+            where = str(self.folder / BopFiles.CAMERAS)
             raise InputError(where, str(picture), "missing", "a camera of each picture of scene_gt.json")
         return found
 
@@ -78,16 +78,16 @@ class BopPictures:
             InputError: A file is missing or broken.
         """
         camera, stem = self.camera(picture), f"{picture:06d}"
-        raw = self.read("depth", stem)
+        raw = self.read(BopFiles.DEPTH, stem)
         if raw.ndim != 2:
-            raise InputError(str(self.folder / "depth"), stem, f"{raw.shape[2]} channels", "one channel")
+            raise InputError(str(self.folder / BopFiles.DEPTH), stem, f"{raw.shape[2]} channels", "one channel")
         depth = (raw * (MM * camera.depth_scale_mm)).astype(np.float32)
         rgb = None
-        if colours and self._path("rgb", stem) is not None:
-            bgr = self.read("rgb", stem)
+        if colours and self._path(BopFiles.COLOURS, stem) is not None:
+            bgr = self.read(BopFiles.COLOURS, stem)
             if bgr.shape != (*depth.shape, 3) or bgr.dtype != np.uint8:
                 expected = f"{depth.shape[1]} x {depth.shape[0]} pixels with three colours, as its depth"
-                raise InputError(str(self.folder / "rgb"), stem, f"an array of shape {bgr.shape}", expected)
+                raise InputError(str(self.folder / BopFiles.COLOURS), stem, f"an array of shape {bgr.shape}", expected)
             rgb = np.ascontiguousarray(bgr[..., ::-1])
         time_s = PERIOD_S * picture if camera.time_s is None else camera.time_s
         nothing = np.zeros(depth.shape, np.uint8)
@@ -99,7 +99,7 @@ class BopPictures:
         Raises:
             InputError: There is neither.
         """
-        for kind in ("rgb", "gray", "depth"):
+        for kind in (BopFiles.COLOURS, "gray", BopFiles.DEPTH):
             if self._path(kind, f"{picture:06d}") is not None:
                 height, width = self.read(kind, f"{picture:06d}").shape[:2]
                 return int(height), int(width)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,28 @@ from coral.foreign_file import read_json
 
 Array = NDArray[np.float64]
 MM = 0.001
+
+
+class BopFiles:
+    """Files in the folder of a recorded scene."""
+
+    TRUTH: Final = "scene_gt.json"
+    """True poses: `cam_R_m2c`, `cam_t_m2c` (mm) and `obj_id` of each object in each picture."""
+    CAMERAS: Final = "scene_camera.json"
+    """`cam_K` and `depth_scale` of each picture; `cam_R_w2c`, `cam_t_w2c` if the camera moves."""
+    SHARED_CAMERA: Final = "camera.json"
+    """One camera for all pictures, instead; also in a folder above."""
+    DEPTH: Final = "depth"
+    """Depth of each picture, 16 bits: `000000.png` and so on."""
+    COLOURS: Final = "rgb"
+    """Its colours, if there are any."""
+    MASKS: Final = "mask_visib"
+    """Visible mask of each object of a picture, in the order of `scene_gt.json`: `000000_000000.png` and so on."""
+    MODELS: Final = "models"
+    """Surfaces in mm: `obj_000001.ply` (.obj, .stl) and so on; also as `models_eval`, in a folder above, or with
+    `--models`."""
+    INFO: Final = "models_info.json"
+    """Symmetries, beside the surfaces; without it, those of the shape."""
 
 
 @dataclass(frozen=True)

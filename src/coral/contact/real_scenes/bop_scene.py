@@ -12,7 +12,7 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.mesh_file import read_mesh
 from coral.contact.perception.object_model import ObjectModel, from_surface
 from coral.contact.real_scenes.bop_pictures import BopPictures
-from coral.contact.real_scenes.bop_records import MM, PictureCamera, read_symmetry, read_truth
+from coral.contact.real_scenes.bop_records import MM, BopFiles, PictureCamera, read_symmetry, read_truth
 from coral.contact.real_scenes.mesh_reduction import reduce_mesh
 from coral.errors import InputError
 
@@ -23,7 +23,7 @@ MOST_TRIANGLES = 3000
 
 
 class BopScene:
-    """A folder with `scene_gt.json`, `scene_camera.json`, and pictures in `depth`, `mask_visib` and `rgb`.
+    """A folder with the files of `BopFiles`.
 
     Args:
         folder: The folder of the scene.
@@ -36,7 +36,7 @@ class BopScene:
 
     def __init__(self, folder: Path, models: Path | None = None) -> None:
         self.folder = folder
-        self.placed = read_truth(folder / "scene_gt.json")
+        self.placed = read_truth(folder / BopFiles.TRUTH)
         self._pictures = BopPictures(folder)
         self.cameras: Mapping[int, PictureCamera] = {k: self._pictures.camera(k) for k in sorted(self.placed)}
         self.models = models or self._find_models()
@@ -105,7 +105,7 @@ class BopScene:
             InputError: A file is missing or broken.
         """
         triangles = reduce_mesh(self.triangles(number), MOST_TRIANGLES)
-        info, symmetry = self.models / "models_info.json", None
+        info, symmetry = self.models / BopFiles.INFO, None
         if info.is_file():
             corners = triangles.reshape(-1, 3)
             symmetry = read_symmetry(info, number, (corners.min(axis=0) + corners.max(axis=0)) / 2)
@@ -113,7 +113,7 @@ class BopScene:
 
     def _find_models(self) -> Path:
         for folder in (self.folder, *self.folder.resolve().parents[:2]):
-            for name in ("models_eval", "models"):
+            for name in ("models_eval", BopFiles.MODELS):
                 if (folder / name).is_dir():
                     return folder / name
         raise InputError(
@@ -121,11 +121,11 @@ class BopScene:
         )
 
     def _read_mask(self, picture: int, k: int, shape: tuple[int, ...]) -> Mask:
-        raw = self._pictures.read("mask_visib", f"{picture:06d}_{k:06d}")
+        raw = self._pictures.read(BopFiles.MASKS, f"{picture:06d}_{k:06d}")
         if raw.shape[:2] != tuple(shape):
             found, expected = (f"{size[1]} x {size[0]}" for size in (raw.shape, shape))
             raise InputError(
-                str(self.folder / "mask_visib"), f"{picture:06d}_{k:06d}", found, f"{expected}, as its depth"
+                str(self.folder / BopFiles.MASKS), f"{picture:06d}_{k:06d}", found, f"{expected}, as its depth"
             )
         return np.asarray((raw if raw.ndim == 2 else raw.max(axis=2)) > 0)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.symmetry import Symmetry
-from coral.contact.real_scenes.bop_records import MM
+from coral.contact.real_scenes.bop_records import MM, BopFiles
 from coral.contact.real_scenes.bop_scene import BopScene
 from coral.contact.real_scenes.recorded_accuracy import RecordedPose
 from coral.contact.scene.rigid_transform import inverse_transform
@@ -43,8 +43,9 @@ class BopWriter:
         self._folder = folder
         self._numbers = {name: 1 + k for k, name in enumerate(models)}
         for name, number in self._numbers.items():
-            write_ply(folder / "models" / f"obj_{number:06d}.ply", models[name].triangles)
-        self._write("models/models_info.json", {str(self._numbers[name]): _info(one) for name, one in models.items()})
+            write_ply(folder / BopFiles.MODELS / f"obj_{number:06d}.ply", models[name].triangles)
+        infos = {str(self._numbers[name]): _info(one) for name, one in models.items()}
+        self._write(f"{BopFiles.MODELS}/{BopFiles.INFO}", infos)
         self._cameras: dict[str, Any] = {}
         self._truth: dict[str, Any] = {}
 
@@ -67,17 +68,17 @@ class BopWriter:
             {**_written(camera @ truth[name], "m2c"), "obj_id": number} for name, number in self._numbers.items()
         ]
         depth = np.clip(np.rint(frame.depth / (MM * DEPTH_SCALE_MM)), 0, 65535).astype(np.uint16)
-        self._picture(f"depth/{index:06d}.png", depth)
+        self._picture(f"{BopFiles.DEPTH}/{index:06d}.png", depth)
         for k, name in enumerate(self._numbers):
             mask = frame.mask(name).astype(np.uint8) * 255
-            self._picture(f"mask_visib/{index:06d}_{k:06d}.png", mask)
+            self._picture(f"{BopFiles.MASKS}/{index:06d}_{k:06d}.png", mask)
         if frame.rgb is not None:
-            self._picture(f"rgb/{index:06d}.png", frame.rgb[..., ::-1])
+            self._picture(f"{BopFiles.COLOURS}/{index:06d}.png", frame.rgb[..., ::-1])
 
     def close(self) -> None:
         """Write the poses."""
-        self._write("scene_camera.json", self._cameras)
-        self._write("scene_gt.json", self._truth)
+        self._write(BopFiles.CAMERAS, self._cameras)
+        self._write(BopFiles.TRUTH, self._truth)
 
     def _picture(self, name: str, image: NDArray[Any]) -> None:
         write_whole(self._folder / name, cv2.imencode(".png", image)[1].tobytes())

@@ -21,6 +21,10 @@ from coral.reef.world.geometry import Label
 
 OWN_CLASSES = ClassTable({k: label.name.lower() for k, label in enumerate(Label)}, dict(enumerate(Label)))
 """Of four logits without names: water, oyster, obstacle, sea floor."""
+OUTPUTS = (
+    "logits of shape (1, classes, height, width), or classes as whole numbers of shape (1, height, width); "
+    "perhaps depth of shape (1, 1, height, width)"
+)
 _STEP = 32
 """Where a file leaves the size open, pictures have a multiple of this (px), which U-Nets and SegFormers can halve."""
 _NO = -30.0
@@ -58,11 +62,7 @@ class SemanticEyes:
         depth = outputs.get("depth", (1, 1, 1, 1))
         if not (chosen or (not whole and len(shape) == 4 and (shape[1] or 0) > 1)) or len(depth) != 4 or depth[1] != 1:
             found = ", ".join(f"{name} {file.kinds.get(name, '')} {of}" for name, of in outputs.items())
-            expected = (
-                "logits of shape (1, classes, height, width), or classes as whole numbers of shape (1, height, width); "
-                "perhaps depth of shape (1, 1, height, width)"
-            )
-            raise InputError(file.path, "outputs", found, expected)
+            raise InputError(file.path, "outputs", found, OUTPUTS)
         self._chosen = chosen
         count = None if chosen else shape[1]
         ours = count == len(Label) and self._classes == "logits" and "pixel_values" not in file.inputs

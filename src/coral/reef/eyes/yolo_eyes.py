@@ -21,10 +21,14 @@ from coral.reef.world.geometry import Label
 _MASK_FROM = 0.5
 _SIZE = 640
 """Width and height of the network's pictures (px), where neither shape nor metadata say it: the default of exports."""
-_LAYOUTS = {
+LAYOUTS: dict[Layout, str] = {
     "classes": "scores by class (YOLOv8, 11)", "objectness": "objectness and classes (YOLOv5)",
     "chosen": "chosen by itself (YOLO26, nms=True)",
 }  # fmt: skip
+OUTPUTS: dict[Layout, str] = {
+    "classes": "1 x (4 + classes + 32) x M", "objectness": "1 x M x (5 + classes + 32)", "chosen": "1 x M x 38"
+}  # fmt: skip
+"""Shape of the candidates in each layout; the other output holds 32 mask prototypes."""
 
 
 def is_yolo(file: OnnxFile) -> bool:
@@ -63,7 +67,7 @@ class YoloEyes:
         self.table = class_table(notes.names, notes.stated.classes, file.path)
         self.layout = self._tell_layout(len(self.table.names), notes.suppressed)
         self.about: tuple[str, ...] = (
-            f"YOLO, {_LAYOUTS[self.layout]}, {self.net_size[0]} x {self.net_size[1]}, {self.pixels.describe()}",
+            f"YOLO, {LAYOUTS[self.layout]}, {self.net_size[0]} x {self.net_size[1]}, {self.pixels.describe()}",
             f"classes: {self.table.describe()}",
         )
 
@@ -71,12 +75,11 @@ class YoloEyes:
         _, rows, columns = self.file.outputs[self._candidates]
         layout = layout_of(rows or 0, columns or 0, classes, self.net_size)
         if layout is None:
-            expected = "1 x (4 + classes + 32) x M, 1 x M x (5 + classes + 32) or 1 x M x 38"
             found = f"1 x {rows or '?'} x {columns or '?'} for {classes} classes"
-            raise InputError(self.file.path, "outputs", found, expected)
+            raise InputError(self.file.path, "outputs", found, " or ".join(OUTPUTS.values()))
         if suppressed is not None and suppressed != (layout == "chosen"):
             found = f"metadata: {'doubles left out' if suppressed else 'all candidates'} (end2end, nms)"
-            raise InputError(self.file.path, "outputs", f"{_LAYOUTS[layout]}, {found}", "one of them")
+            raise InputError(self.file.path, "outputs", f"{LAYOUTS[layout]}, {found}", "one of them")
         return layout
 
     def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:

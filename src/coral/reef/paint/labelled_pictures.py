@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import cv2
 import numpy as np
@@ -24,7 +24,20 @@ UNKNOWN = 255
 """Label of a pixel of which nothing is known."""
 PICTURES = (".jpg", ".jpeg", ".png")
 _FRAME = re.compile(r"[-_ ]*\d+(_(jpe?g|png))?(\.rf\.[0-9a-f]+)?$")
-_COCO_NAMES = ("_annotations.coco.json", "annotations.json", "instances.json", "coco.json")
+
+
+class LabelFiles:
+    """What a folder of labelled pictures may hold: the first of these."""
+
+    COCO: Final = ("_annotations.coco.json", "annotations.json", "instances.json", "coco.json")
+    """COCO: outlines or boxes."""
+    POINTS: Final = ("annotations.csv",)
+    """CoralNet's points, with Name, Row, Column, Label; all between them is unknown."""
+    MASKS: Final = ("NAME_mask.png", "masks/NAME.png")
+    """Masks of the pictures NAME, not 0 where oysters are."""
+    OUTLINES: Final = ("NAME.txt", "labels/NAME.txt")
+    """YOLO, Roboflow's export: class and outline, or class and box (oyster inside the ellipse, corners unknown), in
+    fractions of width and height. Pictures may lie in `images`, names of classes in `data.yaml`."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +64,7 @@ def video_of(name: str) -> str:
 def read_labelled(folder: Path, oysters: tuple[str, ...] = ()) -> Iterator[LabelledPicture]:
     """Read a folder of labelled pictures; what lies in it says of which kind it is.
 
-    A COCO file (outlines or boxes); `annotations.csv` of CoralNet (Name, Row, Column, Label); NAME_mask.png, or
-    masks/NAME.png, beside NAME.jpg (not 0: oyster); or NAME.txt, beside it or in labels/ where pictures are in images/,
-    as YOLO and Roboflow write them: class and outline, or class and box, in fractions of width and height. A folder
-    with parts train, valid or test is all of them together.
+    `LabelFiles` are told apart by name. A folder with parts train, valid or test is all of them together.
 
     Args:
         folder: Where pictures lie.
@@ -74,25 +84,26 @@ def read_labelled(folder: Path, oysters: tuple[str, ...] = ()) -> Iterator[Label
 
 
 def _read_part(folder: Path, oysters: tuple[str, ...]) -> Iterator[LabelledPicture]:
-    coco = next((folder / name for name in _COCO_NAMES if (folder / name).is_file()), None)
-    if coco is not None:
-        yield from _read_coco(coco, oysters)
-        return
-    if (folder / "annotations.csv").is_file():
-        yield from _read_points(folder / "annotations.csv", oysters)
-        return
+    for files, read in ((LabelFiles.COCO, _read_coco), (LabelFiles.POINTS, _read_points)):
+        if (found := _find(folder, files)) is not None:
+            yield from read(found, oysters)
+            return
     images = folder / "images" if (folder / "images").is_dir() else folder
     names = _yolo_names(folder)
     for path in sorted(p for p in images.iterdir() if p.suffix.lower() in PICTURES and not p.stem.endswith("_mask")):
-        masks = (path.with_name(f"{path.stem}_mask.png"), folder / "masks" / f"{path.stem}.png")
-        mask = next((one for one in masks if one.is_file()), None)
-        outlines = (path.with_suffix(".txt"), folder / "labels" / f"{path.stem}.txt")
-        outline = next((one for one in outlines if one.is_file()), None)
+        mask, outline = (_find(folder, files, path) for files in (LabelFiles.MASKS, LabelFiles.OUTLINES))
         if mask is None and outline is None:
             continue
         rgb = _read_rgb(path)
         target = _mask_target(mask, rgb) if mask is not None else _yolo_target(outline, rgb, names, oysters)
         yield LabelledPicture(path.stem, rgb, target)
+
+
+def _find(folder: Path, files: tuple[str, ...], picture: Path | None = None) -> Path | None:
+    """Return the first of these files that exists; those of a picture lie beside it or in a folder of their own."""
+    beside, stem = (folder, "") if picture is None else (picture.parent, picture.stem)
+    found = ((folder if "/" in name else beside) / name.replace("NAME", stem) for name in files)
+    return next((one for one in found if one.is_file()), None)
 
 
 def _mask_target(path: Path, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -79,12 +79,18 @@ def write_bag(recording: Recording, path: Path, *, single_file: bool, only_colou
 
 
 def export_mcap(recording: Recording, path: Path, only_colour: bool) -> dict[str, int]:
-    """Write one MCAP file; see `write_bag`."""
+    """Write one MCAP file, for Foxglove and every reader of MCAP.
+
+    See `write_bag`.
+    """
     return write_bag(recording, path, single_file=True, only_colour=only_colour)
 
 
 def export_bag(recording: Recording, path: Path, only_colour: bool) -> dict[str, int]:
-    """Write a ROS 2 bag, a folder; see `write_bag`."""
+    """Write a ROS 2 bag (`ros2 bag info`, `ros2 bag play`), a folder with MCAP storage.
+
+    See `write_bag`.
+    """
     return write_bag(recording, path, single_file=False, only_colour=only_colour)
 
 

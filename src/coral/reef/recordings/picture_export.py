@@ -84,7 +84,9 @@ def _row(cells: Sequence[str]) -> str:
 
 
 def export_pictures(recording: Recording, path: Path, only_colour: bool) -> dict[str, int]:
-    """Write a folder of colour pictures with their poses; see `write_pictures`.
+    """Write a folder of colour pictures of a survey with `poses.csv` and `camera.yaml`.
+
+    See `write_pictures`.
 
     Raises:
         InputError: The path exists, there are no colour pictures, or `only_colour` is asked of what has nothing else.

@@ -8,10 +8,15 @@ from typing import Literal, get_args
 from coral.errors import InputError, nearest
 
 Medium = Literal["udp", "udpin", "tcp", "serial"]
-EXPECTED = (
-    "mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:PORT or mavlink:serial:DEVICE:BAUD; with #ID "
-    "behind it, the vehicle of that system id"
-)
+FORMS = {
+    "mavlink:udpin:HOST:PORT": "Waits for a vehicle that sends here, as BlueOS does to QGroundControl's computer: add "
+    "an endpoint for it, and take `udpin:0.0.0.0:14550`.",
+    "mavlink:udp:HOST:PORT": "Speaks first to BlueOS, which listens (a UDP server endpoint).",
+    "mavlink:tcp:HOST:PORT": "Connects to ArduSub in the loop, or to a TCP endpoint; again when it breaks.",
+    "mavlink:serial:DEVICE:BAUD": "The autopilot on a cable, such as `serial:/dev/ttyACM0:115200`.",
+}
+"""Addresses of a vehicle."""
+EXPECTED = f"{', '.join(FORMS)}; with #ID behind it, the vehicle of that system id"
 
 
 @dataclass(frozen=True)
@@ -19,7 +24,6 @@ class VehicleAddress:
     """A place to exchange bytes with an autopilot."""
 
     medium: Medium
-    """udp sends to a host, udpin waits for a vehicle that sends to us, tcp connects, serial opens a device."""
     host: str
     """Host name or address; the device for serial."""
     port: int

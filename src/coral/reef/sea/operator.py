@@ -12,10 +12,17 @@ from coral.errors import first_line
 from coral.reef.sea.link import LinkRefused, VehicleLink
 
 Word = Literal["arm", "hold", "resume", "stop", "surface", "disarm", "align", "unaligned"]
-"""arm: let the survey begin. hold: stay where you are. resume: continue. stop: end the survey, holding. surface: end it
-and come up. disarm: stop the thrusters, now. align: use the alignment with the saved map that is proposed.
-unaligned: continue without that map."""
-WORDS: tuple[Word, ...] = ("arm", "hold", "resume", "stop", "surface", "disarm", "align", "unaligned")
+WORDS: dict[Word, str] = {
+    "arm": "Let the survey begin.",
+    "hold": "Stay here; the survey waits.",
+    "resume": "Continue after a hold, a limit, or a person at the joystick.",
+    "stop": "End the survey, and hold.",
+    "surface": "End the survey, and come up.",
+    "disarm": "Stop the thrusters, now.",
+    "align": "Use the alignment with the saved map that is proposed: both maps become one, in the saved frame.",
+    "unaligned": "Continue without the saved map.",
+}
+"""What the operator may say."""
 Order = Literal["arm", "hold", "surface", "disarm"]
 
 

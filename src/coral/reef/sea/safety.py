@@ -30,20 +30,25 @@ class SafetyCfg:
     pose_timeout_s: Positive = 0.7
     """A position older than this is no position."""
     on_pose_lost: Action = "hold"
+    """The position is old or lost."""
     on_clock_jump: Action = "hold"
+    """The clock of the autopilot jumped."""
     on_reboot: Action = "hold"
     """After a restart the autopilot's position has another origin: the survey does not continue by itself."""
     on_fence: Action = "hold"
     """Outside the geofence or inside a keep-out. The planner keeps away from both; this is the second line."""
     on_leak: Action = "surface"
+    """Water inside the hull."""
     battery_min: Fraction = 0.25
     """Share of the charge at which the survey ends."""
     battery_min_v: NonNegative = 0.0
     """The same in volts; 0 for no such limit. 14.0 suits the four cells in series of a BlueROV2."""
     on_battery: Action = "return"
+    """Either limit of the battery."""
     tether_turns: Positive = 5.0
     """Turns of the tether, either way."""
     on_tether: Action = "hold"
+    """More turns than that."""
     return_speed_m_s: Positive = 0.3
     """Speed over ground assumed for the way back: half of what is driven."""
     reserve_s: NonNegative = 30.0

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.real_scenes.cameras.bag_camera import BagRgbdCamera
-from coral.contact.real_scenes.cameras.realsense_camera import RealSenseCamera
+from coral.contact.real_scenes.cameras.realsense_camera import HEIGHT, RATE_HZ, WIDTH, RealSenseCamera
 from coral.contact.real_scenes.cameras.recorded_camera import RecordedRgbdCamera
 from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
 from coral.errors import InputError
@@ -37,13 +37,17 @@ class CameraKind:
 CAMERAS: dict[str, CameraKind] = {
     "recording": CameraKind(
         "recording:FOLDER",
-        "recorded pictures in the format of BOP",
+        "recorded pictures in the format of BOP: depth, rgb, scene_camera.json",
         lambda rest, placed: RecordedRgbdCamera(Path(rest), placed),
     ),
-    "bag": CameraKind("bag:FILE", "a ROS 2 bag or MCAP file", BagRgbdCamera),
+    "bag": CameraKind(
+        "bag:FILE",
+        "a ROS 2 bag or MCAP file with colour, aligned depth and camera_info (extra bags)",
+        BagRgbdCamera,
+    ),
     "realsense": CameraKind(
         "realsense[:SERIAL]",
-        "a RealSense camera (extra realsense)",
+        f"a RealSense with {WIDTH} x {HEIGHT} pixels, {RATE_HZ} Hz, depth aligned to the colours (extra realsense)",
         lambda rest, placed: RealSenseCamera(rest or None, placed),
         needs_rest=False,
     ),

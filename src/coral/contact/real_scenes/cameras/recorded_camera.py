@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.bop_pictures import BopPictures
+from coral.contact.real_scenes.bop_records import BopFiles
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
@@ -35,7 +36,7 @@ class RecordedRgbdCamera:
         self._pictures, self._placed = BopPictures(folder), T_world_camera
         self._left = list(reversed(self._pictures.indices))
         if not self._left:
-            raise InputError(str(folder / "depth"), "", "no picture", "pictures of depth: 000000.png and so on")
+            raise InputError(str(folder / BopFiles.DEPTH), "", "no picture", "pictures of depth: 000000.png and so on")
         self._first = self._left[-1]
 
     def start(self) -> None:
