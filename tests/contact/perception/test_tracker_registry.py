@@ -1,7 +1,6 @@
 """Trackers by their words."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +13,6 @@ from coral.contact.perception.object_model import from_mesh
 from coral.contact.perception.tracker import TrackerFailed
 from coral.contact.perception.tracker_registry import TRACKERS, TrackerCfgs, choose_tracker
 from coral.errors import InputError
-
-RUN_PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "task-runs.md").read_text(encoding="utf-8")
 
 
 def configured(**server):
@@ -82,12 +79,6 @@ def test_every_tracker_is_in_the_help_of_the_commands(command, capsys):
     text = re.sub(r"\s+", "", capsys.readouterr().out)  # lines break anywhere
     for kind in TRACKERS.values():
         assert re.sub(r"\s", "", f"{kind.form}, {kind.help}") in text
-
-
-def test_every_tracker_is_on_the_page_of_the_command():
-    [row] = [line for line in RUN_PAGE.splitlines() if line.startswith("| `--tracker")]
-    for name in TRACKERS:
-        assert f"`{name}" in row
 
 
 def test_the_choice_has_the_name_that_the_tracker_is_registered_by():
