@@ -13,6 +13,7 @@ import pytest
 
 import coral
 from coral.advisor import codes as advisor_codes
+from coral.cli import COMMANDS
 from coral.contact.episode import events as contact_events
 from coral.contact.franka.stream import StopCause
 from coral.contact.franka.world import CODES as STOP_CODES
@@ -150,3 +151,11 @@ def test_every_file_of_a_recorded_scene_has_a_row(tmp_path):
     left = [path.name for path in tmp_path.rglob("*.json")]
     assert len(left) == 3
     assert set(left) <= words("files-bop")
+
+
+def test_every_command_that_fails_by_its_result_is_named_beside_the_exit_code():
+    [failed] = [line for line in tables.TABLES["exit-codes"]().splitlines() if line.startswith("| `1`")]
+    for name, (place, _) in COMMANDS.items():
+        source = ROOT / "src" / f"{place.partition(':')[0].replace('.', '/')}.py"
+        if "def exit_code" in source.read_text("utf-8"):
+            assert f"`coral {name}" in failed
