@@ -37,6 +37,44 @@ def test_the_prompt_tells_the_instruction_and_what_was_said_of_things():
     assert [dot["visited"] for dot in later.question.facts["centroids"]] == [False, True]
 
 
+def test_what_was_ruled_out_is_told_and_kept_clear_of_after_its_dot_has_vanished():
+    belief = belief_with([(14.0, 10.0), (6.0, 10.0)])
+    planner = planner_for(belief)
+    asked = planner.ask(planner.outlook())
+    answer = MissionAnswer(selected_centroid_index=0, marks=(Mark(dot=1, label="tyre"),), skip=(1,))
+    planner.adopt(asked, answer, planner.locate(asked, answer))
+    belief.tracker.tracks = [track for track in belief.tracks if track.index != 1]
+    x, y = belief.pose[:2]
+    assert f"No dot any more, {6.0 - x} m forward and {10.0 - y} m to the left: tyre, ruled out." in (
+        planner.ask(planner.outlook()).question.prompt
+    )
+    planner.route.follow([Goal(x=14.0, y=10.0, index=0)], 0.0)
+    planner.route.update(0.1)
+    assert list(belief.unchosen) == [(6.0, 10.0)]
+
+
+def test_what_was_ruled_out_is_open_again_once_it_is_chosen():
+    planner = planner_for(belief_with([(14.0, 10.0), (6.0, 10.0)]))
+    asked = planner.ask(planner.outlook())
+    out = MissionAnswer(selected_centroid_index=0, skip=(1,))
+    planner.adopt(asked, out, planner.locate(asked, out))
+    asked = planner.ask(planner.outlook())
+    back = MissionAnswer(selected_centroid_index=1)
+    assert planner.verify(asked, back) is None
+    planner.adopt(asked, back, planner.locate(asked, back))
+    assert "Ruled out" not in planner.ask(planner.outlook()).question.prompt
+
+
+def test_a_look_at_what_the_map_no_longer_shows_goes_where_it_stood():
+    belief = belief_with([(14.0, 10.0), (6.0, 10.0)])
+    planner = planner_for(belief)
+    asked = planner.ask(planner.outlook())
+    belief.tracker.tracks = [track for track in belief.tracks if track.index != 0]
+    look = MissionAnswer(look=LookFrom(dot=0, distance_m=2.0))
+    assert planner.verify(asked, look) is None
+    assert planner.locate(asked, look).face == pytest.approx((14.0, 10.0))
+
+
 def test_a_question_is_asked_even_when_nothing_is_left():
     belief = belief_with([(12.0, 10.0)])
     see(belief, 0)

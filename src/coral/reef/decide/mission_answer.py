@@ -47,7 +47,7 @@ class MissionAnswer(CentroidAnswer):
     done: bool = Field(default=False, description="true: the mission is done; it ends here and now")
     answer: Text = Field(default="", description="with done: the answer to what the instruction asks, if it asks")
     skip: Annotated[tuple[Index, ...], keep_first(20)] = Field(
-        default=(), max_length=20, description="labels of dots that are ruled out for good"
+        default=(), max_length=20, description="labels of dots that are ruled out"
     )
     marks: Annotated[tuple[Mark, ...], keep_first(20)] = Field(
         default=(), max_length=20, description="what dots were found to be"

@@ -7,7 +7,7 @@ instruction means is for the advisor to say. What was said of a cluster stays wi
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -27,7 +27,7 @@ from coral.reef.decide.survey import survey
 from coral.reef.decide.trigger import separated
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField, CostFieldCfg
-from coral.reef.world.geometry import to_robot
+from coral.reef.world.geometry import Pose, to_robot
 
 RING_M, STEP_RAD, RING_PASS_M, STOP_M = 2.0, math.radians(45.0), 0.8, 0.25
 """The way round something keeps this much farther from it than the look, and turns by so much from goal to goal, each
@@ -56,23 +56,29 @@ class MissionPlanner:
     def instruct(self, words: str) -> None:
         """Follow other words. What was ruled out was so under the old ones, and is open again."""
         self.cfg = replace(self.cfg, instruction=replace(self.cfg.instruction, text=words))
-        self.said = tuple(replace(one, skip=False) for one in self.said if one.label)
+        self._keep(replace(one, skip=False) for one in self.said if one.label)
+
+    def _keep(self, said: Iterable[Said]) -> None:
+        self.said = tuple(said)
+        self.route.ruled_out = tuple((one.x, one.y) for one in self.said if one.skip)
 
     def outlook(self, way: CostField | None = None) -> Outlook:
         """Freeze what the robot knows now, and where it will be when the answer comes."""
         snapshot, route = self.belief.snapshot(), self.route
         arrival = route.arrival(way) if self.cfg.route.ahead else here(snapshot)
         goals = {goal.index for goal in arrival.goals if goal.index is not None}
-        skipped = {t.index for t in snapshot.tracks if (s := of_place(self.said, t.x, t.y)) is not None and s.skip}
         return Outlook(
             snapshot,
             arrival,
-            closed=frozenset(goals | skipped),
+            closed=frozenset(goals | self._ruled_out(snapshot)),
             last_look=True,
             colours=True,
             under_way=bool(route.goals),
             latency_s=route.latency_s,
         )
+
+    def _ruled_out(self, belief: Belief) -> set[int]:
+        return {t.index for t in belief.tracks if (s := of_place(self.said, t.x, t.y)) is not None and s.skip}
 
     def ask(self, outlook: Outlook, rejections: Sequence[Rejection] = ()) -> AskedState:
         """Make the question: there always is one, for only the advisor knows when the mission is done."""
@@ -96,18 +102,27 @@ class MissionPlanner:
         belief, pose = outlook.belief, outlook.arrival.pose
         forward, left = to_robot(pose, *belief.trajectory[0])
         said = [(track.index, one) for track in belief.tracks if (one := of_place(self.said, track.x, track.y))]
+        dotless = [one for one in self.said if all(one is not of_dot for _, of_dot in said)]
         return {
             "instruction": self.cfg.instruction.text,
             "time_s": self.cfg.instruction.time_s,
             "at_s": round(self.route.t + outlook.arrival.in_s, 1),
             "home": {"forward_m": round(float(forward), 1), "left_m": round(float(left), 1)},
+            "area_m": [round(edge, 1) for edge in belief.map.size_m],
+            "place": {"east_m": round(pose.x, 1), "north_m": round(pose.y, 1)},
+            "heading_deg": round(math.degrees(pose.theta)) % 360,
             "found": [{"dot": index, "label": one.label} for index, one in said if one.label],
             "ruled_out": [index for index, one in said if one.skip],
+            "without_dot": [self._placed(one, pose) for one in dotless],
             "pictures": [
                 {"dot": track.index, "distance_m": round(view.distance_m, 1), "age_s": round(age_s)}
                 for track, view, age_s in belief.best_views.of(belief.tracks)
             ],
         }
+
+    def _placed(self, one: Said, pose: Pose) -> dict[str, Any]:
+        forward, left = to_robot(pose, one.x, one.y)
+        return {"forward_m": round(float(forward), 1), "left_m": round(float(left), 1), "name": one.name}
 
     def verify(self, asked: AskedState, answer: Answer) -> Rejection | None:
         """Check an answer for what is unsafe or impossible."""
@@ -136,8 +151,12 @@ class MissionPlanner:
         if isinstance(goals, Rejection):
             return goals
         if answer.selected_centroid_index is not None and goals:
-            if done := finished_dot(asked.outlook, answer.selected_centroid_index):
-                return replace(done, details={"index": answer.selected_centroid_index})
+            index = answer.selected_centroid_index
+            done = finished_dot(asked.outlook, index)
+            track = asked.outlook.belief.track(index)
+            open_again = track is not None and not track.visited and index in self._ruled_out(asked.outlook.belief)
+            if done is not None and not open_again:
+                return replace(done, details={"index": index})
         elif answer.waypoint is not None and goals:
             at = asked.outlook.arrival.pose[:2]
             if not separated((goals[0].x, goals[0].y), at, self.cfg.separation_m):
@@ -150,7 +169,7 @@ class MissionPlanner:
         return None
 
     def _goals(self, asked: AskedState, answer: MissionAnswer) -> list[Goal] | Rejection:
-        """Return the places that an answer leads to, in order; none if what it chose has vanished."""
+        """Return the places that an answer leads to, in order."""
         if answer.home:
             x, y = self.belief.trajectory[0]
             return [Goal(x=float(x), y=float(y))]
@@ -160,8 +179,11 @@ class MissionPlanner:
             return []
         index = answer.look.dot if answer.look is not None else answer.selected_centroid_index
         goal = goal_of_dot(asked, index, self.belief)
-        if not isinstance(goal, Goal):
-            return [] if goal is None else goal
+        if isinstance(goal, Rejection):
+            return goal
+        if goal is None:  # the map no longer shows it, and it stands where it stood
+            (thing,) = (track for track in asked.outlook.belief.tracks if track.index == index)
+            goal = Goal(x=thing.x, y=thing.y)
         if answer.look is None:
             return [goal]
         goals = way_round(answer.look, (goal.x, goal.y), asked.outlook.arrival.pose[:2])
@@ -198,9 +220,14 @@ class MissionPlanner:
             if (track := known.get(index)) is not None:
                 skip = index in answer.skip
                 new = Said(dot=index, x=track.x, y=track.y, label=labels.get(index, ""), skip=skip, why=why)
-                self.said = with_said(self.said, new)
+                self._keep(with_said(self.said, new))
+        chosen = [
+            known[k] for k in (answer.selected_centroid_index, *answer.then) if k in known and k not in answer.skip
+        ]
+        reopened = [of_place(self.said, track.x, track.y) for track in chosen]
+        self._keep(replace(one, skip=False) if any(one is other for other in reopened) else one for one in self.said)
         told = {"look": answer.look.side} if answer.look is not None else {}
-        return {"violates": False, **told, **({"said": records_of(self.said)} if answer.marks or answer.skip else {})}
+        return {"violates": False, **told, **({"said": records_of(self.said)} if self.said else {})}
 
     def settle(self) -> list[Guess]:
         """Return no guesses: none are stated."""

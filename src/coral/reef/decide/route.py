@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Fraction, Positive
+from coral.reef.decide.said import SAME_M
 from coral.reef.map.belief import Belief
 from coral.reef.map.chain import Track
 from coral.reef.map.costfield import CostField
@@ -95,6 +96,8 @@ class Route:
         self.belief, self.cfg = belief, cfg or RouteCfg()
         self.belief.clear_m = clear_m
         self.goals: tuple[Goal, ...] = ()
+        self.ruled_out: tuple[tuple[float, float], ...] = ()
+        """Places (m) of things that are not gone to, whether or not the map still shows a cluster there."""
         self.latency_s = self.cfg.expected_latency_s
         """How long the next answer is expected to take (s): the median of the latest ones."""
         self.t = 0.0
@@ -225,7 +228,8 @@ class Route:
         if not belief.clear_m:
             return
         chosen = {goal.index for goal in self.goals}
-        belief.unchosen = tuple((track.x, track.y) for track in belief.tracks if track.index not in chosen)
+        dots = tuple((track.x, track.y) for track in belief.tracks if track.index not in chosen)
+        belief.unchosen = dots + tuple(at for at in self.ruled_out if not _near(belief.tracks, at))
         if self.goals and self.goals[0].index is None and self.goals[0].pass_m is None:
             goal = self.goals[0]
             clear = moved_clear((goal.x, goal.y), belief.unchosen, belief.clear_m, belief.pose[:2])
@@ -271,6 +275,10 @@ class Route:
         share = self.belief.map.unexplored_share(goal.x, goal.y, self.cfg.look_m)
         self._unexplored = max(self._unexplored, share)
         return self.cfg.ahead and self._unexplored > self.cfg.explored_share >= share
+
+
+def _near(tracks: Sequence[Track], at: tuple[float, float]) -> bool:
+    return any(math.dist((track.x, track.y), at) <= SAME_M for track in tracks)
 
 
 def aim(left: NDArray[np.float64], pose: Pose, within_m: float) -> tuple[float, float]:
