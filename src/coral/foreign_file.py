@@ -224,6 +224,25 @@ def picture_size(content: bytes) -> tuple[int, int] | None:
         return None
 
 
+def read_taken(content: bytes) -> tuple[str, str, str]:
+    """Return when a picture was taken by its Exif tags: DateTimeOriginal, SubSecTimeOriginal, OffsetTimeOriginal.
+
+    Args:
+        content: The file, or its beginning. Tags that it has not are "".
+    """
+    from PIL import Image
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(io.BytesIO(content), formats=("JPEG", "WEBP", "TIFF", "PNG")) as found:
+                tags = found.getexif().get_ifd(0x8769)
+        date, part, zone = (str(tags.get(tag, "")).strip(" \0") for tag in (0x9003, 0x9291, 0x9011))
+    except Exception:  # its plugins raise all kinds
+        return "", "", ""
+    return date, part, zone
+
+
 def decode_picture(content: bytes, mode: int | None = None) -> NDArray[Any] | None:
     """Decode a PNG, JPEG, WebP, TIFF or BMP picture as OpenCV does; None if it is none.
 

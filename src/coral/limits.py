@@ -19,6 +19,14 @@ TABLE_BYTES = 100_000_000
 """Of a table of poses: eleven days at one a second."""
 LOG_BYTES = 200_000_000
 """Of a log with all its earlier parts, unpacked; a report leaves out the rest."""
+AUTOPILOT_LOG_BYTES = 1_000_000_000
+"""Of an autopilot's log: a day's .BIN. It is read through a window, not into memory."""
+AUTOPILOT_SAMPLES = 1_000_000
+"""Poses, attitudes and ranges that are kept of it: nine hours."""
+VIDEO_PICTURES = 100_000
+"""Taken out of a video: five hours at 5 Hz."""
+VIDEO_S = 7200
+"""For decoding a video (s)."""
 LINE_CHARS = 16_000_000
 """Of one line of a log: a question with all its facts has some hundred thousand."""
 PICTURE_BYTES = 100_000_000
@@ -38,3 +46,5 @@ ROW_BYTES = 10_000_000
 LARGEST_NUMBER = 1e9
 """In tables, events and metrics: metres, seconds and counts of missions stay far below; 1e300 makes a chart or a map
 that no machine holds."""
+LATEST_S = 1e10
+"""Of a time stamp that may be Unix time (s)."""

@@ -21,7 +21,7 @@ from coral.reef.recordings.bag_recording import BagTopics
 from coral.reef.recordings.find_recording import find_recording
 from coral.reef.recordings.lens_check import check_lens
 from coral.reef.recordings.perception import PicturePerception
-from coral.reef.recordings.picture_folder import TABLE, datum_of_folder
+from coral.reef.recordings.picture_folder import TABLE
 from coral.reef.recordings.recording import RECORDED
 from coral.reef.recordings.run_recording import is_run
 from coral.reef.recordings.sonar_file import add_sonar_file
@@ -32,10 +32,10 @@ from coral.words import many
 
 @dataclass(frozen=True, kw_only=True)
 class ReefMap:
-    """Make the map and all products from a recorded dive: pictures with poses, MCAP, a ROS 2 bag, or a run."""
+    """Make the map and all products from a recorded dive: pictures with poses or a vehicle's log, a bag, or a run."""
 
     recording: Annotated[Path, Argument(metavar="RECORDING")]
-    """Folder of pictures with poses.csv, MCAP file, ROS 2 bag or run folder."""
+    """Folder of pictures with poses.csv, or of pictures or a video with a log (.tlog, .BIN); MCAP file, bag, run."""
     out: Path
     """Folder of the map and the products, new or empty."""
     camera: Annotated[Path | None, Option(metavar="FILE.yaml")] = None
@@ -52,6 +52,9 @@ class ReefMap:
     datum: Annotated[str | None, Option(metavar="LAT,LON[,HEADING]")] = None
     """Latitude and longitude of the first picture (WGS 84, degrees), and the compass heading there if the recording's x
     axis does not point east. A table with lat and lon has its own."""
+    pictures_start_s: float | None = None
+    """Time of the autopilot's log at which the first picture was taken or the video begins (s, as the log counts: since
+    1970 in a .tlog, since the autopilot's start in most .BIN). By default both clocks agree."""
     topics: BagTopics = field(default_factory=BagTopics)
     """Topics of a bag or an MCAP file."""
     sonar_file: Annotated[Path | None, Option(metavar="FILE.sonar")] = None
@@ -73,6 +76,8 @@ class ReefMap:
         """Make them."""
         if self.sonar_start_s is not None and not math.isfinite(self.sonar_start_s):
             raise InputError("--sonar-start-s", "", self.sonar_start_s, "a number of seconds")
+        if self.pictures_start_s is not None and not math.isfinite(self.pictures_start_s):
+            raise InputError("--pictures-start-s", "", self.pictures_start_s, "a number of seconds")
         if not 0.0 <= self.period_s < math.inf:
             raise InputError("--period-s", "", self.period_s, "0 seconds or more")
         eyes = self._eyes()
@@ -84,23 +89,21 @@ class ReefMap:
             perception=None if eyes is None else PicturePerception(eyes, named),
             period_s=self.period_s,
             sonar=checked(self.sonar, "--sonar"),
+            pictures_start_s=self.pictures_start_s,
         )
         if self.sonar_file is not None:
             recording = add_sonar_file(recording, self.sonar_file, self.sonar, self.sonar_start_s)
         elif self.sonar_start_s is not None:
             raise InputError("--sonar-start-s", "", self.sonar_start_s, "--sonar-file beside it")
         recording = replace(recording, map=replace(recording.map, doubt=checked(self.doubt, "--doubt")))
-        datum = self.datum
-        own = datum_of_folder(self.recording) if (self.recording / TABLE).is_file() else None
-        if own is not None:
-            if datum is not None:
-                raise InputError("--datum", "", datum, f"none: {self.recording / TABLE} has lat and lon")
-            datum = f"{own[0]!r},{own[1]!r}"
+        if recording.datum is not None and self.datum is not None and (self.recording / TABLE).is_file():
+            raise InputError("--datum", "", self.datum, f"none: {self.recording / TABLE} has lat and lon")
+        own = None if recording.datum is None else f"{recording.datum[0]!r},{recording.datum[1]!r}"
         world = self.recording / SurveyFiles.WORLD
         truth = load_world(world) if is_run(self.recording) and world.is_file() else None
-        made = make_products(recording, self.cfg, datum, self.out, truth)
+        made = make_products(recording, self.cfg, self.datum or own, self.out, truth)
         lens = check_lens(recording)
-        about = [] if eyes is None else list(eyes.about)
+        about = [*recording.remarks, *(() if eyes is None else eyes.about)]
         return {**made, "pictures_left_out": len(recording.omitted), "eyes": about, "lens": lens}
 
     def _eyes(self) -> RgbPerception | None:

@@ -10,13 +10,14 @@ from coral.errors import InputError
 from coral.reef.map.mapping import MapCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_recording import BagTopics, read_bag
+from coral.reef.recordings.log_recording import find_log, read_log_folder
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE, read_folder
 from coral.reef.recordings.recording import Recording
 from coral.reef.recordings.run_recording import is_run, read_run
 from coral.reef.sea.recorded_camera import read_camera
 
-KINDS = "a run folder, a ROS bag, an MCAP file, or a folder of pictures with poses.csv"
+KINDS = "a run folder, a ROS bag, an MCAP file, or a folder of pictures with poses.csv or an autopilot's log"
 
 
 def find_recording(
@@ -28,6 +29,7 @@ def find_recording(
     perception: PicturePerception | None = None,
     period_s: float = 0.0,
     sonar: SonarCfg | None = None,
+    pictures_start_s: float | None = None,
 ) -> Recording:
     """Read a recording of any kind.
 
@@ -40,6 +42,7 @@ def find_recording(
         perception: Sees what colour pictures show; None: classes and depth are the recording's own.
         period_s: Least time between two pictures that are used (s).
         sonar: Beams of the sonar whose echoes a bag may have.
+        pictures_start_s: Time of an autopilot's log at which the first picture was taken (s).
 
     Raises:
         InputError: The path is nothing of that, or something in it is missing or wrong.
@@ -47,6 +50,11 @@ def find_recording(
     given = None if camera is None else read_camera(camera)
     if not path.exists():
         raise InputError(str(path), "", "nothing", KINDS)
+    log = None if is_bag(path) or is_run(path) or (path / TABLE).is_file() else find_log(path)
+    if pictures_start_s is not None and log is None:
+        raise InputError(
+            "--pictures-start-s", "", pictures_start_s, "an autopilot's log (.tlog, .BIN) as the recording"
+        )
     if is_bag(path):
         return read_bag(path, topics or BagTopics(), given, cfg, perception, period_s, sonar)
     if is_run(path):
@@ -54,11 +62,15 @@ def find_recording(
             raise InputError("--camera", "", str(camera), "none: a run knows its camera")
         found = read_run(path, perception, period_s)
         return found if cfg is None else replace(found, map=cfg)
-    if (path / TABLE).is_file():
-        if given is None:
-            if not (path / "camera.yaml").is_file():
-                raise InputError(str(path), "camera.yaml", "nothing", "the camera, there or by --camera FILE.yaml")
-            given = read_camera(path / "camera.yaml")
+    if log is None and not (path / TABLE).is_file():
+        raise InputError(str(path), "", "something else", KINDS)
+    folder = path if log is None else log.parent
+    if given is None:
+        if not (folder / "camera.yaml").is_file():
+            raise InputError(str(folder), "camera.yaml", "nothing", "the camera, there or by --camera FILE.yaml")
+        given = read_camera(folder / "camera.yaml")
+    if log is None:
         found = read_folder(path, given, perception, period_s)
-        return found if cfg is None else replace(found, map=cfg)
-    raise InputError(str(path), "", "something else", KINDS)
+    else:
+        found = read_log_folder(log, given, perception, period_s, pictures_start_s)
+    return found if cfg is None else replace(found, map=cfg)

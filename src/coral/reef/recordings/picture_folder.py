@@ -11,7 +11,7 @@ from pathlib import Path
 
 from coral.errors import InputError
 from coral.foreign_file import read_text
-from coral.limits import LARGEST_NUMBER, TABLE_BYTES
+from coral.limits import LARGEST_NUMBER, LATEST_S, TABLE_BYTES
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
@@ -29,6 +29,8 @@ from coral.reef.world.geometry import Frame, Pose, wrap
 from coral.reef.world.local_plane import MOST_DEGREES, LocalPlane
 
 TABLE = "poses.csv"
+Row = tuple[str, dict[str, float], dict[str, str]]
+"""Place in the table or the folder, for errors; numbers; names of pictures."""
 LOCAL = ("x", "y", "yaw")
 GLOBAL = ("lat", "lon", "heading")
 """Names of the columns of a position: metres and radians, or degrees with the compass heading."""
@@ -54,26 +56,48 @@ def read_folder(
     Raises:
         InputError: The table is missing or a value in it is wrong. Pictures are checked when they are read.
     """
-    table = path / TABLE
-    rows = _rows(table)
+    return placed_pictures(path, path / TABLE, read_rows(path / TABLE), camera, perception, period_s)
+
+
+def placed_pictures(
+    path: Path,
+    table: Path,
+    rows: list[Row],
+    camera: RecordedCamera,
+    perception: PicturePerception | None,
+    period_s: float,
+) -> Recording:
+    """Make a recording of pictures with poses.
+
+    Args:
+        path: Folder from which the pictures are named.
+        table: What the rows come from, for errors.
+        rows: Columns of `poses.csv`, at least one row.
+        camera: The camera.
+        perception: As in `read_folder`.
+        period_s: As in `read_folder`.
+
+    Raises:
+        InputError: Between two rows lies a way that no vehicle drives.
+    """
     plane = LocalPlane(rows[0][1]["lat"], rows[0][1]["lon"]) if "lat" in rows[0][1] else None
-    placed = [(number, _pose(values, plane), values, names) for number, values, names in rows]
-    for (_, (before, _), earlier, _), (number, (pose, _), values, _) in itertools.pairwise(placed):
+    placed = [(place, _pose(values, plane), values, names) for place, values, names in rows]
+    for (_, (before, _), earlier, _), (place, (pose, _), values, _) in itertools.pairwise(placed):
         away, later = math.dist(before[:2], pose[:2]), values["t"] - earlier["t"]
         if away > FIX_M + FASTEST_M_S * later:
-            field = f"line {number}: {'lat, lon' if plane else 'x, y'}"
+            field = f"{place}: {'lat, lon' if plane else 'x, y'}"
             found = f"{away:.0f} m from the line before it, {later:g} s later"
             raise InputError(str(table), field, found, "a track that a vehicle can have driven; leave bad fixes out")
 
     def keyframes() -> Iterator[PosedFrame]:
         due = -math.inf
-        for number, (pose, odometry), values, names in placed:
+        for place, (pose, odometry), values, names in placed:
             if values["t"] < due - 1e-6:
                 continue
             due = values["t"] + period_s
             height_m = values.get("z", camera.view.altitude_m)
             attitude = CameraAttitude(height_m, values.get("roll", 0.0), values.get("pitch", 0.0))
-            frame = _frame(path, names, camera, perception, attitude, f"{table}: line {number}")
+            frame = _frame(path, names, camera, perception, attitude, f"{table}: {place}")
             yield PosedFrame(
                 t=values["t"], pose=pose, height_m=height_m, frame=frame, roll=attitude.roll, pitch=attitude.pitch,
                 odometry=odometry,
@@ -82,6 +106,7 @@ def read_folder(
     return Recording(
         name=path.resolve().name, source=str(path), camera=camera.view, keyframes=keyframes, start=placed[0][1][0],
         seen_by=perception.name if perception else RECORDED,
+        datum=None if plane is None else (plane.latitude, plane.longitude),
     )  # fmt: skip
 
 
@@ -113,12 +138,6 @@ def _frame(
     return perception.frame(rgb, camera, attitude, where)
 
 
-def datum_of_folder(path: Path) -> tuple[float, float] | None:
-    """Return latitude and longitude of the first pose, if the table has degrees; its frame is ENU from there."""
-    _, values, _ = _rows(path / TABLE)[0]
-    return (values["lat"], values["lon"]) if "lat" in values else None
-
-
 def _pose(values: dict[str, float], plane: LocalPlane | None) -> tuple[Pose, Pose | None]:
     if plane is not None:
         east, north = plane.from_degrees(values["lat"], values["lon"])
@@ -127,8 +146,19 @@ def _pose(values: dict[str, float], plane: LocalPlane | None) -> tuple[Pose, Pos
     return Pose(values["x"], values["y"], values["yaw"]), odometry
 
 
-def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
-    """Return (line number, numbers, file names) of every complete row."""
+def read_rows(
+    table: Path, places: tuple[tuple[str, ...], ...] = (LOCAL, GLOBAL), expected: str = EXPECTED
+) -> list[Row]:
+    """Return every complete row of a table.
+
+    Args:
+        table: The file.
+        places: Names of columns that it must have, one group of them.
+        expected: Describes them.
+
+    Raises:
+        InputError: It is no such table, or a value in it is wrong.
+    """
     where = str(table)
     text = read_text(table, "a table of poses", TABLE_BYTES)
     lines = text.splitlines()
@@ -136,13 +166,13 @@ def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
     try:
         header, *body = list(csv.reader(lines, delimiter=comma)) or [[]]
     except csv.Error as error:
-        raise InputError(where, "", error, EXPECTED) from None
+        raise InputError(where, "", error, expected) from None
     header = [name.strip() for name in header]
     if body and not text.endswith("\n") and not _is_whole(body[-1], header, table.parent):
         body.pop()  # the line that a killed run was writing
-    place = next((names for names in (LOCAL, GLOBAL) if set(names) <= set(header)), None)
+    place = next((names for names in places if set(names) <= set(header)), None)
     if place is None or "t" not in header:
-        raise InputError(where, "", f"columns {', '.join(header) or 'none'}", EXPECTED)
+        raise InputError(where, "", f"columns {', '.join(header) or 'none'}", expected)
     if not body:
         raise InputError(where, "", "no rows", "a row for each picture")
     texts = [name for name in ("rgb", "depth", "labels", *DOUBTS) if name in header]
@@ -151,7 +181,7 @@ def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
         for name in ("t", *place, "z", "roll", "pitch", "odo_x", "odo_y", "odo_yaw")
         if name in header and not (place == GLOBAL and name.startswith("odo"))
     ]
-    found: list[tuple[int, dict[str, float], dict[str, str]]] = []
+    found: list[Row] = []
     for number, row in enumerate(body, 2):
         if len(row) != len(header):
             raise InputError(where, f"line {number}", f"{len(row)} fields", f"{len(header)}, as in the first line")
@@ -170,7 +200,7 @@ def _rows(table: Path) -> list[tuple[int, dict[str, float], dict[str, str]]]:
             raise InputError(where, f"line {number}: t", cells["t"], "times that never go back")
         if values.get("z", 1.0) <= 0.0:
             raise InputError(where, f"line {number}: z", cells["z"], "a height above the sea floor, above 0 m")
-        found.append((number, values, {name: cells[name] for name in texts}))
+        found.append((f"line {number}", values, {name: cells[name] for name in texts}))
     return found
 
 
@@ -186,6 +216,7 @@ def _number(text: str, where: str, line: int, name: str) -> float:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not abs(value) <= LARGEST_NUMBER:
-        raise InputError(where, f"line {line}: {name}", repr(text)[:40], f"a number of at most {LARGEST_NUMBER:g}")
+    most = LATEST_S if name == "t" else LARGEST_NUMBER
+    if not abs(value) <= most:
+        raise InputError(where, f"line {line}: {name}", repr(text)[:40], f"a number of at most {most:g}")
     return value

@@ -25,6 +25,7 @@ class StampedTransforms:
 
     times: list[float] = field(default_factory=list)
     transforms: list[Transform] = field(default_factory=list)
+    gap_s: float = GAP_S
 
     def add(self, t: float, transform: Transform) -> None:
         """Add a transform, which may be up to `NEAR_S` older than the last one.
@@ -48,7 +49,7 @@ class StampedTransforms:
         if 0 < after < len(self.times):
             before = after - 1
             gap = self.times[after] - self.times[before]
-            if gap <= GAP_S:
+            if gap <= self.gap_s:
                 share = (t - self.times[before]) / gap
                 return interpolate_transform(self.transforms[before], self.transforms[after], share)
         k = self.nearest(t)

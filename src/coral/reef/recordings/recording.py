@@ -75,6 +75,10 @@ class Recording:
     """Pose at the start of the survey; None: of the first keyframe."""
     seen_by: str = RECORDED
     """Who found classes and depth: "recorded", nobody knows; "exact", a simulator; or the name of a network."""
+    datum: tuple[float, float] | None = None
+    """Latitude and longitude of the start, if the recording knows them (degrees); x is east and y north there."""
+    remarks: tuple[str, ...] = ()
+    """What the user should know of how it was read."""
     omitted: set[float] = field(default_factory=set)
     """Times of pictures that were left out for want of a pose near them (s); known after all have been read."""
 

@@ -36,8 +36,11 @@ OLDEST, TESTED = (4, 1, 0), (4, 7, 0)
 """GUIDED takes body velocities with a yaw rate from 4.1 on; the driver was tried with 4.7.0-dev."""
 
 
-def load_dialect() -> Any:
+def load_dialect(where: str = "--vehicle") -> Any:
     """Import MAVLink's messages.
+
+    Args:
+        where: What needs them, for the error.
 
     Raises:
         InputError: pymavlink is not installed.
@@ -45,7 +48,7 @@ def load_dialect() -> Any:
     try:
         return importlib.import_module("pymavlink.dialects.v20.ardupilotmega")
     except ModuleNotFoundError:
-        raise InputError("--vehicle", "", "no pymavlink", install_extra("vehicle")) from None
+        raise InputError(where, "", "no pymavlink", install_extra("vehicle")) from None
 
 
 def version_of(number: int) -> tuple[int, int, int]:

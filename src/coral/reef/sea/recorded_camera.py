@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -39,8 +39,8 @@ class CameraFileCfg:
     """Its coefficients: k1, k2, p1, p2, k3 of plumb_bob; k1 to k4 of equidistant."""
     pitch_down_deg: Signed = 15.0
     """Tilt of the optical axis."""
-    altitude_m: Positive = 1.0
-    """Height above the seabed where the poses have none."""
+    altitude_m: Positive | None = None
+    """Height above the seabed where the poses have none; 1 m, but with an autopilot's log it must be known."""
     range_m: Positive = 12.0
     near_m: Positive = 0.02
     """Farthest and nearest depth that counts (m)."""
@@ -56,6 +56,8 @@ class RecordedCamera:
     """Width and height of the pictures in the recording (px)."""
     rectifier: Rectifier | None = None
     """None: pictures are of `view` as they are."""
+    altitude_given: bool = True
+    """Whether somebody has stated the height of `view` above the seabed."""
 
     @classmethod
     def plain(cls, view: CameraCfg) -> RecordedCamera:
@@ -99,7 +101,7 @@ def read_camera(path: Path) -> RecordedCamera:
         raise InputError(where, "distortion", "no fx, fy", "focal lengths of the same calibration")
     mount = CameraCfg(
         width=cfg.width, height=cfg.height, hfov_deg=120.0 if cfg.hfov_deg is None else cfg.hfov_deg,
-        pitch_down_deg=cfg.pitch_down_deg, altitude_m=cfg.altitude_m, range_m=cfg.range_m, near_m=cfg.near_m,
+        pitch_down_deg=cfg.pitch_down_deg, altitude_m=cfg.altitude_m or 1.0, range_m=cfg.range_m, near_m=cfg.near_m,
     )  # fmt: skip
     focal = 0.5 * cfg.width / math.tan(math.radians(mount.hfov_deg) / 2)
     lens = Lens(
@@ -112,4 +114,4 @@ def read_camera(path: Path) -> RecordedCamera:
         model=cfg.model,
         distortion=cfg.distortion,
     )
-    return RecordedCamera.of(lens, mount, where)
+    return replace(RecordedCamera.of(lens, mount, where), altitude_given=cfg.altitude_m is not None)
