@@ -7,6 +7,7 @@ import gzip
 import io
 import json
 import sqlite3
+import struct
 import tempfile
 import zipfile
 from collections.abc import Callable, Hashable
@@ -62,6 +63,7 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     from coral.onnx_file import open_onnx
     from coral.reef.map.belief import BeliefCfg
     from coral.reef.map.mapping import MapCfg
+    from coral.reef.recordings.autopilot_log import read_log
     from coral.reef.sea.dvl_a50 import DvlState, parse_line
     from coral.reef.sea.saved_survey import load_survey
     from coral.reef.vehicle.camera import CameraCfg
@@ -113,6 +115,8 @@ def binary_parsers(home: Path) -> dict[str, Given]:
         "DVL": (lambda path: parse_line(path.read_bytes(), 1.0, DvlState()),
                 (json.dumps(dvl).encode(), json.dumps(place).encode()), (), ""),
         "MAVLink": (vehicle_link, (heartbeats(),), (), ""),
+        "telemetry log": (read_log, (b"".join(bytes(8) + frame for frame in frames_of_a_vehicle()),), refused, ".tlog"),
+        "dataflash log": (read_log, (a_dataflash_log(),), refused, ".BIN"),
         "request": (request, (b'{"answer": {"index": 3}, "operator": "Ann"}',), (web_error(),), ""),
         "headers": (headers, (HEAD,), (), ""),
         **bag_parsers(refused),
@@ -175,7 +179,26 @@ def a_set(home: Path) -> bytes:
     return out.getvalue()
 
 
+def a_dataflash_log() -> bytes:
+    """Make a .BIN with a few poses."""
+    out = b""
+    for kind, size, name, codes, columns in (
+        (76, 19, b"XKF1", b"Qff", b"TimeUS,PN,PE"), (100, 17, b"ATT", b"Qccc", b"TimeUS,Roll,Pitch,Yaw"),
+    ):  # fmt: skip
+        out += struct.pack("<2sBBB4s16s64s", b"\xa3\x95", 128, kind, size, name, codes, columns)
+    for t in range(100_000, 900_000, 100_000):
+        out += struct.pack("<2sBQff", b"\xa3\x95", 76, t, 1.0, 2.0) + struct.pack(
+            "<2sBQ3h", b"\xa3\x95", 100, t, 1, 2, 3
+        )
+    return out
+
+
 def heartbeats() -> bytes:
+    """Make the bytes of a vehicle."""
+    return b"".join(frames_of_a_vehicle())
+
+
+def frames_of_a_vehicle() -> list[bytes]:
     """Make the frames of a vehicle."""
     from coral.reef.sea.ardusub import load_dialect
 
@@ -187,7 +210,7 @@ def heartbeats() -> bytes:
         dialect.MAVLink_local_position_ned_message(1000, 1.0, 2.0, 0.5, 0.1, 0.0, 0.0),
         dialect.MAVLink_statustext_message(6, b"ArduSub V4.5.7"),
     )
-    return b"".join(frame.pack(out) for frame in frames)
+    return [frame.pack(out) for frame in frames]
 
 
 def vehicle_link(path: Path) -> object:

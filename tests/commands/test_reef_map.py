@@ -4,10 +4,13 @@ import csv
 import sys
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reef"))
 
+from autopilot_logs import dataflash_dive
 from survey_runs import write_run
 
 from onnx_files import red_is_oyster
@@ -50,6 +53,23 @@ def test_what_is_no_recording_is_one_line(tmp_path, told):
     for path in (tmp_path / "text.mcap", tmp_path, tmp_path / "gone"):
         code, _, error = told("reef", "map", path, "--out", tmp_path / "o")
         assert (code, error.count("\n")) == (2, 1)
+
+
+def test_pictures_with_an_autopilots_log(network, tmp_path, told):
+    (tmp_path / "dive.BIN").write_bytes(dataflash_dive())
+    (tmp_path / "camera.yaml").write_text("{width: 80, height: 60, altitude_m: 1.0}\n")
+    rows = [f"{0.5 * k},{k}.png\n" for k in range(8)]
+    (tmp_path / "times.csv").write_text("t,rgb\n" + "".join(rows))
+    for k in range(8):
+        cv2.imwrite(str(tmp_path / f"{k}.png"), np.full((60, 80, 3), (0, 0, 255), np.uint8))
+    words = "reef", "map", tmp_path, "--perception", network, "--out", tmp_path / "o"
+    code, result, error = told(*words, "--pictures-start-s", "100.5", "--datum", "54.3,10.1", "--json")
+    assert code == 0, error
+    assert (result["keyframes"], result["pictures_left_out"]) == (8, 0)
+    assert result["eyes"][0].startswith("dive.BIN: first picture at 100.5 s of the log's clock, 0.5 s after")
+    for start, said in (("nan", "a number of seconds"), ("noon", "noon"), ("300", "pictures (times.csv) from 300.0")):
+        code, _, error = told(*words[:-1], tmp_path / "p", "--pictures-start-s", start)
+        assert (code, error.count("\n"), said in error) == (2, 1, True), error
 
 
 def test_a_sonars_start_without_its_file_is_refused(survey_run, tmp_path, told):

@@ -9,7 +9,7 @@ from given_eyes import FlatEyes
 from coral.errors import InputError
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_files import encode_jpeg
-from coral.reef.recordings.picture_folder import datum_of_folder, read_folder
+from coral.reef.recordings.picture_folder import read_folder
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 
@@ -39,7 +39,7 @@ def test_degrees_become_metres_east_and_north_and_a_heading_an_angle(tmp_path):
     assert first == pytest.approx((0.0, 0.0, math.pi / 2), abs=1e-6)
     # A degree at 45 north: 111 132 m along the meridian, 78 847 m along the parallel (WGS 84).
     assert second == pytest.approx((78.847, 111.132, 0.0), abs=0.01)
-    assert datum_of_folder(path) == (45.0, 9.0)
+    assert recording.datum == (45.0, 9.0)
 
 
 @pytest.mark.parametrize(

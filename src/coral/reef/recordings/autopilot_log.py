@@ -92,9 +92,8 @@ def read_log(path: Path) -> LogTrack:
     if not position:
         raise InputError(
             where, "position",
-            "an estimator that held its place for want of a DVL or a GPS" if "position" in series else "no messages",
-            "LOCAL_POSITION_NED or GLOBAL_POSITION_INT (.tlog), XKF1, POS or GPS (.BIN); "
-            "poses from elsewhere go into poses.csv",
+            "an estimator that stood still for want of a DVL or a GPS" if "position" in series else "no messages",
+            "LOCAL_POSITION_NED or GLOBAL_POSITION_INT, or in a .BIN XKF1, POS or GPS; otherwise poses.csv",
         )  # fmt: skip
     if "attitude" not in series:
         raise InputError(where, "attitude", "no messages", "ATTITUDE (.tlog) or ATT (.BIN)")

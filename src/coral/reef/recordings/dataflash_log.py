@@ -7,7 +7,7 @@ import struct
 from collections.abc import Iterator
 from mmap import mmap
 
-from coral.reef.sea.ardusub import EKF_CONST_POSITION
+from coral.reef.sea.ardusub import has_position
 
 SYNC, FORMAT = b"\xa3\x95", 128
 _NEEDED = {
@@ -28,7 +28,7 @@ RANGE_GOOD, FIX_3D = 4, 3
 Sample = tuple[str, float, tuple[float, ...]]
 """What an estimator says, time (s), values. position: east, north (m); place: latitude, longitude; fix: the same of a
 receiver alone; attitude: roll, pitch, yaw (rad, of a body with z down in NED); range: distance to the sea floor (m);
-standing: 1 while the position is held for want of measurements; clock: Unix time less that of the log (s);
+standing: 1 while the position is not one, for want of measurements; clock: Unix time less that of the log (s);
 unread: bytes that are no message."""
 
 
@@ -42,7 +42,7 @@ def read_dataflash(content: mmap | bytes) -> Iterator[Sample]:
             core = values.get("PI", 0.0)
             if values.get("C", 0.0) == core:
                 status = values["SS"] if math.isfinite(values["SS"]) else 0.0
-                yield "standing", t, (float(int(status) & EKF_CONST_POSITION > 0),)
+                yield "standing", t, (float(not has_position(int(status))),)
         elif name == "XKF1" and values.get("C", 0.0) == core:
             yield "position", t, (values["PE"], values["PN"])
         elif name == "ATT":

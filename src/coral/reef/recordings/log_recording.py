@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from coral.errors import InputError
-from coral.reef.recordings.autopilot_log import SUFFIXES, read_log, tell_span
+from coral.reef.recordings.autopilot_log import SUFFIXES, UNIX_S, read_log, tell_span
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import Row, placed_pictures
 from coral.reef.recordings.recording import PosedFrame, Recording
@@ -62,12 +62,12 @@ def read_log_folder(
         )
     shift = 0.0 if start_s is None else start_s - pictures.span[0]
     (first, last), (begin, end) = track.span, (pictures.span[0] + shift, pictures.span[1] + shift)
-    unknown = start_s is None and not pictures.is_universal
+    unknown = start_s is None and not (pictures.is_universal and min(first, begin) >= UNIX_S)
     if unknown or end < first or begin > last:
         raise InputError(
             where, "time",
             f"poses from {tell_span(first, last)}, pictures ({pictures.whose}) from {tell_span(begin, end)}"
-            + (", of an unknown clock" if unknown else ""),
+            + (", by clocks that cannot be compared" if unknown else ""),
             "--pictures-start-s T, the log's time of the first picture",
         )  # fmt: skip
     rows, omitted = list[Row](), set[float]()

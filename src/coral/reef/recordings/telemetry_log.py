@@ -8,7 +8,7 @@ from typing import Any
 
 from coral.errors import InputError
 from coral.reef.recordings.dataflash_log import DOWN, Sample
-from coral.reef.sea.ardusub import AUTOPILOT_COMPONENT, EKF_CONST_POSITION, load_dialect
+from coral.reef.sea.ardusub import AUTOPILOT_COMPONENT, has_position, load_dialect
 
 LOCAL_NED = 1
 """MAV_FRAME_LOCAL_NED."""
@@ -70,7 +70,7 @@ def _sample(m: Any) -> tuple[str, tuple[float, ...]] | None:
     if name == "GLOBAL_POSITION_INT" and (m.lat or m.lon):
         return "place", (1e-7 * m.lat, 1e-7 * m.lon)
     if name == "EKF_STATUS_REPORT":
-        return "standing", (float(m.flags & EKF_CONST_POSITION > 0),)
+        return "standing", (float(not has_position(m.flags)),)
     if name == "RANGEFINDER" and m.distance > 0.0:
         return "range", (m.distance,)
     if name == "DISTANCE_SENSOR" and m.orientation == DOWN and m.min_distance <= m.current_distance <= m.max_distance:

@@ -135,16 +135,17 @@ def _video(path: Path, size: tuple[int, int]) -> TimedPictures:
 
     def between(start: float, end: float, period_s: float) -> list[Row]:
         step = max(period_s, 1.0 / max(float(rate[1]), 1.0) if rate else 0.0, 0.001)
-        skipped = max(0.0, start - begin)
+        skipped, taken = max(0.0, start - begin), tempfile.mkdtemp(dir=folder.name)
         # `round=up` shows at each time the picture of that time, and none that came later.
         said = _ffmpeg(
             "-noautorotate", "-ss", f"{skipped:.6f}", "-i", str(path), "-t", f"{max(end - begin - skipped, step):.6f}",
             "-an", "-vf", f"fps={1.0 / step:.9f}:start_time=0:round=up", "-frames:v", str(VIDEO_PICTURES),
-            "-q:v", "2", f"{folder.name}/%06d.jpg",
+            "-q:v", "2", f"{taken}/%06d.jpg",
         )  # fmt: skip
-        names = sorted(Path(folder.name).iterdir())
+        names = sorted(Path(taken).iterdir())
         if not names:
-            raise InputError(str(path), "", said.strip().splitlines()[-1:] or "none", "pictures that ffmpeg can decode")
+            found = said.strip().splitlines()[-1:] or ["none"]
+            raise InputError(str(path), "pictures", found[0], "a video that ffmpeg can decode")
         after = [k * step + skipped for k in range(len(names))]
         return [(f"{t:.3f} s", {"t": begin + t}, {"rgb": str(name)}) for t, name in zip(after, names, strict=True)]
 
