@@ -56,6 +56,7 @@ def test_a_single_wrong_stamp_is_left_out_and_a_cut_end_told(tmp_path):
     assert track.remark == "dive.tlog: 29 bytes of damaged or cut off messages left out"
 
 
+STILL_EARTH = [("XKF4", 1.0, 0, 65703, 0), ("POS", 1.1, 480000000, 90000000), ("ATT", 1.1, 0, 0, 0)]
 STILL = [("XKF4", 1.0, 0, 65703, 0), ("XKF1", 1.1, 0, 0.0, 0.0), ("ATT", 1.1, 0, 0, 0)]
 
 
@@ -65,6 +66,8 @@ STILL = [("XKF4", 1.0, 0, 65703, 0), ("XKF1", 1.1, 0, 0.0, 0.0), ("ATT", 1.1, 0,
         (b"", "found an empty file, expected an ArduPilot dataflash log"),
         (b"text that is no log", "position: found no messages"),
         (dataflash(*STILL), "position: found an estimator that stood still for want of a DVL or a GPS"),
+        (dataflash(*STILL_EARTH), "position: found an estimator that stood still for want of a DVL or a GPS"),
+        (dataflash(("XKF1", 1.0, 0, 2e9, 2e9), ("ATT", 1.0, 0, 0, 0)), "position: found no messages"),
         (dataflash(("XKF1", 1.0, 0, 1.0, 1.0)), "attitude: found no messages"),
         (dataflash_dive() + dataflash_dive(), "time: found a time stamp of 100.100 s after one of 103.900 s"),
         (dataflash(("XKF1", 1.0, 0, math.nan, 1e30), ("ATT", 1.0, 0, 0, 0)), "position: found no messages"),

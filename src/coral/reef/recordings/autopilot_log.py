@@ -10,8 +10,6 @@ from datetime import UTC, datetime
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
 
-import numpy as np
-
 from coral.errors import InputError
 from coral.foreign_file import open_regular, read_head
 from coral.limits import AUTOPILOT_LOG_BYTES, AUTOPILOT_SAMPLES, LARGEST_NUMBER, LATEST_S
@@ -86,26 +84,29 @@ def read_log(path: Path) -> LogTrack:
             raise InputError(where, "", f"{len(content) / 1e6:.0f} MB", f"at most {AUTOPILOT_LOG_BYTES / 1e6:.0f} MB")
         samples = read_dataflash(content) if path.suffix.lower() == ".bin" else read_telemetry(content, where)
         series, unread = _sort(samples, where)
-    moving = [one for one in series.get("position", []) if not _stands(series.get("standing", []), one[0])]
-    place = series.get("place") or series.get("fix") or []
-    position = moving or ([] if "position" in series else place)
+    states = series.get("standing", [])
+    known = {
+        kind: [one for one in series.get(kind, []) if kind == "fix" or not _stands(states, one[0])]
+        for kind in ("position", "place", "fix")
+    }
+    place = known["place"] or known["fix"]
+    position = known["position"] or place
     if not position:
         raise InputError(
             where, "position",
-            "an estimator that stood still for want of a DVL or a GPS" if "position" in series else "no messages",
+            "an estimator that stood still for want of a DVL or a GPS" if states else "no messages",
             "LOCAL_POSITION_NED or GLOBAL_POSITION_INT, or in a .BIN XKF1, POS or GPS; otherwise poses.csv",
         )  # fmt: skip
-    if "attitude" not in series:
+    if not series.get("attitude"):
         raise InputError(where, "attitude", "no messages", "ATTITUDE (.tlog) or ATT (.BIN)")
+    turns = ((t, (0.0, 0.0, 0.0, math.pi / 2 - yaw, roll, -pitch)) for t, (roll, pitch, yaw) in series["attitude"])
     try:
         return LogTrack(
-            position=_track((t, (v[1], v[0], 0.0) if not moving else (*v, 0.0)) for t, v in position),
-            in_degrees=not moving,
-            place=_track((t, (v[1], v[0], 0.0)) for t, v in place),
-            attitude=_track(
-                (t, (0.0, 0.0, 0.0, math.pi / 2 - yaw, roll, -pitch)) for t, (roll, pitch, yaw) in series["attitude"]
-            ),
-            range=_track((t, (0.0, 0.0, v[0])) for t, v in series.get("range", [])),
+            position=_track(position),
+            in_degrees=position is place,
+            place=_track(place),
+            attitude=_track(turns),
+            range=_track((t, (0.0, 0.0, *down)) for t, down in series.get("range", [])),
             remark=f"{path.name}: {many(unread, 'byte')} of damaged or cut off messages left out" if unread else "",
         )
     except ValueError as error:
@@ -123,20 +124,19 @@ def tell_span(begin: float, end: float) -> str:
 def _sort(samples: Iterable[Sample], where: str) -> tuple[dict[str, _Series], int]:
     """Return the samples of each kind, in Unix time if the log knows it, and how many bytes were none."""
     series: dict[str, _Series] = {}
-    unread, kept, shift = 0.0, 0, math.nan
+    unread, kept, shift = 0.0, 0, 0.0
     for kind, t, values in samples:
         if kind == "unread":
             unread += values[0]
-        elif not (0.0 <= t <= LATEST_S and all(abs(value) <= LATEST_S for value in values)):
-            continue
         elif kind == "clock":
-            shift = values[0] if math.isnan(shift) else shift
+            shift = values[0] if not shift and UNIX_S < values[0] < LATEST_S else shift
+        elif not (0.0 <= t <= LATEST_S and all(abs(value) <= LARGEST_NUMBER for value in values)):
+            continue
         elif kind not in series or not 0.0 <= t - series[kind][-1][0] < APART_S:
             series.setdefault(kind, []).append((t, values))
             kept += 1
             if kept > AUTOPILOT_SAMPLES:
                 raise InputError(where, "", f"more than {AUTOPILOT_SAMPLES} poses", "the log of a dive; cut it")
-    shift = shift if UNIX_S < shift < LATEST_S else 0.0
     return {kind: [(t + shift, values) for t, values in _steady(found)] for kind, found in series.items()}, int(unread)
 
 
@@ -153,15 +153,9 @@ def _stands(states: _Series, t: float) -> bool:
 
 
 def _track(rows: Iterable[tuple[float, tuple[float, ...]]]) -> StampedTransforms:
-    """Return transforms of x, y, z and, if it turns, yaw, roll, pitch."""
+    """Return transforms of x and y, and z, yaw, roll, pitch where they are known."""
     track = StampedTransforms(gap_s=GAP_S)
     for t, row in rows:
-        if max(map(abs, row)) > LARGEST_NUMBER:
-            continue
-        if len(row) > 3:
-            transform = body_transform(Pose(row[0], row[1], wrap(row[3])), row[2], row[4], row[5])
-        else:
-            transform = np.eye(4)
-            transform[:3, 3] = row
-        track.add(t, transform)
+        x, y, z, yaw, roll, pitch = (*row, *(0.0,) * (6 - len(row)))
+        track.add(t, body_transform(Pose(x, y, wrap(yaw)), z, roll, pitch))
     return track

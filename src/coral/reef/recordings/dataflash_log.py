@@ -26,7 +26,7 @@ DOWN = 25
 RANGE_GOOD, FIX_3D = 4, 3
 
 Sample = tuple[str, float, tuple[float, ...]]
-"""What an estimator says, time (s), values. position: east, north (m); place: latitude, longitude; fix: the same of a
+"""What an estimator says, time (s), values. position: east, north (m); place: longitude, latitude; fix: the same of a
 receiver alone; attitude: roll, pitch, yaw (rad, of a body with z down in NED); range: distance to the sea floor (m);
 standing: 1 while the position is not one, for want of measurements; clock: Unix time less that of the log (s);
 unread: bytes that are no message."""
@@ -48,9 +48,9 @@ def read_dataflash(content: mmap | bytes) -> Iterator[Sample]:
         elif name == "ATT":
             yield "attitude", t, tuple(math.radians(values[angle]) for angle in ("Roll", "Pitch", "Yaw"))
         elif name == "POS" and (values["Lat"] or values["Lng"]):
-            yield "place", t, (values["Lat"], values["Lng"])
+            yield "place", t, (values["Lng"], values["Lat"])
         elif name == "GPS" and values["Status"] >= FIX_3D:
-            yield "fix", t, (values["Lat"], values["Lng"])
+            yield "fix", t, (values["Lng"], values["Lat"])
             yield "clock", t, (GPS_EPOCH_S - LEAP_S + 604_800 * values["GWk"] + 0.001 * values["GMS"] - t,)
         elif name == "RFND" and values.get("Stat", RANGE_GOOD) == RANGE_GOOD and values.get("Orient", DOWN) == DOWN:
             yield "range", t, (values["Dist"],)

@@ -68,7 +68,7 @@ def _sample(m: Any) -> tuple[str, tuple[float, ...]] | None:
     if name == "LOCAL_POSITION_NED" or (name == "ODOMETRY" and m.frame_id == LOCAL_NED):
         return "position", (m.y, m.x)
     if name == "GLOBAL_POSITION_INT" and (m.lat or m.lon):
-        return "place", (1e-7 * m.lat, 1e-7 * m.lon)
+        return "place", (1e-7 * m.lon, 1e-7 * m.lat)
     if name == "EKF_STATUS_REPORT":
         return "standing", (float(not has_position(m.flags)),)
     if name == "RANGEFINDER" and m.distance > 0.0:
