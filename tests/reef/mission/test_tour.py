@@ -52,13 +52,11 @@ def test_a_unicycle_drives_arcs_of_circles():
 
 
 def twin(start, path, speed, rate, dt, most):
-    """`follow` again, in plain Python: nearest point ahead, aim 0.3 m on, slower the more the heading is off."""
+    """`follow` again, in plain Python: aim 0.3 m on, slower the more the heading is off."""
     x, y, theta = start
-    at, last, commands = 0, len(path) - 1, []
+    aim, last, commands = 0, len(path) - 1, []
     while len(commands) < most:
-        ahead = range(at, min(at + 12, last + 1))
-        at = min(ahead, key=lambda i: math.hypot(path[i][0] - x, path[i][1] - y))
-        aim = next((i for i in range(at, last) if math.hypot(path[i][0] - x, path[i][1] - y) >= 0.3), last)
+        aim = next((i for i in range(aim, last) if math.hypot(path[i][0] - x, path[i][1] - y) >= 0.3), last)
         left = math.hypot(path[aim][0] - x, path[aim][1] - y)
         if aim == last and left < 0.05:
             break
@@ -80,6 +78,14 @@ def test_following_equals_its_plain_twin():
     assert min(np.hypot(*(corner - p[:2]).T).min() for p in poses[:n]) < 0.1
     off = max(float(np.hypot(*(corner - p[:2]).T).min()) for p in poses[:n])
     assert off < 0.12
+
+
+def test_a_hairpin_is_driven_to_its_end():
+    there_and_back = np.concatenate([np.linspace((0, 0), (3, 0), 61), np.linspace((3, 0), (0, 0.05), 61)[1:]])
+    commands, poses = np.zeros((500, 2)), np.zeros((500, 3))
+    n = follow((0.0, 0.0, 0.0), there_and_back, 0.6, 0.6, 0.1, 500, commands, poses)
+    assert n < 300
+    assert max(poses[:n, 0]) > 2.6
 
 
 def test_a_kinematic_vehicle_drives_what_was_planned():

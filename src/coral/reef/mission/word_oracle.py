@@ -30,10 +30,10 @@ Point = tuple[float, float]
 def word_tour(world: ReefWorld, vehicle: VehicleCfg, dt: float) -> NDArray[np.float64]:
     """Plan the commands of the oracle for a world with a mission. Shape=(K, 2)."""
     start = (world.start.x, world.start.y)
-    targets, wanted = _targets(world, start)
-    slowness = _slowness(world, wanted)
+    targets, wanted, fixed = _targets(world, start)
     way: list[Point] = [start]
-    for target in targets:
+    for k, target in enumerate(targets):
+        slowness = _slowness(world, set(wanted[: k + 1]) if fixed else set(wanted))
         path = CostField.over(slowness, target, cell_m=CELL_M).path_from(*way[-1], step_m=0.4)
         way += [(float(x), float(y)) for x, y in path[1:]]
         if math.dist(way[-1], target) > 0.05:
@@ -84,8 +84,8 @@ def _wanted(world: ReefWorld) -> tuple[list[str], bool, str, str]:
     return visits, fixed, ring, end
 
 
-def _targets(world: ReefWorld, start: Point) -> tuple[list[Point], set[str]]:
-    """Return the places to go to, in order, and the names of the things that may be passed near."""
+def _targets(world: ReefWorld, start: Point) -> tuple[list[Point], list[str], bool]:
+    """Return the places to go to, in order, what is to be inspected, by name, and whether in that order."""
     at = {"start": start} | {thing.name: (thing.x, thing.y) for thing in world.things}
     visits, fixed, ring, end = _wanted(world)
     last = [at[end]] if end else []
@@ -98,7 +98,7 @@ def _targets(world: ReefWorld, start: Point) -> tuple[list[Point], set[str]]:
         first = math.atan2(start[1] - y, start[0] - x)
         for angle in (first, first + 1.3, first - 1.3):
             targets += [(x + r * math.cos(angle), y + r * math.sin(angle)) for r in (RING_M, FACE_M)]
-    return [*targets, *last], set(visits)
+    return [*targets, *last], visits, fixed
 
 
 def _length(way: list[Point]) -> float:

@@ -51,15 +51,8 @@ def follow(
     """
     x, y, theta = start
     last = path.shape[0] - 1
-    at = 0
+    aim = 0  # never goes back: a vehicle in a hairpin would turn to and fro between both legs
     for k in range(most):
-        # The nearest path point ahead, then the one to aim at. Progress never goes back.
-        best = math.inf
-        for i in range(at, min(at + 12, last + 1)):
-            gap = math.hypot(path[i, 0] - x, path[i, 1] - y)
-            if gap < best:
-                best, at = gap, i
-        aim = at
         while aim < last and math.hypot(path[aim, 0] - x, path[aim, 1] - y) < _LOOKAHEAD_M:
             aim += 1
         dx, dy = path[aim, 0] - x, path[aim, 1] - y
