@@ -27,20 +27,22 @@ setup-dev: $(DEV_STAMP)  ## the same, with the tools of tests and checks, and ev
 # robosuite's own requirements would bring an older NumPy and a second OpenCV over the first; it needs neither.
 $(STAMP): pyproject.toml constraints.txt
 	@command -v $(PYTHON) >/dev/null || { echo "make: $(PYTHON) is needed (PYTHON=... names another one, 3.11 or newer)"; exit 1; }
-	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	sed -n '/^pip==/,/[^\\]$$/p' constraints.txt >$(VENV)/requirements.txt  # older ones want hashes beside the names
-	$(INSTALL) --requirement $(VENV)/requirements.txt
-	$(PIP) hatchling editables
-	$(call requirements,contact)
-	$(PIP) --no-deps robosuite
-	$(INSTALL) --no-deps --no-build-isolation --editable .
-	cd $(VENV)/lib/python3.*/site-packages/robosuite/models/assets && rm -rf bullet_data && \
+	@echo "installing what CORAL needs in $(VENV) (about 2 min)"
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@sed -n '/^pip==/,/[^\\]$$/p' constraints.txt >$(VENV)/requirements.txt  # older ones want hashes beside the names
+	@$(INSTALL) --requirement $(VENV)/requirements.txt
+	@$(PIP) hatchling editables
+	@$(call requirements,contact)
+	@$(PIP) --no-deps robosuite
+	@$(INSTALL) --no-deps --no-build-isolation --editable .
+	@cd $(VENV)/lib/python3.*/site-packages/robosuite/models/assets && rm -rf bullet_data && \
 	find robots grippers/meshes grippers/obj_meshes -mindepth 1 -maxdepth 1 ! -name 'panda*' \
 		-exec rm -rf {} +  # meshes of arms and grippers that no scene here has: 430 MB
 	@touch $@
 
 $(DEV_STAMP): $(STAMP)
-	$(call requirements,contact vehicle vision geo bags) --group dev
+	@echo "installing the developers' tools in $(VENV)"
+	@$(call requirements,contact vehicle vision geo bags) --group dev
 	@touch $@
 
 demo: setup  ## survey the S-shaped reef, make its report and a video

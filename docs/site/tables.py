@@ -1,4 +1,4 @@
-"""Tables of the reference, made from the code. A page names one in a line of its own: `<!-- table: limits -->`.
+"""Tables of the reference, made from the code. A page has, in the place of a table, the command that prints it.
 
 Usage: python docs/site/tables.py NAME    (prints a table; without a name, the names)
 """
@@ -48,7 +48,7 @@ from coral.reef.world.world_model import ReefWorld
 from coral.run_files import SurveyFiles, TaskFiles
 from coral.view.contact import bag_export as contact_bag
 
-MARK = re.compile(r"^<!-- table: ([\w-]+) -->$", re.MULTILINE)
+MARK = re.compile(r"^`\.venv/bin/python docs/site/tables\.py ([\w-]+)` prints this table\.$", re.MULTILINE)
 
 
 def fill(page: str) -> str:

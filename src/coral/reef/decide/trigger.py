@@ -16,7 +16,7 @@ class TriggerCfg:
     """Thresholds of Eq. 12 (paper IV-F unless noted)."""
 
     distance_m: float = 2.5
-    """D_trig."""
+    """Distance to the goal at which the advisor is asked for the next one; D_trig."""
     stuck_move_m: float = 0.1
     """Delta p_stuck, over the whole of `stuck_time_s`."""
     stuck_speed_m_s: float = 0.1
