@@ -42,7 +42,7 @@ class SurveyFiles(RunFiles):
     reef (`reef_m`)."""
     FRAMES: Final = "frames/"
     """Pictures by number of the step: the map and the camera every 2 s; twice a second those that `poses.csv` lists,
-    of classes, depth (mm, 16 bits) and, where there are any, colours and doubt."""
+    of classes, depth (mm, 16 bits) and, where there are any, colours and doubt. Without them, the final map alone."""
     POSES: Final = "frames/poses.csv"
     """Where each picture was taken: `t`, `x`, `y`, `z`, `roll`, `pitch`, `yaw` as the robot believed, `odo_x`, `odo_y`,
     `odo_yaw` by odometry alone, and its files `labels`, `depth`, `rgb`, `doubt`, `depth_doubt`."""

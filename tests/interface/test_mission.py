@@ -30,6 +30,7 @@ def test_it_is_the_same_mission_as_on_the_command_line(tmp_path, capsys):
     capsys.readouterr()
     stored = json.loads((tmp_path / "run" / "metrics.json").read_text())
     assert {key: result.metrics[key] for key in stored} == stored
+    assert "path" not in result.plot().axes[0].get_title()  # it has the map, though no snapshots
     assert (result.folder / "trajectory.csv").read_text() == (tmp_path / "run" / "trajectory.csv").read_text()
 
 

@@ -15,6 +15,12 @@ def test_a_survey_has_its_map_and_the_share_covered(finished):
     assert 0 < right.lines[0].get_ydata()[-1] <= 100
 
 
+def test_a_survey_without_a_map_is_titled_so(fresh):
+    for file in (fresh / "frames").iterdir():
+        file.unlink()
+    assert "kept no map" in plot_survey(fresh).axes[0].get_title()
+
+
 def test_an_attempt_has_the_way_of_each_object_and_the_force(tmp_path):
     rows = [f"{k},{0.1 * k},0,0,0,3,0,4,1,{0.01 * k},0,0,1\n" for k in range(3)]
     (tmp_path / "trajectory.csv").write_text(HEAD + "".join(rows))

@@ -100,6 +100,16 @@ def test_a_run_that_recorded_almost_nothing(fresh):
     assert "never asked" in html
 
 
+def test_a_final_map_alone_is_shown_as_one(fresh):
+    for file in (fresh / "frames").iterdir():
+        if file.name != "000400_map.png":
+            file.unlink()
+    html = page(fresh)
+    assert "the map shows its final state only" in html
+    assert '<image id="cells"' in html
+    assert 'id="now-seg"' not in html
+
+
 def test_broken_pictures_are_left_out(fresh):
     (fresh / "pictures" / "00map.png").write_bytes(b"not a picture")
     (fresh / "pictures" / "10depth.png").unlink()

@@ -31,7 +31,7 @@ def plot_survey(folder: Path) -> Figure:
     figure, (left, right) = _two_axes()
     left.imshow(draw_map(scene_at(run, run.duration_s)).rgb)
     left.set_axis_off()
-    left.set_title("the robot's map")
+    left.set_title("the robot's map" if run.frame_steps else "the robot's path (this run kept no map)")
     right.plot(run.column("t"), 100 * run.column("coverage"), label="covered")
     judged = read_table(run.path / SurveyFiles.JUDGE)
     if len(judged.get("inspected", ())):

@@ -89,7 +89,7 @@ def render_report(run: RunFolder) -> str:
         **origin(run, ("world", "advisor", "variant", "seed"), TIMING),
         data=Markup(script_data(run, made, pictures)),
         held=HELD,
-        has_frames=bool(run.frame_steps),
+        has_frames=run.kept_pictures,
         has_colours=any(run.frame(step, "rgb") is not None for step in run.frame_steps[:1]),
         video=(run.path / SurveyFiles.VIDEO).is_file(),
         script=Markup(read_text(TEMPLATES / "report.js", "a file of this package")),

@@ -77,6 +77,11 @@ class RunFolder:
         """Return the events of these kinds, in order."""
         return [event for event in self.events if event["event"] in names]
 
+    @property
+    def kept_pictures(self) -> bool:
+        """Return whether the run kept pictures of its camera, not its final map alone."""
+        return any((self.path / SurveyFiles.FRAMES).glob("*_labels.png"))
+
     def frame(self, step: int, kind: str) -> NDArray[Any] | None:
         """Read one picture of `frames/` as stored ("map", "depth", "labels" or "rgb"); None if unreadable.
 

@@ -40,7 +40,7 @@ def write_video(run_folder: str | Path) -> Path:
         InputError: The folder has no run or no snapshots, or the video cannot be written.
     """
     run = RunFolder.read(run_folder)
-    if not run.frame_steps:
+    if not run.frame_steps or not run.kept_pictures:
         raise InputError(str(run.path), SurveyFiles.FRAMES, "no snapshots", "a run that kept its frames")
     path = run.path / SurveyFiles.VIDEO
     with writing(path), scratch_for(path) as scratch:

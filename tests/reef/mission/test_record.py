@@ -51,11 +51,12 @@ def test_a_set_is_kept_once_a_period(writer):
     assert kept(writer) == [f"{step:06d}_{n}.png" for step in (0, 3, 6, 9) for n in ("depth", "labels", "map")]
 
 
-def test_without_frames_nothing_is_kept(writer):
+def test_without_frames_the_final_map_alone_is_kept(writer):
     recorder = FrameRecorder(writer, RecordCfg(frames=False))
     recorder.offer(0, 0.0, lambda: CELLS, FRAME)
+    recorder.keep_final_map(9, lambda: CELLS)
     recorder.close()
-    assert kept(writer) == []
+    assert kept(writer) == ["000009_map.png"]
 
 
 class SlowDisk:

@@ -224,6 +224,7 @@ class Mission:
                     robot.clock.withdraw()
                     robot.pilot.stop(self.end_reason or "failed")
                 self.emit("left", clusters=what_is_left(self.belief), centroids=chain_of(self.belief))
+                self.frames.keep_final_map(self.step, self.belief.map.cells)
                 judging = self._judged()
                 self.emit("end", reason=self.end_reason or "failed")
             finally:  # even if the disk is full

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import IO, Any
@@ -64,7 +65,8 @@ class RecordCfg:
     pictures: bool = True
     """Draw and keep the pictures of every question. An advisor that sees gets them in any case."""
     frames: bool = True
-    """Keep the map and the camera pictures at intervals. The report's time slider and the video need them."""
+    """Keep the map and the camera pictures at intervals. The report's time slider and the video need them. The final
+    map is kept in any case."""
     frame_period_s: Positive = 2.0
     keyframes: bool = True
     """Keep camera pictures with their poses besides, for products, export and a map made anew: some 10 kB a second,
@@ -126,6 +128,11 @@ class FrameRecorder:
             return
         now = cells() if with_map else None
         self._open.append(self._thread.submit(self._write, step, t, now, frame, taken_at if keyframe else None))
+
+    def keep_final_map(self, step: int, cells: Callable[[], NDArray[np.uint8]]) -> None:
+        """Write the map of a run that keeps no snapshots: some kB, without which its report would show none."""
+        if not self._cfg.frames:
+            self._writer.bytes(f"{SurveyFiles.FRAMES}{step:06d}_map.png", _png(cells()))
 
     def close(self) -> None:
         """Finish what was offered.
