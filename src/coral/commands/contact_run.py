@@ -299,7 +299,9 @@ class ContactRun:
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the outcome in a few lines, and list the files."""
         reason = str(result["end_reason"])
-        why = "" if result["success"] else f" ({END_REASONS.get(reason.partition(':')[0], '')})"
+        meaning = END_REASONS.get(reason.partition(":")[0], "")
+        unmet = str(result.get("end_detail", "")) if reason == "timeout" else ""
+        why = "" if result["success"] else f" ({'; '.join(filter(None, (meaning.rstrip('.'), unmet)))})"
         whole_s = result["time_with_thinking_s"]
         peak = result["peak_hand_force_n"]
         force = "contact forces unknown" if peak is None else f"at most {peak:.0f} N on an object"

@@ -34,6 +34,7 @@ def test_metrics_of_a_finished_episode():
     assert found == {
         "success": True,
         "end_reason": "success",
+        "end_detail": "",
         "sim_time_s": 0.08,
         "time_with_thinking_s": 0.08,
         "decided_by": {"advisor": 0, "memory": 0, "recording": 0, "fallback": 0},

@@ -101,3 +101,22 @@ def test_refuses(tmp_path, condition, field, expected):
         written(tmp_path, content)
     assert caught.value.field == f"success.conditions[0]{field}"
     assert expected in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("condition", "lid", "found"),
+    [
+        ({"kind": "at-object", "other": "lid", "tolerance_m": 0.01}, LID, "5 cm, allowed 1 cm"),
+        (
+            {"kind": "at-object", "other": "lid", "tolerance_m": 0.01, "tolerance_deg": 5},
+            LID,
+            "5 cm, allowed 1 cm, and 0°, allowed 5°",
+        ),
+        ({"kind": "opened", "object": "lid", "between_deg": (60, 90)}, HINGED, "0°, allowed 60° to 90°"),
+        ({"kind": "opened", "object": "lid", "between_m": (-0.2, -0.1)}, SLIDING, "0 cm, allowed -20 cm to -10 cm"),
+    ],
+)
+def test_what_was_found_is_told_beside_what_is_allowed(condition, lid, found):
+    trial, _ = watch(condition, lid)
+    there = body((0.2, 0, 0.1))
+    assert trial.task.success.conditions[0].found(trial, truth(0, body((0.2, 0.05, 0.1)), lid=there)) == found

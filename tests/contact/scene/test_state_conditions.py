@@ -238,3 +238,18 @@ def test_a_direction_of_nothing_and_a_height_out_of_order_are_refused(tmp_path):
     ):
         with pytest.raises(InputError, match=expected):
             written(tmp_path, plain() | {"success": {"conditions": [condition | {"object": "box"}]}})
+
+
+@pytest.mark.parametrize(
+    ("condition", "at", "found"),
+    [
+        ({"kind": "at", "place": "goal", "tolerance_m": 0.03}, body((0.154, 0, 0.03)), "5.4 cm, allowed 3 cm"),
+        ({"kind": "lifted", "height_m": 0.1}, body((0, 0, 0.1)), "7 cm, wanted 10 cm"),
+        ({"kind": "flipped"}, body(UP, (20, 0, 0)), "20°, allowed 90° ± 15°"),
+        ({"kind": "pointing", "direction": [0, 0, 1]}, body(UP, (20, 0, 0)), "20° off, allowed 15°"),
+        ({"kind": "released"}, body(UP), ""),
+    ],
+)
+def test_what_was_found_is_told_beside_what_is_allowed(condition, at, found):
+    trial = make_trial(condition)
+    assert trial.task.success.conditions[0].found(trial, truth(0, at)) == found

@@ -458,7 +458,7 @@ class Episode:
         time_left = self._thinking or self.t - self._thought_s < self.time_limit_s - 1e-9
         self.end_reason = self.referee.end_reason(truth, time_left)
         if self.end_reason == "timeout":
-            self.detail = conditions_not_held(self.trial, self.referee.holding)
+            self.detail = conditions_not_held(self.trial, self.referee.holding, truth)
         return True
 
     def _begin(self) -> None:

@@ -19,6 +19,7 @@ HAND = {"hand", "left", "right"}
 DEFINITIONS = {
     "success": "Whether all of the task's conditions held, without a break, for its `hold_s` (paper, section 4).",
     "end_reason": "Reason of the episode's end: success, timeout, or the name of a failure.",
+    "end_detail": "More about the end: which conditions did not hold, and by how much, or what failed.",
     "sim_time_s": "Simulated time (s) at the end, without the advisor's latencies; of a success the "
     "paper's completion time.",
     "time_with_thinking_s": "The same with all latencies, those before the first plan included.",
@@ -139,6 +140,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     return {
         "success": end.get("reason") == "success",
         "end_reason": str(end.get("reason", "killed")),
+        "end_detail": str(end.get("detail", "")),
         "sim_time_s": round(t - within, 3),
         "time_with_thinking_s": round(t + before, 3),
         "steps": step,

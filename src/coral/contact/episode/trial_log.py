@@ -65,17 +65,19 @@ def end_reason(judge: Judge, truth: Truth, time_left: bool) -> str:
     return "" if time_left else "timeout"
 
 
-def conditions_not_held(trial: Trial, holding: Sequence[bool]) -> str:
-    """Return which of the task's conditions do not hold, in words; "" if they hold or were not checked.
+def conditions_not_held(trial: Trial, holding: Sequence[bool], truth: Truth) -> str:
+    """Return which of the task's conditions do not hold, and by how much; "" if they hold or were not checked.
 
     Args:
         trial: The trial.
         holding: Which conditions hold; see `Referee.holding`.
+        truth: The state that was judged.
     """
     conditions = trial.task.success.conditions[: len(holding)]
     names = []
     for one, holds in zip(conditions, holding, strict=True):
-        target = getattr(one, "place", None) or getattr(one, "thing", None) or ""
+        target = next((found for key in ("place", "thing", "other") if (found := getattr(one, key, None))), "")
         words = (one.object, one.kind.replace("-", " "), "on" * (one.kind == "resting"), target)
-        names += [] if holds else [" ".join(filter(None, words))]
-    return f"not held: {', '.join(names)}" if names else ""
+        if not holds:
+            names.append(": ".join(filter(None, (" ".join(filter(None, words)), one.found(trial, truth)))))
+    return f"not held: {'; '.join(names)}" if names else ""

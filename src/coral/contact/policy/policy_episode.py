@@ -167,7 +167,7 @@ class PolicyEpisode:
         self.recorder.contacts(self.step, truth)
         self.end_reason = self.referee.end_reason(truth, self.t < self.time_limit_s - 1e-9)
         if self.end_reason == "timeout":
-            self.detail = conditions_not_held(self.trial, self.referee.holding)
+            self.detail = conditions_not_held(self.trial, self.referee.holding, truth)
 
     def _begin(self) -> None:
         self.now = self.world.reset()

@@ -98,6 +98,10 @@ class BaseCondition(BaseModel):
         """Make a function that says whether the condition holds; call it with the true state at every control step."""
         raise NotImplementedError
 
+    def found(self, trial: TrialLike, truth: Truth) -> str:
+        """Return what is measured now and what is allowed, as "5.4 cm, allowed 3 cm"; "" where no number tells it."""
+        return ""
+
 
 def check_known(name: str, names: Iterable[str], where: str, field: str) -> None:
     """Check that a name is one of those that exist.

@@ -66,18 +66,26 @@ class AtObject(BaseCondition):
 
     def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
-        kept = ["xyz".index(axis) for axis in self.axes]
 
         def holds(truth: Truth) -> bool:
-            frame, body = truth.objects[self.other].quaternion, truth.objects[self.object].quaternion
-            way = _frame(trial, self.object, self.point, truth) - _frame(trial, self.other, self.other_point, truth)
-            off = (rotate(conjugate(frame), way) - np.asarray(self.offset))[kept]
-            near = bool(np.linalg.norm(off) <= self.tolerance_m)
-            if self.tolerance_deg is None:
-                return near
-            return near and degrees_between(axis_of(frame, "z"), axis_of(body, "z")) <= self.tolerance_deg
+            off_m, off_deg = self._off(trial, truth)
+            return off_m <= self.tolerance_m and (self.tolerance_deg is None or off_deg <= self.tolerance_deg)
 
         return holds
+
+    def found(self, trial: TrialLike, truth: Truth) -> str:
+        """See `BaseCondition.found`."""
+        off_m, off_deg = self._off(trial, truth)
+        tilt = "" if self.tolerance_deg is None else f", and {off_deg:.0f}°, allowed {self.tolerance_deg:g}°"
+        return f"{100 * off_m:.3g} cm, allowed {100 * self.tolerance_m:g} cm{tilt}"
+
+    def _off(self, trial: TrialLike, truth: Truth) -> tuple[float, float]:
+        """Return the distance (m) and the angle (deg) by which the object is off."""
+        frame, body = truth.objects[self.other].quaternion, truth.objects[self.object].quaternion
+        way = _frame(trial, self.object, self.point, truth) - _frame(trial, self.other, self.other_point, truth)
+        off = rotate(conjugate(frame), way) - np.asarray(self.offset)
+        kept = ["xyz".index(axis) for axis in self.axes]
+        return float(np.linalg.norm(off[kept])), degrees_between(axis_of(frame, "z"), axis_of(body, "z"))
 
 
 class Inserted(BaseCondition):
@@ -154,3 +162,11 @@ class Opened(BaseCondition):
         """See `BaseCondition.monitor`."""
         low, high = np.radians(self.between_deg) if self.between_deg is not None else self.between_m or (0.0, 0.0)
         return lambda truth: bool(low <= trial.joint_position(self.object, truth.objects[self.object]) <= high)
+
+    def found(self, trial: TrialLike, truth: Truth) -> str:
+        """See `BaseCondition.found`."""
+        now = trial.joint_position(self.object, truth.objects[self.object])
+        if self.between_deg is not None:
+            return f"{np.degrees(now):.0f}°, allowed {self.between_deg[0]:g}° to {self.between_deg[1]:g}°"
+        low, high = (100 * bound for bound in self.between_m or (0.0, 0.0))
+        return f"{100 * now:.3g} cm, allowed {low:g} cm to {high:g} cm"

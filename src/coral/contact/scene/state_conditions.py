@@ -64,6 +64,12 @@ class Lifted(BaseCondition):
 
         return holds
 
+    def found(self, trial: TrialLike, truth: Truth) -> str:
+        """See `BaseCondition.found`."""
+        lowest = trial.lowest_point(self.object, truth.objects[self.object])
+        most = "" if self.most_m is None else f", at most {100 * self.most_m:g} cm"
+        return f"{100 * lowest:.3g} cm, wanted {100 * self.height_m:g} cm{most}"
+
 
 class Grasped(BaseCondition):
     """Both fingers touch the object; with `point`, both within `within_m` of that point on it."""
@@ -132,14 +138,16 @@ class At(BaseCondition):
 
     def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
-        goal = np.asarray(trial.task.places[self.place])
-        kept = ["xyz".index(axis) for axis in self.axes]
+        return lambda truth: self._off_m(trial, truth) <= self.tolerance_m
 
-        def holds(truth: Truth) -> bool:
-            place = _place(trial, self.object, self.point, truth.objects[self.object])
-            return bool(np.linalg.norm((place - goal)[kept]) <= self.tolerance_m)
+    def found(self, trial: TrialLike, truth: Truth) -> str:
+        """See `BaseCondition.found`."""
+        return f"{100 * self._off_m(trial, truth):.3g} cm, allowed {100 * self.tolerance_m:g} cm"
 
-        return holds
+    def _off_m(self, trial: TrialLike, truth: Truth) -> float:
+        way = _place(trial, self.object, self.point, truth.objects[self.object])
+        way = way - np.asarray(trial.task.places[self.place])
+        return float(np.linalg.norm(way[["xyz".index(axis) for axis in self.axes]]))
 
 
 class Inside(BaseCondition):
@@ -222,13 +230,16 @@ class Flipped(BaseCondition):
 
     def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
+        return lambda truth: abs(self._turned_deg(trial, truth) - self.degrees) <= self.tolerance_deg
+
+    def found(self, trial: TrialLike, truth: Truth) -> str:
+        """See `BaseCondition.found`."""
+        allowed = f"allowed {self.degrees:g}° ± {self.tolerance_deg:g}°"
+        return f"{self._turned_deg(trial, truth):.0f}°, {allowed}"
+
+    def _turned_deg(self, trial: TrialLike, truth: Truth) -> float:
         before = axis_of(trial.objects[self.object].pose.quaternion, self.axis)
-
-        def holds(truth: Truth) -> bool:
-            turned = degrees_between(before, axis_of(truth.objects[self.object].quaternion, self.axis))
-            return abs(turned - self.degrees) <= self.tolerance_deg
-
-        return holds
+        return degrees_between(before, axis_of(truth.objects[self.object].quaternion, self.axis))
 
 
 class Pointing(BaseCondition):
@@ -246,13 +257,16 @@ class Pointing(BaseCondition):
 
     def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
+        return lambda truth: self._off_deg(truth) <= self.tolerance_deg
+
+    def found(self, trial: TrialLike, truth: Truth) -> str:
+        """See `BaseCondition.found`."""
+        return f"{self._off_deg(truth):.0f}° off, allowed {self.tolerance_deg:g}°"
+
+    def _off_deg(self, truth: Truth) -> float:
         wanted = np.asarray(self.direction) / np.linalg.norm(self.direction)
-
-        def holds(truth: Truth) -> bool:
-            off = degrees_between(wanted, axis_of(truth.objects[self.object].quaternion, self.axis))
-            return min(off, 180 - off if self.either_way else off) <= self.tolerance_deg
-
-        return holds
+        off = degrees_between(wanted, axis_of(truth.objects[self.object].quaternion, self.axis))
+        return min(off, 180 - off) if self.either_way else off
 
 
 class Leaning(BaseCondition):
