@@ -41,7 +41,7 @@ def test_decisions_tell_cause_tries_and_goal(finished):
         ({"forward_m": 0, "left_m": 0}, "rejected", "stay here"),
         ({"mass_kg": 2, "reasoning": "heavy", "more": [1]}, "accepted", "mass kg 2"),
         ({}, "malformed", "not a valid answer"),
-        ({}, "open", "no answer yet"),
+        ({}, "open", "still open at the end"),
         ({}, "unavailable", "no answer"),
     ],
 )
@@ -67,6 +67,15 @@ def test_a_question_that_was_withdrawn_is_no_failure(finished):
         return dataclasses.replace(made[0], tries=(only,)).state
 
     assert [last(v) for v in ("withdrawn", "rejected", "unavailable")] == ["idle", "bad", "bad"]
+
+
+def test_a_question_that_the_end_withdrew_was_still_open(finished):
+    run = RunFolder.read(finished)
+    last = [e for e in run.events if e["event"] == "verdict"][-1]
+    ended = [{**last, "t": 40.0, "verdict": "withdrawn", "answer": None}, {"t": 40.0, "event": "end", "reason": ""}]
+    events = (*(e for e in run.events if e is not last and e["event"] != "end"), *ended)
+    found = [d for d in decisions(dataclasses.replace(run, events=events)) if d.outcome == "open"]
+    assert [(d.tries[-1].answered_at_s, d.tries[-1].said) for d in found][-1] == (None, "still open at the end")
 
 
 def test_the_chain_is_the_last_that_was_told_whoever_chose_the_goal(finished):

@@ -10,7 +10,7 @@ import pytest
 from coral.reef.pictures.companions import COLORS
 from coral.reef.pictures.mapframe import CELL_COLORS
 from coral.view.decisions import decisions
-from coral.view.mapsvg import PAD, SIZE_PX, MapSvg, cluster_outline, color_of, footprint, map_uri, track
+from coral.view.mapsvg import PAD, SIZE_PX, MapSvg, cluster_fate, cluster_outline, color_of, footprint, map_uri, track
 from coral.view.run import RunFolder
 
 SIZE = (12.0, 12.0)
@@ -38,13 +38,29 @@ def test_what_was_covered_and_what_was_missed_is_told(run):
     assert titles == [
         "true cluster north: covered at 0:33",
         "true cluster middle: covered at 0:15",
-        "true cluster far: missed",
+        "true cluster far: not reached, time limit",
     ]
     layers = [e.get("id") for e in root.iter("g")]
     assert layers.index("layer-truenames") > layers.index("layer-path")  # a path would hide the names
-    assert [e.text for e in layer(root, "truenames")] == ["north ✓", "middle ✓", "far ✗ missed"]
+    assert [e.text for e in layer(root, "truenames")] == ["north ✓", "middle ✓", "far not reached"]
     assert [e.find("title").text for e in layer(root, "collisions")] == ["collision at 0:26"]
     assert len([e for e in layer(root, "truth").iter("path") if e.get("class") == "rock"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("place", "reason", "fate"),
+    [
+        ((2.0, 10.5), "time limit", "unreached"),
+        ((4.0, 4.5), "time limit", "missed"),  # beside the path
+        ((2.0, 10.5), "nothing left to explore", "missed"),
+        ((2.0, 10.5), None, "unreached"),  # killed
+    ],
+)
+def test_missed_is_what_was_passed_or_what_a_finished_survey_left(run, place, reason, fate):
+    oyster = {"x": place[0], "y": place[1], "radii": [0.1]}
+    events = tuple(e for e in run.events if e["event"] != "end")
+    events += ({"event": "end", "t": 40.0, "reason": reason},) if reason else ()
+    assert cluster_fate(replace(run, events=events), {"name": "one", "oysters": [oyster]})[0] == fate
 
 
 def test_markers_of_decisions_never_cover_one_another(run):
@@ -61,7 +77,7 @@ def test_names_from_a_world_are_no_markup(run):
     clusters = [{**cluster, "name": bad} for cluster in run.world["clusters"]]
     svg = MapSvg(replace(run, world={**run.world, "clusters": clusters}), SIZE).draw(())
     assert "<script" not in svg
-    assert f"{bad} ✗ missed" in [e.text for e in ET.fromstring(svg).iter("text")]
+    assert f"{bad} not reached" in [e.text for e in ET.fromstring(svg).iter("text")]
 
 
 def test_a_run_of_which_nothing_is_left_is_an_empty_sea(run):

@@ -23,7 +23,7 @@ def test_a_finished_run_is_told_in_full(fresh):
     html = page(fresh)
     assert "covered 2 of 3 oyster clusters" in html
     assert "1 collision" in html
-    assert "far ✗ missed" in html
+    assert "far not reached" in html
     assert "north ✓" in html
     assert "The chosen centroid is behind the robot." in html
     assert "at least 60 %" in html  # the paper's definition beside the number

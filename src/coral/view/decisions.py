@@ -20,7 +20,7 @@ class Try:
     answered_at_s: float | None
     """None if no verdict was recorded."""
     verdict: str
-    """"open" if no verdict was recorded."""
+    """"open" if the run ended before one: none was recorded, or the question was withdrawn by the end itself."""
     code: str = ""
     reason: str = ""
     """Reason of a rejection."""
@@ -48,7 +48,7 @@ class Try:
             for key, value in self.answer.items()
             if key not in ("reason", "reasoning") and not isinstance(value, dict | list)
         ]
-        return ", ".join(parts) or {"malformed": "not a valid answer", "open": "no answer yet"}.get(
+        return ", ".join(parts) or {"malformed": "not a valid answer", "open": "still open at the end"}.get(
             self.verdict, "no answer"
         )
 
@@ -146,9 +146,11 @@ def decisions(run: RunFolder) -> list[Decision]:
     goals = {e["decision"]: e for e in run.select("goal") if e.get("decision") is not None}
     fallbacks = run.select("fallback")
     found: list[Decision] = []
+    ended_s = max((float(e["t"]) for e in run.select("end")), default=np.inf)
     for key, asked in questions.items():
         tries = tuple(
-            _try(q, verdicts.get((key, q.get("attempt"))), logged.get((key, q.get("attempt")), {})) for q in asked
+            _try(q, verdicts.get((key, q.get("attempt"))), logged.get((key, q.get("attempt")), {}), ended_s)
+            for q in asked
         )
         t, robot = float(asked[0]["t"]), int(asked[0].get("robot") or 0)
         there = run.robot(robot) if robot <= len(run.fleet) else run
@@ -181,8 +183,10 @@ def _has(record: Record, *names: str) -> bool:
     return all(isinstance(record.get(name), int | float) for name in names)
 
 
-def _try(question: Record, verdict: Record | None, logged: Record) -> Try:
+def _try(question: Record, verdict: Record | None, logged: Record, ended_s: float) -> Try:
     verdict = verdict or {}
+    if verdict.get("verdict") == "withdrawn" and float(verdict["t"]) >= ended_s - 1e-6:
+        verdict, logged = {}, {**logged, "verdict": "open", "answered_at_s": None}
     names = [str(caption[0]) for caption in logged.get("captions") or () if caption]
     names += ["map", "segmentation", "depth"][len(names) :]
     digests = [str(digest) for digest in question.get("pictures") or ()]

@@ -27,6 +27,12 @@ PAD = (38.0, 12.0, 12.0, 30.0)
 """Margins for the axes: left, top, right, bottom (px)."""
 
 
+FINISHED = ("nothing left to explore", "the advisor ended the survey", "coverage complete", "the tour is done")
+"""Ends of a survey that was not cut short: what it has not covered then, it has missed."""
+PASSED_M = 2.0
+"""A cluster that the path came this near to and that is not covered was missed, however the survey ended."""
+
+
 class MapSvg:
     """Draws one run's map; world metres to picture pixels, north up."""
 
@@ -80,7 +86,6 @@ class MapSvg:
 
     def _truth(self) -> tuple[str, str]:
         """Draw what is there, and above everything that would hide them, the names of its clusters."""
-        covered = {str(e.get("name")): float(e["t"]) for e in self.run.select("cluster_covered")}
         parts = []
         for obstacle in _records(solid_records(self.run.world)):
             points = footprint(obstacle)
@@ -92,15 +97,14 @@ class MapSvg:
             if not len(hull):
                 continue
             name = str(cluster.get("name", ""))
-            state = "covered" if name in covered else "missed"
-            said = f"covered at {clock(covered[name])}" if name in covered else "missed"
+            state, said = cluster_fate(self.run, cluster)
             parts.append(
                 f'<path d="{self._closed_path(hull)}" class="cluster {state}"><title>true cluster '
                 f"{escape(name)}: {said}</title></path>"
             )
             low = hull[int(np.argmin(hull[:, 1]))]
             x, y = self.at(float(hull[:, 0].mean()), float(low[1]))
-            mark = "✓" if name in covered else "✗ missed"
+            mark = {"covered": "✓", "missed": "✗ missed"}.get(state, "not reached")
             names.append(text(x, min(y + 15, self.height - PAD[3] - 4), f"{name} {mark}", f"truthname {state}"))
         return f'<g id="layer-truth">{"".join(parts)}</g>', f'<g id="layer-truenames">{"".join(names)}</g>'
 
@@ -267,6 +271,21 @@ def track(run: RunFolder, points: int = 1500) -> tuple[NDArray[np.float64], NDAr
     x, y = x[ok], y[ok]
     keep = np.unique(np.append(np.arange(0, len(x), max(1, -(-len(x) // points))), max(len(x) - 1, 0)))
     return (x[keep], y[keep]) if len(x) else (x, y)
+
+
+def cluster_fate(run: RunFolder, cluster: Record) -> tuple[str, str]:
+    """Return what became of a true cluster, "covered", "missed" or "unreached", and the same in words."""
+    name = str(cluster.get("name", ""))
+    covered_s = [float(e["t"]) for e in run.select("cluster_covered") if str(e.get("name")) == name]
+    if covered_s:
+        return "covered", f"covered at {clock(covered_s[-1])}"
+    reason = str((run.select("end") or [{}])[-1].get("reason") or "the run was interrupted")
+    middle = cluster_outline(cluster).mean(axis=0)
+    tracks = (np.stack(track(run.robot(k)), axis=1) for k in range(len(run.fleet) + 1))
+    passed = any((np.hypot(*(points - middle).T) < PASSED_M).any() for points in tracks)
+    if passed or reason.startswith(FINISHED):
+        return "missed", "missed"
+    return "unreached", f"not reached, {reason}"
 
 
 def cluster_outline(cluster: Record) -> NDArray[np.float64]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,7 @@ from coral.view.figures import (
     speed_chart,
 )
 from coral.view.imaging_chart import imaging_chart
-from coral.view.mapsvg import MapSvg, color_of
+from coral.view.mapsvg import MapSvg, cluster_fate, color_of
 from coral.view.page import TEMPLATES, metric_name, metric_rows, metric_text, origin, render_page, write_page
 from coral.view.run import Record, RunFolder
 from coral.view.svg import clock
@@ -232,7 +233,7 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
     if not len(run.column("t")) and not run.events:
         return []
     first = " of robot 0" if run.fleet else ""
-    bare = bool(run.select("instruction")) and not sum(_truth_counts(run))
+    bare = bool(run.select("instruction")) and not _truth_counts(run)
     imaging = "" if bare else imaging_chart(run)
     covering = "Share of the true oyster clusters of which at least 60 % has been seen; each mark is one."
     return [
@@ -256,12 +257,11 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
     ]
 
 
-def _truth_counts(run: RunFolder) -> tuple[int, int]:
-    """Return (covered, missed) true clusters."""
+def _truth_counts(run: RunFolder) -> Counter[str]:
+    """Count true clusters by what became of them."""
     clusters = run.world.get("clusters")
-    total = len(clusters) if isinstance(clusters, list) else 0
-    covered = len({str(e.get("name")) for e in run.select("cluster_covered")})
-    return covered, max(0, total - covered)
+    known = [one for one in clusters if isinstance(one, dict) and one.get("oysters")] if clusters else []
+    return Counter(cluster_fate(run, one)[0] for one in known)
 
 
 def _mission(run: RunFolder) -> dict[str, Any]:
