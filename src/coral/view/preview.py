@@ -12,9 +12,10 @@ import numpy as np
 from coral.odd_text import printable
 from coral.reef.world.world import Obstacle, ReefWorld
 
-SEABED, OYSTER, ROCK, SPINE, START, FLOW, INK = (
+SEABED, OYSTER, OTHER, ROCK, SPINE, START, FLOW, INK = (
     "#f1ead8",
     "#2f9e4f",
+    "#8a5526",
     "#2b2b2b",
     "#8fb3c9",
     "#d1342b",
@@ -49,9 +50,9 @@ def preview(world: ReefWorld, path: Path) -> Path:
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(nbins=8, integer=True, steps=[1, 2, 5, 10]))
     figure.legend(
-        handles=_legend(),
+        handles=_legend([world]),
         loc="outside lower center",
-        ncols=5,
+        ncols=3,
         frameon=False,
         fontsize=9.5,
         handletextpad=0.4,
@@ -82,7 +83,7 @@ def preview_sheet(worlds: Sequence[ReefWorld], path: Path, columns: int = 5) -> 
         axes.set_title(f"{printable(worlds[k].name)}   {width:g} × {height:g} m", fontsize=12, parse_math=False)
         axes.set_xlim(width / 2 - widest / 2 - 0.3, width / 2 + widest / 2 + 0.3)
         axes.set_ylim(height - highest - 0.3, height + 0.3)  # titles are on top of the worlds
-    figure.legend(handles=_legend(), loc="outside lower center", ncols=5, frameon=False, fontsize=11)
+    figure.legend(handles=_legend(worlds), loc="outside lower center", ncols=3, frameon=False, fontsize=11)
     figure.savefig(path, format="png")
     return path
 
@@ -104,10 +105,25 @@ def _draw(axes: Any, world: ReefWorld, *, size: float, numbers: bool = True) -> 
     ]
     axes.add_collection(PatchCollection(oysters, facecolor=OYSTER, edgecolor="none", zorder=2))
     if others := [(o.x, o.y) for group in (*world.alike, *world.lying) for o in group.oysters]:
-        axes.scatter(*np.array(others).T, s=2, color="#a06a3a", zorder=2)
+        axes.scatter(*np.array(others).T, s=2, color=OTHER, zorder=2)
     axes.add_collection(
         PatchCollection([_outline(o) for o in world.solids], facecolor=ROCK, edgecolor="none", zorder=3)
     )
+    for thing in world.things if numbers else ():
+        axes.plot(thing.x, thing.y, "D", color=OTHER, markersize=4, markeredgecolor="white", zorder=4)
+        axes.annotate(
+            printable(thing.kind).replace("-", " "),
+            (thing.x, thing.y),
+            (0, -5),
+            textcoords="offset points",
+            color=OTHER,
+            fontsize=size - 3,
+            ha="center",
+            va="top",
+            path_effects=halo,
+            zorder=5,
+            parse_math=False,
+        )
     for k, cluster in enumerate(world.clusters if numbers else ()):
         x = float(np.mean([o.x for o in cluster.oysters]))
         y = float(np.mean([o.y for o in cluster.oysters]))
@@ -186,16 +202,18 @@ def _draw_current(axes: Any, world: ReefWorld, size: float) -> None:
     )
 
 
-def _legend() -> list[Any]:
+def _legend(worlds: Sequence[ReefWorld]) -> list[Any]:
+    """Return the legend's entries: what every world has, and of the rest what these have."""
     from matplotlib.lines import Line2D
 
     def mark(color: str, marker: str, label: str) -> Line2D:
         return Line2D([], [], color=color, marker=marker, linestyle="none", markersize=8, label=label)
 
     return [
-        mark(OYSTER, "o", "oysters (cluster number, from 0, in the file)"),
+        mark(OYSTER, "o", "oysters (number of the cluster)"),
         mark(ROCK, "s", "obstacles"),
         mark(START, "o", "start"),
+        *([mark(OTHER, "D", "other things, by kind")] if any(world.things for world in worlds) else []),
         mark(FLOW, "$→$", "current"),
         Line2D([], [], color=SPINE, linestyle="--", label="line of growth"),
     ]
