@@ -113,3 +113,8 @@ def test_the_guide_is_short_and_no_diary() -> None:
     assert len(pages) - 1 <= 20
     assert {name: len(text.split()) for name, text in pages.items() if len(text.split()) > 900} == {}
     assert [name for name, text in pages.items() if re.search(r"\bcommit [0-9a-f]{7}|\bmeasured on\b", text)] == []
+
+
+def test_a_name_that_is_no_table_is_told_in_one_line():
+    with pytest.raises(SystemExit, match=r"^tables.py: --help: no such table; without a name, it lists them$"):
+        tables.asked(["--help"])

@@ -144,5 +144,18 @@ TABLES: dict[str, Callable[[], str]] = {
 }
 
 
+def asked(words: list[str]) -> str:
+    """Return the table of this name, or all names.
+
+    Raises:
+        SystemExit: There is no such table.
+    """
+    if not words:
+        return "\n".join(TABLES)
+    if len(words) > 1 or words[0] not in TABLES:
+        raise SystemExit(f"tables.py: {' '.join(words)}: no such table; without a name, it lists them")
+    return TABLES[words[0]]()
+
+
 if __name__ == "__main__":
-    print(TABLES[sys.argv[1]]() if len(sys.argv) == 2 else "\n".join(TABLES))
+    print(asked(sys.argv[1:]))
