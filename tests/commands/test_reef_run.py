@@ -41,7 +41,7 @@ def test_the_outcome_in_words_names_the_run_and_who_decided():
     }
     assert ReefRun(world="s1").describe(result).splitlines() == [
         "s1: 1 of 8 oyster clusters covered (12 %), 1 collision, 2 advisor calls (1 re-query), 9 s simulated in 1 s "
-        "(start and report not counted); "
+        "(compiling counted, start and report not); "
         "ended: time limit",
         "run folder: runs/s1-001",
         "report: runs/s1-001/report.html",

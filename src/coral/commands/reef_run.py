@@ -211,7 +211,7 @@ class ReefRun:
             f"{self.world}: {covered(result)}{many(result['collisions'], 'collision')}, "
             f"{many(result['advisor_calls'], 'advisor call')} ({many(result['requeries'], 're-query', 're-queries')}), "
             f"{result['sim_time_s']:.0f} s simulated in "
-            f"{result['wall_time_s']:.0f} s (start and report not counted); ended: {result['end_reason']}",
+            f"{result['wall_time_s']:.0f} s (compiling counted, start and report not); ended: {result['end_reason']}",
             *fulfilled(result),
             *([] if "success" in result else still_left(result)),
             f"run folder: {result['run']}",
