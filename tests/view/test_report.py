@@ -100,6 +100,17 @@ def test_a_run_that_recorded_almost_nothing(fresh):
     assert "never asked" in html
 
 
+def test_a_mapped_cluster_that_is_none_is_told_and_so_is_what_lies_there(fresh):
+    metrics = json.loads((fresh / "metrics.json").read_text())
+    (fresh / "metrics.json").write_text(json.dumps({**metrics, "phantom_clusters": 1}))
+    world = yaml.safe_load((fresh / "world.yaml").read_text())
+    net = {"name": "net", "kind": "ghost-net", "x": 4.0, "y": 4.0}
+    (fresh / "world.yaml").write_text(yaml.safe_dump({**world, "things": [net]}))
+    html = page(fresh)
+    assert "One of the clusters that it mapped is no oysters." in html
+    assert ">net (ghost net)</text>" in html
+
+
 def test_a_final_map_alone_is_shown_as_one(fresh):
     for file in (fresh / "frames").iterdir():
         if file.name != "000400_map.png":

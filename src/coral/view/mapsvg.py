@@ -106,6 +106,10 @@ class MapSvg:
             x, y = self.at(float(hull[:, 0].mean()), float(low[1]))
             mark = {"covered": "✓", "missed": "✗ missed"}.get(state, "not reached")
             names.append(text(x, min(y + 15, self.height - PAD[3] - 4), f"{name} {mark}", f"truthname {state}"))
+        for thing in _records(self.run.world.get("things")):
+            kind, name = str(thing.get("kind", "")).replace("-", " "), str(thing.get("name") or "")
+            x, y = self.at(float(thing.get("x", 0)), float(thing.get("y", 0)))
+            names.append(text(x, y + 4, f"{name} ({kind})" if name and name != kind else kind, "truthname thing"))
         return f'<g id="layer-truth">{"".join(parts)}</g>', f'<g id="layer-truenames">{"".join(names)}</g>'
 
     def _closed_path(self, points: NDArray[np.float64]) -> str:

@@ -141,8 +141,16 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     deciding = who_decided(metrics, things="goals", fallback=_fallback(run), advisor="The advisor")
     return (
         f"{who} {verb} for {lasted} over {distance:.0f} m, {safe}, putting {asked} to {whose} advisor."
-        f"{f' {deciding[0].upper()}{deciding[1:]}.' if deciding else ''}"
+        f"{f' {deciding[0].upper()}{deciding[1:]}.' if deciding else ''}{_false_clusters(metrics)}"
     )
+
+
+def _false_clusters(metrics: Mapping[str, Any]) -> str:
+    """Return a sentence about mapped clusters that are none; "" without any."""
+    count = int(metrics.get("phantom_clusters") or 0)
+    if count > 1:
+        return f" {count} of the clusters that it mapped are no oysters."
+    return " One of the clusters that it mapped is no oysters." if count else ""
 
 
 def _fallback(run: RunFolder) -> Fallback:
