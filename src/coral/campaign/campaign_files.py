@@ -17,8 +17,8 @@ class CampaignFiles:
     RESULTS: Final = "results.parquet"
     """One row per episode: all metrics, times, commit, machine."""
     RUNS: Final = "runs/"
-    """The run folder of every episode, without frames; `coral report` makes its page. `coral reef run` with the same
-    seed has the frames."""
+    """The run folder of every episode, without frames: of a survey, its final map alone. `coral report` makes its page;
+    `coral reef run` with the same seed has the frames."""
     EPISODES: Final = "episodes/"
     """One record per finished episode, the source of all the files above."""
     FAILURES: Final = "failures/"

@@ -36,11 +36,12 @@ def test_the_result_holds_what_the_tables_need(pond, episode):
     assert result["covered_at_s"] == sorted(result["covered_at_s"])
 
 
-def test_no_pictures_frames_or_report_are_kept(episode):
+def test_no_pictures_or_report_are_kept_and_of_the_frames_the_final_map_alone(episode):
     _, folder = episode
     kept = {path.name for path in folder.iterdir()}
     assert {"metrics.json", "events.jsonl", "trajectory.csv", "world.yaml", "config.yaml"} <= kept
-    assert not kept & {"frames", "pictures", "report.html", "map.png", "mission.mp4"}
+    assert [path.name[6:] for path in (folder / "frames").iterdir()] == ["_map.png"]
+    assert not kept & {"pictures", "report.html", "map.png", "mission.mp4"}
 
 
 def test_it_is_the_mission_that_one_runs_alone(pond, episode, tmp_path):
