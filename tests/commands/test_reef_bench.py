@@ -73,6 +73,7 @@ def test_a_bench_leaves_data_tables_figure_and_runs(finished):
         "attempts.jsonl",
         "config.yaml",
         "events.jsonl",
+        "frames",
         "judge.csv",
         "metrics.json",
         "timing.json",
