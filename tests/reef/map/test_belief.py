@@ -45,6 +45,27 @@ def test_a_picture_of_bare_seabed_explores_what_lies_ahead_and_finds_nothing():
     assert made.tracks == []
 
 
+def test_what_was_seen_from_a_mistaken_place_is_to_be_seen_again():
+    made = belief()
+    made.update(BARE, Pose(5.0, 10.0, 0.0))
+    seen = np.isfinite(made.map.nearest)
+    for x in (9.0, 13.0):
+        made.update(BARE, Pose(x, 10.0, 0.0))
+    assert np.isfinite(made.map.nearest).sum() > seen.sum()
+    made.look_again(2)
+    assert (np.isfinite(made.map.nearest) <= seen).all()
+    made.look_again(99)
+    assert not np.isfinite(made.map.nearest).any()
+
+
+def test_what_an_earlier_survey_saw_is_not_taken_back():
+    made, before = belief(), belief()
+    before.update(BARE, Pose(5.0, 10.0, 0.0))
+    made.map.recall(before.map.memory())
+    made.look_again(99)
+    assert np.array_equal(made.map.nearest, before.map.nearest)
+
+
 def test_the_trajectory_is_remembered_at_its_spacing():
     made = belief(cfg=BeliefCfg(trail_step_m=0.5))
     for x in np.arange(5.0, 8.01, 0.125):

@@ -103,10 +103,17 @@ def test_a_wrong_match_is_taken_back_when_more_is_seen():
     localizer.update(camera((7.0, 4.5)).render(HERE), odometry, 120.0)
     assert localizer.locate(odometry).y == pytest.approx(6.0, abs=0.15)
     assert any(h.map.pose(odometry).y == pytest.approx(5.0, abs=0.15) for h in localizer.hypotheses[1:])
+    assert not localizer.mistaken
+    mistaken = []
     for _ in range(20):
         pose = localizer.update(water.render(HERE), odometry, 0.1)
+        mistaken.append(localizer.mistaken)
     assert pose[:2] == pytest.approx(HERE[:2], abs=0.15)
     assert len(localizer.landmarks) == 3
+    found = next(k for k, count in enumerate(mistaken) if count)
+    # The picture with the wrong match, those until the right one won, and those since the measurement before.
+    assert found + 1 <= mistaken[found] <= found + 6
+    assert not any(mistaken[found + 1 :])
 
 
 def test_one_hypothesis_cannot_take_a_match_back():

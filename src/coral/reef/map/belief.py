@@ -118,6 +118,12 @@ class Belief:
             drawn = after
         self._drawn = drawn, after
 
+    def look_again(self, pictures: int) -> None:
+        """Take back what was seen from near in this robot's last pictures; clusters may no longer be visited."""
+        self.map.look_again(pictures * (1 + len(self.others)))
+        height, width = self.map.target.shape
+        self._seen = (0, height, 0, width)
+
     def water(self, cfg: CostFieldCfg) -> Water:
         """Return the water of the present map; a later call may change it in place."""
         if cfg in self._still:

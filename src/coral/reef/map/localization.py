@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ from coral.reef.world.geometry import Frame, Pose
 
 UNUSED, NEW = -2, -1
 """Instead of the number of a landmark: the sighting shows none that is known, and starts one (NEW) or not."""
+MISTAKEN_M = 0.5
+"""A robot was mistaken if the hypothesis that it turns to lies this far from the one that it believed in (m)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +77,8 @@ class Hypothesis:
     map: LandmarkMap
     score: float = 0.0
     """Logarithm of its likelihood, 0 for the best one."""
+    agreed: int = 0
+    """The last picture at which it and the best one of then lay less than `MISTAKEN_M` apart."""
 
 
 class Localizer:
@@ -102,6 +106,10 @@ class Localizer:
         """The odometry of the last call, and its covariance."""
         self._now_s = 0.0
         self._waited_s = math.inf
+        self._picture = 0
+        self.mistaken = 0
+        """How many of the last pictures, that of the last `update` not among them, were placed by a hypothesis that
+        lost to another one in this update; mostly 0."""
 
     @property
     def active(self) -> bool:
@@ -139,10 +147,19 @@ class Localizer:
                 hypothesis.map.drift(self._walk * dt)
         self._waited_s += dt
         self._now_s += dt
+        self._picture += 1
+        self.mistaken = 0
         if self._waited_s >= self.cfg.period_s - 1e-9:
             self._waited_s = 0.0
+            believed = self.hypotheses[0].map
             for sighting in self._detector.detect(frame):
                 self._measure(sighting, odometry)
+            best = self.hypotheses[0]
+            if not _near(best.map, believed):
+                self.mistaken = self._picture - 1 - best.agreed
+            self.hypotheses = [
+                replace(one, agreed=self._picture) if _near(one.map, best.map) else one for one in self.hypotheses
+            ]
         return self.locate(odometry)
 
     def locate(self, odometry: Pose) -> Pose:
@@ -178,7 +195,7 @@ class Localizer:
                 break
             after = self._chosen(self.hypotheses[k].map, choice, sighting, odometry)
             if not any(self._alike(after, other.map) for other in kept):
-                kept.append(Hypothesis(after, score - best))
+                kept.append(Hypothesis(after, score - best, self.hypotheses[k].agreed))
         self.hypotheses = kept
 
     def _choices(self, hypothesis: Hypothesis, sighting: Sighting, odometry: Pose) -> list[tuple[float, int]]:
@@ -207,3 +224,8 @@ class Localizer:
         """Check whether two maps give the same pose."""
         x, y, theta = (abs(a - b) for a, b in zip(one.error, other.error, strict=True))
         return max(x, y) < self.cfg.alike_m and theta < self.cfg.alike_rad
+
+
+def _near(one: LandmarkMap, other: LandmarkMap) -> bool:
+    """Check whether two maps put the robot at about the same place."""
+    return math.dist(one.error[:2], other.error[:2]) < MISTAKEN_M

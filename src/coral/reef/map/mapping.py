@@ -133,6 +133,7 @@ class OccupancyMap:
         """Grows whenever an obstacle cell appears or goes."""
         self.nearest = np.full(shape, np.inf, np.float32)
         """Smallest distance along the line of sight (m) from which each cell has been seen. Shape=(NY, NX)."""
+        self._neared = np.zeros(shape, np.int32)
         self.unseeable = np.zeros(shape, np.bool_)
         """Cells that could not be seen from near enough, whatever was tried. Shape=(NY, NX)."""
         coarse = (math.ceil(size_m[1] / cfg.hint_cell_m), math.ceil(size_m[0] / cfg.hint_cell_m))
@@ -215,6 +216,7 @@ class OccupancyMap:
             cfg.cell_m,
             cfg.range_m,
             self.nearest,
+            self._neared,
             cfg.hint_cell_m,
             self._hints,
             self._hinted,
@@ -325,6 +327,10 @@ class OccupancyMap:
         self._classify(window)
         self._combine(window)
         self.version += 1
+
+    def look_again(self, pictures: int) -> None:
+        """Take back from how near cells were seen in the last pictures: they were taken from somewhere else."""
+        self.nearest[self._neared > max(self._pictures - pictures, 0)] = np.inf
 
     def close_off(self, cells: NDArray[np.bool_]) -> None:
         """Make cells obstacles for good, whatever a picture shows there: places where the robot must not go.

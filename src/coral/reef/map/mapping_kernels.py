@@ -117,6 +117,7 @@ def look(
     cell_m: float,
     range_m: float,
     nearest: NDArray[np.float32],
+    neared: NDArray[np.int32],
     hint_cell_m: float,
     hints: NDArray[np.uint16],
     hinted: NDArray[np.int32],
@@ -133,6 +134,7 @@ def look(
         cell_m: Edge of a grid cell (m).
         range_m: Horizontal range of the map (m); oysters farther away are hints.
         nearest: Shape=(NY, NX), smallest distance along the line of sight (m), updated in place.
+        neared: Shape=(NY, NX), the picture of that distance, updated in place.
         hint_cell_m: Edge of a cell of the hints (m).
         hints: Shape=(MY, MX), pictures with oysters there, beyond the map's range, updated in place.
         hinted: Shape=(MY, MX), last picture that counted for each cell of the hints.
@@ -156,8 +158,9 @@ def look(
             x, y = x0 + c * forward - s * left, y0 + s * forward + c * left
             if forward * forward + left * left <= range_m * range_m:
                 ix, iy = int(math.floor(x / cell_m)), int(math.floor(y / cell_m))
-                if ix >= 0 and iy >= 0 and ix < nx and iy < ny:
-                    nearest[iy, ix] = min(nearest[iy, ix], z * rays[v, u, 2])
+                if ix >= 0 and iy >= 0 and ix < nx and iy < ny and z * rays[v, u, 2] < nearest[iy, ix]:
+                    nearest[iy, ix] = z * rays[v, u, 2]
+                    neared[iy, ix] = picture
             elif label == OYSTER:
                 ix, iy = int(math.floor(x / hint_cell_m)), int(math.floor(y / hint_cell_m))
                 if ix >= 0 and iy >= 0 and ix < mx and iy < my and hinted[iy, ix] != picture:
