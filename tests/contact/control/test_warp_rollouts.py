@@ -85,9 +85,9 @@ def test_a_hand_that_presses_on_the_table_feels_the_same_force(worlds):
     low = np.array([-0.25, -0.3, 0.008])
     now = replace(now, tool=replace(now.tool, position=low + np.array([0.0, 0.0, 0.005])), opening_m=0.0)
     down = ControlSequences(
-        np.tile(low - np.array([0.0, 0.0, 0.02]), (1, STEPS, 1)),
-        np.tile(now.tool.quaternion, (1, STEPS, 1)),
-        np.zeros((1, STEPS)),
+        np.tile(low - np.array([0.0, 0.0, 0.02]), (2, STEPS, 1)),
+        np.tile(now.tool.quaternion, (2, STEPS, 1)),
+        np.zeros((2, STEPS)),
         600.0,
     )
     ours, other = (
@@ -108,6 +108,20 @@ def test_another_stiffness_and_start_are_taken_over(worlds):
     again, _ = world.rollout(now, controls)
     assert np.abs(first["ee_pos"] - softly["ee_pos"]).max() > 0.01
     assert again["ee_pos"] == pytest.approx(first["ee_pos"], abs=1e-5)
+
+
+@pytest.mark.warp
+def test_single_rollouts_between_plans_leave_the_device_as_it_is(worlds):
+    trial, now = begin("pick-box")
+    world = worlds(trial, now, rollouts="warp", device="cpu")
+    controls = towards_the_object(now)
+    world.rollout(now, controls)
+    before = [id(one.data) for one in world._rollouts._kept.values()]
+    present = world.present(now)
+    world.rollout(now, controls)
+    assert [id(one.data) for one in world._rollouts._kept.values()] == before
+    same = worlds(trial, now).present(now)
+    assert np.array_equal(present["box_pos"], same["box_pos"])
 
 
 @pytest.mark.warp

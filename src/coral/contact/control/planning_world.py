@@ -114,7 +114,7 @@ class PlanningWorld:
         """Whether the table has edges regardless of their distance."""
         self._substeps = whole_steps(cfg.step_s, cfg.physics_dt_s, "--cfg", "planning.physics_dt_s")
         self._rollouts: Rollouts | WarpRollouts = (
-            Rollouts(cfg.threads) if cfg.rollouts == "mujoco" else WarpRollouts(cfg.device)
+            Rollouts(cfg.threads) if cfg.rollouts == "mujoco" else WarpRollouts(cfg.device, cfg.threads)
         )
         self._names = [item.name for item in trial.task.objects]
         self._corners = {name: trial.corners(name) for name in self._names}

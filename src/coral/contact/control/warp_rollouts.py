@@ -1,5 +1,8 @@
 """Batched rollouts by MuJoCo Warp: all rollouts at once on an NVIDIA GPU, or on the CPU as a check.
 
+MuJoCo computes a single rollout on the CPU, such as the prediction before each plan: it has finished by the time that a
+GPU has been told, and the GPU keeps its memory and its recorded step for batches of one size.
+
 The same physics in single precision, with another order of sums: rollouts agree with MuJoCo's for some tenths of a
 second and then part where contacts begin or end. On a GPU two runs need not agree bit for bit. Nothing sleeps here.
 """
@@ -13,7 +16,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from coral.contact.control.rollouts import Array, Mend, Rolled, RolloutStart, column_major
+from coral.contact.control.rollouts import Array, Mend, Rolled, Rollouts, RolloutStart, column_major
 from coral.errors import InputError, install_extra
 
 MISSING = install_extra("warp")
@@ -40,6 +43,7 @@ class WarpRollouts:
 
     Args:
         device: A device of Warp, such as cuda:0 or cpu; "" takes the first GPU, or the CPU if there is none.
+        threads: Threads for single rollouts under several beliefs; 0 uses every core.
 
     Raises:
         InputError: MuJoCo Warp is not installed, or there is no such device.
@@ -47,7 +51,7 @@ class WarpRollouts:
 
     can_sleep = False
 
-    def __init__(self, device: str = "") -> None:
+    def __init__(self, device: str = "", threads: int = 1) -> None:
         try:
             import mujoco_warp
             import warp
@@ -60,15 +64,19 @@ class WarpRollouts:
             raise InputError("--cfg", "planning.device", repr(device), f"one of {', '.join(known)}")
         self.device = warp.get_device(device or next((one for one in known if one.startswith("cuda")), "cpu"))
         self._kept: dict[int, _OnDevice] = {}
+        self._single = Rollouts(threads)
 
     def close(self) -> None:
-        """Free the device's memory."""
+        """Free the device's memory, and stop the threads."""
         self._kept.clear()
+        self._single.close()
 
     def run(self, starts: Sequence[RolloutStart], control: Array, spec: int, every: int, mend: Mend) -> Rolled:
         """Roll out every start under its share of the controls; see `Rollouts.run`."""
         total, steps = control.shape[:2]
         each, first = total // len(starts), starts[0]
+        if each == 1:
+            return self._single.run(starts, control, spec, every, mend)
         found = Rolled(
             column_major(total, steps // every, len(first.state)),
             column_major(total, steps // every, first.model.nsensordata),
@@ -77,12 +85,12 @@ class WarpRollouts:
         with self._warp.ScopedDevice(self.device):
             for k, start in enumerate(starts):
                 rows = slice(k * each, (k + 1) * each)
-                found.states[rows], found.sensors[rows] = self._roll(start, control[rows], every)
+                self._roll(start, control[rows], every, found.states[rows], found.sensors[rows])
         found.sane[:] = mend(found.states, found.sensors)
         return found
 
-    def _roll(self, start: RolloutStart, control: Array, every: int) -> tuple[Array, Array]:
-        """Roll out one start. Return states and sensor data, Shape=(K, T, ...)."""
+    def _roll(self, start: RolloutStart, control: Array, every: int, states: Array, sensors: Array) -> None:
+        """Roll out one start into its rows of states and sensor data, Shape=(K, T, ...)."""
         warp, host = self._warp, start.model
         worlds, steps = control.shape[:2]
         own = self._on_device(host, worlds)
@@ -95,31 +103,29 @@ class WarpRollouts:
         data.qvel.assign(np.tile(qvel, (worlds, 1)).astype(np.float32))
         data.qacc_warmstart.zero_()
         inputs = self._upload(host, control)
-        places, speeds, sensed = (
-            warp.empty((steps // every, *getattr(data, name).shape), dtype=float)
-            for name in ("qpos", "qvel", "sensordata")
-        )
+        outputs = data.qpos, data.qvel, data.sensordata
+        kept = [warp.empty((steps // every, *values.shape), dtype=float) for values in outputs]
         for step in range(steps):
             for into, values in zip((data.ctrl, data.mocap_pos, data.mocap_quat), inputs, strict=True):
                 warp.copy(into, values[step])
             self._step(own)
             if (step + 1) % every == 0:
-                for into, values in ((places, data.qpos), (speeds, data.qvel), (sensed, data.sensordata)):
+                for into, values in zip(kept, outputs, strict=True):
                     warp.copy(into[step // every], values)
-        clock = start.state[0] + host.opt.timestep * every * np.arange(1.0, steps // every + 1)
-        times = np.tile(clock[:, None, None], (1, worlds, 1))
-        states = np.concatenate([times, places.numpy(), speeds.numpy()], axis=-1)
-        return np.moveaxis(states, 0, 1), np.moveaxis(sensed.numpy().astype(float), 0, 1)
+        states[..., 0] = start.state[0] + host.opt.timestep * every * np.arange(1.0, steps // every + 1)
+        for into, values in zip((*np.split(states[..., 1:], [host.nq], axis=-1), sensors), kept, strict=True):
+            # The device turns it into column-major order, for which the CPU takes ten times as long.
+            into[:] = np.moveaxis(values.transpose((2, 1, 0)).contiguous().numpy(), 0, -1)
 
     def _upload(self, host: mujoco.MjModel, control: Array) -> list[Any]:
         """Return controls, positions and orientations of the mocap body on the device, step by step."""
-        warp, values = self._warp, np.moveaxis(control, 0, 1).astype(np.float32)
-        ctrl, position, quaternion = np.split(values, [host.nu, host.nu + 3], axis=-1)
-        return [
-            warp.array(np.ascontiguousarray(ctrl), dtype=float),
-            warp.array(np.ascontiguousarray(position[:, :, None]), dtype=warp.vec3),
-            warp.array(np.ascontiguousarray(quaternion[:, :, None]), dtype=warp.quat),
-        ]
+        warp, (worlds, steps) = self._warp, control.shape[:2]
+        values = warp.array(control.astype(np.float32), dtype=float).transpose((1, 0, 2))
+        ctrl, position, quaternion = (
+            values[:, :, low:high].contiguous() for low, high in ((0, host.nu), (host.nu, -4), (-4, None))
+        )
+        shape = steps, worlds, 1
+        return [ctrl, position.view(warp.vec3).reshape(shape), quaternion.view(warp.quat).reshape(shape)]
 
     def _on_device(self, host: mujoco.MjModel, worlds: int) -> _OnDevice:
         own = self._kept.pop(id(host), None)
