@@ -146,10 +146,10 @@ class _Written:
 def prompt_example(trial: Trial) -> PlanAnswer:
     """Return the worked example of the prompt, about the first object of a trial."""
     text = (FOLDER / "parts" / "plan-example.md").read_text(encoding="utf-8")
-    found = re.search(r"```json\n(.*?)\n```", text, re.DOTALL)
+    found = re.search(r"{% raw %}(.*){% endraw %}", text, re.DOTALL)
     assert found is not None
     name = next(iter(trial.objects))
-    plan = found[1].removeprefix("{% raw %}").removesuffix("{% endraw %}")
+    plan = found[1]
     plan = plan.replace('{"puck": "red"}, {"puck": "blue"}', f'{{"puck": "{name}"}}')
     if "goal" not in trial.task.places:
         plan = plan.replace("self.goal_pos", f"(self.{name}_init_pos + np.array([0.1, 0.0, 0.0]))")

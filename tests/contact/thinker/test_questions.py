@@ -7,7 +7,7 @@ import pytest
 from histories import history as steps_of
 from recorded import RULES
 
-from coral.advisor.question import AdvisorUnavailable, Reply
+from coral.advisor.question import AdvisorUnavailable, Picture, Reply
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
 from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
@@ -252,3 +252,18 @@ def test_a_refused_answer_about_everything_leaves_no_belief_behind(ask):
 
 
 UP = "def state_cost(self):\n    return {{'rise': abs(self.ee_pos[2] - {height})}}"
+
+
+@pytest.mark.parametrize(("prompt", "shown"), [("paper", ()), ("words", ("scene",))])
+def test_the_paper_s_questions_about_a_plan_come_without_a_picture(ask, prompt, shown):
+    advisor = Careless()
+    one, questions, _ = ask(advisor, prompt=prompt)
+    questions._asker.pictures = lambda labels: (Picture(name="scene", png=b""),)
+    questions.ask_parameters({})
+    questions.ask_regions(questions.ask_plan(one.now) or RULES["cost-function"](questions.facts, ()))
+    taken = {
+        kind: [each.name for each in advisor.asked(kind).pictures] for kind in ("cost-function", "contact-regions")
+    }
+    assert taken == {"cost-function": list(shown), "contact-regions": list(shown)}
+    assert advisor.asked("physical-parameters").pictures
+    assert ("the picture shows" in advisor.asked("cost-function").prompt) == bool(shown)

@@ -167,7 +167,7 @@ class Questions:
             asked,
             regions_prompt(self.world_prompt(), plan, self._cfg.region),
             lambda answer: self.check_regions(answer, plan),
-            with_picture=True,
+            with_picture=self._cfg.prompt != "paper",  # A.8 to A.10 are text
             labels=self.labels(self._seen),
         )
         if outcome.answer is None:
@@ -255,7 +255,7 @@ class Questions:
             self._plan_facts(),
             prompt,
             lambda plan: self.check_plan(plan, self.present(now)),
-            with_picture=True,
+            with_picture=self._cfg.prompt != "paper",  # A.8 to A.10 are text
             labels=self.labels(now),
         )
         if self.present(now) is not now:  # the episode continued while the advisor answered

@@ -31,8 +31,8 @@ class ThinkCfg:
 
     prompt: Told = "full"
     """What a question about a plan tells: `paper`, the sentence, poses and parameters, and it asks for one cost;
-    `words`, also shapes, scene, hand and planner, and stages are allowed; `full`, also every condition of success with
-    its thresholds. Departs from the paper: its A.8 to A.10 are `paper`, and zero-shot means that there."""
+    `words`, also pictures, shapes, scene, hand and planner, and stages are allowed; `full`, also every condition of
+    success with its thresholds. Departs from the paper: its A.8 to A.10 are `paper`, and zero-shot means that there."""
     strategy: bool = True
     """Whether plans name contact regions. Off (`unguided`): the cost rates outcomes alone, no regions are asked for.
     """
