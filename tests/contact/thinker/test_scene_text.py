@@ -55,7 +55,7 @@ def test_a_prompt_tells_as_much_as_it_is_configured_to(strategy):
     assert [thresholds in one for one in (paper, words, full)] == [False, False, True]
     assert [hand in one for one in (paper, words, full)] == [False, True, True]
     assert [stages in one for one in (paper, words, full)] == [False, strategy, strategy]
-    assert '"mass_kg": 1.5' in paper
+    assert '"box": {"label": "box", "mass_kg": 1.5' in paper
     assert '"goal": [' in paper
     assert all(trial.task.instruction in one for one in (paper, words, full))
 

@@ -90,7 +90,7 @@ def world_prompt(
 
 
 def poses_text(facts: SceneFacts | Mapping[str, Any]) -> str:
-    """Give poses and parameters alone, as the paper's prompts do (A.8).
+    """Give poses and parameters alone, as the paper's prompts do (A.8); its objects have labels too (A.7).
 
     Args:
         facts: The scene as last observed.
@@ -100,7 +100,7 @@ def poses_text(facts: SceneFacts | Mapping[str, Any]) -> str:
     poses |= dict.fromkeys(_unseen(facts), "not seen yet")
     poses |= {name: item["position"] for name, item in facts["fixtures"].items()} | facts["places"]
     held = {
-        name: {"mass_kg": item["mass_kg"], "friction": item["friction"]}
+        name: {"label": item["label"], "mass_kg": item["mass_kg"], "friction": item["friction"]}
         for name, item in objects.items()
         if "mass_kg" in item
     }
