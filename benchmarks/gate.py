@@ -4,14 +4,15 @@
 
 Each advisor surveys each reef twice, with the default check and without (`--variant no-verification`). A row says how
 much of the reef was inspected within the time, and when 90 % were. Nothing steps in for an advisor (`hold`). The
-clairvoyant knows the true clusters: it is a control, no method.
+clairvoyant knows the true clusters: it is a control, no method. `corrected`, not among the default ones, answers each
+question first wrongly and then with a place that the refusal names: half of its answers are refused, and no more.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,9 +20,11 @@ from typing import Any
 import numpy as np
 from clairvoyant import clairvoyant
 
-from coral.advisor.question import Advisor
+from coral.advisor.question import Advisor, Rejection
 from coral.advisor.registry import make_advisor
+from coral.advisor.rules import RuleAdvisor
 from coral.exam.controls import control
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission.mission import Mission
@@ -33,6 +36,32 @@ from coral.reef.world.generated import find_world
 from coral.reef.world.world import ReefWorld
 from coral.runs import provenance
 
+
+class Corrected:
+    """Names a dot that there is not, or stays where it is, and then one of the places that the refusal names."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+
+    def centroid(self, facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> CentroidChoice:
+        """Answer a question about dots."""
+        if not rejections:
+            return CentroidChoice(selected_centroid_index=9999)
+        dot, step = self._named(facts)
+        return CentroidChoice(selected_centroid_index=dot, waypoint=step)
+
+    def waypoint(self, facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> WaypointChoice:
+        """Answer a question about open water."""
+        dot, step = self._named(facts) if rejections else (None, None)
+        step = step or WaypointStep(forward_m=0, left_m=0)
+        return WaypointChoice(forward_m=step.forward_m, left_m=step.left_m, dot=dot)
+
+    def _named(self, facts: Mapping[str, Any]) -> tuple[int | None, WaypointStep | None]:
+        named = [*facts["passing"]["dots"], *facts["passing"]["waypoints"]]
+        one = named[int(self._rng.integers(len(named)))]
+        return (one, None) if isinstance(one, int) else (None, WaypointStep(forward_m=one[0], left_m=one[1]))
+
+
 ADVISORS = ("clairvoyant", "heuristic", "random", "sloppy:0.3:heuristic", "sloppy:0.6:heuristic", "constant")
 VARIANTS = {"with": "full", "without": "no-verification"}
 
@@ -42,6 +71,9 @@ def advisor_of(name: str, world: ReefWorld, seed: int) -> Advisor:
     rng = np.random.default_rng([seed, 7])
     if name == "clairvoyant":
         return clairvoyant(world)
+    if name == "corrected":
+        one = Corrected(rng)
+        return RuleAdvisor({"reef-centroid": one.centroid, "reef-waypoint": one.waypoint}, name=name)
     if name in ("random", "constant"):
         return control(name, rng)
     return make_advisor(name, rules=REEF_RULES, rng=rng, mistakes=REEF_MISTAKES)

@@ -1,10 +1,15 @@
 import asyncio
 
+import numpy as np
 import pytest
 from pydantic import BaseModel
 
 from coral.advisor.question import AdvisorUnavailable, Question
 from coral.advisor.recorded import RecordedAdvisor
+from coral.advisor.registry import make_advisor
+from coral.errors import InputError
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.mistakes import REEF_MISTAKES
 
 
 class Anything(BaseModel):
@@ -36,3 +41,8 @@ def test_answers_that_were_refused_then_are_left_out():
 def test_what_nobody_answered_is_not_answered(task, facts):
     with pytest.raises(AdvisorUnavailable, match="nobody answered"):
         ask(RecordedAdvisor(), task, **facts)
+
+
+def test_a_reef_has_no_recorded_advisor():
+    with pytest.raises(InputError, match="in-order:reef-"):
+        make_advisor("recorded", rules=REEF_RULES, rng=np.random.default_rng(0), mistakes=REEF_MISTAKES)

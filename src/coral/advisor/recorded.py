@@ -12,6 +12,7 @@ from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Repl
 from coral.advisor.recorded_attempts import shipped_recordings
 from coral.advisor.replay import ReplayAdvisor
 from coral.advisor.setting import Setting
+from coral.errors import InputError
 
 A = TypeVar("A", bound=BaseModel)
 CONTACT = "contact-"
@@ -53,5 +54,14 @@ def is_recorded(task: str) -> bool:
 
 
 def make_recorded(name: str, rest: str, setting: Setting) -> RecordedAdvisor:
-    """Make the advisor of the shipped recordings of contact tasks."""
+    """Make the advisor of the shipped recordings of contact tasks.
+
+    Raises:
+        InputError: The application has reefs alone.
+    """
+    asked = {kind for mistake in setting.mistakes for kind in mistake.questions}
+    if asked and all(kind.startswith("reef-") for kind in asked):
+        reefs = [name for name in shipped_recordings() if name.startswith("reef-")]
+        expected = f"for a reef a recorded mission, such as in-order:{reefs[0]}: {name} holds answers to contact tasks"
+        raise InputError(setting.where, "", name, expected)
     return RecordedAdvisor()
