@@ -1,4 +1,7 @@
-"""Reactive feedback on the planned action (Eq. 7): nu = u + K_f (x_des - x_measured), on pose and wrench."""
+"""Reactive feedback on the planned action (Eq. 7): nu = u + K_f (x_des - x_measured), on pose and wrench.
+
+Believed masses and frictions make the wrench that is planned: `believe` in `planning_world.py`.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The sandboxed process: it reads requests, evaluates programs over arrays in shared memory, and can do nothing else.
 
 Messages are JSON with a length prefix, never pickles. `worker.py` starts it with pipes as standard input and output;
-the arrays lie in an unnamed file whose descriptor it inherits.
+the arrays lie in an unnamed file whose descriptor it inherits. A text becomes a program in `parse.py` and `program.py`.
 """
 
 from __future__ import annotations

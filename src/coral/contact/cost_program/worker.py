@@ -1,4 +1,4 @@
-"""Costs in a separate process: a program that hangs, exhausts memory or breaks out affects only that process."""
+"""Runs a model's cost in a separate process: if it hangs, exhausts memory or breaks out, only that process suffers."""
 
 from __future__ import annotations
 

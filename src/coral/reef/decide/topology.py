@@ -4,6 +4,7 @@ The verifiers of Eqs. 4-8 judge one waypoint against what is near. In branching 
 branch that ends in known water while another is left behind. Here the places that are left and the known ways between
 them form a graph, and the tour past all of them tells which mode to ask in, and how much later what is left is seen
 when another place comes first. That price is told, not refused: an advisor may know more than the map.
+The trend of the chain, which the paper's memory gives to Eqs. 7 and 8, is `reference` in `verify.py`.
 """
 
 from __future__ import annotations

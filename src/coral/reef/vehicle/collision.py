@@ -1,4 +1,7 @@
-"""Distances to obstacles on the ground plane, and a counter of contacts."""
+"""Distances to given obstacles on the ground plane, and a counter of contacts, for simulator and judge.
+
+The check of the vehicle's own rollouts (Eq. 11) is in `drive/controller_kernels.py`.
+"""
 
 from __future__ import annotations
 
