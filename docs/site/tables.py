@@ -20,6 +20,7 @@ from coral.campaign.campaign_files import CampaignFiles
 from coral.configurations import CONFIGURATIONS
 from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.recorder import columns_told
+from coral.contact.franka import ros_topics as arm_topics
 from coral.contact.franka.world import CODES as STOP_CODES
 from coral.contact.memory.memory import Experience
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
@@ -132,6 +133,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "clauses": partial(make.conditions, Clause),
     "topics-survey": partial(make.topics, reef_bag),
     "topics-ros2": partial(make.topics, ros_topics),
+    "topics-ros2-arm": partial(make.topics, arm_topics),
     "topics-task": partial(make.topics, contact_bag),
     "mistakes-survey": partial(make.mistakes, REEF_MISTAKES),
     "mistakes-task": partial(make.mistakes, CONTACT_MISTAKES),

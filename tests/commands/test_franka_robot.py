@@ -35,16 +35,31 @@ def test_a_missing_robot_is_one_line_and_exit_code_2(capsys):
     assert "--robot: found nothing" in capsys.readouterr().err
 
 
-def test_a_missing_extra_is_one_line_and_exit_code_2(capsys, monkeypatch, tmp_path):
-    monkeypatch.setitem(__import__("sys").modules, "franky", None)
-    words = ["contact", "run", "pick-box", "--world", "franka", "--robot", "10.0.0.1", "--out", str(tmp_path / "run")]
-    assert main(words) == 2
-    assert "expected the extra franka" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("robot", "module", "told"),
+    [
+        ("10.0.0.1", "franky", "expected the extra franka"),
+        ("ros2:/fr3", "rclpy", "expected ROS 2: source its setup.bash in this terminal, or the extra ros2"),
+    ],
+)
+def test_a_missing_extra_is_one_line_and_exit_code_2(capsys, monkeypatch, tmp_path, robot, module, told):
+    monkeypatch.setitem(__import__("sys").modules, module, None)
+    words = ["contact", "run", "pick-box", "--world", "franka", "--robot", robot, "--cfg.judged-by", "operator"]
+    assert main([*words, "--out", str(tmp_path / "run")]) == 2
+    assert told in capsys.readouterr().err
     assert not (tmp_path / "run").exists()
 
 
+def test_before_anything_is_started_somebody_must_be_there_to_judge(capsys):
+    words = ["contact", "run", "pick-box", "--world", "franka", "--robot", "10.0.0.1"]
+    assert main(words) == 2
+    assert "judged-by: found truth, expected operator or perception" in capsys.readouterr().err
+    dry = dataclasses.replace(ARM, dry_run=True)
+    assert robot_cfg(EpisodeCfg(), dry).judged_by == "operator"
+
+
 def test_an_arm_does_not_wait_for_plans_and_a_simulated_one_may_be_slow():
-    cfg = EpisodeCfg()
+    cfg = EpisodeCfg(judged_by="operator")
     assert robot_cfg(cfg, ARM).planning.latency == "measured"
     assert robot_cfg(cfg, ARM).franka == cfg.franka
     slow = robot_cfg(cfg, dataclasses.replace(ARM, robot="sim")).franka

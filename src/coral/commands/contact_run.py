@@ -70,8 +70,9 @@ class ContactRun:
     """A shipped task (see coral contact tasks) or a task file, which also sets the time limit (`time_limit_s`)."""
     world: str = "panda"
     """World: panda, the robot in robosuite; hand, its hand alone, free-flying; franka, the arm of --robot."""
-    robot: Annotated[str | None, Option(metavar="ADDRESS|sim")] = None
-    """The arm of --world franka: its address, or sim, a simulated arm that speaks the same protocol."""
+    robot: Annotated[str | None, Option(metavar="ADDRESS|ros2:NAMESPACE|sim")] = None
+    """The arm of --world franka: its address; ros2: with a namespace or a file of ROS parameters; or sim, a simulated
+    arm that speaks the arm's own protocol."""
     dry_run: bool = False
     """Read the arm and show its commands without sending them."""
     yes: bool = False

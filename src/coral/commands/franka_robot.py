@@ -6,20 +6,24 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from coral.commands.robot_flags import SIMULATED, RobotFlags
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.franka.double import Double, cfg_for_double
 from coral.contact.franka.preflight import preflight_arm, preflight_text
+from coral.contact.franka.ros_arm import PREFIX, RosArm
 from coral.contact.franka.stream_record import StreamReport
 from coral.contact.franka.world import FrankaDoubleWorld, FrankaWorld, StreamHandle
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka_cfg import FrankaCfg
-from coral.errors import RunError
+from coral.errors import InputError, RunError
+from coral.ros_node import ros_type
 
 if TYPE_CHECKING:
     from coral.contact.franka.camera_process import CameraProcess
+    from coral.contact.franka.stream_process import MakeArm
 
 WORD = "move"
 DRY_RUN_S = 3.0
@@ -39,7 +43,14 @@ def robot_cfg(cfg: EpisodeCfg, flags: RobotFlags) -> EpisodeCfg:
     """Return the configuration for an arm.
 
     It does not wait for plans: their latency is measured, unless it is given.
+
+    Raises:
+        InputError: Nobody could judge at a real arm.
     """
+    if flags.robot != SIMULATED and cfg.judged_by == "truth":
+        if not flags.dry_run:  # in which there is nothing to judge
+            raise InputError("--cfg", "judged-by", "truth", "operator or perception: an arm does not know the truth")
+        cfg = replace(cfg, judged_by="operator")
     if cfg.planning.latency == "0":
         cfg = replace(cfg, planning=replace(cfg.planning, latency="measured"))
     if flags.robot == SIMULATED:
@@ -54,12 +65,11 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
         InputError: The extra is missing, or nothing answers at the address.
         RunError: A line of the list is not in order, or the operator did not say the word.
     """
-    from coral.contact.franka.franky_arm import FrankyArm, franky
     from coral.contact.franka.stream_process import StreamProcess
 
-    franky()  # a missing extra is said before anything is started
     assert flags.robot is not None
     arm, names = cfg.franka, tuple(item.name for item in trial.task.objects)
+    make_arm = _arm_maker(flags, names)
     double: Double | None = None
     stream: StreamProcess | None = None
     camera: CameraProcess | None = None
@@ -68,7 +78,7 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
         if flags.robot == SIMULATED:
             _tell("starting the simulated arm ...")
             double = Double(trial, arm)
-        stream = StreamProcess(FrankyArm, double.address if double else flags.robot, arm, trial)
+        stream = StreamProcess(make_arm, double.address if double else flags.robot, arm, trial)
         if flags.camera is not None:
             camera = _start_camera(trial, cfg, flags, (arm.poses_host, stream.poses_port))
             if double is not None:
@@ -92,6 +102,17 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
     if double is not None:
         return FrankaDoubleWorld(handle, arm, period_s, names, double, dry_run=flags.dry_run, show=show)
     return FrankaWorld(handle, arm, period_s, names, dry_run=flags.dry_run, show=show)
+
+
+def _arm_maker(flags: RobotFlags, names: tuple[str, ...]) -> MakeArm:
+    """Return what makes the arm; a missing extra is said before anything is started."""
+    if flags.robot is not None and flags.robot.startswith(PREFIX):
+        ros_type("rclpy.context.Context", "--robot")
+        return partial(RosArm, objects=() if flags.camera else names)
+    from coral.contact.franka.franky_arm import FrankyArm, franky
+
+    franky()
+    return FrankyArm
 
 
 def _start_camera(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, poses_to: tuple[str, int]) -> CameraProcess:

@@ -1,5 +1,7 @@
 """The stream beside the program, with an arm that obeys at once; a thread stands for the process, which takes long."""
 
+import os
+import signal
 import threading
 import time
 
@@ -45,3 +47,14 @@ def test_it_starts_moves_stops_and_ends():
 def test_an_arm_that_cannot_be_had_is_the_users_error():
     with pytest.raises(InputError, match="--robot: found nobody, expected the address of an arm"):
         StreamProcess(make_obedient_arm, "nobody", CFG, TRIAL, threading.Thread)
+
+
+def test_a_process_that_is_told_to_end_does_not_wait_for_the_program():
+    stream = StreamProcess(make_obedient_arm, "somebody", CFG, TRIAL)
+    try:
+        os.kill(stream.pid, signal.SIGTERM)  # as multiprocessing does when the program ends by an error
+        stream._process.join(30.0)
+        assert not stream._process.is_alive()
+    finally:
+        stream._process.kill()
+        stream.close()

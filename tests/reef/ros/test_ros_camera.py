@@ -3,8 +3,8 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.ros import ros_camera
-from coral.reef.ros.node import OtherClockError
 from coral.reef.vehicle.camera import CameraCfg
+from coral.ros_node import OtherClockError
 from reef.ros.fake_ros import FakeNode, fake_type, message
 
 

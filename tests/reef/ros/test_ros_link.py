@@ -3,8 +3,8 @@ import math
 import pytest
 
 from coral.reef.ros import ros_link
-from coral.reef.ros.node import OtherClockError
 from coral.reef.sea.link import LinkRefused
+from coral.ros_node import OtherClockError
 from reef.ros.fake_ros import FakeNode, fake_type, message, odometry
 
 

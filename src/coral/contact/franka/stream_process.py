@@ -184,11 +184,11 @@ def _run(
     names = tuple(trial.objects)
     if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
         for number in (signal.SIGINT, signal.SIGTERM):  # Ctrl-C reaches this process, whatever the program does
-            signal.signal(number, lambda *_: pressed.append(1))
+            signal.signal(number, lambda number, _: pressed.append(number))
         _take_priority()
     try:
         poses = ObjectPoses(names, cfg.poses_host, cfg.poses_port)
-        arm = make_arm(address, cfg)
+        arm = make_arm(address, replace(cfg, poses_port=poses.port))
     except InputError as error:
         connection.send((error.where, error.field, str(error.found), error.expected))
         return
@@ -214,7 +214,7 @@ def _run(
                 if not told:
                     connection.send(stream.reason or stream.cause.name.lower())
                     told = True
-                if orders.quit or os.getppid() != parent:
+                if orders.quit or signal.SIGTERM in pressed or os.getppid() != parent:
                     break
             report_block.write(encode_report(_report(stream, poses, lateness, tick, stopped_at, still_after), names))
             due += period_s

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.recordings.ros_images import colours_in
-from coral.reef.ros.node import RosNode, ros_type
 from coral.reef.sea.picture import Shot
 from coral.reef.vehicle.camera import CameraCfg
+from coral.ros_node import RosNode, ros_type
 
 FIRST_S, NEXT_S = 10.0, 1.0
 """Longest wait for the first picture, and for any other at a time."""

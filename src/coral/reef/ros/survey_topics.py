@@ -28,10 +28,10 @@ from numpy.typing import NDArray
 from coral.advisor.log import plain_json
 from coral.errors import InputError
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET
-from coral.reef.ros.node import RosNode, ros_type
 from coral.reef.sea.operator import WORDS, OperatorWords
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.world.geometry import Pose
+from coral.ros_node import RosNode, ros_type
 
 PERIOD_S = 1.0
 FRAME = "map"

@@ -1,7 +1,7 @@
 import pytest
 
 from coral.errors import InputError
-from coral.reef.ros.node import ros_type
+from coral.ros_node import ros_type
 
 
 def test_without_ros_the_flag_and_the_way_out_are_named():

@@ -105,5 +105,6 @@ class RosNode:
     def _spin(self) -> None:
         try:
             self._executor.spin()
-        except (self._executors.ExternalShutdownException, self._executors.ShutdownException):
-            return
+        except Exception:  # of many types, when the context ends first
+            if self.context.ok():
+                raise
