@@ -79,6 +79,20 @@ def test_a_step_lasts_one_period_of_the_arms_clock():
     assert np.diff(after) == pytest.approx(np.full(2, 0.02), abs=0.0051)  # the fake clock has steps of 5 ms
 
 
+def test_no_two_steps_have_the_same_time_where_states_come_seldom():
+    stream, world = make()
+    world.reset()
+    told = stream.report
+
+    def seldom():
+        now = told()
+        return dataclasses.replace(now, time_s=0.06 * (now.time_s // 0.06))
+
+    stream.report = seldom
+    times = [world.step(HAND).time_s for _ in range(6)]
+    assert np.diff(times).min() > 0.05
+
+
 @pytest.mark.parametrize("cause", [cause for cause in StopCause if cause is not StopCause.NONE])
 def test_a_stop_ends_the_episode_with_its_name(cause):
     stream, world = make()

@@ -93,7 +93,7 @@ class FrankaWorld:
         self.control_period_s, self.stream = control_period_s, stream
         self._objects, self._dry_run, self._show, self._sleep = tuple(objects), dry_run, show, sleep
         self._base = np.asarray(cfg.base_m)
-        self._began_s = self._due_s = self._next_line_s = 0.0
+        self._began_s = self._due_s = self._seen_s = self._next_line_s = 0.0
 
     def reset(self) -> Observation:
         """See `RobotWorld.reset`.
@@ -108,7 +108,7 @@ class FrankaWorld:
         unseen = [name for name in self._objects if name not in report.objects]
         if unseen:
             raise WorldError("not-found", f"no pose of {', '.join(unseen)} has arrived")
-        self._began_s = self._due_s = self._next_line_s = report.time_s
+        self._began_s = self._due_s = self._seen_s = self._next_line_s = report.time_s
         return self._observe(report)
 
     def step(self, target: HandTarget) -> Observation:
@@ -125,7 +125,12 @@ class FrankaWorld:
         before = self._wait(lambda found: True, _SILENCE_S).time_s
         # After a pause, in which the arm has held its target, steps are not made up for.
         self._due_s = max(self._due_s, before - self.control_period_s) + self.control_period_s
-        return self._observe(self._wait(lambda found: found.time_s >= self._due_s - 1e-9, _SILENCE_S))
+        # Where states come less often than steps, each step waits for a new one.
+        report = self._wait(
+            lambda found: found.time_s >= self._due_s - 1e-9 and found.time_s > self._seen_s, _SILENCE_S
+        )
+        self._seen_s = report.time_s
+        return self._observe(report)
 
     def stop(self) -> None:
         """See `RobotWorld.stop`."""
