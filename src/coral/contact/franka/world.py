@@ -206,9 +206,9 @@ class FrankaDoubleWorld(FrankaWorld):
         self.double = double
 
     def truth(self) -> Truth:
-        """Return the true state, by which success is judged; its clock is that of the episode."""
+        """Return the true state, by which success is judged; its time is that of the last observation."""
         found = self.double.truth()
-        return replace(found, time_s=self.stream.report().time_s - self._began_s)
+        return replace(found, time_s=self._seen_s - self._began_s)
 
     def close(self) -> None:
         """See `RobotWorld.close`."""
