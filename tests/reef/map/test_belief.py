@@ -52,9 +52,9 @@ def test_what_was_seen_from_a_mistaken_place_is_to_be_seen_again():
     for x in (9.0, 13.0):
         made.update(BARE, Pose(x, 10.0, 0.0))
     assert np.isfinite(made.map.nearest).sum() > seen.sum()
-    made.look_again(2)
+    made.look_again(1, -1)
     assert (np.isfinite(made.map.nearest) <= seen).all()
-    made.look_again(99)
+    made.look_again(99, -1)
     assert not np.isfinite(made.map.nearest).any()
 
 
@@ -62,7 +62,7 @@ def test_what_an_earlier_survey_saw_is_not_taken_back():
     made, before = belief(), belief()
     before.update(BARE, Pose(5.0, 10.0, 0.0))
     made.map.recall(before.map.memory())
-    made.look_again(99)
+    made.look_again(99, -1)
     assert np.array_equal(made.map.nearest, before.map.nearest)
 
 

@@ -103,17 +103,29 @@ def test_a_wrong_match_is_taken_back_when_more_is_seen():
     localizer.update(camera((7.0, 4.5)).render(HERE), odometry, 120.0)
     assert localizer.locate(odometry).y == pytest.approx(6.0, abs=0.15)
     assert any(h.map.pose(odometry).y == pytest.approx(5.0, abs=0.15) for h in localizer.hypotheses[1:])
-    assert not localizer.mistaken
-    mistaken = []
     for _ in range(20):
         pose = localizer.update(water.render(HERE), odometry, 0.1)
-        mistaken.append(localizer.mistaken)
     assert pose[:2] == pytest.approx(HERE[:2], abs=0.15)
     assert len(localizer.landmarks) == 3
-    found = next(k for k, count in enumerate(mistaken) if count)
-    # The picture with the wrong match, those until the right one won, and those since the measurement before.
-    assert found + 1 <= mistaken[found] <= found + 6
-    assert not any(mistaken[found + 1 :])
+
+
+def test_once_one_hypothesis_prevails_it_is_told_which_pictures_were_misplaced():
+    water = camera((7.0, 5.5), (7.0, 4.5), (6.4, 6.2))
+    localizer = settled(water, cfg=dataclasses.replace(DRIFTS, less_likely=5.0))
+    odometry = shifted(HERE, 0.0, 0.52, 0.0)
+    localizer.update(camera((7.0, 4.5)).render(HERE), odometry, 120.0)
+    misplaced = [math.dist(localizer.locate(odometry)[:2], HERE[:2]) > 0.5]
+    told = []
+    for _ in range(60):
+        told.append((len(misplaced), localizer.mistaken))
+        misplaced.append(math.dist(localizer.update(water.render(HERE), odometry, 0.1)[:2], HERE[:2]) > 0.5)
+    told.append((len(misplaced), localizer.mistaken))
+    assert misplaced[0]
+    assert not misplaced[-1]
+    seen, spans = next(one for one in told if one[1])
+    before = seen - 2  # the last picture before the one that decided
+    taken_back = {k for first, end in spans for k in range(before - first, before - end)}
+    assert taken_back == {k for k in range(seen - 1) if misplaced[k]}
 
 
 def test_one_hypothesis_cannot_take_a_match_back():

@@ -118,9 +118,10 @@ class Belief:
             drawn = after
         self._drawn = drawn, after
 
-    def look_again(self, pictures: int) -> None:
-        """Take back what was seen from near in this robot's last pictures; clusters may no longer be visited."""
-        self.map.look_again(pictures * (1 + len(self.others)))
+    def look_again(self, first: int, end: int) -> None:
+        """Take back what this robot saw from near in some pictures, see the map; clusters may no longer be visited."""
+        robots = 1 + len(self.others)
+        self.map.look_again(first * robots, end * robots)
         height, width = self.map.target.shape
         self._seen = (0, height, 0, width)
 

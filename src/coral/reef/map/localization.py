@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +20,7 @@ from coral.reef.world.geometry import Frame, Pose
 UNUSED, NEW = -2, -1
 """Instead of the number of a landmark: the sighting shows none that is known, and starts one (NEW) or not."""
 MISTAKEN_M = 0.5
-"""A robot was mistaken if the hypothesis that it turns to lies this far from the one that it believed in (m)."""
+"""A picture was taken somewhere else than believed if the hypothesis that has prevailed puts it this far away (m)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,8 +80,8 @@ class Hypothesis:
     map: LandmarkMap
     score: float = 0.0
     """Logarithm of its likelihood, 0 for the best one."""
-    agreed: int = 0
-    """The last picture at which it and the best one of then lay less than `MISTAKEN_M` apart."""
+    past: tuple[Any, ...] = ()
+    """While others differ: its last measurement's (picture, error along x, along y), and the `past` before that."""
 
 
 class Localizer:
@@ -107,9 +110,11 @@ class Localizer:
         self._now_s = 0.0
         self._waited_s = math.inf
         self._picture = 0
-        self.mistaken = 0
-        """How many of the last pictures, that of the last `update` not among them, were placed by a hypothesis that
-        lost to another one in this update; mostly 0."""
+        self._believed: dict[int, tuple[float, float]] = {}
+        """The error that was believed at each measurement while hypotheses differed, by the number of its picture."""
+        self.mistaken: list[tuple[int, int]] = []
+        """What came out in the last `update`: spans of earlier pictures that were placed by a hypothesis that has lost,
+        the first and the one after the last, counted back from the one before this update's; mostly none."""
 
     @property
     def active(self) -> bool:
@@ -148,19 +153,33 @@ class Localizer:
         self._waited_s += dt
         self._now_s += dt
         self._picture += 1
-        self.mistaken = 0
+        self.mistaken = []
         if self._waited_s >= self.cfg.period_s - 1e-9:
             self._waited_s = 0.0
-            believed = self.hypotheses[0].map
             for sighting in self._detector.detect(frame):
                 self._measure(sighting, odometry)
-            best = self.hypotheses[0]
-            if not _near(best.map, believed):
-                self.mistaken = self._picture - 1 - best.agreed
-            self.hypotheses = [
-                replace(one, agreed=self._picture) if _near(one.map, best.map) else one for one in self.hypotheses
-            ]
+            self._remember()
         return self.locate(odometry)
+
+    def _remember(self) -> None:
+        """Note where each hypothesis puts the picture; once all that are left agree, find what was misplaced."""
+        best = self.hypotheses[0]
+        if all(math.dist(one.map.error[:2], best.map.error[:2]) < MISTAKEN_M for one in self.hypotheses):
+            times = [*self._believed, self._picture]
+            after = dict(pairwise(times))
+            last = self._picture - 1
+            self.mistaken = [
+                (last - picture, last - after[picture])
+                for picture, x, y in _steps(best.past)
+                if math.dist(self._believed[picture], (x, y)) >= MISTAKEN_M
+            ]
+            self._believed = {}
+            self.hypotheses = [replace(one, past=()) for one in self.hypotheses]
+        else:
+            self._believed[self._picture] = best.map.error[:2]
+            self.hypotheses = [
+                replace(one, past=(self._picture, *one.map.error[:2], one.past)) for one in self.hypotheses
+            ]
 
     def locate(self, odometry: Pose) -> Pose:
         """Correct a pose by odometry with the error that was last known."""
@@ -195,7 +214,7 @@ class Localizer:
                 break
             after = self._chosen(self.hypotheses[k].map, choice, sighting, odometry)
             if not any(self._alike(after, other.map) for other in kept):
-                kept.append(Hypothesis(after, score - best, self.hypotheses[k].agreed))
+                kept.append(Hypothesis(after, score - best, self.hypotheses[k].past))
         self.hypotheses = kept
 
     def _choices(self, hypothesis: Hypothesis, sighting: Sighting, odometry: Pose) -> list[tuple[float, int]]:
@@ -226,6 +245,8 @@ class Localizer:
         return max(x, y) < self.cfg.alike_m and theta < self.cfg.alike_rad
 
 
-def _near(one: LandmarkMap, other: LandmarkMap) -> bool:
-    """Check whether two maps put the robot at about the same place."""
-    return math.dist(one.error[:2], other.error[:2]) < MISTAKEN_M
+def _steps(past: tuple[Any, ...]) -> Iterator[tuple[int, float, float]]:
+    """Walk back through a hypothesis's past: (picture, error along x, along y)."""
+    while past:
+        yield past[0], past[1], past[2]
+        past = past[3]

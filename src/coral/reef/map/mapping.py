@@ -328,9 +328,15 @@ class OccupancyMap:
         self._combine(window)
         self.version += 1
 
-    def look_again(self, pictures: int) -> None:
-        """Take back from how near cells were seen in the last pictures: they were taken from somewhere else."""
-        self.nearest[self._neared > max(self._pictures - pictures, 0)] = np.inf
+    def look_again(self, first: int, end: int) -> None:
+        """Take back from how near cells were seen in some pictures: they were taken from somewhere else.
+
+        Args:
+            first: The first of them, counted back from the last one.
+            end: The one after the last of them.
+        """
+        begin, stop = max(self._pictures - first, 1), self._pictures - end
+        self.nearest[(self._neared >= begin) & (self._neared < stop)] = np.inf
 
     def close_off(self, cells: NDArray[np.bool_]) -> None:
         """Make cells obstacles for good, whatever a picture shows there: places where the robot must not go.

@@ -139,8 +139,8 @@ class Robot:
         if reading.frame is not None and reading.frame_pose is not None:
             before = self.localizer.locate(reading.frame_pose)
             after = self.localizer.update(reading.frame, reading.frame_pose, self._unlocated_s, reading.covariance)
-            if self.localizer.mistaken:
-                self.belief.look_again(self.localizer.mistaken)
+            for first, end in self.localizer.mistaken:
+                self.belief.look_again(first, end)
             self.belief.correct(before, after)
             self._unlocated_s = 0.0
         if reading.frame_pose is not None:
