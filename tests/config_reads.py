@@ -57,7 +57,8 @@ class Reads:
     def _overwrite(self, key, new):
         """Take all keys of a part for overwritten that is neither the user's nor a changed copy of the user's."""
         if id(new) not in self._origins or not dataclasses.is_dataclass(new):
-            keys = {known for keys in self._origins.values() for known in keys.values()}
+            # Questions are prepared in a thread of their own, which reads a configuration too.
+            keys = {known for keys in list(self._origins.values()) for known in keys.values()}
             self.overwritten |= {k for k in keys if k == key or k.startswith(f"{key}.")} - set(self.by_key)
 
 
