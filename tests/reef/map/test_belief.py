@@ -10,9 +10,11 @@ from coral.reef.map.belief import Belief, BeliefCfg
 from coral.reef.map.chain import Component
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
-from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
+from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.world.geometry import Frame, Label, Pose
+from coral.reef.world.scene import Scene
 
 CAMERA = CameraCfg()
 SHAPE = (CAMERA.height, CAMERA.width)
@@ -97,6 +99,29 @@ def test_a_cluster_where_most_pictures_show_seabed_is_doubtful():
     made.map.target[190:210, 270:290] = True
     made.update(BARE, Pose(3.0, 3.0, math.pi))
     assert [t.doubtful for t in made.tracks] == [True]
+
+
+def seen(pond, error_m=lambda x: 0.0, **noise):
+    """What a robot knows that has come 2.4 m nearer to one bed of the pond, of its own position this wrong."""
+    water = Camera(Scene.from_world(pond.model_copy(update={"clusters": pond.clusters[:1], "obstacles": ()})), CAMERA)
+    errs = SensorNoise(SensorNoiseCfg(**noise), np.random.default_rng(0), CAMERA)
+    made = Belief(OccupancyMap((14.0, 14.0), CAMERA))
+    for x in np.arange(2.0, 4.4, 0.03):
+        made.update(errs.apply(water.render(Pose(x, 3.5, 0.0))), Pose(x, 3.5 + error_m(x), 0.0))
+    return made.tracks
+
+
+def test_sensor_noise_that_looks_like_oysters_is_doubtful(pond):
+    mapped = [t for t in seen(pond, oyster_false=0.03) if not t.far]
+    assert len(mapped) > 1
+    for track in mapped:
+        assert track.doubtful is (math.dist((track.x, track.y), (6.0, 3.5)) > 1.0)
+
+
+@pytest.mark.parametrize("metres", [0.5, 0.8, 1.2])
+def test_a_cluster_that_drift_has_moved_keeps_one_dot(pond, metres):
+    (track,) = seen(pond, lambda x: metres if x < 3.2 else 0.0)
+    assert math.dist((track.x, track.y), (6.0, 3.5)) < metres
 
 
 def test_a_cluster_whose_goals_failed_too_often_is_given_up():
