@@ -1,12 +1,13 @@
 import asyncio
 import dataclasses
+import json
 from collections import Counter
 
 import numpy as np
 import pytest
 from pydantic import BaseModel, Field
 
-from coral.advisor.fallible import FallibleAdvisor, FallibleCfg
+from coral.advisor.fallible import FallibleAdvisor, FallibleCfg, spoil_number
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question
 from coral.advisor.rules import RuleAdvisor
 
@@ -121,11 +122,22 @@ def test_total_and_bounds():
             FallibleCfg(**bad)
 
 
-def test_hook_of_the_application():
-    advisor = FallibleAdvisor(
-        RuleAdvisor({"choice": lambda f, r: Choice(selected_index=1)}),
-        FallibleCfg(backward=1.0),
-        np.random.default_rng(0),
-        {"choice": lambda *_: {"selected_index": 42}},
-    )
-    assert ask(advisor)[0].selected_index == 42
+FACTS_SEEN = {"centroids": [{"index": 0}, {"index": 2, "visited": True}]}
+
+
+@pytest.mark.parametrize(
+    ("error", "right", "wrong"),
+    [
+        ("wrong_type", {"mass": 0.5}, {"mass": "two or three"}),
+        ("out_of_range", {"index": 3, "reason": "near"}, {"index": 4000, "reason": "near"}),
+        ("out_of_range", {"box": {"at": [0.5]}}, {"box": {"at": [1500.0]}}),
+        ("backward", {"forward_m": 3, "left_m": 1}, {"forward_m": -3, "left_m": 1}),
+        ("backward", {"index": 0, "sure": True}, {"index": 2, "sure": True}),
+        ("backward", {"mass": 0.5}, {"mass": -1}),
+        ("out_of_range", {"code": "x", "why": "y"}, {"why": "y"}),
+    ],
+)
+def test_one_number_of_an_answer_is_spoilt(error, right, wrong):
+    before = json.dumps(right)
+    assert spoil_number(error, right, FACTS_SEEN, np.random.default_rng(0)) == wrong
+    assert json.dumps(right) == before

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import json
 import math
-from collections.abc import Coroutine, Mapping, Sequence
+from collections.abc import Coroutine, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import BaseModel
 
-from coral.advisor.corrupt import corrupt
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply, Usage
-from coral.advisor.setting import Corrupt, Setting
+from coral.advisor.setting import Setting
 from coral.errors import InputError
 
 A = TypeVar("A", bound=BaseModel)
@@ -32,9 +32,9 @@ class FallibleCfg:
     wrong_type: float = 0.0
     """Words instead of a number."""
     out_of_range: float = 0.0
-    """An index or a number out of range."""
+    """An index or a number a thousand times too large."""
     backward: float = 0.0
-    """A point behind the robot."""
+    """A point behind the robot, a cluster that it has visited, or a number with the wrong sign."""
     stale: float = 0.0
     """The choice of the previous question, repeated."""
     refusal: float = 0.0
@@ -65,20 +65,15 @@ class FallibleAdvisor:
     such as `spoilt-out-of-range`, for readers of the log; no decision uses it.
     """
 
-    def __init__(
-        self, inner: Advisor, cfg: FallibleCfg, rng: np.random.Generator, hooks: Mapping[str, Corrupt] | None = None
-    ) -> None:
+    def __init__(self, inner: Advisor, cfg: FallibleCfg, rng: np.random.Generator) -> None:
         """Wrap an advisor.
 
         Args:
             inner: The wrapped advisor.
             cfg: Error rates.
             rng: Chooses the answers to spoil and their errors. Same seed, same errors.
-            hooks: Functions that spoil answers to a kind of question, if the general way (by the answer's schema and
-                the question's facts) is not sufficient.
         """
         self.inner, self._cfg, self._rng = inner, cfg, rng
-        self._hooks = dict(hooks or {})
         self._previous: dict[str, dict[str, Any]] = {}
         self.name = f"fallible:{sum(dataclasses.astuple(cfg)):g}:{inner.name}"
 
@@ -140,7 +135,46 @@ class FallibleAdvisor:
             return text[: max(1, min(cut, len(text) - 2))]  # the last brace alone may be missing
         if error == "stale" and previous is not None:
             return json.dumps(previous)
-        return json.dumps(self._hooks.get(question.kind, corrupt)(error, question, right, rng))
+        return json.dumps(spoil_number(error, right, question.facts, rng))
+
+
+def spoil_number(
+    error: str, right: Mapping[str, Any], facts: Mapping[str, Any], rng: np.random.Generator
+) -> dict[str, Any]:
+    """Return an answer with one of its numbers spoilt; without any number, it loses a field.
+
+    Args:
+        error: "wrong_type", "out_of_range", or something else for one that leads back.
+        right: The right answer as JSON.
+        facts: Facts of the question, whose `centroids` tell which were visited.
+        rng: Chooses the number.
+    """
+    answer = copy.deepcopy(dict(right))
+    places = list(_numbers(answer))
+    if not places:
+        del answer[next(iter(answer))]
+        return answer
+    ahead = [place for place in places if "forward" in str(place[1])]
+    holder, key = (ahead or places)[int(rng.integers(len(ahead or places)))]
+    value = holder[key]
+    if error == "wrong_type":
+        holder[key] = "two or three"
+    elif error == "out_of_range":
+        holder[key] = 1000 * (1 + abs(value))
+    elif "index" in str(key):
+        holder[key] = next((c["index"] for c in facts.get("centroids") or () if c.get("visited")), 0)
+    else:
+        holder[key] = -max(1, abs(value))
+    return answer
+
+
+def _numbers(value: Any) -> Iterator[tuple[Any, str | int]]:
+    """Yield where the numbers of a JSON value are: what holds each, and its key there."""
+    pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, item in pairs:
+        if isinstance(item, int | float) and not isinstance(item, bool):
+            yield value, key
+        yield from _numbers(item)
 
 
 def make_fallible(name: str, rest: str, setting: Setting) -> FallibleAdvisor:
@@ -157,4 +191,4 @@ def make_fallible(name: str, rest: str, setting: Setting) -> FallibleAdvisor:
         errors = FallibleCfg.total(float(rate))
     except ValueError:
         raise InputError(setting.where, "P", repr(rate), "a probability from 0 to 1") from None
-    return FallibleAdvisor(setting.inner(inner), errors, setting.rng, setting.spoil)
+    return FallibleAdvisor(setting.inner(inner), errors, setting.rng)

@@ -14,7 +14,7 @@ import numpy as np
 from coral.advisor.connect import KEYS
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
-from coral.advisor.setting import Corrupt, Mistake, Rule, Setting
+from coral.advisor.setting import Mistake, Rule, Setting
 from coral.errors import InputError, nearest
 from coral.plugins import find_plugins, load_plugin
 
@@ -181,7 +181,6 @@ def make_advisor(
     inbox: Path | None = None,
     cfg: ModelCfg | None = None,
     where: str = "--advisor",
-    spoil: Mapping[str, Corrupt] | None = None,
     mistakes: Sequence[Mistake] = (),
 ) -> Advisor:
     """Make the advisor that a string names.
@@ -193,7 +192,6 @@ def make_advisor(
         inbox: Folder of `desk` for its questions.
         cfg: Time-outs, budget and output mode of real models.
         where: Flag to name in an error message.
-        spoil: How `fallible` spoils answers to a kind of question (`Corrupt`), if the general way is not sufficient.
         mistakes: The application's plausible errors, for `sloppy`.
 
     Raises:
@@ -205,9 +203,7 @@ def make_advisor(
         raise InputError(where, "", repr(spec), _suggest_forms(spec))
 
     def inner(text: str) -> Advisor:
-        return make_advisor(
-            text, rules=rules, rng=rng, inbox=inbox, cfg=cfg, where=where, spoil=spoil, mistakes=mistakes
-        )
+        return make_advisor(text, rules=rules, rng=rng, inbox=inbox, cfg=cfg, where=where, mistakes=mistakes)
 
     setting = Setting(
         rules=rules,
@@ -216,7 +212,6 @@ def make_advisor(
         model=cfg or ModelCfg(),
         where=where,
         inner=inner,
-        spoil=spoil or {},
         mistakes=tuple(mistakes),
     )
     made: Advisor = _maker(entry, where)(entry.name, rest, setting)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +17,6 @@ Answer = dict[str, Any]
 """An answer as JSON."""
 Rule = Callable[[Mapping[str, Any], Sequence[Rejection]], BaseModel]
 """Answers one kind of question from its facts and the reasons for refusing earlier answers."""
-Corrupt = Callable[[str, Question[Any], Answer, np.random.Generator], Answer]
-"""Spoils an answer: (kind of error, question, answer as JSON, random generator) to another answer."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +67,5 @@ class Setting:
     """Flag to name in an error message."""
     inner: Callable[[str], Advisor]
     """Makes the inner advisor of a wrapper from its string."""
-    spoil: Mapping[str, Corrupt] = field(default_factory=dict)
-    """The application's functions that spoil an answer for `fallible`, by kind of question."""
     mistakes: tuple[Mistake, ...] = ()
     """The application's plausible errors, for `sloppy`."""

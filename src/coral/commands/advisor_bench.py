@@ -17,7 +17,6 @@ from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, make_advisor
 from coral.config import checked
 from coral.contact.episode.variants import contact_model
-from coral.contact.mistakes.crude import SPOILT
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.errors import InputError
 from coral.exam.asking import ask_all
@@ -130,7 +129,6 @@ class AdvisorBench:
             inbox=None if self.out is None else self.out / "inbox",
             cfg=checked(self.model, "--model"),
             where="--advisors",
-            spoil=SPOILT,
             mistakes=(*REEF_MISTAKES, *CONTACT_MISTAKES),
         )
 

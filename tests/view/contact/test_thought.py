@@ -11,7 +11,6 @@ from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
-from coral.contact.mistakes.crude import SPOILT
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.progress_monitor import OuterCfg
@@ -34,7 +33,7 @@ def spoilt(tmp_path_factory):
     """A second of a run whose advisor errs every other time, stuck once."""
     folder = tmp_path_factory.mktemp("thought") / "run"
     task = load_task("pick-box").model_copy(update={"time_limit_s": 1.0})
-    advisor = FallibleAdvisor(RuleAdvisor(RULES), FallibleCfg.total(0.5), np.random.default_rng([1, 2]), SPOILT)
+    advisor = FallibleAdvisor(RuleAdvisor(RULES), FallibleCfg.total(0.5), np.random.default_rng([1, 2]))
     setup = AdvisorSetup(advisor=advisor.name, given=advisor, seed=1, folder=folder, think=COARSE.think)
     strategist = make_strategist("full", task, setup)
     Episode(sample_trial(task, 1), "hand", strategist, COARSE, folder, variant="full", advisor=advisor.name).run()

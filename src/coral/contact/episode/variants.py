@@ -17,7 +17,6 @@ from coral.advisor.registry import make_advisor
 from coral.contact.cost_program import CostWorker
 from coral.contact.experts import expert
 from coral.contact.memory.memory import Memory
-from coral.contact.mistakes.crude import SPOILT
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters
@@ -91,7 +90,6 @@ def _asking_variant(
             rng=np.random.default_rng([asking.seed, 2]),
             inbox=asking.inbox,
             cfg=asking.model,
-            spoil=SPOILT,
             mistakes=CONTACT_MISTAKES,
         )
         latency = thinking_latency(think.latency, advisor, asking.advisor)

@@ -1,1 +1,1 @@
-"""Errors of models put into right answers: plausible ones for `sloppy`, crude ones for `fallible`."""
+"""Plausible errors of models, put into right answers by `sloppy`."""
