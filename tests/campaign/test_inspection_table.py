@@ -17,18 +17,19 @@ BY_VARIANT = {
 
 
 def table(by_variant):
-    return inspection_table(by_variant, str.upper, "Who.", ("From where.",))
+    groups = {variant.upper(): rows for variant, rows in by_variant.items()}
+    return inspection_table(groups, "Who.", ("From where.",))
 
 
 def test_means_stand_with_the_share_of_missions_that_got_there():
     found = table(BY_VARIANT)
     rows = {row[0]: dict(zip(found.header, row, strict=True)) for row in found.rows}
     assert list(rows) == ["FULL", "BLIND-SWEEP", "ORACLE"]
-    assert rows["FULL"]["inspected (%)"] == "90.0"
+    assert rows["FULL"]["inspected (%)"] == "90.0 [85.0, 95.0]"
     assert rows["FULL"]["to 90 % (s)"] == "120 (1/2)"
     assert rows["FULL"]["× oracle, to 90 %"] == "2.00 (1/2)"
     assert rows["BLIND-SWEEP"]["to 90 % (s)"] == "—"
-    assert rows["ORACLE"]["to 90 % (s)"] == "60"
+    assert rows["ORACLE"]["to 90 % (s)"] == "60 [60, 60]"
 
 
 def test_numbers_that_no_mission_has_make_no_column():

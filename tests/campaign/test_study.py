@@ -2,10 +2,10 @@ import json
 
 import pytest
 
+from coral.campaign.inspection_table import RESTRICTED
 from coral.campaign.measures import mean
 from coral.campaign.presets import by_preset, with_presets
 from coral.campaign.reef_tables import reef_tables
-from coral.campaign.study_tables import RESTRICTED, study_tables
 
 ABOUT = {"commit": "abc1234", "machine": "x86_64, 2 cores, Linux"}
 
@@ -62,32 +62,40 @@ ROWS = [
 
 
 def tables():
-    return study_tables(ROWS, ABOUT, "coral reef bench --study")
+    return reef_tables(ROWS, ABOUT, "coral reef bench --study")
 
 
-def test_every_preset_and_advisor_has_tables_one_to_three():
-    found = [(t.name, p, a) for t in tables() for p in ("clear", "hard") for a in ("heuristic (", "sloppy:0.6") if
-             f"Preset: {p}. Advisor: {a}" in t.caption and "differences" not in t.name]  # fmt: skip
-    assert len(found) == len(set(found)) == 12
-    assert {name for name, _, _ in found} == {"Table I", "Table II", "Table III"}
+def inspection():
+    table = next(table for table in tables() if table.name == "Inspection")
+    return {row[0]: dict(zip(table.header, row, strict=True)) for row in table.rows}
 
 
-def test_the_references_are_rows_of_every_table():
+def test_every_preset_and_advisor_has_the_papers_tables_and_what_was_inspected():
+    for name in ("Table I", "Table II", "Table III", "Inspection"):
+        captions = [table.caption for table in tables() if table.name == name]
+        found = {(p, a) for c in captions for p in ("clear", "hard") for a in ("heuristic (", "sloppy:0.6")
+                 if f"Advisor: {a}" in c and c.endswith(f"Preset: {p}.")}  # fmt: skip
+        assert len(found) == len(captions) == 4
+
+
+def test_the_references_are_rows_of_every_table_of_variants():
     for table in tables():
-        if table.name in ("Table I", "Table II"):
+        if table.name in ("Table I", "Table II", "Inspection"):
             assert [row[0] for row in table.rows][-2:] == ["blind sweep", "oracle tour (bound)"]
-        if table.name == "Table III":
-            assert "L-shape: oracle tour (bound)" in [row[0] for row in table.rows]
 
 
 def test_means_stand_with_their_intervals():
-    first = tables()[0]
-    row = dict(zip(first.header, next(r for r in first.rows if r[0] == "CORAL (full)"), strict=True))
+    row = inspection()["CORAL (full)"]
     assert row["inspected (%)"] == "95.0 [95.0, 95.0]"
     assert row["× oracle, to 90 %"] == "2.00 [2.00, 2.00]"
     assert row["answers refused (%)"] == "25.0 [25.0, 25.0]"
-    assert row["by advisor (%)"] == "100.0 [100.0, 100.0]"
     assert row["missions"] == "3"
+
+
+def test_differences_tell_what_was_inspected_too():
+    table = next(table for table in tables() if table.name == "Table II, differences")
+    row = dict(zip(table.header, next(row for row in table.rows if row[0].startswith("w/o self")), strict=True))
+    assert row["Δ to 90 %, at most 600 s (s)"] == "+40 [+40, +40]"
 
 
 def test_a_mission_that_never_gets_there_counts_with_the_horizon():

@@ -44,7 +44,6 @@ def test_means_stand_with_the_nominal_setting_first():
         ("current=0.5", "4", "50.0 [50.0, 50.0]", "1.5 [1.5, 1.5]"),
     )
     assert means.notes[-1] == "From where."
-    assert means.notes[-2].startswith("Few worlds to draw from (2)")
 
 
 def test_differences_are_paired_with_the_nominal_setting():
@@ -63,9 +62,3 @@ def test_without_the_nominal_setting_there_are_no_differences():
 
 def test_nothing_swept_makes_no_table():
     assert sweep_tables([row()], (COVERAGE,), "Who.", ()) == []
-
-
-def test_six_worlds_are_enough_for_an_interval_without_a_warning():
-    rows = [row(overrides, f"l{k}") for k in range(6) for overrides in ("{}", '{"current": 0.1}')]
-    for table in sweep_tables(rows, (COVERAGE,), "Who.", ()):
-        assert not any("Few worlds" in note for note in table.notes)

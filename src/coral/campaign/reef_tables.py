@@ -9,11 +9,21 @@ from pathlib import Path
 from typing import Any
 
 from coral.campaign.decided import decided_table, mark_notes, marked, share
-from coral.campaign.inspection_table import BASELINES, INSPECTED, TIME_TO_90, inspection_table
+from coral.campaign.inspection_table import (
+    BASELINES,
+    HORIZON_S,
+    INSPECTED,
+    ORACLE_RATIO,
+    RESTRICTED,
+    TIME_TO_90,
+    inspection_table,
+)
 from coral.campaign.measure_tables import differences_table, means_table
 from coral.campaign.measures import (
     Measure,
     Row,
+    difference,
+    difference_text,
     field,
     mean_text,
     pair,
@@ -21,8 +31,8 @@ from coral.campaign.measures import (
     time_to_count,
 )
 from coral.campaign.presets import CLEAR, by_preset
-from coral.campaign.question_table import question_table
 from coral.campaign.spec import NO_ADVISOR, called
+from coral.campaign.stats import FEW_WORLDS
 from coral.campaign.sweep import setting_text
 from coral.campaign.sweep_tables import sweep_tables
 from coral.campaign.table import Table
@@ -50,10 +60,20 @@ TABLE_II = (
     "no-topology",
 )
 TABLE_III = ("L", "S", "O", "K", "E")
+LAST_LINE = "Paper, last line: from its Tables I and II, calls per environment."
+ALL_MISSIONS = {"coverage": "94.28", "efficiency": "11.26", "calls": "54.7"}
+"""The paper's means over all topologies."""
 REFERENCE = "full"
 SWEPT = (COVERAGE, INSPECTED, TIME_TO_90, COLLISIONS, MISSION_TIME, DISTANCE, CALLS, DEVIATIONS)
-DRAWN = (COVERAGE, COLLISIONS, MISSION_TIME)
-"""Measures of a sweep, in its tables and in its figure."""
+"""Measures of a sweep."""
+INSPECTING = (INSPECTED, RESTRICTED, ORACLE_RATIO)
+"""Measures of what was inspected in the tables of differences. The time to 90 % itself is not among them: its pairs
+would leave out what failed."""
+DIFFERENCE = (
+    "Variant minus CORAL (full) in the same world with the same seed and advisor; 95 % intervals from a "
+    "seeded bootstrap that draws whole worlds. ≈: the interval contains zero, so these missions do not "
+    "distinguish the difference from chance."
+)
 
 
 @cache
@@ -66,7 +86,8 @@ def paper() -> dict[str, Any]:
 def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
     """Make all tables, one set for each preset and advisor: the paper's at the nominal setting, then the sweep's.
 
-    Without the nominal setting, the paper's tables are made once for each setting.
+    Without the nominal setting, the paper's tables are made once for each setting. With several presets or advisors,
+    the last table puts the effects of the variants side by side.
 
     Args:
         rows: Rows of the data set.
@@ -74,28 +95,25 @@ def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> 
         command: The command that makes the tables.
     """
     presets = by_preset(rows)
-    if list(presets) == [CLEAR]:
-        return _of_preset(rows, about, command)
-    return [
-        replace(table, caption=f"{table.caption} Preset: {preset}.")
-        for preset, own in presets.items()
-        for table in _of_preset(own, about, command)
-    ]
+    tables = []
+    for preset, own in presets.items():
+        made = _of_preset(own, about, command)
+        told = "" if list(presets) == [CLEAR] else f" Preset: {preset}."
+        tables += [replace(table, caption=f"{table.caption}{told}") for table in made]
+    return [table for table in (*tables, effects_table(rows)) if table.rows]
 
 
 def _of_preset(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
-    advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
     tables = []
     settings = list(dict.fromkeys(row["overrides"] for row in rows))
     for overrides in ("{}",) if "{}" in settings else settings:
-        for advisor in advisors:
+        for advisor in _advisors(rows):
             chosen = select(rows, advisor, overrides)
             if chosen:
                 tables += _tables(chosen, _source(rows, chosen, advisor, overrides, about, command), advisor)
-    for advisor in advisors:
+    for advisor in _advisors(rows):
         chosen = [row for overrides in settings for row in select(rows, advisor, overrides)]
-        for variant in dict.fromkeys(row["variant"] for row in chosen):
-            own = [row for row in chosen if row["variant"] == variant]
+        for variant, own in by_variant(chosen).items():
             tables += sweep_tables(
                 own,
                 SWEPT,
@@ -105,11 +123,22 @@ def _of_preset(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> l
     return tables
 
 
-def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[Table]:
-    by_variant: dict[str, list[Row]] = {}
+def _advisors(rows: Sequence[Row]) -> list[str]:
+    return list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
+
+
+def by_variant(rows: Sequence[Row]) -> dict[str, list[Row]]:
+    """Group missions by variant, in the order of the campaign."""
+    found: dict[str, list[Row]] = {}
     for row in rows:
-        by_variant.setdefault(row["variant"], []).append(row)
-    dream = {pair(row): int(row["clusters_covered"]) for row in by_variant.get("dream", ())}
+        found.setdefault(row["variant"], []).append(row)
+    return found
+
+
+def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[Table]:
+    found, who = by_variant(rows), f"Advisor: {called(advisor)}."
+    groups = {name(variant): own for variant, own in found.items()}
+    dream = {pair(row): int(row["clusters_covered"]) for row in found.get("dream", ())}
     coverage_time = time_to_count(dream)
     time_note = (
         "Coverage time: simulated time until as many clusters were covered as DREAM covered in that world and "
@@ -117,182 +146,144 @@ def _tables(rows: Sequence[Row], source: tuple[str, ...], advisor: str) -> list[
         if dream
         else "Coverage time is measured against DREAM’s count; `dream` is not among the variants."
     )
-    notes = paper()["notes"]
-    first = (COVERAGE, coverage_time, COLLISIONS, CALLS)
-    second = (COVERAGE, EFFICIENCY, DEVIATIONS)
+    numbers, full = paper(), found.get(REFERENCE, ())
     tables = []
-    if any(variant in by_variant for variant in TABLE_I):
-        tables += [
-            _beside_paper(
-                by_variant,
-                "Table I",
-                "Baselines",
-                (*TABLE_I, *BASELINES),
-                first,
-                (),
-                "I",
-                advisor,
-                (time_note, *notes["I"], *source),
-            ),
-            _differences(by_variant, "Table I, differences", (*TABLE_I, *BASELINES), first, advisor, source),
+    for key, what, variants, measures, more in (
+        ("I", "Baselines", TABLE_I, (COVERAGE, coverage_time, COLLISIONS, CALLS), ()),
+        ("II", "Ablations", TABLE_II, (COVERAGE, EFFICIENCY, DEVIATIONS), (COLLISIONS, CALLS)),
+    ):
+        if not any(variant in found for variant in variants):
+            continue
+        each = numbers.get(f"{key}_per_mission", {})
+        shown = [variant for variant in (*variants, *BASELINES) if variant in found]
+        lines = [
+            (name(variant), found[variant], _printed(numbers[key].get(variant, {}), each.get(variant, {})))
+            for variant in shown
         ]
-    if any(variant in by_variant for variant in TABLE_II):
+        caption = f"{what}: means per mission beside the paper’s numbers. {who}"
+        notes = (*((time_note,) if coverage_time in measures else ()), *numbers["notes"][key], *source)
+        tables += [
+            _beside_paper(f"Table {key}", caption, "variant", lines, measures, more, notes),
+            differences_table(
+                f"Table {key}, differences",
+                f"Paired differences from {name(REFERENCE)}. {who}",
+                "variant",
+                {name(variant): found[variant] for variant in shown if variant != REFERENCE},
+                full,
+                [m for m in (*measures, *more, *INSPECTING) if any(m.of(row) is not None for row in rows)],
+                (DIFFERENCE, *source),
+            ),
+        ]
+    if full:
+        kinds = [kind for kind in TABLE_III if any(row.get("topology") == kind for row in full)]
+        kinds += sorted({str(row.get("topology")) for row in full} - set(TABLE_III))
+        lines = [
+            (
+                f"{kind}-shape" if kind in TABLE_III else kind,
+                [row for row in full if row.get("topology") == kind],
+                numbers["III"].get(kind, {}),
+            )
+            for kind in kinds
+        ]
+        worlds = {world: [row for row in full if row["world"] == world] for world in {r["world"]: 0 for r in full}}
         tables += [
             _beside_paper(
-                by_variant,
-                "Table II",
-                "Ablations",
-                (*TABLE_II, *BASELINES),
-                second,
-                (COLLISIONS, CALLS),
-                "II",
-                advisor,
-                (*notes["II"], *source),
+                "Table III",
+                f"{name(REFERENCE)} by topology, means per mission. {who}",
+                "topology",
+                [*lines, ("all missions", full, ALL_MISSIONS)],
+                (COVERAGE, EFFICIENCY, CALLS),
+                (COLLISIONS,),
+                (LAST_LINE, *numbers["notes"]["III"], *source),
             ),
-            _differences(
-                by_variant,
-                "Table II, differences",
-                (*TABLE_II, *BASELINES),
-                (*second, COLLISIONS, CALLS),
-                advisor,
+            means_table(
+                "By world",
+                f"{name(REFERENCE)}, means per mission. {who}",
+                "world",
+                worlds,
+                (COVERAGE, MISSION_TIME, COLLISIONS, CALLS, REQUERIES, DEVIATIONS),
                 source,
             ),
         ]
-    if by_variant.get(REFERENCE):
-        tables += [
-            _by_topology(by_variant[REFERENCE], advisor, (*notes["III"], *source)),
-            _by_world(by_variant[REFERENCE], advisor, source),
-        ]
-    tables.append(inspection_table(by_variant, name, f"Advisor: {called(advisor)}.", source))
-    tables.append(question_table(by_variant, name, f"Advisor: {called(advisor)}.", source))
     everything = (COVERAGE, coverage_time, MISSION_TIME, EFFICIENCY, DISTANCE, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
-    groups = {name(variant): found for variant, found in by_variant.items()}
-    tables.append(
+    tables += [
+        inspection_table(groups, who, source),
         means_table(
             "All variants",
-            f"Means per mission. Advisor: {called(advisor)}.",
+            f"Means per mission. {who}",
             "variant",
             groups,
             (*everything, share("advisor"), share("fallback")),
             (time_note, *source),
-        )
-    )
-    caption = f"Who decided, and what it cost. Advisor: {called(advisor)}."
-    tables.append(decided_table(groups, caption, source, runs="missions"))
+        ),
+        decided_table(groups, f"Who decided, and what it cost. {who}", source, runs="missions"),
+    ]
     return [table for table in tables if table.rows]
 
 
+def _printed(numbers: Mapping[str, str], per_mission: Mapping[str, str]) -> dict[str, str]:
+    """Return the paper's numbers by measure, with what a total is for each mission."""
+    return {key: f"{text} ({per_mission[key]})" if key in per_mission else text for key, text in numbers.items()}
+
+
 def _beside_paper(
-    by_variant: Mapping[str, Sequence[Row]],
     label: str,
-    what: str,
-    variants: Sequence[str],
+    caption: str,
+    by: str,
+    lines: Sequence[tuple[str, Sequence[Row], Mapping[str, str]]],
     measures: Sequence[Measure],
     more: Sequence[Measure],
-    key: str,
-    advisor: str,
     notes: tuple[str, ...],
 ) -> Table:
-    """Return our means, each measure followed by the paper's number."""
-    header, rows = ["variant", "missions"], []
-    for measure in measures:
-        header += [measure.label, "paper"]
-    for variant in variants:
-        printed, each = paper()[key].get(variant, {}), paper().get(f"{key}_per_mission", {}).get(variant, {})
-        found = by_variant.get(variant, ())
-        if not found:
-            continue
-        row = [marked(name(variant), found), str(len(found))]
-        for measure in measures:
-            per_mission = f" ({each[measure.key]})" if measure.key in each else ""
-            row += [mean_text(found, measure), printed.get(measure.key, "–") + per_mission]
-        rows.append((*row, *(mean_text(found, measure) for measure in more)))
+    """Make a table of our means, each but those of `more` followed by the paper's number.
+
+    Args:
+        label: Name of the table.
+        caption: Its caption.
+        by: What a line is, such as "variant".
+        lines: Name, missions, and the paper's numbers by measure.
+        measures: Measures that the paper has.
+        more: Others.
+        notes: Notes under the table.
+    """
+    header = [by, "missions", *(text for m in measures for text in (m.label, "paper")), *(m.label for m in more)]
+    rows = []
+    for line, found, printed in lines:
+        cells = [text for m in measures for text in (mean_text(found, m), printed.get(m.key, "–"))]
+        rows.append((marked(line, found), str(len(found)), *cells, *(mean_text(found, m) for m in more)))
+    return Table(label, caption, tuple(header), tuple(rows), notes)
+
+
+def effects_table(rows: Sequence[Row]) -> Table:
+    """Make a line for each variant: by how much slower it is than the whole system, in every water with every advisor.
+
+    Without several of these, or without missions that were judged by inspection, there are no lines.
+    """
+    found = {
+        f"{preset}, {advisor}": by_variant(select(own, advisor, "{}"))
+        for preset, own in by_preset(rows).items()
+        for advisor in _advisors(rows)
+    }
+    found = {condition: own for condition, own in found.items() if own}
+    variants = dict.fromkeys(variant for own in found.values() for variant in own if variant != REFERENCE)
+    judged = len(found) > 1 and any(RESTRICTED.of(row) is not None for row in rows)
     return Table(
-        label,
-        f"{what}: means per mission beside the paper’s numbers. Advisor: {called(advisor)}.",
-        (*header, *(measure.label for measure in more)),
-        tuple(rows),
-        notes,
-    )
-
-
-def _differences(
-    by_variant: Mapping[str, Sequence[Row]],
-    label: str,
-    variants: Sequence[str],
-    measures: Sequence[Measure],
-    advisor: str,
-    source: tuple[str, ...],
-) -> Table:
-    """Return each variant minus the reference."""
-    note = (
-        "Variant minus CORAL (full) in the same world with the same seed and advisor; 95 % intervals from a "
-        "seeded bootstrap that draws whole worlds. ≈: the interval contains zero, so these missions do not "
-        "distinguish the difference from chance."
-    )
-    return differences_table(
-        label,
-        f"Paired differences from {name(REFERENCE)}. Advisor: {called(advisor)}.",
-        "variant",
-        {name(variant): by_variant.get(variant, ()) for variant in variants if variant != REFERENCE},
-        by_variant.get(REFERENCE, ()),
-        measures,
-        (note, *source),
-    )
-
-
-def _by_topology(rows: Sequence[Row], advisor: str, notes: tuple[str, ...]) -> Table:
-    """Make Table III: one line for each topology, then the mean of all missions."""
-    lines, measures = [], (COVERAGE, EFFICIENCY, CALLS)
-    kinds = [*TABLE_III, *sorted({str(row.get("topology")) for row in rows} - set(TABLE_III))]
-    for kind in kinds:
-        found = [row for row in rows if row.get("topology") == kind]
-        if not found:
-            continue
-        printed = paper()["III"].get(kind, {})
-        line = [marked(f"{kind}-shape" if kind in TABLE_III else kind, found), str(len(found))]
-        for measure in measures:
-            line += [mean_text(found, measure), printed.get(measure.key, "–")]
-        lines.append((*line, mean_text(found, COLLISIONS)))
-    line = [marked("all missions", rows), str(len(rows))]
-    for measure, value in zip(measures, ("94.28", "11.26", "54.7"), strict=True):
-        line += [mean_text(rows, measure), value]
-    lines.append((*line, mean_text(rows, COLLISIONS)))
-    header = ["topology", "missions"]
-    for measure in measures:
-        header += [measure.label, "paper"]
-    return Table(
-        "Table III",
-        f"{name(REFERENCE)} by topology, means per mission. Advisor: {called(advisor)}.",
-        (*header, COLLISIONS.label),
-        tuple(lines),
-        ("Paper, last line: from its Tables I and II, calls per environment.", *notes),
-    )
-
-
-def _by_world(rows: Sequence[Row], advisor: str, source: tuple[str, ...]) -> Table:
-    measures = (COVERAGE, MISSION_TIME, COLLISIONS, CALLS, REQUERIES, DEVIATIONS)
-    worlds = dict.fromkeys(row["world"] for row in rows)
-    lines = []
-    for world in worlds:
-        found = [row for row in rows if row["world"] == world]
-        worst = 100.0 * min(float(row["coverage"]) for row in found)
-        most = max(int(row["advisor_calls"]) for row in found)
-        lines.append(
+        "Effects",
+        f"Difference from {name(REFERENCE)} in the time to 90 % inspected (s), {HORIZON_S:.0f} s where never: "
+        "above zero is slower.",
+        ("variant", *found),
+        tuple(
             (
-                marked(world, found),
-                str(len(found)),
-                *(mean_text(found, measure) for measure in measures),
-                f"{worst:.1f}",
-                str(most),
+                name(variant),
+                *(
+                    difference_text(difference(own.get(variant, []), own.get(REFERENCE, []), RESTRICTED), 0)
+                    for own in found.values()
+                ),
             )
-        )
-    return Table(
-        "By world",
-        f"{name(REFERENCE)}, means per mission. Advisor: {called(advisor)}.",
-        ("world", "missions", *(measure.label for measure in measures), "least coverage (%)", "most calls"),
-        tuple(lines),
-        source,
+            for variant in variants
+            if judged
+        ),
+        ("≈: the interval holds zero, so these missions do not tell the difference from chance.",),
     )
 
 
@@ -330,6 +321,8 @@ def _source(
         parts.append(f"Configuration: {overrides}.")
     if len(versions) > 1:
         parts.append("Mixed: these missions ran on different versions of the code.")
+    if len(worlds) < FEW_WORLDS:
+        parts.append(f"Few worlds to draw from ({len(worlds)}): intervals are narrower than they should be.")
     if failed:
         parts.append(
             f"Failed and left out ({len(failed)}): {', '.join(_label(row) for row in failed[:4])}"

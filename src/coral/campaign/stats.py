@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 K = TypeVar("K", bound=Hashable)
 
+FEW_WORLDS = 6
+"""With fewer worlds a bootstrap has too few different samples: three worlds make ten."""
 RESAMPLES = 4000
 SEED = 20260314
 """Seed of the bootstrap: the same results give the same intervals."""

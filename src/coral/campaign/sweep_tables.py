@@ -9,9 +9,6 @@ from coral.campaign.measures import Measure, Row, mean_interval_text
 from coral.campaign.sweep import NOMINAL, in_order, setting_text
 from coral.campaign.table import Table
 
-FEW_WORLDS = 6
-"""With fewer worlds a bootstrap has too few different samples: three worlds make ten."""
-
 
 def by_setting(rows: Sequence[Row]) -> dict[str, list[Row]]:
     """Group rows by setting, the nominal one first."""
@@ -31,9 +28,6 @@ def sweep_tables(rows: Sequence[Row], measures: Sequence[Measure], caption: str,
         notes: Source of the numbers.
     """
     settings = by_setting(rows)
-    worlds = len({row["world"] for row in rows})
-    if worlds < FEW_WORLDS:
-        notes = (f"Few worlds to draw from ({worlds}): these intervals are narrower than they should be.", *notes)
     if not set(settings) - {NOMINAL}:
         return []
     nominal = settings.get(NOMINAL, [])

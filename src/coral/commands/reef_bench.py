@@ -17,13 +17,11 @@ from coral.campaign.campaign import Summary
 from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.inspection_table import BASELINES
 from coral.campaign.presets import KEY as PRESET
-from coral.campaign.presets import by_preset, with_presets
-from coral.campaign.reef_tables import DRAWN, REFERENCE, TABLE_I, TABLE_II, reef_tables
-from coral.campaign.spec import NO_ADVISOR, Spec, called, grid, parse_names, parse_seeds
+from coral.campaign.presets import with_presets
+from coral.campaign.reef_tables import REFERENCE, TABLE_I, TABLE_II, reef_tables
+from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store
-from coral.campaign.study_tables import study_tables
 from coral.campaign.sweep import parse_sweeps
-from coral.campaign.table import document
 from coral.campaign.version import code_version
 from coral.campaign.word_table import word_tables
 from coral.commands.campaigns import (
@@ -39,7 +37,6 @@ from coral.commands.config_flag import config_words, configured, given_keys, set
 from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.errors import InputError
-from coral.file_writer import write_whole
 from coral.flags import Option
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
@@ -113,8 +110,8 @@ class ReefBench(CampaignFlags):
     presets: Annotated[str, Option(help=preset_help("Water and sensors, separated by commas"))] = CLEAR
     study: Annotated[tuple[str, ...] | None, Option(metavar="[words]")] = None
     """The study: all variants of Tables I and II and the references, with the rules and two sloppy advisors, in clear
-    and hard water, each mission to its own end; writes study.md too. words:
-    missions in words, both halves, in three waters. Flags change these defaults."""
+    and hard water, each mission to its own end. words: missions in words, both halves, in three waters. Flags change
+    these defaults."""
     sweep: Annotated[tuple[str, ...], Option(repeated=True)] = ()
     """KEY=V1,V2,...: repeat the whole grid for each value. KEY: current, visibility, mask_errors, depth_noise,
     pose_drift, or a key of the configuration. If given several times, each key is swept separately."""
@@ -170,9 +167,9 @@ class ReefBench(CampaignFlags):
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the tables and where everything is."""
-        files = ("data", "tables", "figure", "sweep", *(("study",) if self.study == () else ()))
         several = len(parse_names(self.variants, "--variants")) > 1
-        return describe_campaign(self.out, result, "mission", files, SHOWN if several else SHOWN_OF_ONE)
+        shown = SHOWN if several else SHOWN_OF_ONE
+        return describe_campaign(self.out, result, "mission", ("data", "tables", "figure"), shown)
 
     def _worlds(self) -> dict[str, ReefWorld]:
         return {name: find_world(name) for name in expand_names(parse_names(self.worlds, "--worlds"))}
@@ -244,17 +241,9 @@ class ReefBench(CampaignFlags):
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
         results = read_results(store, "mission", "coral reef bench")
         tables = word_tables(results.rows, half_of) or reef_tables(results.rows, results.about, results.command)
-        study = {}
-        if self.study == ():
-            made = study_tables(results.rows, results.about, results.command)
-            path = self.out / CampaignFiles.STUDY
-            study = {"study": str(path)}
-            write_whole(path, document(made, "md", "Study of the reef survey").encode())
         return {
             **write_tables(store, results, tables, "Reef survey", summary),
-            **study,
             "figure": self._draw(store, results.done),
-            "sweep": self._draw_sweep(results.rows),
         }
 
     def _draw(self, store: Store, done: Sequence[Mapping[str, Any]]) -> str:
@@ -286,22 +275,6 @@ class ReefBench(CampaignFlags):
         path = self.out / CampaignFiles.TRAJECTORIES
         draw_overlay(runs, path, seed=seed, advisor=advisor)
         return str(path)
-
-    def _draw_sweep(self, rows: Sequence[Mapping[str, Any]]) -> str:
-        """Draw the sweep's figure under the first advisor; return "" if nothing was swept."""
-        from coral.campaign.sweep_figure import draw_sweep
-
-        done = [row for row in rows if row["status"] == "done"]
-        done = list(next(iter(by_preset(done).values()), []))
-        advisor = next((row["advisor"] for row in done if row["advisor"] != NO_ADVISOR), NO_ADVISOR)
-        variants: dict[str, list[Mapping[str, Any]]] = {}
-        for row in done:
-            if row["advisor"] in (advisor, NO_ADVISOR):
-                variants.setdefault(row["variant"], []).append(row)
-        worlds = ", ".join(dict.fromkeys(Path(row["world"]).stem for row in done))
-        path = self.out / CampaignFiles.SWEEP
-        drawn = draw_sweep(variants, DRAWN, path, title=f"{worlds} · advisor {called(advisor)}")
-        return str(path) if drawn else ""
 
     def _command(self) -> str:
         """Return the command that makes this campaign, without flags that do not change its results."""
@@ -339,7 +312,7 @@ class ReefBench(CampaignFlags):
         return words
 
 
-SHOWN = ("Sweep", "All variants", "Table I, differences", "Table II, differences")
+SHOWN = ("Sweep", "Effects", "All variants", "Table I, differences", "Table II, differences")
 SHOWN_OF_ONE = ("Missions in words", "Sweep", "By world", "All variants")
 """Tables that the terminal shows, two at most, of several variants and of one."""
 STUDY: dict[str, Any] = {
