@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from coral.view.decisions import decisions
-from coral.view.figures import clearance_chart, control_histogram, coverage_chart, event_chart, speed_chart
+from coral.view.figures import clearance_chart, coverage_chart, event_chart, speed_chart
 from coral.view.run import RunFolder
 
 CHARTS = (coverage_chart, speed_chart, clearance_chart, lambda run: event_chart(run, decisions(run)))
@@ -22,10 +22,10 @@ def drawn(svg):
     return root, [e.text for e in root.iter("text")], [e.text for e in root.iter("title")]
 
 
-def test_a_cluster_is_named_when_it_was_covered(run):
+def test_a_cluster_is_marked_when_it_was_covered(run):
     root, texts, titles = drawn(coverage_chart(run))
     assert titles == ["middle covered at 0:15", "north covered at 0:33"]
-    assert {"middle", "north", "100%"} <= set(texts)
+    assert "100%" in texts
     assert root.get("aria-label") == "Coverage over time"
 
 
@@ -38,7 +38,7 @@ def test_the_closest_pass_and_each_collision_are_marked(run):
 
 def test_the_speed_scale_holds_every_speed(run):
     fast = replace(run, trajectory={**run.trajectory, "u": run.column("u") + 1.3})
-    for one, top in ((run, "0.3"), (fast, "1.5")):
+    for one, top in ((run, "0.2"), (fast, "1.5")):
         _, texts, _ = drawn(speed_chart(one))
         assert top in texts
 
@@ -72,29 +72,3 @@ def test_a_run_without_anything_has_charts_too(run):
     empty = replace(run, events=(), trajectory={}, attempts=())
     for draw in CHARTS:
         assert drawn(draw(empty))[0].tag == "svg"
-
-
-def test_each_bar_of_the_histogram_tells_its_ticks(run):
-    _, texts, titles = drawn(control_histogram(run.timing))
-    assert titles == [
-        "0.00–1.00 ms: 200 ticks",
-        "1.00–2.00 ms: 180 ticks",
-        "2.00–3.00 ms: 20 ticks",
-        "4.00–5.00 ms: 1 ticks",
-    ]
-    assert {"median 1.20 ms", "99th percentile 4.00 ms"} <= set(texts)
-
-
-def test_a_slow_tick_takes_one_bar_and_not_the_whole_axis():
-    histogram = {"counts": [200, 180, 20, 0, 1], "edges": [0.0, 1.0, 2.0, 3.0, 4.0, 424.0]}
-    root, texts, titles = drawn(control_histogram({"control_ms_histogram": histogram}))
-    assert titles[-1] == "4.00–424.00 ms: 1 ticks"
-    assert "up to 424 ms" in texts
-    assert len({e.get("width") for e in root.iter("rect")}) == 1
-
-
-@pytest.mark.parametrize(
-    "histogram", [None, 3, {}, {"counts": [0, 0], "edges": [0, 1, 2]}, {"counts": [1, 2], "edges": [0, 1]}]
-)
-def test_without_counts_there_is_no_histogram(histogram):
-    assert control_histogram({"control_ms_histogram": histogram}) == ""

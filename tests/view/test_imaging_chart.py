@@ -1,6 +1,6 @@
 import json
 
-from coral.view.imaging_chart import imaging_chart
+from coral.view.figures import imaging_chart
 from coral.view.report import render_report
 from coral.view.run import RunFolder
 

@@ -1,90 +1,98 @@
-"""The charts of a run report: coverage, motion, events, control time."""
+"""The charts of a run report: what was seen by when, motion, events."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
 
+from coral.run_files import SurveyFiles
+from coral.view.curves import curves_chart
 from coral.view.decisions import Decision
-from coral.view.run import Record, RunFolder
-from coral.view.svg import LEFT, RIGHT, WIDTH, Span, chart, clock, line, path, text, thin, time_axis
+from coral.view.run import Record, RunFolder, read_table
+from coral.view.svg import LEFT, Floats, Span, chart, clock, levels, line, path, text, thin, time_axis
 
 ROBOT_RADIUS_M = 0.3
 """Radius of the disc for collisions (CORAL IV-F)."""
+INSPECTED_MARKS = (0.5, 0.8, 0.9, 1.0)
+"""Shares whose times are marked on the curve of the inspected area."""
 
 
 def coverage_chart(run: RunFolder) -> str:
-    """Draw the share of true clusters covered over time, each cluster named at the time of its coverage."""
+    """Draw the share of true clusters covered over time, with a dot for each cluster."""
+    times, coverage = run.column("t"), run.column("coverage")
+    marks = []
+    if len(times):
+        times = np.concatenate([[0.0], times])
+        coverage = np.concatenate([[0.0 if math.isnan(coverage[0]) else coverage[0]], coverage])
+        for event in run.select("cluster_covered"):
+            at = float(event["t"])
+            level = float(np.interp(at + 0.15, times, coverage))
+            marks.append((at, level, f"{event.get('name', '')} covered at {clock(at)}"))
+    return _shares_chart(run, "Coverage over time", "clusters", {"covered": (times, coverage)}, marks)
+
+
+def imaging_chart(run: RunFolder) -> str:
+    """Draw the shares of the oyster area that were imaged and inspected over time; "" for a run without them."""
+    table = read_table(run.path / SurveyFiles.JUDGE)
+    if not {"t", "imaged", "inspected"} <= table.keys() or not len(table["t"]):
+        return ""
+    t, inspected = table["t"], table["inspected"]
+    marks = []
+    for share in INSPECTED_MARKS:
+        reached = np.flatnonzero(inspected >= share - 1e-6)
+        if reached.size:
+            at = float(t[reached[0]])
+            marks.append((at, share, f"{share:.0%} inspected at {clock(at)}"))
+    curves = {"imaged": (t, table["imaged"]), "inspected": (t, inspected)}
+    return _shares_chart(run, "Imaged and inspected over time", "oyster area", curves, marks)
+
+
+def _shares_chart(
+    run: RunFolder,
+    label: str,
+    of: str,
+    curves: Mapping[str, tuple[Floats, Floats]],
+    marks: Sequence[tuple[float, float, str]],
+) -> str:
+    """Draw shares over time as steps.
+
+    Args:
+        run: The run.
+        label: Label for screen readers.
+        of: What they are shares of.
+        curves: Times (s) and shares by name; the last one is drawn strongest, and its last value is told.
+        marks: Time (s), share and text of dots.
+    """
     axis = time_axis(run.duration_s)
     top, bottom = 26.0, 196.0
     y = Span(0.0, 1.0, bottom, top)
-    body = []
-    for share in (0.0, 0.25, 0.5, 0.75, 1.0):
-        body += [
-            line(axis.start_px, y(share), axis.end_px, y(share), "grid"),
-            text(LEFT - 8, y(share) + 4, f"{share:.0%}", "tick", "end"),
-        ]
-    times, coverage = run.column("t"), run.column("coverage")
-    if len(times):
-        t = np.concatenate([[0.0], times])
-        c = np.concatenate([[0.0 if math.isnan(coverage[0]) else coverage[0]], coverage])
-        change = np.concatenate([[True], np.diff(c) != 0])
-        change[-1] = True
-        xs, ys = [axis(float(v)) for v in t[change]], [y(float(v)) for v in c[change]]
-        curve = path(xs, ys, "curve good", steps=True)
-        area = curve.split('"')[1] + f"L{xs[-1]:.1f},{bottom:.1f}L{xs[0]:.1f},{bottom:.1f}Z"
-        body += [f'<path d="{area}" class="area good"/>', curve]
-        used = [-math.inf] * 3
-        for event in run.select("cluster_covered"):
-            at = float(event["t"])
-            level = y(float(np.interp(at + 0.15, t, c)))
-            x = axis(at)
-            row = next((k for k, end in enumerate(used) if x > end + 4), 0)
-            name = str(event.get("name", ""))
-            used[row] = x + 7.0 * len(name) + 10
-            body += [
-                f'<circle cx="{x:.1f}" cy="{level:.1f}" r="4.5" class="dot good"><title>'
-                f"{escape(name)} covered at {clock(at)}</title></circle>",
-                text(
-                    min(x + 8, axis.end_px - 20),
-                    level + 16 + 14 * row if level < 150 else level - 8 - 13 * row,
-                    name,
-                    "mark",
-                    "start",
-                ),
-            ]
-    body.append(text(LEFT - 68, (top + bottom) / 2, "clusters", "name rot"))
-    return chart(224, body, axis, label="Coverage over time", top=top, bottom=bottom)
+    body = levels(axis, y, {share: f"{share:.0%}" for share in (0.0, 0.25, 0.5, 0.75, 1.0)})
+    key_px = axis.end_px
+    for number, (name, (t, values)) in enumerate(reversed(list(curves.items()))):
+        cls = "faint" if number else "main"
+        told = name if number or not len(values) or not math.isfinite(values[-1]) else f"{name} {values[-1]:.0%}"
+        changed = np.concatenate([[True], np.diff(values) != 0.0]) if len(values) else np.zeros(0, bool)
+        changed[-1:] = True
+        body.append(path([axis(v) for v in t[changed]], [y(v) for v in values[changed]], f"curve {cls}", steps=True))
+        body.append(text(key_px, top - 8, told, f"key {cls}", "end"))
+        key_px -= 7.2 * len(told) + 24
+    body += [
+        f'<circle cx="{axis(at):.1f}" cy="{y(share):.1f}" r="4.5" class="dot main">'
+        f"<title>{escape(said)}</title></circle>"
+        for at, share, said in marks
+    ]
+    body.append(text(LEFT - 68, (top + bottom) / 2, of, "name rot"))
+    return chart(224, body, axis, label=label, top=top, bottom=bottom)
 
 
 def speed_chart(run: RunFolder) -> str:
-    """Draw the forward speed, actual and commanded."""
-    axis = time_axis(run.duration_s)
-    t, u, v, command = run.column("t"), run.column("u"), run.column("v"), run.column("v_cmd")
-    speed = np.hypot(u, v)
-    highest = max([0.2] + [float(np.nanmax(a)) for a in (speed, command) if len(a) and np.isfinite(a).any()])
-    top, bottom = 24.0, 150.0
-    y = Span(0.0, math.ceil(highest * 10 + 0.2) / 10, bottom, top)
-    body = [
-        part
-        for value in y.ticks(4)
-        for part in (
-            line(axis.start_px, y(value), axis.end_px, y(value), "grid"),
-            text(LEFT - 8, y(value) + 4, f"{value:g}", "tick", "end"),
-        )
-    ]
-    for values, cls in ((command, "curve faint"), (speed, "curve main")):
-        times, kept = thin(t, values)
-        body.append(path([axis(float(a)) for a in times], [y(float(b)) for b in np.clip(kept, 0, y.high)], cls))
-    body += [
-        text(LEFT - 68, (top + bottom) / 2, "speed, m/s", "name rot"),
-        text(axis.end_px, top - 8, "actual", "key main", "end"),
-        text(axis.end_px - 54, top - 8, "commanded", "key faint", "end"),
-    ]
-    return chart(176, body, axis, label="Speed over time", top=top, bottom=bottom)
+    """Draw the speed over ground, and the forward speed that was commanded."""
+    speed = np.hypot(run.column("u"), run.column("v"))
+    curves = {"actual": speed, "commanded": run.column("v_cmd")}
+    return curves_chart(run.duration_s, run.column("t"), curves, "speed, m/s", height=176.0, floor=0.0)
 
 
 def clearance_chart(run: RunFolder) -> str:
@@ -94,20 +102,11 @@ def clearance_chart(run: RunFolder) -> str:
     top, bottom = 24.0, 180.0
     lowest = float(np.nanmin(clearance)) if np.isfinite(clearance).any() else 0.0
     y = Span(min(0.0, math.floor(lowest * 10) / 10), 2.0, bottom, top)
+    times, kept = thin(t, np.minimum(clearance, 2.0))
     body = [
         f'<rect x="{LEFT}" y="{y(ROBOT_RADIUS_M):.1f}" width="{axis.end_px - LEFT:.1f}" '
-        f'height="{y(0) - y(ROBOT_RADIUS_M):.1f}" class="band"/>'
-    ]
-    body += [
-        part
-        for value in (0.0, 0.5, 1.0, 1.5, 2.0)
-        for part in (
-            line(axis.start_px, y(value), axis.end_px, y(value), "grid"),
-            text(LEFT - 8, y(value) + 4, f"{value:g}" + ("+" if value == 2 else ""), "tick", "end"),
-        )
-    ]
-    times, kept = thin(t, np.minimum(clearance, 2.0))
-    body += [
+        f'height="{y(0) - y(ROBOT_RADIUS_M):.1f}" class="band"/>',
+        *levels(axis, y, {0.0: "0", 0.5: "0.5", 1.0: "1", 1.5: "1.5", 2.0: "2+"}),
         path([axis(float(a)) for a in times], [y(float(b)) for b in kept], "curve main"),
         line(axis.start_px, y(0.0), axis.end_px, y(0.0), "limit"),
         text(LEFT - 68, (top + bottom) / 2, "clearance, m", "name rot"),
@@ -231,62 +230,3 @@ def _mode_bars(modes: Sequence[Record], axis: Span, end_s: float, y: float) -> l
         if width > 8.0 * len(mode):
             bars.append(text(x + 6, y + 4, mode, "inbar", "start"))
     return bars
-
-
-def control_histogram(timing: Record) -> str:
-    """Draw the wall time of control ticks on a logarithmic count axis; "" without data."""
-    histogram = timing.get("control_ms_histogram")
-    if not isinstance(histogram, dict):
-        return ""
-    counts = [int(c) for c in histogram.get("counts") or ()]
-    edges = [float(e) for e in histogram.get("edges") or ()]
-    if not sum(counts) or len(edges) != len(counts) + 1:
-        return ""
-    last = max(k for k, count in enumerate(counts) if count) + 1
-    width = edges[1] - edges[0]
-    x = Span(0.0, edges[max(last, 4) - 1] + width if len(edges) > 4 else edges[-1], LEFT, WIDTH - RIGHT)
-    top, bottom = 12.0, 150.0
-    decades = max(1, math.ceil(math.log10(max(counts) + 1)))
-    y = Span(-0.3, decades, bottom, top)
-    body = [
-        part
-        for k in range(decades + 1)
-        for part in (
-            line(LEFT, y(k), WIDTH - RIGHT, y(k), "grid"),
-            text(LEFT - 8, y(k) + 4, f"{10**k:,}", "tick", "end"),
-        )
-    ]
-    for k, count in enumerate(counts[:last]):
-        if count:
-            height = bottom - y(math.log10(count))
-            body.append(
-                f'<rect x="{x(edges[k]) + 0.5:.1f}" y="{bottom - height:.1f}" '
-                f'width="{max(1.0, x(edges[k] + width) - x(edges[k]) - 1):.1f}" height="{height:.1f}" class="bar">'
-                f"<title>{edges[k]:.2f}–{edges[k + 1]:.2f} ms: {count} ticks</title></rect>"
-            )
-    if edges[last] - edges[last - 1] > 1.5 * width:
-        body.append(text(x.end_px, bottom - 10 - height, f"up to {edges[last]:.0f} ms", "mark", "end"))
-    for key, name in (("control_ms_median", "median"), ("control_ms_p99", "99th percentile")):
-        value = timing.get(key)
-        if isinstance(value, int | float) and value <= x.high:
-            right = x(value) > WIDTH - 200
-            body += [
-                line(x(value), top, x(value), bottom, "limit main"),
-                text(
-                    x(value) + (-6 if right else 6),
-                    top + 10 + (14 if key.endswith("p99") else 0),
-                    f"{name} {value:.2f} ms",
-                    "mark",
-                    "end" if right else "start",
-                ),
-            ]
-    body += [text(x(v), bottom + 18, f"{v:g}", "tick") for v in x.ticks(10)]
-    body += [
-        text(WIDTH - RIGHT, bottom + 34, "milliseconds per control tick", "tick", "end"),
-        text(LEFT - 68, (top + bottom) / 2, "ticks", "name rot"),
-        line(LEFT, bottom, WIDTH - RIGHT, bottom, "axis"),
-    ]
-    return (
-        f'<svg viewBox="0 0 {WIDTH:.0f} 190" class="chart" role="img" aria-label="Control time histogram">'
-        f"{''.join(body)}</svg>"
-    )

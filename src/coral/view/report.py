@@ -22,12 +22,11 @@ from coral.view.decisions import Decision, decisions
 from coral.view.figures import (
     HELD,
     clearance_chart,
-    control_histogram,
     coverage_chart,
     event_chart,
+    imaging_chart,
     speed_chart,
 )
-from coral.view.imaging_chart import imaging_chart
 from coral.view.mapsvg import MapSvg, cluster_fate, color_of
 from coral.view.page import TEMPLATES, metric_name, metric_rows, metric_text, origin, render_page, write_page
 from coral.view.run import Record, RunFolder
@@ -77,7 +76,6 @@ def render_report(run: RunFolder) -> str:
         map=Markup(drawing.draw(made)),
         decisions=made,
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, made)],
-        histogram=Markup(control_histogram(run.timing)),
         pictures=pictures,
         rows=metric_rows(metrics, DEFINITIONS),
         each=_robot_table(metrics),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
@@ -65,6 +65,12 @@ def text(x: float, y: float, words: str, cls: str = "", anchor: str = "middle") 
 def line(x1: float, y1: float, x2: float, y2: float, cls: str) -> str:
     """Draw a straight line."""
     return f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" class="{cls}"/>'
+
+
+def levels(axis: Span, y: Span, ticks: Mapping[float, str]) -> list[str]:
+    """Draw a line across the chart at each value, with its label on the left."""
+    lines = [line(axis.start_px, y(value), axis.end_px, y(value), "grid") for value in ticks]
+    return lines + [text(LEFT - 8, y(value) + 4, label, "tick", "end") for value, label in ticks.items()]
 
 
 def path(xs: Sequence[float] | Floats, ys: Sequence[float] | Floats, cls: str, *, steps: bool = False) -> str:

@@ -2,12 +2,10 @@ import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from coral.view.contact.figures import (
     cost_chart,
-    curves_chart,
     force_chart,
     motion_chart,
     opening_chart,
@@ -37,22 +35,6 @@ def test_contacts_of_the_whole_run_have_ended(recorded):
     touches = touching(run)
     assert {(touch["first"], touch["second"]) for touch in touches} >= {("box", "table")}
     assert all(touch["begun_s"] <= touch["ended_s"] <= run.duration_s + 1e-6 for touch in touches)
-
-
-def test_a_legend_of_many_names_takes_more_rows(recorded):
-    run = RunFolder.read(recorded)
-    t = run.column("t")
-    few, many = (curves_chart(run, t, {f"a rather long name {k}": t for k in range(n)}, "x") for n in (2, 12))
-    heights = [float(re.search(r'viewBox="0 0 1100 (\d+)', svg)[1]) for svg in (few, many)]
-    assert heights[1] > heights[0]
-
-
-def test_colours_that_come_again_are_dashed(recorded):
-    run = RunFolder.read(recorded)
-    t = run.column("t")
-    svg = curves_chart(run, t, {str(k): t for k in range(11)}, "x")
-    assert svg.count("stroke:#0b6470;stroke-dasharray") == 2  # in the legend and as a curve
-    assert svg.count("stroke:#0b6470") == 4
 
 
 def test_the_forces_that_a_task_asks_for_are_drawn_and_told(recorded):
@@ -121,11 +103,3 @@ def test_what_was_lost_and_found_is_told_in_a_sentence(recorded):
     )
     assert tracks(replace(run, events=events)) == "box lost at 1.00 s (hidden); box found at 2.50 s."
     assert tracks(replace(run, events=events * 20)).endswith(" ….")
-
-
-def test_a_value_that_is_missing_leaves_a_gap_and_a_band_is_on_the_scale(recorded):
-    run = RunFolder.read(recorded)
-    t = np.array([0.0, 0.5, 1.0])
-    svg = curves_chart(run, t, {"x": np.array([1.0, np.nan, 2.0])}, "x", bands=[(9.0, 1.0)])
-    assert "nan" not in svg
-    assert "10" in [e.text for e in ET.fromstring(svg).iter("text")]

@@ -26,7 +26,7 @@ def test_a_report_shows_outcome_pictures_charts_and_where_it_comes_from(copy):
     page = write_contact_report(copy).read_text()
     assert "Not done within 1 s of simulated time" in page
     assert page.count("data:image/webp") == len(moments(RunFolder.read(copy)))
-    for said in ("Cost, term by term", "Force", "Contact points", "final belief", "pick-box", "Paths"):
+    for said in ("Cost, term by term", "Force", "final belief", "pick-box"):
         assert said in page
     assert (copy / "keyframes.png").read_bytes().startswith(b"\x89PNG")
 

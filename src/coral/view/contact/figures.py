@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from html import escape
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from coral.view.curves import HUES, curves_chart
 from coral.view.run import Record, RunFolder
-from coral.view.svg import LEFT, RIGHT, WIDTH, Span, chart, line, path, text, thin, time_axis
-
-Floats = NDArray[np.float64]
-HUES = ("#0b6470", "#c8352b", "#b86e00", "#5a3ea8", "#178048", "#195ae6", "#8a4b2a", "#be00aa", "#5d6b7a", "#7a8f00")
-"""Colours of curves, distinguishable in this order for most people."""
+from coral.view.svg import LEFT, RIGHT, WIDTH, Span, chart, line, text, time_axis
 
 
 def stages_chart(run: RunFolder) -> str:
@@ -56,7 +52,7 @@ def cost_chart(run: RunFolder) -> str:
     names = list(dict.fromkeys(name for plan in plans for name in plan.get("terms", {})))
     t = np.array([float(plan["t"]) for plan in plans])
     curves = {name: np.array([_value(plan["terms"].get(name)) for plan in plans]) for name in names}
-    return curves_chart(run, t, curves, "expected cost", stages=True)
+    return curves_chart(run.duration_s, t, curves, "expected cost", marks=_stage_starts(run))
 
 
 def _value(value: object) -> float:
@@ -68,7 +64,7 @@ def samples_chart(run: RunFolder) -> str:
     plans = run.select("plan")
     t = np.array([float(plan["t"]) for plan in plans])
     return curves_chart(
-        run,
+        run.duration_s,
         t,
         {"effective samples": np.array([float(plan["ess"]) for plan in plans])},
         "samples",
@@ -85,7 +81,7 @@ def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
         **{f"on the {name}": run.column(f"{name}_hand_force") for name in objects},
     }
     bands = [(value, value * share) for _, value, share in _forces(run)]
-    return curves_chart(run, run.column("t"), curves, "force, N", floor=0.0, bands=bands)
+    return curves_chart(run.duration_s, run.column("t"), curves, "force, N", floor=0.0, bands=bands)
 
 
 def wanted_forces(run: RunFolder) -> str:
@@ -111,13 +107,13 @@ def _forces(run: RunFolder) -> list[tuple[str, float, float]]:
 def motion_chart(run: RunFolder, objects: Sequence[str]) -> str:
     """Draw the heights above the table."""
     curves = {"tool": run.column("z"), **{name: run.column(f"{name}_z") for name in objects}}
-    return curves_chart(run, run.column("t"), curves, "height, m", stages=True)
+    return curves_chart(run.duration_s, run.column("t"), curves, "height, m", marks=_stage_starts(run))
 
 
 def opening_chart(run: RunFolder) -> str:
     """Draw the distance between the fingers, commanded and measured."""
     curves = {"measured": 1e3 * run.column("opening"), "commanded": 1e3 * run.column("cmd_opening")}
-    return curves_chart(run, run.column("t"), curves, "opening, mm", height=150.0, floor=0.0)
+    return curves_chart(run.duration_s, run.column("t"), curves, "opening, mm", height=150.0, floor=0.0)
 
 
 def tracking_chart(run: RunFolder, objects: Sequence[str]) -> str:
@@ -125,7 +121,7 @@ def tracking_chart(run: RunFolder, objects: Sequence[str]) -> str:
     curves = {name: 1e3 * run.column(f"{name}_off_m") for name in objects}
     if not any(np.isfinite(values).any() for values in curves.values()):
         return ""
-    return curves_chart(run, run.column("t"), curves, "off, mm", height=150.0, floor=0.0)
+    return curves_chart(run.duration_s, run.column("t"), curves, "off, mm", height=150.0, floor=0.0)
 
 
 def tracks(run: RunFolder) -> str:
@@ -139,83 +135,6 @@ def tracks(run: RunFolder) -> str:
     return f"{'; '.join(said[:20])}{' …' if len(said) > 20 else ''}." if said else "No object was lost."
 
 
-def curves_chart(
-    run: RunFolder,
-    t: Floats,
-    curves: Mapping[str, Floats],
-    label: str,
-    *,
-    height: float = 216.0,
-    floor: float | None = None,
-    bands: Sequence[tuple[float, float]] = (),
-    stages: bool = False,
-) -> str:
-    """Draw curves on one scale, with a legend above.
-
-    Args:
-        run: The run.
-        t: Shape=(N,) s.
-        curves: Name to values, Shape=(N,).
-        label: Label of the vertical axis, also for screen readers.
-        height: Height of the plot (px).
-        floor: A value that the scale must include.
-        bands: Wanted values with their tolerances.
-        stages: Whether to mark the beginning of each stage.
-    """
-    axis = time_axis(run.duration_s)
-    legend, rows = _legend(list(curves))
-    top, bottom = 14.0 + 16.0 * rows, height - 42.0 + 16.0 * rows
-    height += 16.0 * (rows - 1)
-    finite = [values[np.isfinite(values)] for values in curves.values()]
-    everything = np.concatenate([*finite, np.array([value + off for value, off in bands]), np.zeros(1)])
-    low = float(everything.min()) if floor is None else min(floor, float(everything.min()))
-    y = Span(low, float(everything.max()) + 1e-6, bottom, top)
-    body = [
-        part
-        for value in y.ticks(5)
-        for part in (
-            line(axis.start_px, y(value), axis.end_px, y(value), "grid"),
-            text(LEFT - 8, y(value) + 4, f"{value:g}", "tick", "end"),
-        )
-    ]
-    for value, off in bands:
-        upper, lower = y(value + off), y(max(value - off, low))
-        body.append(
-            f'<rect x="{LEFT}" y="{upper:.1f}" width="{axis.end_px - LEFT:.1f}" height="{lower - upper:.1f}" '
-            'style="fill:#17804818"/>'
-        )
-        body.append(line(axis.start_px, y(value), axis.end_px, y(value), "limit main"))
-    if stages:
-        began = [axis(start) for start, _, _ in stage_spans(run) if start > 0]
-        body += [line(x, top, x, bottom, "limit main") for x in began]
-    body += legend
-    for k, values in enumerate(curves.values()):
-        times, kept = thin(t, values)
-        curve = path([axis(float(a)) for a in times], [y(float(b)) for b in kept], "curve")
-        body.append(curve.replace('class="curve"', f'class="curve" style="{_stroke(k)}"'))
-    body.append(text(LEFT - 78, (top + bottom) / 2, label, "name rot"))
-    return chart(height, body, axis, label=label, top=top, bottom=bottom)
-
-
-def _stroke(k: int) -> str:
-    """Return the style of curve number k: when the colours are used up, they come again dashed."""
-    return f"stroke:{HUES[k % len(HUES)]}" + (";stroke-dasharray:5 3" if k // len(HUES) % 2 else "")
-
-
-def _legend(names: Sequence[str]) -> tuple[list[str], int]:
-    """Draw names beside their colours; return also the number of rows."""
-    parts, x, row = [], LEFT, 0
-    for k, name in enumerate(names):
-        width = 34.0 + 7.2 * len(name)
-        if x + width > WIDTH - RIGHT and x > LEFT:
-            x, row = LEFT, row + 1
-        y = 10 + 16 * row
-        parts.append(f'<line x1="{x:.1f}" y1="{y}" x2="{x + 13:.1f}" y2="{y}" style="{_stroke(k)};stroke-width:4"/>')
-        parts.append(text(x + 17, 14 + 16 * row, name, "tick", "start"))
-        x += width
-    return parts, row + 1
-
-
 def stage_names(run: RunFolder) -> list[str]:
     """Return the stages in the order of their first activation."""
     return list(dict.fromkeys(str(event["stage"]) for event in run.select("stage")))
@@ -226,6 +145,11 @@ def stage_spans(run: RunFolder) -> list[tuple[float, float, str]]:
     events = run.select("stage")
     ends = [*(float(event["t"]) for event in events[1:]), run.duration_s][: len(events)]
     return [(float(event["t"]), end, str(event["stage"])) for event, end in zip(events, ends, strict=True)]
+
+
+def _stage_starts(run: RunFolder) -> list[float]:
+    """Return when stages began (s), but for the first."""
+    return [start for start, _, _ in stage_spans(run) if start > 0]
 
 
 def touching(run: RunFolder) -> list[Record]:

@@ -6,16 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coral.drawing import Image, draw_text
+from coral.drawing import Image
 from coral.view.contact.figures import stage_spans
 from coral.view.contact.replay import ReplayedScene
+from coral.view.contact_sheet import contact_sheet
 from coral.view.run import RunFolder
 
 SIZE = (400, 300)
 FEWEST, MOST = 8, 12
 COLUMNS = 4
-CAPTION = 30
-"""Height of the line above each picture (px)."""
 
 
 @dataclass(frozen=True)
@@ -68,12 +67,6 @@ def keyframes(run: RunFolder) -> list[Keyframe]:
 
 def sheet(frames: list[Keyframe]) -> Image:
     """Combine the key frames into one picture."""
-    width, height = SIZE
-    rows = -(-len(frames) // COLUMNS)
-    columns = min(COLUMNS, len(frames))
-    canvas = np.full((rows * (height + CAPTION), columns * (width + 6) - 6, 3), 255, np.uint8)
-    for k, frame in enumerate(frames):
-        top, left = (k // COLUMNS) * (height + CAPTION), (k % COLUMNS) * (width + 6)
-        canvas[top + CAPTION : top + CAPTION + height, left : left + width] = frame.picture
-        draw_text(canvas, f"{frame.t:.2f} s   {frame.why}", left + 4, top + CAPTION / 2, size=16)
-    return canvas
+    return contact_sheet(
+        [(f"{frame.t:.2f} s   {frame.why}", frame.picture) for frame in frames], min(COLUMNS, len(frames))
+    )

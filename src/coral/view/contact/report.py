@@ -33,7 +33,6 @@ from coral.view.contact.figures import (
 from coral.view.contact.keyframes import Keyframe, keyframes, sheet
 from coral.view.contact.replay import trial_of_run
 from coral.view.contact.thought import answers, counted, seen, thoughts
-from coral.view.contact.views import three_views, touch_views
 from coral.view.page import metric_rows, origin, render_page, write_page
 from coral.view.run import Record, RunFolder
 
@@ -105,10 +104,6 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
         counted=counted(given),
         seen=seen(run),
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, objects) if svg],
-        views=Markup(three_views(run, trial)) if trial is not None and len(run.column("t")) else "",
-        touches=[
-            (name, Markup(svg)) for name in objects if trial is not None and (svg := touch_views(run, trial, name))
-        ],
         contacts=[
             (
                 f"{e['first']} – {e['second']}",
