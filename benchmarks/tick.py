@@ -131,8 +131,8 @@ def measure(edge_m: float, ticks: int, seed: int, perception: str) -> dict[str, 
             def tick(self, mission: Mission) -> None:
                 nonlocal waited
                 spent = watch.read()
-                idle = 1e3 * (mission.robots[0].clock.waited_s - waited)
-                waited = mission.robots[0].clock.waited_s
+                idle = 1e3 * (mission.clock.waited_s - waited)
+                waited = mission.clock.waited_s
                 spent["other"][1] -= idle
                 rows.append(np.array([*(spent[part] for part in PARTS[:-1]), sum(spent.values(), np.zeros(2))]))
 

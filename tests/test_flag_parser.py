@@ -117,7 +117,7 @@ def test_a_mistake_names_the_flag(words, said):
             "file",
         ),
         ("reef run s1 --seed 1.5", "coral reef run: --seed: found '1.5', expected a whole number"),
-        ("reef run s1 --robots two", "coral reef run: --robots: found 'two', expected a whole number"),
+        ("reef run s1 --seed two", "coral reef run: --seed: found 'two', expected a whole number"),
         ("reef run s1 --live-speed fast", "coral reef run: --live-speed: found 'fast', expected a number"),
         (
             "contact run pick-box --poses x",

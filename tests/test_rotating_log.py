@@ -1,7 +1,5 @@
 import gzip
 
-import pytest
-
 from coral.rotating_log import RotatingLog, earlier_parts, read_lines
 from coral.runs import RunWriter, read_events, read_rows
 
@@ -55,15 +53,14 @@ def test_a_part_that_cannot_be_packed_stays_as_it_is(tmp_path, monkeypatch):
     assert len(list(read_lines(path))) == 10
 
 
-@pytest.mark.parametrize("robots", [1, 2])
-def test_a_run_is_read_whole_however_often_its_logs_were_cut(tmp_path, monkeypatch, robots):
+def test_a_run_is_read_whole_however_often_its_logs_were_cut(tmp_path, monkeypatch):
     monkeypatch.setattr(RotatingLog.__init__, "__defaults__", ("", 150))
-    writer = RunWriter(tmp_path / "run", ("step", "x"), robots=robots)
+    writer = RunWriter(tmp_path / "run", ("step", "x"))
     for k in range(60):
         writer.event(k, 0.1 * k, "goal")
-        writer.row(k, 0.5 * k, robot=robots - 1)
+        writer.row(k, 0.5 * k)
     writer.close()
-    name = "trajectory.csv" if robots == 1 else "trajectory_1.csv"
+    name = "trajectory.csv"
     assert len(earlier_parts(tmp_path / "run" / name)) >= 2
     assert [event["step"] for event in read_events(tmp_path / "run" / "events.jsonl")] == list(range(60))
     assert [float(row["x"]) for row in read_rows(tmp_path / "run" / name)] == [0.5 * k for k in range(60)]

@@ -15,22 +15,21 @@ from coral.runs import (
     provenance,
     read_events,
     read_rows,
-    trajectory_name,
 )
 
 ODD = "a\ud800b\x00\x1b[31m\u202e\uffff"
 
 
 def test_what_is_written_is_read_again_while_the_run_goes_on(tmp_path):
-    writer = RunWriter(tmp_path / "run", ("step", "x"), robots=2)
+    writer = RunWriter(tmp_path / "run", ("step", "x"))
     writer.event(3, 0.30000000004, "goal", at=(1.0, 2.0))
     writer.row(0, 0.1234567)
-    writer.row(1, "far", robot=1)
+    writer.row(1, "far")
     assert list(read_events(tmp_path / "run" / "events.jsonl")) == [
         {"step": 3, "t": 0.3, "event": "goal", "at": [1.0, 2.0]}
     ]
-    rows = [list(read_rows(tmp_path / "run" / trajectory_name(robot))) for robot in (0, 1)]
-    assert rows == [[{"step": "0", "x": "0.123457"}], [{"step": "1", "x": "far"}]]
+    rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
+    assert rows == [{"step": "0", "x": "0.123457"}, {"step": "1", "x": "far"}]
     writer.close()
 
 

@@ -102,7 +102,6 @@ def test_a_table_written_by_hand_explains_and_lists_no_facts_of_the_code() -> No
         ("index.md", "for everything"),
         ("index.md", "CORAL (reef)"),
         ("index.md", "CoRAL (hand)"),
-        ("many-robots.md", "shared"),
         ("sonar-and-navigation.md", "lost"),
         ("task-questions.md", "question"),
     }

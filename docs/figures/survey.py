@@ -1,4 +1,4 @@
-"""Make report.png, survey.png, many-robots.png and reefs.png in docs/images: a report, two maps, and the ten reefs.
+"""Make report.png, survey.png and reefs.png in docs/images: a report, a map, and the ten reefs.
 
 Run it from the repository: .venv/bin/python docs/figures/survey.py (a minute; needs Chromium, dev packages).
 """
@@ -34,9 +34,6 @@ def main() -> None:
         subprocess.run([CORAL, "reef", "run", "s1", "--out", str(run), "--quiet"], check=True)
         photograph(run / "report.html", IMAGES / "report.png")
         shutil.copyfile(run / "map.png", IMAGES / "survey.png")
-        fleet = Path(scratch) / "fleet"
-        subprocess.run([CORAL, "reef", "run", "s1", "--robots", "3", "--out", str(fleet), "--quiet"], check=True)
-        shutil.copyfile(fleet / "map.png", IMAGES / "many-robots.png")
         subprocess.run([CORAL, "reef", "envs", "--preview", str(previews)], check=True)
         shutil.copyfile(previews / "sheet.png", IMAGES / "reefs.png")
 

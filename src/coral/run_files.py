@@ -15,7 +15,7 @@ class RunFiles:
     EVENTS: Final = "events.jsonl"
     """What happened, one JSON object a line."""
     TRAJECTORY: Final = "trajectory.csv"
-    """One row per control step. Of several robots, `trajectory_1.csv` and so on hold the others."""
+    """One row per control step."""
     ATTEMPTS: Final = "attempts.jsonl"
     """Every question with its answer and the verdict, one JSON object a line; only where an advisor was asked."""
     PICTURES: Final = "pictures/"

@@ -27,13 +27,12 @@ from coral.yaml_file import to_yaml
 class RunWriter:
     """Opens a new run folder and appends to it; every line is flushed, so a killed run keeps its log."""
 
-    def __init__(self, folder: Path, columns: tuple[str, ...], robots: int = 1) -> None:
+    def __init__(self, folder: Path, columns: tuple[str, ...]) -> None:
         """Create `folder`, which must not contain anything yet.
 
         Args:
             folder: The run folder.
             columns: Header of trajectory.csv.
-            robots: Number of trajectories: trajectory.csv, trajectory_1.csv, ...
 
         Raises:
             InputError: The folder is not empty, or cannot be written.
@@ -43,7 +42,7 @@ class RunWriter:
             folder.mkdir(PRIVATE, parents=True, exist_ok=True)
             require_empty(folder)
             self._events = RotatingLog(folder / RunFiles.EVENTS)
-            self._rows = [RotatingLog(folder / trajectory_name(k), ",".join(columns)) for k in range(robots)]
+            self._rows = RotatingLog(folder / RunFiles.TRAJECTORY, ",".join(columns))
         except OSError as error:
             raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
 
@@ -55,9 +54,9 @@ class RunWriter:
             text = json.dumps(encodable_values(line), allow_nan=False, default=float)
         self._events.append(without_password(text))
 
-    def row(self, *values: float | int | str, robot: int = 0) -> None:
-        """Append one row of a robot's trajectory."""
-        self._rows[robot].append(encodable(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values)))
+    def row(self, *values: float | int | str) -> None:
+        """Append one row of the trajectory."""
+        self._rows.append(encodable(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values)))
 
     def yaml(self, name: str, content: Mapping[str, Any]) -> None:
         """Write a YAML file into the folder."""
@@ -80,7 +79,7 @@ class RunWriter:
 
         An error of a full disk was reported at the time of writing.
         """
-        for log in (self._events, *self._rows):
+        for log in (self._events, self._rows):
             with contextlib.suppress(OSError):
                 log.close()
 
@@ -117,11 +116,6 @@ def read_records(path: Path) -> Iterator[dict[str, Any]]:
 def read_rows(path: Path) -> Iterator[dict[str, str]]:
     """Read the complete rows of a trajectory, by column name."""
     yield from csv.DictReader(line for line in read_lines(path, headed=True) if line.endswith("\n"))
-
-
-def trajectory_name(robot: int) -> str:
-    """Return the file name of a robot's trajectory in a run folder."""
-    return f"trajectory_{robot}.csv" if robot else RunFiles.TRAJECTORY
 
 
 def file_stem(name: str) -> str:

@@ -263,7 +263,7 @@ def test_a_question_tells_what_a_reader_could_not_know():
 
 
 def test_without_a_chain_the_prompt_does_not_speak_of_one():
-    text = render("reef-waypoint-without-chain", {"step_m": 6, "others": 1})[0].lower()
+    text = render("reef-waypoint-without-chain", {"step_m": 6})[0].lower()
     assert not [word for word in ("chain", "centroid", "orange", "dots joined", "trend", "cluster") if word in text]
 
 

@@ -117,7 +117,6 @@ def test_the_default_inbox_lies_in_the_run_folder(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("s1", "--robots", "0"), "--robots: found 0"),
         (("s1", "--live", "--live-speed", "-1", "--live-port", "0"), "--live-speed: found -1"),
         (("s1", "--variant", "ful"), "did you mean 'full'?"),
     ],

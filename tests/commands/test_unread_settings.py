@@ -22,7 +22,7 @@ MISSIONS = (
     f"{SMALL} --cfg.time-limit-s 8 --sonar --cfg.simulator.sonar.width 48 --cfg.simulator.sonar.height 16 "
     "--cfg.simulator.vehicle.model six_dof --cfg.simulator.navigation.source dvl-imu --cfg.simulator.pictures "
     "--cfg.record.frames",
-    f"{SMALL} --cfg.time-limit-s 8 --cfg.robots 2 --cfg.driver pd --cfg.record.no-report --cfg.record.no-pictures "
+    f"{SMALL} --cfg.time-limit-s 8 --cfg.driver pd --cfg.record.no-report --cfg.record.no-pictures "
     "--cfg.simulator.noise.drift-xy 0.01 --cfg.simulator.noise.oyster-missed 0.1 --cfg.simulator.noise.visibility-m 4 "
     "--fault blind-camera@2:2",
     f"{SMALL} --cfg.time-limit-s 2 --cfg.decider sweep --cfg.simulator.vehicle.model kinematic --cfg.record.no-report",
@@ -103,7 +103,7 @@ def test_a_campaign_refuses_what_it_overwrites(tmp_path):
 
 
 OF_THE_COMMAND = (
-    *("decider", "robots", "record", "time_limit_s", "latency", "perception", "depth", "pilot.fallback"),
+    *("decider", "record", "time_limit_s", "latency", "perception", "depth", "pilot.fallback"),
     *("simulator.pictures", "simulator.painter", "simulator.water", "simulator.water_depth_m", "simulator.contact"),
     *("simulator.sonar", "simulator.noise", "simulator.navigation", "pilot.guard"),
 )

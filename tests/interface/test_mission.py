@@ -94,7 +94,6 @@ def test_parts_of_ones_own_are_used_and_named_in_the_record(tmp_path):
         ("s1", {"advisor": object()}, "a string, or an object with a name"),
         ("s1", {"variant": "ful"}, "did you mean 'full'"),
         ("s1", {"preset": "by"}, "did you mean 'bay'"),
-        ("s1", {"robots": 9}, "--robots: found 9"),
         ("s1", {"controller": "mppi"}, "did you mean 'ddp-mppi'"),
         ("s1", {"trigger": "x"}, "--trigger"),
         ("s1", {"verifier": "x"}, "--verifier"),

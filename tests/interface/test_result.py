@@ -26,11 +26,6 @@ def test_the_trajectory_is_a_table_of_numbers_with_gaps(result):
     assert table.column("goal_x").to_pylist()[:2] == [None, 2.5]
 
 
-def test_a_robot_that_is_not_there_is_refused(result):
-    with pytest.raises(InputError, match="robot: found 1"):
-        result.trajectory_of(1)
-
-
 def test_events_of_one_kind_are_a_table(result):
     assert result.events_of("goal").to_pylist() == [
         {"step": 1, "t": 0.1, "event": "goal", "x": 2.5, "then": "[1, 2]", "index": "3"},

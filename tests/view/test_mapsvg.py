@@ -7,10 +7,9 @@ import cv2
 import numpy as np
 import pytest
 
-from coral.reef.pictures.companions import COLORS
 from coral.reef.pictures.mapframe import CELL_COLORS
 from coral.view.decisions import decisions
-from coral.view.mapsvg import PAD, SIZE_PX, MapSvg, cluster_fate, cluster_outline, color_of, footprint, map_uri, track
+from coral.view.mapsvg import PAD, SIZE_PX, MapSvg, cluster_fate, cluster_outline, footprint, map_uri, track
 from coral.view.run import RunFolder
 
 SIZE = (12.0, 12.0)
@@ -118,8 +117,3 @@ def test_a_footprint_has_the_area_and_the_heading_of_its_obstacle(shape, area):
     assert np.ptp(points, axis=0) == pytest.approx((0.4, 1.2), rel=0.02)
     assert points.mean(axis=0) == pytest.approx((3.0, 4.0), abs=1e-6)
     assert footprint({"shape": shape, "size": []}).shape == (0, 2)
-
-
-def test_every_robot_has_a_colour():
-    assert [color_of(k) for k in range(len(COLORS))] == ["#{:02x}{:02x}{:02x}".format(*color) for color in COLORS]
-    assert color_of(len(COLORS)) == color_of(0)

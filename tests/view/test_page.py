@@ -22,7 +22,7 @@ def test_metrics_are_named_with_units_and_read_as_people_do():
     assert metric_rows({"hold": 1}, {"hold": "its `hold_s` & more"})[0][2] == "its <code>hold_s</code> &amp; more"
     assert [metric_text("x", v) for v in (None, True, 0.5, 1234.0, {"a": 1})] == ["–", "yes", "0.5", "1,234", "a 1"]
     assert metric_text("coverage", 1) == "100.0%"
-    assert metric_rows({"per_robot": [], "steps": 3}, {"steps": "ticks"}) == [("steps", "3", "ticks")]
+    assert metric_rows({"conditions": [], "steps": 3}, {"steps": "ticks"}) == [("steps", "3", "ticks")]
 
 
 def test_the_origin_of_a_run_is_told_from_its_first_event_and_its_configuration(finished, tmp_path):

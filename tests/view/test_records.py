@@ -54,7 +54,7 @@ def test_lines_with_text_for_numbers_are_left_out_and_counted(fresh, name, capsy
 def streamed(folder):
     """What the viewer's page gets of a run."""
     stream = RunStream(folder, lambda: subject_of(folder))
-    return [stream.subject.head, stream.news(0, [])]
+    return [stream.subject.head, stream.news(0, 0)]
 
 
 def test_documents_with_odd_values_are_read_as_far_as_they_make_sense(fresh, capsys):

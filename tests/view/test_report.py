@@ -1,6 +1,5 @@
 import json
 import re
-import shutil
 
 import pytest
 import yaml
@@ -155,20 +154,6 @@ def test_a_picture_shown_twice_is_held_once(fresh):
     assert html.count('data-picture="00map"') == 2
 
 
-def test_every_robot_of_a_fleet_is_drawn_and_listed(fresh):
-    shutil.copy(fresh / "trajectory.csv", fresh / "trajectory_1.csv")
-    metrics = json.loads((fresh / "metrics.json").read_text())
-    each = [{"robot": k, "collisions": k, "distance_m": 7.25 + k} for k in range(2)]
-    (fresh / "metrics.json").write_text(json.dumps({**metrics, "robots": 2, "per_robot": each}))
-    html = page(fresh)
-    assert 'id="track-1"' in html
-    assert 'id="robot-1"' in html
-    assert "The 2 robots covered" in html
-    assert "<td>8.25</td>" in html
-    assert len(script_data(html)["o"]) == 1
-    assert len(script_data(html)["o"][0]["x"]) == len(script_data(html)["t"])
-
-
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
@@ -191,14 +176,6 @@ def test_the_headline_tells_the_time_of_the_whole_survey(fresh, changed, said):
     metrics = json.loads((fresh / "metrics.json").read_text())
     (fresh / "metrics.json").write_text(json.dumps({**metrics, **changed}))
     assert said in page(fresh)
-
-
-def test_a_killed_fleet_still_has_its_figures(fresh):
-    shutil.copy(fresh / "trajectory.csv", fresh / "trajectory_1.csv")
-    (fresh / "metrics.json").unlink()
-    html = page(fresh)
-    assert "The 2 robots had covered" in html
-    assert "Each robot" in html
 
 
 def test_the_headline_says_when_someone_else_than_the_advisor_decided(fresh):

@@ -54,8 +54,6 @@ class ReefRun:
     preset: Annotated[str, Option(help=preset_help("Water and sensors"), names=PRESETS)] = CLEAR
     instruction: Annotated[str | None, Option(metavar="TEXT")] = None
     """What to do, in plain words, in place of the words of the world's mission (words:FAMILY:N has one)."""
-    robots: Annotated[int | None, Option(metavar="N")] = None
-    """Number of robots that survey the reef together, 1 to 4; by default as configured, which is 1."""
     fallback: Fallback | None = None
     """Fallback when the advisor does not decide: rules (the default, reported at the end), hold (keep the goal, ask
     again), fail (end the mission)."""
@@ -131,7 +129,6 @@ class ReefRun:
             world,
             variant=self.variant,
             preset=self.preset,
-            robots=self.robots,
             fallback=self.fallback,
             keep=set_keys(self.cfg, MissionCfg(), self.given),
             asks_people=asks_people,

@@ -279,8 +279,6 @@ class ReefSail:
             raise InputError(
                 "--lens", "", "--camera simulated", "a real camera (--cfg.simulator.camera is the simulated)"
             )
-        if cfg.robots != 1:
-            raise InputError("--cfg.robots", "", cfg.robots, "1: this command steers one vehicle")
         if cfg.decider in ("sweep", "oracle", "reader"):
             found = f"{cfg.decider}, which only a simulation has"
             raise InputError("--cfg.decider", "", found, "advisor, nearest, frontier, lawnmower or random")

@@ -15,7 +15,6 @@ UNREAD: dict[str, dict[str, str]] = {
     "reef bench": {"record": "nothing: it keeps no pictures and no report"},
     "reef sail": {
         "lane_m": "nothing: no blind sweep is driven in real time",
-        "pilot.traffic": "nothing: one robot surveys",
         "simulator.stills": "nothing: a camera at sea has its own pictures",
     },
 }

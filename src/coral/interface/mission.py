@@ -61,7 +61,6 @@ def run_mission(
     verifier: str | Check | None = None,
     variant: str = "full",
     preset: str = "clear",
-    robots: int | None = None,
     fallback: Fallback | None = None,
     seed: int = 0,
     cfg: MissionCfg | Mapping[str, Any] | str | Path | None = None,
@@ -80,14 +79,13 @@ def run_mission(
         world: A shipped or generated reef by name, a world file, or a `ReefWorld`.
         advisor: Who decides: as on the command line, or an object with a `name` and a coroutine `answer`.
         controller: "ddp-mppi", "pd", an entry point of the group `coral.controllers`, or a function of a
-            `ControllerSetup` that makes a controller, called once for each robot.
+            `ControllerSetup` that makes a controller.
         trigger: When the advisor is asked: a function of a `TriggerMoment`, a class with the methods of `Trigger`, or
             an entry point of the group `coral.triggers`.
         verifier: A function of question and answer that returns why an answer is refused, or None; it comes after our
             own checks. Or an entry point of the group `coral.verifiers`.
         variant: Configuration of the pipeline.
         preset: Water and sensors.
-        robots: Number of robots; None as configured.
         fallback: What happens where the advisor does not decide; None as configured.
         seed: Seed of all random numbers.
         cfg: A `MissionCfg`, a mapping such as `{"time_limit_s": 60}` or `{"pilot.trigger.distance_m": 3}`, or a file.
@@ -114,7 +112,6 @@ def run_mission(
         found,
         variant=variant,
         preset=preset,
-        robots=robots,
         fallback=fallback,
         keep=keep,
         asks_people=asks_people,

@@ -15,7 +15,7 @@ from coral.errors import InputError
 from coral.foreign_file import read_log_lines
 from coral.plugins import our_part
 from coral.run_files import RunFiles
-from coral.runs import read_events, read_records, trajectory_name
+from coral.runs import read_events, read_records
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -82,18 +82,7 @@ class RunResult:
     @property
     def trajectory(self) -> pa.Table:
         """Read the trajectory, one row per control step; `.to_pandas()` or `polars.from_arrow` convert it."""
-        return self.trajectory_of(0)
-
-    def trajectory_of(self, robot: int) -> pa.Table:
-        """Read the trajectory of one of several robots; the first has the number 0.
-
-        Raises:
-            InputError: There is no such robot.
-        """
-        path = self.folder / trajectory_name(robot)
-        if not path.is_file():
-            raise InputError("robot", "", robot, "the number of a robot of this run, beginning with 0")
-        return read_table(path)
+        return read_table(self.folder / RunFiles.TRAJECTORY)
 
     def events_of(self, event: str) -> pa.Table:
         """Return the events of one kind as a table; nested fields are JSON text."""

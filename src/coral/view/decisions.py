@@ -108,8 +108,6 @@ class Decision:
     source: str = ""
     reason: str = ""
     fallback: str = ""
-    robot: int = 0
-    """Number of the asking robot."""
 
     @property
     def outcome(self) -> str:
@@ -136,13 +134,13 @@ def decisions(run: RunFolder) -> list[Decision]:
     verdicts = {(e.get("decision"), e.get("attempt")): e for e in run.select("verdict")}
     questions: dict[Any, list[Record]] = {}
     causes: dict[Any, str] = {}
-    cause: dict[Any, str] = {}
+    cause = ""
     for event in run.events:
         if event["event"] == "trigger" and event.get("fired"):
-            cause[event.get("robot")] = str(event.get("cause", ""))
+            cause = str(event.get("cause", ""))
         elif event["event"] == "question":
             questions.setdefault(event.get("decision"), []).append(event)
-            causes.setdefault(event.get("decision"), cause.get(event.get("robot"), ""))
+            causes.setdefault(event.get("decision"), cause)
     goals = {e["decision"]: e for e in run.select("goal") if e.get("decision") is not None}
     fallbacks = run.select("fallback")
     found: list[Decision] = []
@@ -152,9 +150,8 @@ def decisions(run: RunFolder) -> list[Decision]:
             _try(q, verdicts.get((key, q.get("attempt"))), logged.get((key, q.get("attempt")), {}), ended_s)
             for q in asked
         )
-        t, robot = float(asked[0]["t"]), int(asked[0].get("robot") or 0)
-        there = run.robot(robot) if robot <= len(run.fleet) else run
-        times, xs, ys = (there.column(name) for name in ("t", "x", "y"))
+        t = float(asked[0]["t"])
+        times, xs, ys = (run.column(name) for name in ("t", "x", "y"))
         nearest = int(np.clip(np.searchsorted(times, t), 0, len(times) - 1)) if len(times) else -1
         goal = goals.get(key)
         ended = max(float(q["t"]) for q in asked)
@@ -173,7 +170,6 @@ def decisions(run: RunFolder) -> list[Decision]:
                 source=str(goal.get("source", "")) if goal else "",
                 reason=str(goal.get("reason") or "") if goal else "",
                 fallback=f"{after.get('policy', '')} ({after.get('failure', '')})" if after and failed else "",
-                robot=robot,
             )
         )
     return found

@@ -183,7 +183,7 @@ def event_chart(run: RunFolder, made: Sequence[Decision]) -> str:
                 f"{decision.number}, {escape(one.verdict)} {escape(one.code)}</title></rect>"
             )
     body += _mode_bars([e for e in run.select("mode") if not e.get("robot")], axis, run.duration_s, middle["mode"])
-    for event in run.select("collision", "robot_collision", "planner_failure", "fallback", "monitor"):
+    for event in run.select("collision", "planner_failure", "fallback", "monitor"):
         x, y0, kind = axis(float(event["t"])), middle["incidents"], str(event["event"])
         body.append(
             f'<rect x="{x - 2:.1f}" y="{y0 - 8:.1f}" width="4" height="16" class="incident {kind}"><title>'
@@ -199,7 +199,6 @@ HELD = {
 }
 INCIDENTS = {
     "collision": "collision",
-    "robot_collision": "two robots touched",
     "planner_failure": "no safe motion found, robot brakes",
     "fallback": "the advisor did not decide, the fallback did",
     "monitor": "left the planned path, planned anew",

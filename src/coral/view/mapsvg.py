@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from coral.drawing import palette_png
 from coral.reef.decide.said import said_by
-from coral.reef.pictures.companions import COLORS
 from coral.reef.pictures.mapframe import CELL_COLORS, nice_step
 from coral.reef.world.structures import solid_records
 from coral.view.decisions import Decision, chain_at
@@ -76,7 +75,6 @@ class MapSvg:
                 self._decisions(made),
                 self._marks(),
                 self._collisions(),
-                self._others(),
                 self._robot(),
                 "</g>",
                 self._axes(),
@@ -118,14 +116,9 @@ class MapSvg:
     def _path(self) -> str:
         x, y = track(self.run)
         d = self._line(x, y)
-        others = "".join(
-            f'<path id="track-{k}" d="{self._line(*track(self.run.robot(k)))}" class="track" '
-            f'style="stroke:{color_of(k)}"/>'
-            for k in range(1, len(self.run.fleet) + 1)
-        )
         return (
             (
-                f'<g id="layer-path">{others}<path id="track-edge" d="{d}" class="track edge"/>'
+                f'<g id="layer-path"><path id="track-edge" d="{d}" class="track edge"/>'
                 f'<path id="track" d="{d}" class="track"/></g>'
             )
             if len(x) > 1
@@ -196,7 +189,7 @@ class MapSvg:
 
     def _collisions(self) -> str:
         parts = []
-        for event in self.run.select("collision", "robot_collision"):
+        for event in self.run.select("collision"):
             if isinstance(event.get("x"), int | float) and isinstance(event.get("y"), int | float):
                 x, y = self.at(float(event["x"]), float(event["y"]))
                 parts.append(
@@ -219,23 +212,6 @@ class MapSvg:
             '<circle r="6.5" class="body"/></g>'
         )
 
-    def _others(self) -> str:
-        parts = []
-        for k in range(1, len(self.run.fleet) + 1):
-            xs, ys, thetas = (self.run.robot(k).column(name) for name in ("x", "y", "theta"))
-            if len(xs):
-                x, y = self.at(float(xs[-1]), float(ys[-1]))
-                paint = f'style="fill:{color_of(k)};stroke:{color_of(k)}"'
-                parts.append(
-                    f'<g id="robot-{k}" transform="translate({x:.1f},{y:.1f}) rotate('
-                    f'{-math.degrees(float(thetas[-1])):.1f})"><title>robot {k}</title>'
-                    f'<circle r="{0.3 * self.scale:.1f}" class="hull" {paint} fill-opacity="0.13"/>'
-                    f'<path d="M0,0L28,0" class="forward" {paint}/>'
-                    f'<path d="M27,-5L38,0L27,5Z" class="forward tip" {paint}/>'
-                    f'<circle r="6.5" class="body" style="fill:{color_of(k)}"/></g>'
-                )
-        return "".join(parts)
-
     def _axes(self) -> str:
         left, bottom = self.at(0.0, 0.0)
         right, top = self.at(*self.size_m)
@@ -255,11 +231,6 @@ class MapSvg:
             'class="tick">north, m</text>'
         )
         return "".join(parts)
-
-
-def color_of(robot: int) -> str:
-    """Return the CSS colour of a robot and, from the second one on, of its track."""
-    return "#{:02x}{:02x}{:02x}".format(*COLORS[robot % len(COLORS)])
 
 
 def map_uri(cells: NDArray[Any]) -> str:
@@ -285,8 +256,7 @@ def cluster_fate(run: RunFolder, cluster: Record) -> tuple[str, str]:
         return "covered", f"covered at {clock(covered_s[-1])}"
     reason = str((run.select("end") or [{}])[-1].get("reason") or "the run was interrupted")
     middle = cluster_outline(cluster).mean(axis=0)
-    tracks = (np.stack(track(run.robot(k)), axis=1) for k in range(len(run.fleet) + 1))
-    passed = any((np.hypot(*(points - middle).T) < PASSED_M).any() for points in tracks)
+    passed = (np.hypot(*(np.stack(track(run), axis=1) - middle).T) < PASSED_M).any()
     if passed or reason.startswith(FINISHED):
         return "missed", "missed"
     return "unreached", f"not reached, {reason}"

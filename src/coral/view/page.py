@@ -62,7 +62,7 @@ def metric_rows(metrics: Mapping[str, Any], definitions: Mapping[str, str]) -> l
     return [
         (metric_name(key), metric_text(key, value), _with_code(definitions.get(key, "")))
         for key, value in metrics.items()
-        if key not in ("per_robot", "conditions")
+        if key != "conditions"
     ]
 
 

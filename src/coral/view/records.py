@@ -19,7 +19,6 @@ NUMBERS = frozenset(
         "decision",
         "attempt",
         "index",
-        "robot",
         "asked_at",
         "asked_at_s",
         "answered_at_s",
@@ -28,9 +27,7 @@ NUMBERS = frozenset(
         "fraction",
         "deviation_m",
         "obstacle",
-        "robots",
         "clusters_total",
-        "hull_radius_m",
         "force_n",
         "newtons",
         "begun_s",
@@ -45,7 +42,6 @@ LISTS = frozenset(("pictures", "centroids", "captions"))
 NEEDED = {
     "goal": ("x", "y"),
     "collision": ("x", "y"),
-    "robot_collision": ("x", "y"),
     "stage": ("stage",),
     "contact": ("first", "second", "force_n"),
     "contact_end": ("first", "second", "begun_s", "ended_s"),
@@ -63,7 +59,6 @@ FIGURES = frozenset(
         "steps",
         "sim_time_s",
         "distance_m",
-        "robots",
     ]
 )
 """Metrics that the headline and the tiles use as numbers."""

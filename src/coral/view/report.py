@@ -15,7 +15,7 @@ from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.foreign_file import read_text
 from coral.reef.decide.said import said_by
-from coral.reef.mission.metrics import DEFINITIONS, OWN_MAP, fleet_metrics, metrics_of
+from coral.reef.mission.metrics import DEFINITIONS, OWN_MAP, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
 from coral.run_files import SurveyFiles
 from coral.view.decisions import Decision, decisions
@@ -27,8 +27,8 @@ from coral.view.figures import (
     imaging_chart,
     speed_chart,
 )
-from coral.view.mapsvg import MapSvg, cluster_fate, color_of
-from coral.view.page import TEMPLATES, metric_name, metric_rows, metric_text, origin, render_page, write_page
+from coral.view.mapsvg import MapSvg, cluster_fate
+from coral.view.page import TEMPLATES, metric_rows, origin, render_page, write_page
 from coral.view.run import Record, RunFolder
 from coral.view.svg import clock
 from coral.view.time_slider import script_data, shown_pictures
@@ -63,7 +63,7 @@ def render_report(run: RunFolder) -> str:
     metrics, mission = _metrics(run), _mission(run)
     drawing = MapSvg(run, _size(run))
     start: Record = (run.select("start") or [{}])[0]
-    collisions = len(run.select("collision", "robot_collision"))
+    collisions = len(run.select("collision"))
     return render_page(
         "report.html.j2",
         run=run,
@@ -78,8 +78,6 @@ def render_report(run: RunFolder) -> str:
         charts=[(title, note, Markup(svg)) for title, note, svg in _charts(run, made)],
         pictures=pictures,
         rows=metric_rows(metrics, DEFINITIONS),
-        each=_robot_table(metrics),
-        robots=[color_of(k) for k in range(1, len(run.fleet) + 1)],
         truth=_truth_counts(run),
         mission=mission,
         states=_states(run),
@@ -99,13 +97,12 @@ def _metrics(run: RunFolder) -> Mapping[str, Any]:
     """Return the run's own metrics, or those computed from the record."""
     if run.metrics:
         return run.metrics
-    tables = []
-    for table in (run.trajectory, *run.fleet):
-        columns = [table[name].tolist() for name in table]
-        tables.append([dict(zip(table, map(str, values), strict=True)) for values in zip(*columns, strict=True)])
+    table = run.trajectory
+    columns = [table[name].tolist() for name in table]
+    rows = [dict(zip(table, map(str, values), strict=True)) for values in zip(*columns, strict=True)]
     try:
-        found = fleet_metrics(run.events, tables) if run.fleet else metrics_of(run.events, tables[0])
-        return {**found, **outcome_metrics(run.path, run.events, tables), "end_reason": "interrupted"}
+        found = metrics_of(run.events, rows)
+        return {**found, **outcome_metrics(run.path, run.events, rows), "end_reason": "interrupted"}
     except (KeyError, ValueError, TypeError):
         return {}
 
@@ -135,10 +132,9 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     minutes, seconds = divmod(round(float(metrics.get("sim_time_s", 0.0))), 60)
     distance = float(metrics.get("distance_m", 0.0))
     lasted = f"{minutes} min {seconds} s" if minutes else f"{seconds} s"
-    who, whose = (f"The {metrics['robots']} robots", "their") if metrics.get("robots") else ("The robot", "its")
     deciding = who_decided(metrics, things="goals", fallback=_fallback(run), advisor="The advisor")
     return (
-        f"{who} {verb} for {lasted} over {distance:.0f} m, {safe}, putting {asked} to {whose} advisor."
+        f"The robot {verb} for {lasted} over {distance:.0f} m, {safe}, putting {asked} to its advisor."
         f"{f' {deciding[0].upper()}{deciding[1:]}.' if deciding else ''}{_false_clusters(metrics)}"
     )
 
@@ -225,20 +221,9 @@ def _position_tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str, str
     return [(f"{error:.2f} m", f"odometry alone {odometry:.2f} m", "position error at the end", "")]
 
 
-def _robot_table(metrics: Mapping[str, Any]) -> tuple[list[str], list[list[str]]]:
-    """Return header and rows of a table of every robot's own figures; empty for one robot."""
-    each = [one for one in metrics.get("per_robot") or () if isinstance(one, dict)]
-    if not each:
-        return [], []
-    return [metric_name(key) for key in each[0]], [
-        [metric_text(key, value) for key, value in one.items()] for one in each
-    ]
-
-
 def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, str]]:
     if not len(run.column("t")) and not run.events:
         return []
-    first = " of robot 0" if run.fleet else ""
     bare = bool(run.select("instruction")) and not _truth_counts(run)
     imaging = "" if bare else imaging_chart(run)
     covering = "Share of the true oyster clusters of which at least 60 % has been seen; each mark is one."
@@ -253,9 +238,9 @@ def _charts(run: RunFolder, made: Sequence[Decision]) -> list[tuple[str, str, st
             "that were planned anew because the robot had left them, decisions of the fallback.",
             event_chart(run, made),
         ),
-        (f"Speed{first}", "Speed over ground and the controller's command.", speed_chart(run)),
+        ("Speed", "Speed over ground and the controller's command.", speed_chart(run)),
         (
-            f"Clearance{first}",
+            "Clearance",
             "True distance between the robot's hull (a 0.3 m disc) and the nearest obstacle. "
             "Shaded: nearer than the hull's own radius; at 0 m (red line) it touches.",
             clearance_chart(run),

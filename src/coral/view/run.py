@@ -6,7 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -20,7 +20,6 @@ from coral.odd_text import encodable_values
 from coral.reef.world.geometry import Frame
 from coral.rotating_log import earlier_parts, read_parts
 from coral.run_files import RunFiles, SurveyFiles, TaskFiles
-from coral.runs import trajectory_name
 from coral.view.records import figures, histogram, is_extent, is_number, shallow, sound
 from coral.words import many
 from coral.yaml_file import load_mapping
@@ -47,8 +46,6 @@ class RunFolder:
     """Steps with a map in `frames/`, ascending."""
     notes: tuple[str, ...]
     """Notes on missing or unreadable data, one sentence each."""
-    fleet: tuple[Mapping[str, NDArray[np.float64]], ...] = ()
-    """Columns of trajectory_1.csv and so on, if several robots surveyed."""
 
     @property
     def complete(self) -> bool:
@@ -68,10 +65,6 @@ class RunFolder:
             return self.trajectory[name]
         length = len(next(iter(self.trajectory.values()), np.zeros(0)))
         return np.full(length, np.nan)
-
-    def robot(self, number: int) -> RunFolder:
-        """Return the same run with another robot's trajectory in place of the first one's."""
-        return replace(self, trajectory=self.fleet[number - 1]) if number else self
 
     def select(self, *names: str) -> list[Record]:
         """Return the events of these kinds, in order."""
@@ -125,9 +118,6 @@ class RunFolder:
         # The world of the run, a reef or a contact task; only a reef mission always asks an advisor.
         task = (folder / TaskFiles.TASK).is_file()
         events = _lines(folder / RunFiles.EVENTS, notes)
-        tables: list[Mapping[str, NDArray[np.float64]]] = []
-        while (more := folder / trajectory_name(len(tables) + 1)).is_file():
-            tables.append(_table(more, notes))
         named = tuple(event for event in events if isinstance(event.get("event"), str) and is_number(event.get("t")))
         if len(named) < len(events):
             notes.append(f"events.jsonl: {len(events) - len(named)} lines have no name or time and were left out.")
@@ -151,7 +141,6 @@ class RunFolder:
                 )
             ),
             notes=tuple(notes),
-            fleet=tuple(tables),
         )
 
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from coral.drawing import Image, png
 from coral.file_writer import write_whole, writing
 from coral.reef.decide.said import said_by
-from coral.reef.pictures.companions import COLORS, Companion
 from coral.reef.pictures.mapview import MapScene, draw_map
 from coral.reef.world.geometry import Pose
 from coral.run_files import SurveyFiles
@@ -56,9 +55,7 @@ def scene_at(run: RunFolder, t: float, cells: NDArray[np.uint8] | None = None) -
         indices=[int(c["index"]) for c in offered],
         visited=[bool(c.get("visited")) for c in offered],
         goal=goal,
-        others=tuple(_companion(run, number, t) for number in range(1, len(run.fleet) + 1)),
         marks=[(one.x, one.y, one.name) for one in said_by(run.events, t)],
-        named=bool(run.fleet),
     )
 
 
@@ -76,11 +73,6 @@ def _state_at(run: RunFolder, t: float) -> tuple[Pose | None, NDArray[np.float64
         track[np.isfinite(track).all(axis=1)],
         (float(goal[0]), float(goal[1])) if np.isfinite(goal).all() else None,
     )
-
-
-def _companion(run: RunFolder, number: int, t: float) -> Companion:
-    pose, track, goal = _state_at(run.robot(number), t)
-    return Companion(pose=pose, goal=goal, trajectory=track, color=COLORS[number % len(COLORS)])
 
 
 def snapshot(run: RunFolder, t: float) -> Image | None:

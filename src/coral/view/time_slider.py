@@ -79,7 +79,6 @@ def script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str,
         "gy": column(run.column("goal_y"), 2),
         "end": round(run.duration_s, 2),
         "plot": [LEFT, WIDTH - RIGHT, WIDTH],
-        **({"o": [_motion(run.robot(k), keep) for k in range(1, len(run.fleet) + 1)]} if run.fleet else {}),
         "frames": _frames(run),
         "pictures": dict(pictures),
         "chains": [
@@ -94,7 +93,6 @@ def script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str,
                 "cause": d.cause,
                 "tries": len(d.tries),
                 "said": d.tries[-1].said,
-                **({"r": d.robot} if run.fleet else {}),
                 "verdict": d.outcome,
                 "why": d.tries[-1].why[:600],
             }
@@ -102,16 +100,6 @@ def script_data(run: RunFolder, made: Sequence[Decision], pictures: Mapping[str,
         ],
     }
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-
-
-def _motion(run: RunFolder, keep: Any) -> dict[str, list[float]]:
-    """Return another robot's motion at the samples `keep`, constant after its last one; empty without any."""
-    length = len(run.column("t"))
-    at = np.minimum(keep, length - 1) if length else np.zeros(0, int)
-    return {
-        key: np.nan_to_num(run.column(name)[at]).round(3).tolist()
-        for key, name in (("x", "x"), ("y", "y"), ("a", "theta"))
-    }
 
 
 def _frames(run: RunFolder) -> list[dict[str, Any]]:

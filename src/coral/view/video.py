@@ -60,7 +60,7 @@ def pictures(run: RunFolder) -> Iterator[Image]:
     size = run.world.get("size_m") or (20.0, 20.0)
     view = MapViewCfg(size_px=HEIGHT - STRIP, legend=False, window=(0.0, 0.0, float(size[0]), float(size[1])))
     calls = [float(e["t"]) for e in run.select("question")]
-    collisions = [float(e["t"]) for e in run.select("collision", "robot_collision")]
+    collisions = [float(e["t"]) for e in run.select("collision")]
     shown, cells, eyes = -1, None, np.full((2 * EYE[1], EYE[0], 3), 235, np.uint8)
     for t in moments(run.duration_s):
         step = step_at(run, t)

@@ -14,7 +14,6 @@ from coral.reef.map.chain import Component
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.vehicle.camera import CameraCfg
-from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.world.geometry import Frame, Label, Pose
 
 NORTH = Pose(10.0, 10.0, 0.5 * math.pi)
@@ -94,29 +93,7 @@ def test_options_are_whole_metres_to_water_that_can_be_reached():
     assert all(path == pytest.approx(math.hypot(*step), rel=0.2) for step, path in found.items())
 
 
-def test_options_end_at_the_edge_of_the_area_and_where_another_robot_goes():
+def test_options_end_at_the_edge_of_the_area():
     made = belief(pose=Pose(10.0, 18.5, 0.0))
-    made.others = (Neighbour(pose=Pose(14.0, 14.0, 0.0), radius_m=0.3, goal=(8.0, 18.5)),)
     found = steps(made, step_m=3)
     assert max(left for _, left in found) == 1
-    assert (-3, 0) in found
-    assert (-2, 0) not in found
-
-
-def test_other_robots_are_told_in_the_robot_frame():
-    made = belief((10.0, 14.0))
-    made.others = (
-        Neighbour(pose=Pose(8.0, 12.0, 0.0), radius_m=0.3, goal=(10.0, 14.0)),
-        Neighbour(pose=Pose(12.0, 9.0, 0.0), radius_m=0.3),
-    )
-    shown = facts(made, centroid_selection=False)
-    assert shown["others"] == [
-        {"forward_m": 2.0, "left_m": 2.0, "goal_forward_m": 4.0, "goal_left_m": 0.0},
-        {"forward_m": -1.0, "left_m": -2.0, "goal_forward_m": None, "goal_left_m": None},
-    ]
-
-
-def test_alone_nothing_is_said_of_others():
-    shown = facts(belief((10.0, 14.0)))
-    assert "others" not in shown
-    assert "taken" not in shown["centroids"][0]

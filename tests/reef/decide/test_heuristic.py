@@ -129,14 +129,6 @@ def test_nothing_in_reach_is_said():
     assert (answer.forward_m, answer.left_m) == (0, 0)
 
 
-@pytest.mark.parametrize("goal", [5.0, None])
-def test_what_lies_on_the_way_of_another_robot_is_left_to_it(goal):
-    other = {"forward_m": 1.0, "left_m": 5.0, "goal_forward_m": goal, "goal_left_m": goal}
-    dots = facts([centroid(0, 3.0, 3.0), centroid(1, 3.0, -3.5)])
-    assert choose_centroid(dots, ()).selected_centroid_index == 0
-    assert choose_centroid({**dots, "others": [other]}, ()).selected_centroid_index == 1
-
-
 def test_after_a_refusal_another_direction_is_named():
     refused = [Rejection(code="deviation", reason="", details={"forward_m": 5, "left_m": 1})]
     answer = choose_waypoint(facts(frontiers=[frontier(5.0, 1.0)], options=GRID), refused)

@@ -47,5 +47,5 @@ def test_obstacles_are_a_hazard(x, code):
     belief = belief_with([])
     belief.map.obstacle[:, 260:264] = True
     reach = belief.water(CostFieldCfg()).reach(10.0, 10.0)
-    refusal = hazard(Goal(x=x, y=10.0), belief, reach)
+    refusal = hazard(Goal(x=x, y=10.0), reach)
     assert (refusal and refusal.code) == code

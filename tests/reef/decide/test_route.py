@@ -6,7 +6,6 @@ from beds import belief_with, see
 
 from coral.reef.decide.route import Goal, Route, RouteCfg, aim, moved_clear, passed
 from coral.reef.map.costfield import CostField
-from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.world.geometry import Pose
 
 HERE = Pose(10.0, 10.0, 0.0)
@@ -99,19 +98,6 @@ def test_the_expected_latency_is_the_median_of_the_last_answers():
     for seconds in (3.0, 100.0, 5.0):
         route.answered(seconds)
     assert route.lead_s == 6.0
-
-
-def test_a_goal_that_another_robot_goes_to_is_left_to_the_nearer_of_the_two():
-    belief = belief_with([(13.0, 10.0), (16.0, 10.0), (16.0, 13.0)])
-    route = Route(belief, CFG)
-    route.follow([dot(belief, 0), dot(belief, 1), dot(belief, 2)], 0.0)
-    near, far = Pose(15.0, 10.0, 0.0), Pose(1.0, 10.0, 0.0)
-    belief.others = (Neighbour(pose=far, radius_m=0.3, goal=(16.0, 10.0), index=1, later=frozenset({2})),)
-    route.update(1.0)
-    assert [goal.index for goal in route.goals] == [0, 1, 2]  # this robot is nearer to all of them
-    belief.others = (Neighbour(pose=near, radius_m=0.3, goal=(13.0, 13.0), index=7, later=frozenset({1})),)
-    route.update(1.5)
-    assert [goal.index for goal in route.goals] == [0, 2]
 
 
 def test_the_aim_is_the_part_that_is_reached_first():

@@ -12,7 +12,6 @@ from coral.reef.decide.planner import PlannerCfg
 from coral.reef.decide.route import Goal, RouteCfg
 from coral.reef.decide.tour_planner import TourPlanner
 from coral.reef.map.costfield import CostFieldCfg
-from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.world.geometry import Pose
 
 
@@ -397,18 +396,3 @@ def test_violations_of_the_paper_s_angles_are_counted():
     asked = ask(planner)
     assert planner.adopt(asked, dot(1), planner.locate(asked, dot(1)))["violates"] is True
     assert planner.adopt(asked, dot(0), planner.locate(asked, dot(0)))["violates"] is False
-
-
-def test_a_target_that_another_robot_has_taken_is_refused_with_a_reason():
-    belief = belief_with([(14.0, 10.0), (14.0, 12.5)])
-    planner = planner_for(belief)
-    index = {(t.x, t.y): t.index for t in belief.tracks}
-    belief.others = (Neighbour(pose=Pose(12.0, 8.0, 0.0), radius_m=0.3, goal=(14.0, 10.0), index=index[14.0, 10.0]),)
-    asked = ask(planner)
-    shown = {c["index"]: c["taken"] for c in asked.question.facts["centroids"]}
-    assert shown == {index[14.0, 10.0]: True, index[14.0, 12.5]: False}
-    assert asked.question.facts["others"] == [
-        {"forward_m": 2.0, "left_m": -2.0, "goal_forward_m": 4.0, "goal_left_m": 0.0}
-    ]
-    assert planner.verify(asked, dot(index[14.0, 10.0])).code == "taken"
-    assert planner.verify(asked, dot(index[14.0, 12.5])) is None

@@ -12,7 +12,6 @@ from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
 from coral.reef.vehicle.camera import Camera, CameraCfg
-from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.world.geometry import Frame, Label, Pose
 from coral.reef.world.scene import Scene
 
@@ -139,40 +138,6 @@ def test_without_a_goal_nothing_has_failed():
     made = belief((14.0, 10.0))
     made.goal_failed()
     assert made.failures(14.0, 10.0) == 0
-
-
-def test_what_another_robot_goes_to_is_not_left_to_visit():
-    made = belief((14.0, 10.0), (6.0, 10.0))
-    (label,) = (t.index for t in made.tracks if t.x == 6.0)
-    made.others = (Neighbour(pose=Pose(8.0, 12.0, 0.0), radius_m=0.3, goal=(7.5, 10.0), index=label),)
-    assert places(made.unvisited()) == [(14.0, 10.0)]  # the label counts, though its goal lies 1.5 m off
-    assert made.taken(7.2, 10.0)
-    assert not made.taken(14.0, 10.0)
-
-
-@pytest.mark.parametrize(("goal", "nearer"), [(None, True), ((13.0, 10.0), False)])
-def test_a_robot_and_its_goal_count_for_who_is_nearer(goal, nearer):
-    made = belief()
-    made.goal = goal
-    made.others = (Neighbour(pose=Pose(16.0, 10.0, 0.0), radius_m=0.3),)
-    assert made.nearer_to_another(14.0, 10.0) is nearer
-
-
-def test_alone_nobody_is_nearer():
-    assert not belief().nearer_to_another(19.0, 19.0)
-
-
-def test_a_companion_shares_the_map_and_the_chain_and_nothing_else():
-    first = belief((14.0, 10.0))
-    second = first.companion()
-    first.goal = (14.0, 10.0)
-    first.goal_failed()
-    first.update(BARE, Pose(10.0, 10.0, 0.0))
-    assert second.map is first.map
-    assert second.tracks == first.tracks
-    assert second.goal is None
-    assert second.failures(14.0, 10.0) == 0
-    assert len(second.trajectory) == 0
 
 
 def test_a_snapshot_stays_as_it_is_while_the_robot_goes_on():

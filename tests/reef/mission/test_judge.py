@@ -36,9 +36,9 @@ def test_distance_from_the_reef_is_to_an_oyster_or_to_the_line_it_grew_along(pon
 
 
 def test_rows_hold_the_shares_at_that_time(judge, tmp_path):
-    judge.note(0, 0.0, [(2.0, 3.0)])
+    judge.note(0, 0.0, 2.0, 3.0)
     judge.meter.update(Pose(5.0, 3.0, 0.2))
-    judge.note(1, 0.1, [(2.0, 3.0), (2.0, 12.0)])
+    judge.note(1, 0.1, 2.0, 12.0)
     first, second = csv.DictReader((tmp_path / "judge.csv").open())
     assert float(first["imaged"]) == float(first["inspected"]) == 0.0
     assert 0.3 < float(second["imaged"]) <= 0.7

@@ -90,7 +90,7 @@ def test_the_same_seed_gives_the_same_run_and_another_seed_does_not(pond, finish
 
 def test_the_controller_shifts_its_plan_by_the_mission_s_control_period(pond, tmp_path):
     cfg = dataclasses.replace(QUIET, control_period_s=0.2)
-    driver = Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run", seed=0).robots[0].driver
+    driver = Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run", seed=0).driver
     distance = np.full((120, 120), np.inf, dtype=np.float32)
     plan = driver.plan(VehicleState(1.0, 1.0, 0.0, 0.3), CostField.compute(distance, (4.0, 4.0)), distance)
     np.testing.assert_allclose(driver.warm_start(), shift_matrix(driver.schedule.dt, 0.2) @ plan.controls)
@@ -244,7 +244,7 @@ def test_with_eyes_nothing_but_what_they_see_reaches_the_pilot(pond, tmp_path):
     cfg = dataclasses.replace(QUIET, perception="rgb", time_limit_s=0.2)
     mission = Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run")
     mission.run()
-    seen = mission.robots[0].seen.frame
+    seen = mission.robot.seen.frame
     assert seen is not None
     assert seen.value.doubt is not None
     assert seen.value.rgb is not None

@@ -78,7 +78,7 @@ def test_figures_of_a_small_run_by_hand(tmp_path):
         {"event": "judged", "phantoms": 3, "oracle_time_to_90_s": 0.1},
         {"event": "end", "t": 0.3, "reason": "time limit"},
     ]
-    found = outcome_metrics(tmp_path, events, [table])
+    found = outcome_metrics(tmp_path, events, table)
     assert found == {
         "imaged": 1.0,
         "inspected": 0.9,
@@ -110,9 +110,9 @@ def test_figures_of_a_small_run_by_hand(tmp_path):
 
 def test_a_run_cut_off_in_a_line_or_without_a_judge_is_told_as_far_as_it_goes(tmp_path):
     (tmp_path / "judge.csv").write_text("step,t,imaged,inspected,reef_m\n0,0,0.2,0.1,0\n1,0.1,0.5,0.")
-    found = outcome_metrics(tmp_path, [{"event": "start", "clusters_total": 2}], [[]])
+    found = outcome_metrics(tmp_path, [{"event": "start", "clusters_total": 2}], [])
     assert (found["imaged"], found["phantom_clusters"], found["oracle_ratio_90"]) == (0.2, None, None)
     (tmp_path / "judge.csv").unlink()
-    found = outcome_metrics(tmp_path, [], [rows([(0, 0)], [(0, 0)], [0.3])])
+    found = outcome_metrics(tmp_path, [], rows([(0, 0)], [(0, 0)], [0.3]))
     assert (found["inspected"], found["time_to_50_s"], found["idle_fraction"]) == (None, None, 0.0)
     json.dumps(found, allow_nan=False)

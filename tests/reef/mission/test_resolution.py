@@ -5,9 +5,9 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import PERSON_DEADLINE_S, resolve_mission
 
 
-def test_variant_preset_and_robots_are_applied(pond):
-    cfg, world = resolve_mission(MissionCfg(), pond, variant="pd", preset="bay", robots=2, fallback="hold")
-    assert (cfg.driver, cfg.robots, cfg.pilot.fallback) == ("pd", 2, "hold")
+def test_variant_preset_and_fallback_are_applied(pond):
+    cfg, world = resolve_mission(MissionCfg(), pond, variant="pd", preset="bay", fallback="hold")
+    assert (cfg.driver, cfg.pilot.fallback) == ("pd", "hold")
     assert cfg.simulator.noise.visibility_m == 4.5
     assert world.current != pond.current
 
@@ -26,7 +26,6 @@ def test_a_person_gets_more_time(pond):
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"robots": 9}, "--robots: found 9"),
         ({"variant": "ful"}, "did you mean 'full'"),
         ({"preset": "by"}, "did you mean 'bay'"),
         ({"cfg": MissionCfg(time_limit_s=-1.0)}, "--cfg: time_limit_s: found -1"),

@@ -14,8 +14,8 @@ from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.map.localization import Localizer
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.sonar_3d15 import SonarCfg
-from coral.reef.mission.robot import Robot, naming
-from coral.reef.pilot.pilot import NOTHING_LEFT, Pilot
+from coral.reef.mission.robot import Robot
+from coral.reef.pilot.pilot import Pilot
 from coral.reef.simulation.doppler_log import DvlCfg
 from coral.reef.simulation.simulated_navigation import NavigationCfg
 from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
@@ -80,19 +80,12 @@ def test_it_senses_decides_and_drives(robot):
     for k in range(10):
         one.sense(0.1 * k)
         one.localize(0.1 if k else 0.0)
-        assert one.think(()) >= 0.0
+        assert one.think() >= 0.0
         one.act()
     assert one.command[0] > 0.0
     x, y = one.vehicle.position
     assert x > 3.1
     assert y == pytest.approx(5.0, abs=0.05)
-
-
-@pytest.mark.parametrize(("alone", "named"), [(True, {}), (False, {"robot": 2})])
-def test_only_one_of_several_names_itself_in_its_events(alone, named):
-    events = []
-    naming(lambda event, **fields: events.append({"event": event, **fields}), 2, alone=alone)("mode", mode="waypoint")
-    assert events == [{"event": "mode", **named, "mode": "waypoint"}]
 
 
 def test_another_map_brings_another_pilot_and_keeps_the_state(robot):
@@ -105,31 +98,6 @@ def test_another_map_brings_another_pilot_and_keeps_the_state(robot):
     assert one.pilot is not before
     assert one.pilot.belief is one.belief is belief
     assert one.pilot.safety.states is states
-
-
-def test_it_tells_the_others_where_it_is_and_where_it_goes(robot):
-    one = robot()
-    one.sense(0.0)
-    one.localize(0.0)
-    one.think(())
-    said = one.says()
-    assert said.pose == one.observed.pose.value
-    assert said.radius_m == 0.3
-    assert said.goal == one.belief.goal
-    assert said.goal[0] > 4.0  # the initial goal, straight ahead
-    assert said.path.shape == (len(said.times), 2)
-    np.testing.assert_allclose(said.path[0], (3.0, 5.0))
-
-
-def test_one_that_has_nothing_to_do_claims_no_goal(robot):
-    one = robot()
-    one.sense(0.0)
-    assert one.says().path.shape == (0, 2)
-    one.localize(0.0)
-    one.think(())
-    one.pilot.end_reason = NOTHING_LEFT
-    assert one.says().goal is None
-    assert one.says().index is None
 
 
 def test_dead_reckoning_reaches_guard_and_localizer_with_its_covariance(robot):
@@ -169,7 +137,7 @@ def test_a_picture_is_kept_with_the_height_that_was_measured(robot):
     for k in range(3):
         floating.sense(0.1 * k)
         floating.localize(0.1)
-        floating.think(())
+        floating.think()
         floating.act()
     floating.sense(0.3)
     floating.localize(0.1)

@@ -5,8 +5,8 @@ import pytest
 from coral.reef.mission.state_metrics import clusters_left, seconds_in_states
 
 
-def state(t, name, **robot):
-    return {"t": t, "event": "state", "state": name, **robot}
+def state(t, name):
+    return {"t": t, "event": "state", "state": name}
 
 
 def test_the_seconds_of_the_states_add_up_to_the_run():
@@ -14,11 +14,6 @@ def test_the_seconds_of_the_states_add_up_to_the_run():
     found = seconds_in_states(events, 9.0)
     assert found == {"ready": 0.5, "surveying": 6.5, "holding": 2.0}
     assert sum(found.values()) == pytest.approx(9.0)
-
-
-def test_several_robots_are_added_up():
-    events = [state(0.0, "surveying", robot=0), state(0.0, "surveying", robot=1), state(6.0, "stopped", robot=1)]
-    assert seconds_in_states(events, 10.0) == {"surveying": 16.0, "stopped": 4.0}
 
 
 def test_runs_without_states_have_none():

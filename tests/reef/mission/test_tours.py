@@ -5,10 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from coral.advisor.rules import RuleAdvisor
-from coral.errors import InputError
-from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.oracle import plan_tour
 from coral.reef.mission.tours import planned
@@ -43,10 +39,3 @@ def test_the_oracle_drives_its_tour_of_the_world(tmp_path, monkeypatch):
     commands = planned(small, dataclasses.replace(CFG, decider="oracle"))
     assert len(commands)
     np.testing.assert_array_equal(commands, plan_tour(small).commands)
-
-
-def test_a_tour_is_for_one_robot(pond, tmp_path):
-    cfg = dataclasses.replace(apply_variant("oracle", CFG), robots=2)
-    with pytest.raises(InputError, match="--robots"):
-        Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run", variant="oracle")
-    assert not (tmp_path / "run").exists()

@@ -10,13 +10,13 @@ def test_a_question_is_unanswerable_only_if_no_choice_would_pass() -> None:
     assert timeliness_of([*events, {"event": "question"}])["unanswerable"] == 2
 
 
-def test_only_refusals_for_obstacles_and_other_robots_are_late() -> None:
+def test_only_refusals_for_obstacles_are_late() -> None:
     def verdict(what: str, code: str = "") -> dict[str, Any]:
         return {"event": "verdict", "verdict": what, "code": code}
 
     events = [verdict("accepted"), verdict("rejected", "regret"), verdict("rejected", "visited")]
     assert timeliness_of(events)["refused_late"] == 0
-    assert timeliness_of([*events, verdict("rejected", "blocked"), verdict("rejected", "taken")])["refused_late"] == 2
+    assert timeliness_of([*events, verdict("rejected", "blocked")])["refused_late"] == 1
 
 
 def test_a_goal_seen_meanwhile_is_overtaken() -> None:

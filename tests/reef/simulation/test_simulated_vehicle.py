@@ -1,9 +1,8 @@
-"""A simulated vehicle and a second one, in a pool with one post."""
+"""A simulated vehicle in a pool with one post."""
 
 import numpy as np
 import pytest
 
-from coral.reef.simulation.encounter import Encounters
 from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.world.geometry import Pose
@@ -18,9 +17,9 @@ POOL = ReefWorld(
 )
 
 
-def vehicle(told, encounters=None, **where):
-    world = ReefSimulator(POOL, SimulatorCfg(), np.random.default_rng(0), **where)
-    return SimulatedVehicle(world, 0.1, lambda event, **fields: told.append({"event": event, **fields}), encounters)
+def vehicle(told):
+    world = ReefSimulator(POOL, SimulatorCfg(), np.random.default_rng(0))
+    return SimulatedVehicle(world, 0.1, lambda event, **fields: told.append({"event": event, **fields}))
 
 
 def test_everything_is_measured_at_the_tick():
@@ -38,14 +37,3 @@ def test_a_command_moves_it_and_a_contact_is_told_once_with_the_obstacle():
     (contact,) = told
     assert (contact["event"], contact["obstacle"]) == ("collision", 0)
     assert contact["x"] == pytest.approx(3.5, abs=0.02)
-
-
-def test_two_in_one_reef_stop_each_other():
-    told, encounters = [], Encounters(0.3)
-    first = vehicle(told, encounters, start=Pose(2.0, 2.0, 0.0))
-    second = vehicle(told, encounters, start=Pose(4.0, 2.0, 0.0), first=first.simulator)
-    first.fleet = second.fleet = [first, second]
-    for _ in range(40):
-        first.command((0.6, 0.0))
-    assert [(event["event"], event["other"]) for event in told] == [("robot_collision", 1)]
-    assert first.position[0] == pytest.approx(3.4, abs=0.02)

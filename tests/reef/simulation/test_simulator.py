@@ -15,7 +15,6 @@ from coral.reef.simulation.simulated_navigation import NavigationCfg
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.vehicle import VehicleCfg
-from coral.reef.world.geometry import Pose
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 POST = Obstacle(shape="cylinder", x=6.0, y=5.0, z=0.8, size=(0.2, 0.2, 0.8))
@@ -36,9 +35,9 @@ def simulator(there, **keys):
     return ReefSimulator(there, SimulatorCfg(**keys), np.random.default_rng(0))
 
 
-def drive(sim, seconds, others=()):
+def drive(sim, seconds):
     """Full speed ahead; return every new contact."""
-    return [contact for _ in range(round(seconds / 0.1)) for contact in sim.act((0.6, 0.0), 0.1, others)]
+    return [contact for _ in range(round(seconds / 0.1)) for contact in sim.act((0.6, 0.0), 0.1)]
 
 
 def test_the_vehicle_begins_at_the_start_and_its_way_is_measured():
@@ -65,12 +64,6 @@ def test_a_ghost_goes_through_and_is_counted_all_the_same():
     assert sim.clearance_m > 0.0
 
 
-def test_another_robot_stops_the_hull_and_is_no_obstacle():
-    sim = simulator(world(disc(15.0, 15.0)))
-    assert drive(sim, 5.0, others=((6.6, 5.0),)) == []
-    assert sim.pose.x == pytest.approx(6.0, abs=0.02)
-
-
 def test_without_drift_the_robot_knows_where_it_is_and_how_fast():
     sim = simulator(world(disc(15.0, 15.0)))
     drive(sim, 4.0)
@@ -86,15 +79,6 @@ def test_in_murky_water_a_mission_is_not_covered_by_what_it_could_not_see():
         sim = simulator(there, noise=SensorNoiseCfg(visibility_m=visibility))
         shares[visibility] = (sim.coverage.coverage, sim.imaging.imaged)
     assert shares == {None: (1.0, 1.0), 3.0: (0.0, 0.0)}
-
-
-def test_the_judge_watches_every_robot_of_a_fleet():
-    there = world(disc(6.5, 5.0, name="a"), disc(6.5, 15.0, name="b"))
-    first = simulator(there)
-    assert first.imaging.inspected == 0.5
-    second = ReefSimulator(there, SimulatorCfg(), np.random.default_rng(0), start=Pose(5, 15, 0), first=first)
-    assert second.imaging is first.imaging
-    assert first.imaging.inspected == 1.0
 
 
 def test_a_vehicle_that_tips_sees_where_it_looks():

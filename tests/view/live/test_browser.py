@@ -81,7 +81,7 @@ def test_a_recording_is_played_and_searched(visit, finished, check_for_all_eyes)
         page = visit(viewer.url)
         expect(page.get_by_role("heading", name="made-up <reef>")).to_be_visible(timeout=PATIENCE_MS)
         expect(page.locator("#status")).to_have_text("ended: time limit", timeout=PATIENCE_MS)
-        assert page.evaluate("rows[0].length") > 10
+        assert page.evaluate("rows.length") > 10
         page.get_by_label("Time in the run").fill("17")
         expect(page.locator("#status")).to_have_text("paused", timeout=PATIENCE_MS)
         expect(page.locator("#clock")).to_have_text(re.compile("17.0 s of"))

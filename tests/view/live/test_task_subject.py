@@ -28,7 +28,7 @@ def test_a_recorded_task_is_told_with_its_terms(recorded_task, subject):
     stages = {moment["terms"]["stage"] for moment in news["moments"] if "terms" in moment}
     assert stages == {"reach"}
     assert news["moments"][-1]["ended"] == "timeout"
-    row = dict(zip(subject.head["columns"], news["rows"][0][-1], strict=True))
+    row = dict(zip(subject.head["columns"], news["rows"][-1], strict=True))
     assert row["force"] == pytest.approx(sum(row[name] ** 2 for name in ("fx", "fy", "fz")) ** 0.5, abs=1e-3)
     assert row["box_qw"] is not None
     stream.close()

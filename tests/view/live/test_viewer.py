@@ -30,12 +30,12 @@ def viewer(finished):
 def test_a_recording_is_served(viewer, finished):
     status, head = ask(viewer, "GET", "/api/head")
     assert (status, head["live"], head["rate"], head["title"]) == (200, False, 20.0, "made-up <reef>")
-    _, news = ask(viewer, "GET", "/api/news?moments=0&rows=")
+    _, news = ask(viewer, "GET", "/api/news?moments=0&rows=0")
     assert news["moments"][-1]["ended"] == "time limit"
     assert news["now"] is None
     assert news["complete"]
-    _, rest = ask(viewer, "GET", f"/api/news?moments={len(news['moments'])}&rows={len(news['rows'][0])}")
-    assert (rest["moments"], rest["rows"]) == ([], [[]])
+    _, rest = ask(viewer, "GET", f"/api/news?moments={len(news['moments'])}&rows={len(news['rows'])}")
+    assert (rest["moments"], rest["rows"]) == ([], [])
     step = news["maps"][0]
     assert ask(viewer, "GET", f"/frames/{step}/map")[1].startswith(b"\x89PNG")
     digest = next(moment["pictures"][0] for moment in news["moments"] if moment.get("pictures"))

@@ -10,7 +10,6 @@ CODES = {
     "finished": "Within 3 m of the point everything is known and done, and nothing that is left is nearer from there.",
     "too-dear": "To look where something is expected costs more than is allowed.",
     "too-close": "The point is where the robot will be, or at the last goal.",
-    "taken": "Another robot goes there.",
     "contradiction": "The answer contradicts itself.",
     "not-done": "The survey cannot end, or be left to the robot, while dots are left.",
     "behind-robot": "`paper`: the point is behind the robot.",

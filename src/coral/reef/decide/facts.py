@@ -11,7 +11,6 @@ import numpy as np
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.survey import Survey
 from coral.reef.map.belief import Belief
-from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.world.geometry import Pose, to_robot, to_world
 
 MAX_FRONTIERS = 40
@@ -39,8 +38,6 @@ def describe(
     }
     if belief.last_failure is not None:
         facts["failed"] = {"index": belief.last_failure[0], "cause": belief.last_failure[1]}
-    if belief.others:
-        facts["others"] = [_other(pose, n) for n in belief.others]
     if options is not None:
         facts["options"] = list(options)
     return facts
@@ -61,7 +58,7 @@ def waypoint_options(
     return [
         {"forward_m": f, "left_m": s, "path_m": round(float(path), 2), "unexplored": _unexplored(belief, left, x, y)}
         for (f, s), (x, y), path in zip(steps, points, paths, strict=True)
-        if math.isfinite(path) and belief.map.contains(x, y) and not belief.taken(x, y)
+        if math.isfinite(path) and belief.map.contains(x, y)
     ]
 
 
@@ -80,7 +77,6 @@ def _centroids(outlook: Outlook, left: Survey) -> list[dict[str, Any]]:
                 **({"doubtful": True} if t.doubtful and not outlook.last_look else {}),
                 "inspected": round(t.inspected, 2),
                 "left_m2": None if t.far else round(len(t.left) * cell_m**2, 2),
-                **({"taken": belief.taken(t.x, t.y, t.index)} if belief.others else {}),
                 "chain_position": position,
                 "failed_attempts": belief.failures(t.x, t.y),
                 "area_m2": round(t.area_px * cell_m**2, 2),
@@ -108,14 +104,6 @@ def _place(pose: Pose, x: float, y: float) -> dict[str, float]:
     forward, to_left = to_robot(pose, x, y)
     bearing = math.degrees(math.atan2(to_left, forward))
     return {"forward_m": round(forward, 2), "left_m": round(to_left, 2), "bearing_deg": round(bearing, 1)}
-
-
-def _other(pose: Pose, other: Neighbour) -> dict[str, float | None]:
-    """Describe another robot and its goal, null if it has none."""
-    here = to_robot(pose, other.pose.x, other.pose.y)
-    goal = (None, None) if other.goal is None else to_robot(pose, *other.goal)
-    names = ("forward_m", "left_m", "goal_forward_m", "goal_left_m")
-    return {name: None if value is None else round(value, 2) for name, value in zip(names, (*here, *goal), strict=True)}
 
 
 def _unexplored(belief: Belief, left: Survey, x: float, y: float) -> float:

@@ -43,8 +43,6 @@ GAP_M = 4.0
 """Frontiers nearer than this to a place already in the tour are part of it."""
 MOST_THEN = 2
 """Goals named besides the first, to continue with until the next answer comes."""
-OTHERS_S = 2.0
-"""Delay (s) for each metre by which another robot, or its goal, is nearer: what lies on its way is left to it."""
 
 Fact = Mapping[str, Any]
 
@@ -152,7 +150,7 @@ def _places(facts: Fact) -> list[_Place]:
     dots = [
         _place(facts, c, DOT + _left_m2(c), f"cluster {c['index']}", c["index"], c["failed_attempts"])
         for c in facts["centroids"]
-        if not (c["visited"] or c.get("taken") or c.get("doubtful")) and c["path_m"] is not None
+        if not (c["visited"] or c.get("doubtful")) and c["path_m"] is not None
     ]
     places = sorted(dots, key=lambda p: p.path_m)[:MOST_PLACES]
     water = [
@@ -168,8 +166,7 @@ def _places(facts: Fact) -> list[_Place]:
 
 
 def _place(facts: Fact, at: Fact, worth: float, name: str, index: int | None = None, failed: int = 0) -> _Place:
-    put_off_s = FAILED_S * failed + OTHERS_S * _nearer_to_others(facts, at)
-    return _Place(at["forward_m"], at["left_m"], at["path_m"], worth, name, index, failed, put_off_s)
+    return _Place(at["forward_m"], at["left_m"], at["path_m"], worth, name, index, failed, FAILED_S * failed)
 
 
 def _left_m2(dot: Fact) -> float:
@@ -202,17 +199,6 @@ def _between(places: Sequence[_Place]) -> tuple[NDArray[np.float64], NDArray[np.
     """Return the times between places (s), Shape=(N, N), and their worth, Shape=(N,)."""
     at = np.array([(p.forward_m, p.left_m) for p in places])
     return np.hypot(*(at[:, None] - at[None]).transpose(2, 0, 1)) / SPEED_M_S, np.array([p.worth for p in places])
-
-
-def _nearer_to_others(facts: Fact, point: Fact) -> float:
-    """Return how much nearer (m) another robot or its goal is to a point than this robot on arrival; 0 if none is."""
-    others = facts.get("others", ())
-    if not others:
-        return 0.0
-    own = math.hypot(point["forward_m"], point["left_m"])
-    places = [(o[f"{of}forward_m"], o[f"{of}left_m"]) for o in others for of in ("", "goal_")]
-    nearest = min(math.hypot(point["forward_m"] - x, point["left_m"] - y) for x, y in places if x is not None)
-    return max(0.0, own - nearest)
 
 
 REEF_RULES: dict[str, Rule] = {

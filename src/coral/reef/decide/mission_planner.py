@@ -164,7 +164,7 @@ class MissionPlanner:
                 return Rejection(code="too-close", reason=reason)
         reach = self.belief.water(self.fields).reach(*self.belief.pose[:2])
         for goal in goals[-1:]:
-            if refusal := outside(goal, self.belief) or hazard(goal, self.belief, reach):
+            if refusal := outside(goal, self.belief) or hazard(goal, reach):
                 return replace(refusal, details={**refusal.details, "index": answer.selected_centroid_index})
         return None
 

@@ -19,7 +19,6 @@ from coral.reef.decide.asked import AskedState
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.remaining import Remaining
 from coral.reef.decide.route import Goal
-from coral.reef.map.belief import Belief
 from coral.reef.map.water import Reach
 
 
@@ -68,17 +67,12 @@ def expected_at(asked: AskedState, expect: Expectation, goal: Goal) -> tuple[flo
     return x + c * expect.forward_m - s * expect.left_m, y + s * expect.forward_m + c * expect.left_m
 
 
-def hazard(goal: Goal, now: Belief, reach: Reach) -> Rejection | None:
-    """Refuse what obstacles, or another robot, stand in the way of on the map as it is now."""
+def hazard(goal: Goal, reach: Reach) -> Rejection | None:
+    """Refuse what obstacles stand in the way of on the map as it is now."""
     if not reach.reaches(goal.x, goal.y):
         return Rejection(
             code="blocked",
             reason="The chosen point lies inside an obstacle, or obstacles cut it off. Choose a point in open water.",
-        )
-    if now.taken(goal.x, goal.y, goal.index):
-        return Rejection(
-            code="taken",
-            reason="Another robot is going there already. Choose a point that no other robot is going to.",
         )
     return None
 

@@ -53,7 +53,6 @@ def make_question(
     context = {
         "facts": facts,
         "step_m": cfg.step_m,
-        "others": len(belief.others),
         "latency_s": outlook.latency_s,
         "inspect_m": belief.inspect_m,
     }

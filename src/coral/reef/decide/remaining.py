@@ -88,13 +88,13 @@ def what_remains(
     """
     belief = outlook.belief
     near = sorted(dots, key=lambda dot: (left.path_m(dot.x, dot.y), dot.x, dot.y))
-    mine = (d for d in near if math.isfinite(left.path_m(d.x, d.y)) and not belief.nearer_to_another(d.x, d.y))
-    places: list[Dot | Frontier] = list(itertools.islice(mine, cfg.max_places))
+    within_reach = (dot for dot in near if math.isfinite(left.path_m(dot.x, dot.y)))
+    places: list[Dot | Frontier] = list(itertools.islice(within_reach, cfg.max_places))
     for front in left.frontiers:
         apart = all(
             math.dist((front.x, front.y), (p.x, p.y)) >= cfg.frontier_gap_m for p in places if isinstance(p, Frontier)
         )
-        if len(places) < cfg.max_places and apart and not belief.nearer_to_another(front.x, front.y):
+        if len(places) < cfg.max_places and apart:
             places.append(front)
     chosen = {id(place) for place in places}
     known: list[Dot | Frontier] = [*dots, *left.frontiers]

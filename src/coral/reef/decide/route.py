@@ -157,7 +157,6 @@ class Route:
         """Move the aim along, and go on to the next goal when the present one is done; True when that happened."""
         self.t, before = t, self.goals
         self._keep_clear()
-        self.goals = tuple(goal for goal in self.goals if not self._left_to_another(goal))
         moved = before[:1] != self.goals[:1]
         if moved:
             self._begin(t)
@@ -261,14 +260,6 @@ class Route:
             belief.goal_failed("what is left of it could not be seen from near")
             return True
         return False
-
-    def _left_to_another(self, goal: Goal) -> bool:
-        """Check whether another robot goes to the same cluster and is nearer to it."""
-        belief, at = self.belief, (goal.x, goal.y)
-        own = math.dist(belief.pose[:2], at)
-        return goal.index is not None and any(
-            n.is_going_to(*at, goal.index, 0.0) and math.dist(n.pose[:2], at) < own for n in belief.others
-        )
 
     def _explored(self, goal: Goal) -> bool:
         """Check whether a waypoint that was to explore water has nothing more to show: all of it has been seen."""

@@ -66,10 +66,7 @@ def records_of(said: Iterable[Said]) -> list[dict[str, Any]]:
 
 
 def said_by(events: Iterable[Mapping[str, Any]], t: float = math.inf) -> list[Said]:
-    """Return what had been said by a time (s) of a run, from its events: of several robots, what each said."""
-    last: dict[Any, Any] = {}
-    for event in events:
-        if isinstance(event.get("said"), list) and float(event["t"]) <= t + 1e-6:
-            last[event.get("robot")] = event["said"]
-    found = (Said.of_record(record) for records in last.values() for record in records)
+    """Return what had been said by a time (s) of a run, from its events."""
+    told = [e["said"] for e in events if isinstance(e.get("said"), list) and float(e["t"]) <= t + 1e-6]
+    found = (Said.of_record(record) for record in (told[-1] if told else ()))
     return [one for one in found if one is not None]

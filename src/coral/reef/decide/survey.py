@@ -139,7 +139,7 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -
         mean = np.array([px[members].mean(), py[members].mean()])
         best = members[np.argmin((px[members] - mean[0]) ** 2 + (py[members] - mean[1]) ** 2)]
         x, y = float(px[best]), float(py[best])
-        if belief.failures(x, y) >= belief.cfg.max_attempts or belief.taken(x, y):
+        if belief.failures(x, y) >= belief.cfg.max_attempts:
             continue
         forward, to_left = to_robot(arrival.pose, x, y)
         found.append(

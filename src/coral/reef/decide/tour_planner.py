@@ -212,7 +212,7 @@ class TourPlanner:
             )
         if goal is None:
             return None
-        refusal = outside(goal, self.belief) or hazard(goal, self.belief, self._reach_now())
+        refusal = outside(goal, self.belief) or hazard(goal, self._reach_now())
         if refusal is not None:
             return refusal
         if _leaves_rest(answer) and asked.tour is not None:
@@ -284,7 +284,7 @@ class TourPlanner:
                 goals.append(goal)
         if not self.cfg.checks:
             return goals
-        return [goal for goal in goals if hazard(goal, self.belief, self._reach_now()) is None]
+        return [goal for goal in goals if hazard(goal, self._reach_now()) is None]
 
     def adopt(self, asked: AskedState, answer: Answer, goal: Goal) -> dict[str, Any]:
         """Note what a choice costs by the robot's own tour, and what the advisor expects there."""

@@ -20,7 +20,6 @@ from coral.reef.map.glimpses import Glimpses
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.regions import OysterRegions
 from coral.reef.map.water import Water, WaterMap
-from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.vehicle.range_image import RangeImage
 from coral.reef.vehicle.sensing import Attitude
 from coral.reef.world.geometry import Frame, Pose
@@ -62,11 +61,8 @@ class Belief:
         """Places from which the way keeps `clear_m` (m), where it can."""
         self.last_failure: tuple[int | None, str] | None = None
         """Label (None: a waypoint) and cause of the last goal that failed, until a decision after it has been made."""
-        self.others: tuple[Neighbour, ...] = ()
-        """The other robots of the mission, as they describe themselves."""
         self.best_views = BestViews(occupancy.camera)
         self.glimpses = Glimpses()
-        self._keeps_chain = True
         self._trail: list[tuple[float, float]] = []
         self._failed: list[tuple[float, float]] = []
         self._ticks = 0
@@ -78,15 +74,6 @@ class Belief:
         self._waters: dict[CostFieldCfg, WaterMap] = {}
         self._still: dict[CostFieldCfg, Water] = {}
         """Of a snapshot."""
-
-    def companion(self) -> Belief:
-        """Make the belief of a further robot: the same map and chain, with what both have seen and visited.
-
-        Its pose, trajectory, goals and their failures are its own.
-        """
-        other = Belief(self.map, self.cfg)
-        other.tracker, other._keeps_chain = self.tracker, False
-        return other
 
     def snapshot(self) -> Belief:
         """Copy all that decisions read, for another thread to work on while this belief changes: some milliseconds."""
@@ -119,9 +106,8 @@ class Belief:
         self._drawn = drawn, after
 
     def look_again(self, first: int, end: int) -> None:
-        """Take back what this robot saw from near in some pictures, see the map; clusters may no longer be visited."""
-        robots = 1 + len(self.others)
-        self.map.look_again(first * robots, end * robots)
+        """Take back what the robot saw from near in some pictures, see the map; clusters may no longer be visited."""
+        self.map.look_again(first, end)
         height, width = self.map.target.shape
         self._seen = (0, height, 0, width)
 
@@ -151,7 +137,7 @@ class Belief:
         if not self._trail or math.dist(self._trail[-1], (pose.x, pose.y)) >= self.cfg.trail_step_m:
             self._trail.append((pose.x, pose.y))
         if self._ticks % self.cfg.chain_period == 0:
-            if self._keeps_chain and self.cfg.centroids:
+            if self.cfg.centroids:
                 self.tracker.update(self._regions.update(), self.map.hints() if self.cfg.inspect.enabled else ())
             if self.cfg.inspect.enabled:
                 self._inspect(self._seen)
@@ -225,7 +211,7 @@ class Belief:
         return np.asarray((np.stack([columns, rows], axis=1) + 0.5) * self.map.cfg.cell_m, np.float64)
 
     def unvisited(self, *, doubtful: bool = False) -> list[Track]:
-        """Return the clusters still to be visited, without those whose goals failed too often or that others go to.
+        """Return the clusters still to be visited, without those whose goals failed too often.
 
         Args:
             doubtful: Whether doubtful ones are among them. They are left out until nothing else is left: looks on the
@@ -234,21 +220,8 @@ class Belief:
         return [
             t
             for t in self.tracks
-            if not (t.visited or self.taken(t.x, t.y, t.index))
-            and self.failures(t.x, t.y) < self.cfg.max_attempts
-            and (doubtful or not t.doubtful)
+            if not t.visited and self.failures(t.x, t.y) < self.cfg.max_attempts and (doubtful or not t.doubtful)
         ]
-
-    def taken(self, x: float, y: float, index: int | None = None) -> bool:
-        """Check whether another robot is going to a point (within d_merge of it) or to the cluster with this label."""
-        return any(n.is_going_to(x, y, index, self.cfg.chain.merge_distance_m) for n in self.others)
-
-    def nearer_to_another(self, x: float, y: float) -> bool:
-        """Check whether another robot, or its goal, is nearer to a point than this robot and its goal."""
-        if not self.others:
-            return False
-        own = min(math.dist(p, (x, y)) for p in (self.pose[:2], self.goal or self.pose[:2]))
-        return any(n.distance_m(x, y) < own for n in self.others)
 
     def goal_failed(self, cause: str = "") -> None:
         """Record that the present goal could not be reached, and why."""

@@ -50,7 +50,7 @@ added to the clearance."""
 
 @dataclass(frozen=True, kw_only=True)
 class Deciding:
-    """Who decides for a mission's robots, and what replaces our own parts. The robots share it."""
+    """Who decides for a mission's robot, and what replaces our own parts."""
 
     advisor: Advisor
     log: Callable[[Attempt], None]
@@ -137,7 +137,6 @@ def make_robot(
         clock,
         emit,
         build,
-        hull_radius_m=vehicle_cfg.hull_radius_m,
         faults=FaultySensors(parse_fault(text) for text in cfg.faults),
         eyes=eyes,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 EVENTS = {
     "start": "`world`, `advisor`, `variant`, `preset`, `seed`, `clusters_total`; `own_parts`: parts exchanged in "
-    "Python; `robots` and `hull_radius_m` of several. At sea also `judged_by`, `vehicle`, `camera`, `dvl`, `sonar`, "
+    "Python. At sea also `judged_by`, `vehicle`, `camera`, `dvl`, `sonar`, "
     "and `resumed` with `place`.",
     "instruction": "The words of a mission, at the start or changed under way: `text`, and `by` whom.",
     "question": "A question was asked: number of the `decision`, `attempt` (0: the first), `mode`, digests of its "
@@ -28,7 +28,6 @@ EVENTS = {
     "doubt": "The robot looks again at doubtful places before it ends: `step`.",
     "cluster_covered": "A true cluster was covered: `name`, `fraction` of its area.",
     "collision": "Contact with `obstacle` at `x`, `y` (m).",
-    "robot_collision": "Contact of two robots: the `other`, at `x`, `y` (m).",
     "state": "The vehicle's state changed: the new `state`, the old one (`was`), `cause`, `by` whom, `reason`.",
     "sensor": "An `input` of the pilot was `refused`, and why (empty: it is accepted again); `detail`.",
     "blind": "The sonar alone shows the way (`blind`), or no longer: `reason`.",
@@ -52,4 +51,4 @@ EVENTS = {
     "`instruction` with its conditions.",
     "end": "The last line: `reason`.",
 }
-"""Every line also has `step`, `t` (simulated seconds) and, of several robots, `robot`."""
+"""Every line also has `step` and `t` (simulated seconds)."""

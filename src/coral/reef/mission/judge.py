@@ -19,8 +19,7 @@ from coral.reef.world.world import ReefWorld
 from coral.run_files import SurveyFiles
 
 COLUMNS = ("step", "t", "imaged", "inspected", "reef_m")
-"""Mean share of the clusters' oyster area imaged and inspected so far, and distance from the reef (m) of the robot, or
-of the farthest one if there are several."""
+"""Mean share of the clusters' oyster area imaged and inspected so far, and distance from the reef (m)."""
 CELL_M = 0.1
 """Edge of a cell of the grid of distances from the reef."""
 MATCH_M = 1.0
@@ -41,10 +40,9 @@ class MissionJudge:
         self._file: IO[str] = open_log(folder / SurveyFiles.JUDGE)
         self._file.write(",".join(COLUMNS) + "\n")
 
-    def note(self, step: int, t: float, positions: Sequence[tuple[float, float]]) -> None:
-        """Append a row. `positions`: true positions of the robots (m)."""
-        meter = self.meter
-        reef_m = max(self.reef_m(x, y) for x, y in positions)
+    def note(self, step: int, t: float, x: float, y: float) -> None:
+        """Append a row, with the robot's true position (m)."""
+        meter, reef_m = self.meter, self.reef_m(x, y)
         self._file.write(f"{step},{t:.6g},{meter.imaged:.6g},{meter.inspected:.6g},{reef_m:.4g}\n")
 
     def reef_m(self, x: float, y: float) -> float:

@@ -1,9 +1,8 @@
-"""The mission loop: tick by tick all robots observe, each decides, all are commanded (paper Alg. 1)."""
+"""The mission loop: tick by tick the robot observes, decides and is commanded (paper Alg. 1)."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from typing import Protocol
 
 from coral.reef.mission.robot import Robot
@@ -17,7 +16,7 @@ class Ticks(Protocol):
         ...
 
     def end(self, step: int) -> float:
-        """Return the time (s) after the commands of a tick; `step` ticks are done."""
+        """Return the time (s) after the command of a tick; `step` ticks are done."""
         ...
 
 
@@ -40,54 +39,48 @@ class LoopHooks(Protocol):
     """What stands round the loop: record and judge; at sea also the operator, the limits and the way home."""
 
     def located(self) -> None:
-        """Every robot has observed, and knows where it is."""
+        """The robot has observed, and knows where it is."""
         ...
 
     def decided(self) -> None:
-        """Every robot has decided; its command may still be changed."""
+        """The robot has decided; its command may still be changed."""
         ...
 
     def commanded(self) -> str:
-        """The commands are out and the step is counted. Return why the mission is over, or ""."""
+        """The command is out and the step is counted. Return why the mission is over, or ""."""
         ...
 
 
 class MissionLoop:
-    """Drives robots, one or several, whatever vehicles and whatever time they have."""
+    """Drives a robot, whatever vehicle and whatever time it has."""
 
-    def __init__(self, robots: Sequence[Robot], ticks: Ticks, hooks: LoopHooks) -> None:
-        self._robots, self._ticks, self._hooks = robots, ticks, hooks
+    def __init__(self, robot: Robot, ticks: Ticks, hooks: LoopHooks) -> None:
+        self._robot, self._ticks, self._hooks = robot, ticks, hooks
         self.step, self.t = 0, 0.0
         """Ticks that are done, and the time of the mission (s)."""
         self.end_reason = ""
         self.control_ms: list[float] = []
-        """Wall time of each robot's computation at each tick (ms)."""
+        """Wall time of the robot's computation at each tick (ms)."""
         self.tick_ms: list[float] = []
         """Wall time of each tick (ms), without waiting."""
 
     def advance(self) -> None:
         """Run one control tick."""
-        robots = self._robots
+        robot = self._robot
         self.t, dt = self._ticks.begin(self.step)
-        begun, waited = time.perf_counter(), 0.0
-        for robot in robots:
-            robot.sense(self.t)
-        located_ms = []
-        for robot in robots:  # all of them first: each tells the others where it is
-            thinking = time.perf_counter()
-            robot.localize(dt)
-            located_ms.append(1e3 * (time.perf_counter() - thinking))
+        begun = time.perf_counter()
+        robot.sense(self.t)
+        thinking = time.perf_counter()
+        robot.localize(dt)
+        located_s = time.perf_counter() - thinking
         self._hooks.located()
-        for robot, already_ms in zip(robots, located_ms, strict=True):
-            thinking = time.perf_counter()
-            # The wait for a due reply, while simulated time stands still, is no part of the control period.
-            idle = robot.think(other.says() for other in robots if other is not robot)
-            waited += idle
-            self.control_ms.append(already_ms + 1e3 * (time.perf_counter() - thinking - idle))
+        thinking = time.perf_counter()
+        # The wait for a due reply, while simulated time stands still, is no part of the control period.
+        waited = robot.think()
+        self.control_ms.append(1e3 * (located_s + time.perf_counter() - thinking - waited))
         self._hooks.decided()
         self.step += 1
         self.t = self._ticks.end(self.step)
-        for robot in robots:
-            robot.act()
+        robot.act()
         self.end_reason = self._hooks.commanded()
         self.tick_ms.append(1e3 * (time.perf_counter() - begun - waited))

@@ -14,7 +14,7 @@ from coral.reef.mission import outcome
 from coral.reef.mission.state_metrics import clusters_left, seconds_in_states
 from coral.reef.pilot import timeliness
 from coral.run_files import RunFiles
-from coral.runs import read_events, read_rows, trajectory_name
+from coral.runs import read_events, read_rows
 
 OWN_MAP, TRUTH = "the vehicle's own map", "the truth of a simulated reef"
 """Who judges a survey of `reef sail`."""
@@ -54,15 +54,10 @@ DEFINITIONS = {
     "recording_failure": "Why the recording stopped during the survey; empty if it did not.",
     "recording_dropped": "Records that were dropped because too many waited.",
     "tether_turns": "Turns of the tether at the end, positive to the left.",
-    "seconds_in_state": "Time (s) in each state of the vehicle, added up over the robots.",
+    "seconds_in_state": "Time (s) in each state of the vehicle.",
     "clusters_left": "Clusters that the robot knew of at the end and had not finished; the event `left` says why.",
     "preset": "Name of the water and sensors (`--preset`); null where it was not recorded.",
-    "robots": "The number of robots; every count and the distance are sums over them, coverage is of what any of "
-    "them has seen.",
-    "robot_collisions": "Those of the collisions in which two robots touched each other, counted once for the pair.",
-    "per_robot": "The counts, distance, speed and clearance of each of several robots.",
     "alignment": "How the search for the place on a saved map ended (`reef sail --resume --place map`).",
-    "min_separation_m": "Smallest true distance between the discs of two robots (m).",
     "success": "Whether the conditions of a mission in words were all met in truth, without a contact; null "
     "for words without known conditions, which nobody judges.",
     "answer": "What the advisor answered when it said that such a mission was done; null if it did not.",
@@ -70,21 +65,6 @@ DEFINITIONS = {
     **outcome.DEFINITIONS,
     **timeliness.DEFINITIONS,
 }
-
-OF_EACH = (
-    "collisions",
-    "advisor_calls",
-    "requeries",
-    "rejections",
-    "fallbacks",
-    "deviations",
-    "distance_m",
-    "mean_speed_m_s",
-    "min_clearance_m",
-    "planner_failures",
-    "path_replans",
-)
-"""Metrics that `per_robot` lists for each of several robots."""
 
 
 def compute_metrics(folder: Path) -> dict[str, Any]:
@@ -97,14 +77,11 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
         if not (folder / name).is_file():
             raise InputError(str(folder), name, "no such file", "a run folder")
     events = list(read_events(folder / RunFiles.EVENTS))
-    tables = [list(read_rows(folder / RunFiles.TRAJECTORY))]
-    while (more := folder / trajectory_name(len(tables))).is_file():
-        tables.append(list(read_rows(more)))
-    found = metrics_of(events, tables[0]) if len(tables) == 1 else fleet_metrics(events, tables)
+    rows = list(read_rows(folder / RunFiles.TRAJECTORY))
     return {
-        **found,
+        **metrics_of(events, rows),
         **verdict_of(events),
-        **outcome.outcome_metrics(folder, events, tables),
+        **outcome.outcome_metrics(folder, events, rows),
         **timeliness.timeliness_of(events),
     }
 
@@ -125,7 +102,7 @@ def covered_at(folder: Path) -> list[float]:
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
     """Compute the metrics from the events and the rows of the trajectory, both in order."""
     events = list(events)
-    counts = dict.fromkeys(("collision", "robot_collision", "question", "fallback", "planner_failure"), 0)
+    counts = dict.fromkeys(("collision", "question", "fallback", "planner_failure"), 0)
     requeries = rejections = deviations = replans = 0
     clusters_total, covered_at, end, preset = 0, 0.0, "killed", None
     for event in events:
@@ -161,7 +138,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "coverage": coverage,
         "clusters_covered": covered,
         "clusters_total": clusters_total,
-        "collisions": counts["collision"] + counts["robot_collision"],
+        "collisions": counts["collision"],
         "advisor_calls": counts["question"],
         "requeries": requeries,
         "rejections": rejections,
@@ -182,37 +159,3 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "seconds_in_state": seconds_in_states(events, t),
         "clusters_left": clusters_left(events),
     }
-
-
-def fleet_metrics(events: Sequence[Mapping[str, Any]], tables: Sequence[Sequence[Mapping[str, str]]]) -> dict[str, Any]:
-    """Compute the metrics of several robots, together and for each.
-
-    Args:
-        events: Events of all robots, in order, with the number of the robot. A contact of two counts for both.
-        tables: Rows of every robot's trajectory, in order.
-    """
-    each = [
-        metrics_of([e for e in events if k in (e.get("robot", 0), e.get("other"))], rows)
-        for k, rows in enumerate(tables)
-    ]
-    start = next((e for e in events if e["event"] == "start"), {})
-    paths = [[(float(row["x"]), float(row["y"])) for row in rows] for rows in tables]
-    between = [
-        math.dist(a, b)
-        for k, path in enumerate(paths)
-        for other in paths[k + 1 :]
-        for a, b in zip(path, other, strict=False)
-    ]
-    distance = sum(one["distance_m"] for one in each)
-    clearances = [one["min_clearance_m"] for one in each if one["min_clearance_m"] is not None]
-    total = metrics_of(events, tables[0])
-    total |= {
-        "distance_m": round(distance, 3),
-        "mean_speed_m_s": round(sum(one["mean_speed_m_s"] for one in each) / len(each), 4),
-        "min_clearance_m": min(clearances, default=None),
-        "robots": len(tables),
-        "robot_collisions": sum(e["event"] == "robot_collision" for e in events),
-        "min_separation_m": round(min(between) - 2.0 * float(start.get("hull_radius_m", 0.3)), 4) if between else None,
-        "per_robot": [{"robot": k, **{key: one[key] for key in OF_EACH}} for k, one in enumerate(each)],
-    }
-    return total

@@ -33,18 +33,13 @@ from coral.reef.mission.loop import MissionLoop, SimulatedTicks
 from coral.reef.mission.metrics import compute_metrics
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import COLUMNS, FrameRecorder
-from coral.reef.mission.robot import naming
 from coral.reef.mission.tours import planned
 from coral.reef.mission.word_judge import WordJudge, instructed, told_verdict
 from coral.reef.mission.word_oracle import true_answer
-from coral.reef.pilot.goals import SURVEY_ENDED
 from coral.reef.pilot.leftover import chain_of, what_is_left
-from coral.reef.pilot.pilot import NOTHING_LEFT
-from coral.reef.simulation.encounter import Encounters
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
 from coral.reef.simulation.simulator import ReefSimulator
-from coral.reef.simulation.starts import starts_beside
 from coral.reef.world.world import ReefWorld, save_world
 from coral.run_files import RunFiles, SurveyFiles
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
@@ -52,7 +47,7 @@ from coral.runs import RunWriter, provenance, require_empty
 
 
 class Mission:
-    """Couples the simulated reef with the pilots of its robots, one by default, and records the mission."""
+    """Couples the simulated reef with the pilot of its robot, and records the mission."""
 
     def __init__(
         self,
@@ -81,7 +76,7 @@ class Mission:
             variant: Name of the variant, for the record.
             preset: Name of the water and sensors, for the record.
             draw: Draws the pictures of questions; None for no pictures.
-            controller: Replaces `cfg.driver`: a name, or a function of a `ControllerSetup`, called once for each robot.
+            controller: Replaces `cfg.driver`: a name, or a function of a `ControllerSetup`.
             trigger: Replaces the smart trigger; see `trigger_maker`.
             verifier: Checks answers that the planner's own checks pass; see `find_verifier`.
             begins: Called when the inputs are checked, before anything that may take long.
@@ -103,8 +98,7 @@ class Mission:
         """Parts that replace ours, by name, for the record."""
         budget = cfg.pilot.budget.within(DEADLINE_S)
         cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
-        # Three streams per robot: those of the first do not depend on the number of robots.
-        streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3 * cfg.robots)]
+        of_sensors, of_driver, of_clock = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3))
         advisor = decider_of(cfg, advisor, seed, world)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
         eyes = self.eyes = open_eyes(cfg.perception, depth=cfg.depth)
@@ -118,38 +112,18 @@ class Mission:
                 raise InputError("--fault", "", fault.name, "a fault of a sensor that the vehicle has: add --sonar")
         require_empty(folder)
         begins()
-        first = ReefSimulator(world, cfg.simulator, streams[0])
-        starts = (
-            starts_beside(
-                first.pose, cfg.robots, first.scene.footprints(), world.size_m, cfg.simulator.vehicle.hull_radius_m
-            )
-            if cfg.robots > 1
-            else [first.pose]
-        )
-        simulators = [
-            first,
-            *(
-                ReefSimulator(world, cfg.simulator, streams[3 * k], start=starts[k], first=first)
-                for k in range(1, cfg.robots)
-            ),
-        ]
+        self.simulator = ReefSimulator(world, cfg.simulator, of_sensors)
         cells = OccupancyMap(world.size_m, cfg.simulator.camera, cfg.map, cfg.simulator.sonar)
-        belief = Belief(cells, cfg.belief)
-        beliefs = [belief, *(belief.companion() for _ in starts[1:])]
         commands = planned(world, cfg)
         # All inputs have been validated: create the folder only now.
-        self.writer = RunWriter(folder, COLUMNS, cfg.robots)
-        self.words = (
-            None if world.mission is None else WordJudge(world, first.scene, world.mission, cfg.simulator.camera)
-        )
-        self.judge = MissionJudge(world, first.imaging, folder)
+        self.writer = RunWriter(folder, COLUMNS)
+        scene = self.simulator.scene
+        self.words = None if world.mission is None else WordJudge(world, scene, world.mission, cfg.simulator.camera)
+        self.judge = MissionJudge(world, self.simulator.imaging, folder)
         self.attempts = AttemptRecorder(folder)
         self.frames = FrameRecorder(self.writer, cfg.record)
-        # A clock per robot, which may withdraw that robot's question, and one thread for the one advisor.
-        clocks = [SimulatedClock(latency, streams[2])]
-        clocks += [SimulatedClock(latency, streams[3 * k + 2], thread=clocks[0].thread) for k in range(1, cfg.robots)]
-        self._clocks = clocks
-        clocks[0].thread.warm_up(advisor)
+        self.clock = SimulatedClock(latency, of_clock)
+        self.clock.thread.warm_up(advisor)
         deciding = Deciding(
             advisor=advisor,
             log=self.attempts,
@@ -159,32 +133,20 @@ class Mission:
             verify=verify,
             commands=commands,
         )
-        emits = [naming(self.emit, k, alone=cfg.robots == 1) for k in range(cfg.robots)]
-        encounters = Encounters(cfg.simulator.vehicle.hull_radius_m) if cfg.robots > 1 else None
-        self.vehicles = [
-            SimulatedVehicle(simulator, cfg.control_period_s, emit, encounters)
-            for simulator, emit in zip(simulators, emits, strict=True)
-        ]
-        for vehicle in self.vehicles:
-            vehicle.fleet = self.vehicles
-        self.robots = [
-            make_robot(
-                cfg,
-                deciding,
-                self.vehicles[k],
-                simulators[k].pose,
-                beliefs[k],
-                clocks[k],
-                streams[3 * k + 1],
-                emits[k],
-                eyes=eyes,
-            )
-            for k in range(cfg.robots)
-        ]
-        lead = self.robots[0]
-        self.simulator, self.belief, self.driver, self.pilot = first, lead.belief, lead.driver, lead.pilot
-        """Parts of the first robot."""
-        self.loop = MissionLoop(self.robots, SimulatedTicks(cfg.control_period_s), self)
+        self.vehicle = SimulatedVehicle(self.simulator, cfg.control_period_s, self.emit)
+        self.robot = make_robot(
+            cfg,
+            deciding,
+            self.vehicle,
+            self.simulator.pose,
+            Belief(cells, cfg.belief),
+            self.clock,
+            of_driver,
+            self.emit,
+            eyes=eyes,
+        )
+        self.belief, self.driver, self.pilot = self.robot.belief, self.robot.driver, self.robot.pilot
+        self.loop = MissionLoop(self.robot, SimulatedTicks(cfg.control_period_s), self)
         self.collisions = self.calls = 0
         self.answer: str | None = None
         """What the advisor answered when it said that a mission in words was done."""
@@ -196,7 +158,7 @@ class Mission:
     def emit(self, event: str, **fields: Any) -> None:
         """Append an event at the present tick."""
         self.calls += event == "question"
-        self.collisions += event in ("collision", "robot_collision")
+        self.collisions += event == "collision"
         if event == "held" and "answer" in fields:
             self.answer = str(fields["answer"])
             if self.words is not None:
@@ -208,8 +170,7 @@ class Mission:
     def stood_still(self, seconds: float) -> None:
         """Exclude a pause of `seconds` of wall time, ending now, from the run's time and from measured latencies."""
         self._stood_still_s += seconds
-        for clock in self._clocks:
-            clock.stood_still(seconds)
+        self.clock.stood_still(seconds)
 
     def run(self, observers: Sequence[Observer[Mission]] = ()) -> dict[str, Any]:
         """Run to the end. Return metrics and timing together."""
@@ -220,16 +181,14 @@ class Mission:
                 run_to_end(self, observers)
         finally:
             try:
-                for robot in self.robots:
-                    robot.clock.withdraw()
-                    robot.pilot.stop(self.end_reason or "failed")
+                self.clock.withdraw()
+                self.pilot.stop(self.end_reason or "failed")
                 self.emit("left", clusters=what_is_left(self.belief), centroids=chain_of(self.belief))
                 self.frames.keep_final_map(self.step, self.belief.map.cells)
                 judging = self._judged()
                 self.emit("end", reason=self.end_reason or "failed")
             finally:  # even if the disk is full
-                for clock in reversed(self._clocks):  # the first one owns the advisor's thread
-                    clock.close()
+                self.clock.close()
                 try:
                     self.frames.close()
                 finally:
@@ -264,34 +223,23 @@ class Mission:
 
     def located(self) -> None:
         """Keep pictures and map, if they are due."""
-        lead = self.robots[0]
-        assert lead.picture is not None
-        self.frames.offer(self.step, self.t, self.belief.map.cells, lead.picture, lead.taken_at)
+        assert self.robot.picture is not None
+        self.frames.offer(self.step, self.t, self.belief.map.cells, self.robot.picture, self.robot.taken_at)
 
     def decided(self) -> None:
-        """Let the robots do what they decided."""
+        """Let the robot do what it decided."""
 
     def commanded(self) -> str:
         """Judge and record the tick. Return why the mission is over, or ""."""
         self._cover()
-        self.judge.note(self.step, self.t, [vehicle.position for vehicle in self.vehicles])
+        self.judge.note(self.step, self.t, *self.vehicle.position)
         if self.words is not None:
-            simulators = [vehicle.simulator for vehicle in self.vehicles]
-            self.words.note(self.t, [one.pose for one in simulators], [one.taken for one in simulators])
-        for number in range(len(self.robots)):
-            self._row(number)
+            self.words.note(self.t, self.simulator.pose, self.simulator.taken)
+        self._row()
         if self.cfg.stop_when_covered and self.coverage == 1.0:
             return "coverage complete"
-        return self._given_up() or ("time limit" if self.t >= self.cfg.time_limit_s - 1e-9 else "")
-
-    def _given_up(self) -> str:
-        """Return why no robot continues, or "". A robot without a task waits: others may still find one for it."""
-        reasons = [robot.pilot.end_reason for robot in self.robots]
-        failed = [reason for reason in reasons if reason not in ("", NOTHING_LEFT, SURVEY_ENDED)]
-        if failed:
-            return failed[0]
-        reasons = [robot.surfaced or reason for robot, reason in zip(self.robots, reasons, strict=True)]
-        return reasons[0] if all(reasons) else ""
+        late = self.t >= self.cfg.time_limit_s - 1e-9
+        return self.robot.surfaced or self.pilot.end_reason or ("time limit" if late else "")
 
     def _cover(self) -> None:
         fractions = self.simulator.coverage.fractions
@@ -300,8 +248,8 @@ class Mission:
                 self._covered.add(int(k))
                 self.emit("cluster_covered", name=self.world.clusters[k].name, fraction=round(float(fractions[k]), 4))
 
-    def _row(self, number: int) -> None:
-        robot, simulator = self.robots[number], self.vehicles[number].simulator
+    def _row(self) -> None:
+        robot, simulator = self.robot, self.simulator
         odometry, goal, plan = robot.observed.pose, robot.belief.goal, robot.pilot.plan
         assert odometry is not None
         self.writer.row(
@@ -317,7 +265,6 @@ class Mission:
             self.coverage,
             len(self._covered),
             *odometry.value,
-            robot=number,
         )
 
     @property
@@ -350,18 +297,11 @@ class Mission:
             seed=self.seed,
             clusters_total=len(self.world.clusters),
             **({"own_parts": self.exchanged} if self.exchanged else {}),
-            **self._fleet(),
         )
         if text := self.cfg.planner.instruction.text:
             self.emit("instruction", text=text, by="start")
         self._cover()
-        self.judge.note(0, 0.0, [vehicle.position for vehicle in self.vehicles])
-
-    def _fleet(self) -> dict[str, Any]:
-        """Return the fields of the start event about several robots."""
-        if len(self.robots) == 1:
-            return {}
-        return {"robots": len(self.robots), "hull_radius_m": self.cfg.simulator.vehicle.hull_radius_m}
+        self.judge.note(0, 0.0, *self.vehicle.position)
 
     def _judged(self) -> float:
         """Emit the judge's final record. Return the wall time that this took (s)."""
@@ -390,7 +330,7 @@ class Mission:
 
     def instruct(self, words: str, by: str) -> bool:
         """Change the instruction of a mission in words, from any thread. Return whether there is one to change."""
-        return all(robot.pilot.instruct(words, by) for robot in self.robots)
+        return self.pilot.instruct(words, by)
 
     @property
     def instructing(self) -> Callable[[str, str], bool] | None:

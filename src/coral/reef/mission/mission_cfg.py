@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
-
-from pydantic import Field
+from typing import Literal
 
 from coral.config import Positive, TimeStep
 from coral.reef.decide.planner import PlannerCfg
@@ -17,7 +15,6 @@ from coral.reef.map.mapping import MapCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.pilot.pilot_cfg import PilotCfg
 from coral.reef.simulation.simulator import SimulatorCfg
-from coral.reef.vehicle.fleet import MOST_ROBOTS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,10 +49,8 @@ class MissionCfg:
     kinds of what it has been near."""
     lane_m: Positive = 10.0
     """Distance between the lanes of a blind sweep (m)."""
-    robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 1
-    """Number of robots that survey the reef together with one shared map (not in the paper)."""
     faults: tuple[str, ...] = ()
-    """Faults of the sensors, each NAME@START:DURATION in seconds (`--fault`); all robots have them."""
+    """Faults of the sensors, each NAME@START:DURATION in seconds (`--fault`)."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
     localization: LocalizationCfg = field(default_factory=LocalizationCfg)
     map: MapCfg = field(default_factory=MapCfg)

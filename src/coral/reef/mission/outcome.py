@@ -60,29 +60,27 @@ DEFINITIONS = {
 """Definitions of the metrics, for the report."""
 
 
-def outcome_metrics(
-    folder: Path, events: Iterable[Mapping[str, Any]], tables: Sequence[Sequence[Row]]
-) -> dict[str, Any]:
+def outcome_metrics(folder: Path, events: Iterable[Mapping[str, Any]], rows: Sequence[Row]) -> dict[str, Any]:
     """Compute the judge's metrics. Those whose input was not recorded are None.
 
     Args:
         folder: Run folder.
         events: All events, in order.
-        tables: Rows of every robot's trajectory.
+        rows: Rows of the trajectory.
     """
     t, imaged, inspected, reef_m = _judged(folder / SurveyFiles.JUDGE)
     judged: Mapping[str, Any] = next((e for e in reversed(list(events)) if e["event"] == "judged"), {})
     times = {f"time_to_{100 * s:.0f}_s": time_to(t, inspected, s) for s in SHARES}
     best = judged.get("oracle_time_to_90_s")
     soon = times["time_to_90_s"]
-    paths = [np.array([(float(row["x"]), float(row["y"])) for row in rows]).reshape(-1, 2) for rows in tables]
-    backtracked = [driven_back(path) for path in paths]
-    errors, drifts = ([_position_errors(rows, of) for rows in tables] for of in ("est", "odo"))
-    steps = np.hypot(*np.diff(paths[0], axis=0).T) if len(paths[0]) > 1 else np.zeros(0)
+    path = np.array([(float(row["x"]), float(row["y"])) for row in rows]).reshape(-1, 2)
+    backtracked_m, stretches = driven_back(path)
+    errors, drifts = _position_errors(rows, "est"), _position_errors(rows, "odo")
+    steps = np.hypot(*np.diff(path, axis=0).T) if len(path) > 1 else np.zeros(0)
     away = (
         reef_m[-len(steps) :] > OFF_ROUTE_M if len(steps) and len(reef_m) >= len(steps) else np.zeros(len(steps), bool)
     )
-    speeds = [math.hypot(float(row.get("u", "nan")), float(row.get("v", "nan"))) for rows in tables for row in rows]
+    speeds = [math.hypot(float(row.get("u", "nan")), float(row.get("v", "nan"))) for row in rows]
     return {
         "imaged": round(float(imaged[-1]), 4) if len(t) else None,
         "inspected": round(float(inspected[-1]), 4) if len(t) else None,
@@ -92,14 +90,14 @@ def outcome_metrics(
         "imaged_auc": area_under(t, imaged),
         "oracle_ratio_90": round(soon / best, 3) if soon is not None and best else None,
         "idle_fraction": round(sum(v < IDLE_M_S for v in speeds) / len(speeds), 4) if speeds else None,
-        "path_deviations": excursions(reef_m) + sum(stretches for _, stretches in backtracked),
+        "path_deviations": excursions(reef_m) + stretches,
         "off_route_fraction": round(float(steps[away].sum() / steps.sum()), 4) if steps.sum() else 0.0,
-        "backtracked_m": round(sum(way for way, _ in backtracked), 3),
+        "backtracked_m": round(backtracked_m, 3),
         "phantom_clusters": judged.get("phantoms"),
-        "position_error_m": max((round(e[-1], 4) for e in errors if e), default=None),
-        "position_error_max_m": max((round(max(e), 4) for e in errors if e), default=None),
-        "odometry_error_m": max((round(e[-1], 4) for e in drifts if e), default=None),
-        "odometry_error_max_m": max((round(max(e), 4) for e in drifts if e), default=None),
+        "position_error_m": round(errors[-1], 4) if errors else None,
+        "position_error_max_m": round(max(errors), 4) if errors else None,
+        "odometry_error_m": round(drifts[-1], 4) if drifts else None,
+        "odometry_error_max_m": round(max(drifts), 4) if drifts else None,
         **_all_covered(events),
     }
 

@@ -68,9 +68,9 @@ class ReefTruth:
                 self.covered.add(k)
                 name = self.world.clusters[k].name
                 self._emit("cluster_covered", name=name, fraction=round(float(fractions[k]), 4))
-        self._judge.note(step, t, [pose[:2]])
+        self._judge.note(step, t, *pose[:2])
         if self._words is not None and not self._over:
-            self._words.note(t, [pose], [(pose, self._camera.render(pose))])
+            self._words.note(t, pose, (pose, self._camera.render(pose)))
 
     def end_mission(self, answer: str) -> None:
         """Take the advisor's word that a mission in words is done: what the vehicle does after it counts no more."""

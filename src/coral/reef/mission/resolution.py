@@ -1,4 +1,4 @@
-"""From what a user asks for to the configuration of a mission: preset, robots, fallback, variant, deadline."""
+"""From what a user asks for to the configuration of a mission: preset, fallback, variant, deadline."""
 
 from __future__ import annotations
 
@@ -8,12 +8,10 @@ from collections.abc import Collection
 from coral.advisor.consult import DEADLINE_S
 from coral.advisor.fallback import Fallback
 from coral.config import checked
-from coral.errors import InputError
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, apply_preset
 from coral.reef.mission.variants import apply_variant
 from coral.reef.vehicle.camera import CameraCfg
-from coral.reef.vehicle.fleet import MOST_ROBOTS
 from coral.reef.world.world import ReefWorld
 
 PERSON_DEADLINE_S = 600.0
@@ -26,7 +24,6 @@ def resolve_mission(
     *,
     variant: str = "full",
     preset: str = CLEAR,
-    robots: int | None = None,
     fallback: Fallback | None = None,
     keep: Collection[str] = (),
     asks_people: bool = False,
@@ -38,7 +35,6 @@ def resolve_mission(
         world: The world as loaded.
         variant: Name of the variant.
         preset: Name of the water and sensors.
-        robots: Number of robots; None as configured.
         fallback: What happens where the advisor does not decide; None as configured.
         keep: Keys of the configuration that win over the preset.
         asks_people: Whether a person may answer, who gets more time.
@@ -47,10 +43,7 @@ def resolve_mission(
         InputError: A name is unknown or a value out of range.
     """
     cfg, world = apply_preset(preset, cfg, world, keep)
-    cfg = cfg if robots is None else dataclasses.replace(cfg, robots=robots)
     cfg = with_fallback(cfg, fallback)
-    if not 1 <= cfg.robots <= MOST_ROBOTS:
-        raise InputError("--robots", "", cfg.robots, f"a number from 1 to {MOST_ROBOTS}")
     cfg = checked(apply_variant(variant, cfg), "--cfg")
     budget = cfg.pilot.budget.within(PERSON_DEADLINE_S if asks_people else DEADLINE_S)
     return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget)), world

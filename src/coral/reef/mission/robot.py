@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
-
-import numpy as np
 
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.reef.drive.local_planner import LocalPlanner
@@ -18,7 +15,6 @@ from coral.reef.mission.record import PicturePose
 from coral.reef.pilot.guard import Reading
 from coral.reef.pilot.pilot import Command, Pilot
 from coral.reef.simulation.faults import FaultySensors
-from coral.reef.vehicle.fleet import Neighbour
 from coral.reef.vehicle.protocol import Vehicle
 from coral.reef.vehicle.sensing import VehicleObservation
 from coral.reef.vehicle.states import PilotState
@@ -42,7 +38,6 @@ class Robot:
         emit: Callable[..., None],
         build: Build,
         *,
-        hull_radius_m: float = 0.3,
         faults: FaultySensors | None = None,
         eyes: RgbPerception | None = None,
     ) -> None:
@@ -57,14 +52,13 @@ class Robot:
             clock: Of its questions.
             emit: emit(event, **fields) records an event.
             build: Builds its pilot.
-            hull_radius_m: Radius of its hull, which it tells the others.
             faults: Spoil what is measured; none by default.
             eyes: Find classes and depth in the vehicle's colour pictures; None if its pictures have them.
         """
         self.vehicle, self.belief, self.driver, self.clock, self.emit = vehicle, belief, driver, clock, emit
         self.localizer, self.pose = localizer, start
         """Where the robot believes it is: the odometry, corrected."""
-        self.hull_radius_m, self._build = hull_radius_m, build
+        self._build = build
         self.observed = VehicleObservation(t=0.0)
         """What the vehicle measured, before any fault."""
         self.faults, self._eyes = faults or FaultySensors(()), eyes
@@ -154,9 +148,9 @@ class Robot:
         self.reading = reading
         return self.pose
 
-    def think(self, others: Iterable[Neighbour]) -> float:
+    def think(self) -> float:
         """Choose the next command. Return the wall time spent waiting for a reply (s)."""
-        waited, self.belief.others = self.clock.waited_s, tuple(others)
+        waited = self.clock.waited_s
         self.command = self.pilot.drive(self.reading)
         return self.clock.waited_s - waited
 
@@ -164,34 +158,8 @@ class Robot:
         """Send the command."""
         self.vehicle.command(self.command)
 
-    def says(self) -> Neighbour:
-        """Return what it tells the other robots."""
-        about, plan, belief = self.pilot, self.pilot.plan, self.belief
-        busy = not about.end_reason
-        path, times = (np.empty((0, 2)), np.empty(0)) if plan is None else (plan.path[:, :2], plan.times)
-        return Neighbour(
-            pose=self.pose,
-            radius_m=self.hull_radius_m,
-            goal=belief.goal if busy else None,
-            index=belief.goal_index if busy else None,
-            later=frozenset(g.index for g in about.route.goals[1:] if g.index is not None) if busy else frozenset(),
-            path=path,
-            times=times,
-        )
-
     @property
     def surfaced(self) -> str:
         """Why it gave up the survey and came up, or "". The simulated vehicle keeps its depth: this ends its survey."""
         states = self.pilot.safety.states
         return f"surfaced: {states.reason}" if states.state is PilotState.SURFACING else ""
-
-
-def naming(emit: Callable[..., None], number: int, *, alone: bool) -> Callable[..., None]:
-    """Return what records the events of a robot: with its number, if it is not alone."""
-    if alone:
-        return emit
-
-    def named(event: str, **fields: Any) -> None:
-        emit(event, **{"robot": number, **fields})
-
-    return named

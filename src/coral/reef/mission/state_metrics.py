@@ -1,4 +1,4 @@
-"""How long the robots were in each of their states, from a run's events."""
+"""How long the vehicle was in each of its states, from a run's events."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ from typing import Any
 
 
 def seconds_in_states(events: Sequence[Mapping[str, Any]], end_s: float) -> dict[str, float]:
-    """Return the time (s) in each state, added up over the robots; empty if no states were recorded.
+    """Return the time (s) in each state; empty if no states were recorded.
 
     Args:
-        events: All events, in order; every robot begins ready, at time 0.
+        events: All events, in order; the vehicle begins ready, at time 0.
         end_s: End of the run (s).
     """
     changes = [event for event in events if event["event"] == "state"]
+    if not changes:
+        return {}
     total: dict[str, float] = {}
-    for robot in sorted({int(event.get("robot", 0)) for event in changes}):
-        state, since = "ready", 0.0
-        for event in (change for change in changes if int(change.get("robot", 0)) == robot):
-            total[state] = total.get(state, 0.0) + float(event["t"]) - since
-            state, since = str(event["state"]), float(event["t"])
-        total[state] = total.get(state, 0.0) + max(end_s - since, 0.0)
+    state, since = "ready", 0.0
+    for change in changes:
+        total[state] = total.get(state, 0.0) + float(change["t"]) - since
+        state, since = str(change["state"]), float(change["t"])
+    total[state] = total.get(state, 0.0) + max(end_s - since, 0.0)
     return {state: round(seconds, 3) for state, seconds in total.items() if round(seconds, 3) > 0.0}
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError
 from coral.reef.mission.bound import oracle_bound
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.tour import drive_lines, lanes
@@ -15,15 +14,9 @@ from coral.reef.world.world import ReefWorld
 
 
 def planned(world: ReefWorld, cfg: MissionCfg) -> NDArray[np.float64] | None:
-    """Plan the commands of the oracle's tour or of a blind sweep, Shape=(K, 2); None for a mission that asks questions.
-
-    Raises:
-        InputError: There are several robots: a tour is for one.
-    """
+    """Plan the commands of the oracle's tour or of a blind sweep, Shape=(K, 2); None where questions are asked."""
     if cfg.decider not in ("oracle", "sweep"):
         return None
-    if cfg.robots > 1:
-        raise InputError("--robots", "", cfg.robots, f"1 with the variant that follows a plan ({cfg.decider})")
     sim, start = cfg.simulator, Pose(world.start.x, world.start.y, world.start.theta)
     if cfg.decider == "sweep":
         return drive_lines(lanes(world.size_m, cfg.lane_m, start), start, sim.vehicle, cfg.control_period_s)

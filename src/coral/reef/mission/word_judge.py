@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -52,15 +51,15 @@ class WordJudge:
         """Take the advisor's word that the mission is done."""
         self.done, self.answer = True, answer
 
-    def note(self, t: float, poses: Iterable[Pose], pictures: Iterable[tuple[Pose, Frame] | None]) -> None:
-        """Watch one tick: where the vehicles are, and what the last pictures show in truth, from where."""
-        for (x, y, _), taken in zip(poses, pictures, strict=True):
-            self._end_s, self._at = t, (x, y)
-            for k, outline in self._outlines.items():
-                name = self._things[k].name
-                self._nearest[name] = min(self._nearest.get(name, math.inf), clearance(outline, x, y))
-            if taken is not None:
-                self._look(t, *taken)
+    def note(self, t: float, pose: Pose, taken: tuple[Pose, Frame] | None) -> None:
+        """Watch one tick: where the vehicle is, and what the last picture shows in truth, from where."""
+        x, y, _ = pose
+        self._end_s, self._at = t, (x, y)
+        for k, outline in self._outlines.items():
+            name = self._things[k].name
+            self._nearest[name] = min(self._nearest.get(name, math.inf), clearance(outline, x, y))
+        if taken is not None:
+            self._look(t, *taken)
 
     def _look(self, t: float, pose: Pose, frame: Frame) -> None:
         owner = self._thing[frame.instances]

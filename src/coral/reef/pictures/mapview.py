@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from coral.drawing import Image, draw_arrow, draw_dot, draw_line, draw_text, png, text_size
 from coral.reef.pictures.cameraview import camera_picture
-from coral.reef.pictures.companions import Companion, draw_companions, draw_key, draw_tracks
 from coral.reef.pictures.mapframe import (
     BLUE,
     CELL_COLORS,
@@ -79,12 +78,8 @@ class MapScene:
     border: tuple[float, float, float, float] | None = None
     """(x0, y0, x1, y1) of the survey area (m)."""
     goal: tuple[float, float] | None = None
-    others: tuple[Companion, ...] = ()
-    """The other robots of the mission."""
     marks: Sequence[tuple[float, float, str]] = ()
     """Places (m) and words of what the advisor of a mission in words said of things."""
-    named: bool = False
-    """Whether a key shows the colours of several robots."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +115,7 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     centroids with their labels, hollow when nothing is left to see of them, joined by blue lines along the chain; the
     yellow line is where the robot has been; the red dot and arrow are the robot and its +X (forward), the blue arrow
     its +Y (left); hollow, with the arrows, where it will be when it needs the answer; the
-    magenta cross-hair is the present goal. Other robots are dots with an arrow and a ring for their goal.
+    magenta cross-hair is the present goal.
     """
     cfg = cfg or MapViewCfg()
     window = _window(scene, cfg)
@@ -161,7 +156,6 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
     extra = [scene.trajectory, scene.centroids]
     extra += [_with_arrows(pose) for pose in (scene.pose, scene.arrival) if pose is not None]
     extra += [np.array([scene.goal])] if scene.goal is not None else []
-    extra += [np.array([one.pose[:2]]) for one in scene.others if one.pose is not None]
     points = np.concatenate([np.asarray(part, np.float64).reshape(-1, 2) for part in extra])
     if len(points):
         xs += [points[:, 0].min(), points[:, 0].max()]
@@ -232,7 +226,6 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
     rgb = view.rgb
     if scene.border is not None:
         draw_border(view, scene.border)
-    draw_tracks(view, scene.others)
     draw_line(rgb, view.to_pixels(_thin(scene.trajectory, 1.5 / view.scale)), YELLOW, 3, edge=YELLOW_EDGE)
     dots = view.to_pixels(np.asarray(scene.centroids, np.float64).reshape(-1, 2))
     if scene.links is not None:
@@ -245,7 +238,6 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
         _crosshair(rgb, view.to_pixels(np.array(scene.goal)))
     visited = scene.visited if scene.visited is not None else [False] * len(dots)
     shares = scene.seen if scene.seen is not None else [0.0] * len(dots)
-    draw_companions(view, scene.others)
     robot: NDArray[np.float64] | None = None
     if scene.pose is not None:
         robot = view.to_pixels(np.array(scene.pose[:2]))
@@ -272,8 +264,6 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
     for x, y, words in scene.marks if cfg.labels else ():
         column, row = view.to_pixels(np.array((x, y)))
         draw_text(rgb, words, column, row + 17, size=14, color=MARK, weight=700, halo=3, anchor="mm")
-    if scene.named:
-        draw_key(view, scene.others)
 
 
 def _name(index: int, share: float | None, shown: bool) -> str:

@@ -11,7 +11,6 @@ from coral.advisor.question import Picture
 from coral.reef.decide.outlook import Outlook
 from coral.reef.map.chain import spanning_tree
 from coral.reef.pictures.cameraview import camera_picture
-from coral.reef.pictures.companions import Companion
 from coral.reef.pictures.floor_mosaic import seen_floor
 from coral.reef.pictures.mapview import MapScene, MapViewCfg, draw_map, png
 from coral.reef.pictures.things import things_picture
@@ -37,7 +36,6 @@ def map_scene(outlook: Outlook) -> MapScene:
         visited=[outlook.done(t) for t in chain],
         clusters=belief.cfg.centroids,
         goal=belief.goal,
-        others=tuple(Companion(pose=other.pose, goal=other.goal) for other in belief.others),
     )
 
 

@@ -49,7 +49,7 @@ class Goals:
         """Drive to the initial waypoint: far enough ahead to drive while the first answer is awaited."""
         cfg, route = self._cfg, self._planner.cfg.route
         way_m = cfg.initial_m
-        if route.ahead and not self._belief.others:  # robots that start abreast soon need to part
+        if route.ahead:
             way_m = max(way_m, min(self._route.lead_s * route.cruise_m_s, cfg.blind_m))
         while way_m > cfg.initial_m and not self._belief.map.contains(*to_world(pose, way_m, 0.0), margin_m=1.0):
             way_m -= 0.5

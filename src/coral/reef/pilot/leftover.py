@@ -54,8 +54,6 @@ def why_left(belief: Belief, track: Track) -> str:
         return f"given up after {failed} goals that failed"
     if track.index == belief.goal_index:
         return "on the way there"
-    if belief.taken(track.x, track.y, track.index):
-        return "another robot was on its way there"
     if track.far:
         return "seen from afar only"
     return "begun" if track.inspected > 0.0 else "not reached yet"

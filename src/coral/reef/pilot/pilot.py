@@ -18,7 +18,6 @@ from coral.reef.drive.controller import Plan
 from coral.reef.drive.cost_to_go import CostToGo
 from coral.reef.drive.local_planner import LocalPlanner
 from coral.reef.drive.monitor import PathMonitor
-from coral.reef.drive.traffic import Traffic
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField
 from coral.reef.pilot.consultation import Consultation, Decided, Emit
@@ -69,7 +68,6 @@ class Pilot:
         self.route = planner.route
         self.trigger = trigger(self.cfg.trigger)
         self.monitor = PathMonitor(self.cfg.monitor)
-        self.traffic = Traffic(self.cfg.traffic)
         prepare_s = 0.0 if self.cfg.synchronous else self.cfg.prepare_s
         self.cost_to_go = CostToGo(
             belief,
@@ -223,8 +221,6 @@ class Pilot:
             distance = self.belief.distance_in_known_water(self.cfg.local_m, self.cfg.passed_m)
         else:
             distance = cells.distance_near(pose.x, pose.y, self.cfg.local_m)
-        if self.belief.others:
-            distance = self.traffic.stamped(distance, cells.cfg.cell_m, pose, self.belief.others)
         self.plan = self.driver.plan(VehicleState(*pose, *velocity), self.field, distance, cell_m=cells.cfg.cell_m)
         if not self._blind:
             self.trigger.planner(self.plan.ok)
@@ -232,7 +228,7 @@ class Pilot:
             self._emit("planner_failure", reason=self.plan.failure)
         if self.cfg.synchronous and self.pending:
             return 0.0, 0.0
-        return self.traffic.held(self._slowed(self.plan.command), pose, self.belief.others)
+        return self._slowed(self.plan.command)
 
     def _slowed(self, command: Command) -> Command:
         """Return a command at no more than the speed of a blind vehicle, on the same arc."""

@@ -9,7 +9,6 @@ from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.config import Count, NonNegative, Positive
 from coral.reef.decide.trigger import TriggerCfg
 from coral.reef.drive.monitor import MonitorCfg
-from coral.reef.drive.traffic import TrafficCfg
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.pilot.guard import GuardCfg
 from coral.reef.pilot.look_round import LookRoundCfg
@@ -22,7 +21,6 @@ class PilotCfg:
     trigger: TriggerCfg = field(default_factory=TriggerCfg)
     monitor: MonitorCfg = field(default_factory=MonitorCfg)
     fields: CostFieldCfg = field(default_factory=CostFieldCfg)
-    traffic: TrafficCfg = field(default_factory=TrafficCfg)
     guard: GuardCfg = field(default_factory=GuardCfg)
     budget: BudgetCfg = field(default_factory=BudgetCfg)
     fallback: Fallback = FOR_RUNS

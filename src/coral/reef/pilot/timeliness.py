@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-LATE = frozenset({"blocked", "taken"})
-"""Refusals for what the map or the fleet showed when the answer came. A choice that was impossible when it was asked
-for has one of these codes too, so that the count is an upper bound of what became true while waiting."""
+LATE = "blocked"
+"""Code of refusals for what the map showed when the answer came. A choice that was impossible when it was asked for has
+it too, so that the count is an upper bound of what became true while waiting."""
 
 DEFINITIONS = {
     "unanswerable": "Questions in which no choice on offer would have passed the checks.",
-    "refused_late": "Answers refused for an obstacle or another robot that the present map shows: at most this many "
+    "refused_late": "Answers refused for an obstacle that the present map shows: at most this many "
     "were refused for something that became true while the answer was awaited.",
     "overtaken": "Adopted clusters that the robot had seen from near by the time the answer came.",
 }
@@ -26,7 +26,7 @@ def timeliness_of(events: Iterable[Mapping[str, Any]]) -> dict[str, int]:
         if kind == "question":
             found["unanswerable"] += event.get("acceptable") == 0
         elif kind == "verdict":
-            found["refused_late"] += event["verdict"] == "rejected" and event.get("code") in LATE
+            found["refused_late"] += event["verdict"] == "rejected" and event.get("code") == LATE
         elif kind == "goal":
             found["overtaken"] += bool(event.get("overtaken"))
     return found

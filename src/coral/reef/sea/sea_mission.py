@@ -143,7 +143,7 @@ class SeaMission:
         self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s)
         self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, self._go_home)
         self.ticks = RealTicks(mission.control_period_s, clock, sleep)
-        self.loop = MissionLoop([self.robot], self.ticks, self)
+        self.loop = MissionLoop(self.robot, self.ticks, self)
         self.alignment: SurveyAlignment | None = None
         """The search for the vehicle's place on the saved map, in a survey that needs one."""
         if saved is not None:
@@ -350,7 +350,7 @@ class SeaMission:
         done = sum(track.visited for track in near)
         cells, pose = belief.map, belief.pose
         away = float(cells.distance_near(pose.x, pose.y, self.cfg.mission.pilot.local_m)[cells.index(pose.x, pose.y)])
-        return away - self.robot.hull_radius_m, done / len(near) if near else 0.0, done
+        return away - self.cfg.mission.simulator.vehicle.hull_radius_m, done / len(near) if near else 0.0, done
 
     def _record(self) -> None:
         belief, plan, robot = self.belief, self.pilot.plan, self.robot

@@ -1,36 +1,26 @@
-"""The simulated vehicle as the mission loop sees it, alone or among others in one reef."""
+"""The simulated vehicle as the mission loop sees it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
 
-from coral.reef.simulation.encounter import Encounters
 from coral.reef.simulation.simulator import ReefSimulator
 from coral.reef.vehicle.sensing import Stamped, VehicleObservation
 
 
 class SimulatedVehicle:
-    """Observes and moves in simulated time: a command moves it to the next tick, past the others of its fleet."""
+    """Observes and moves in simulated time: a command moves it to the next tick."""
 
-    def __init__(
-        self,
-        simulator: ReefSimulator,
-        period_s: float,
-        tell: Callable[..., None],
-        encounters: Encounters | None = None,
-    ) -> None:
+    def __init__(self, simulator: ReefSimulator, period_s: float, tell: Callable[..., None]) -> None:
         """Set up.
 
         Args:
             simulator: The reef around it.
             period_s: Time between two ticks.
             tell: tell(event, **fields) is told of contacts.
-            encounters: Counts contacts with the others; None if it is alone.
         """
-        self.simulator, self._period_s, self._tell, self._encounters = simulator, period_s, tell, encounters
-        self.fleet: list[SimulatedVehicle] = [self]
-        """All vehicles in the reef, with this one."""
+        self.simulator, self._period_s, self._tell = simulator, period_s, tell
         self._begun = False
 
     @property
@@ -51,10 +41,5 @@ class SimulatedVehicle:
 
     def command(self, command: tuple[float, float]) -> None:
         """Drive at (m/s, rad/s) for one period."""
-        others = [other.position for other in self.fleet if other is not self]
-        for x, y, obstacle in self.simulator.act(command, self._period_s, others):
+        for x, y, obstacle in self.simulator.act(command, self._period_s):
             self._tell("collision", x=round(x, 3), y=round(y, 3), obstacle=obstacle)
-        if self._encounters is not None:
-            number, positions = self.fleet.index(self), [each.position for each in self.fleet]
-            for x, y, met in self._encounters.follow(number, self.simulator.track, positions):
-                self._tell("robot_collision", x=round(x, 3), y=round(y, 3), other=met)

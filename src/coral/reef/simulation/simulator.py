@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -89,13 +88,7 @@ class ReefSimulator:
     """Simulates the reef, one vehicle and its sensors."""
 
     def __init__(
-        self,
-        world: ReefWorld,
-        cfg: SimulatorCfg,
-        rng: np.random.Generator,
-        *,
-        start: Pose | None = None,
-        first: ReefSimulator | None = None,
+        self, world: ReefWorld, cfg: SimulatorCfg, rng: np.random.Generator, *, start: Pose | None = None
     ) -> None:
         """Put a vehicle into a world.
 
@@ -104,13 +97,12 @@ class ReefSimulator:
             cfg: Vehicle and sensors.
             rng: Source of the sensors' noise.
             start: Start pose; the world's start by default.
-            first: Simulator of another vehicle in the same reef. What either vehicle sees counts as seen.
         """
         self.world, self.cfg = world, cfg
-        self.scene: Scene = Scene.from_world(world) if first is None else first.scene
+        self.scene: Scene = Scene.from_world(world)
         self._camera = Camera(self.scene, cfg.camera)
-        self._painter: FramePainter | None = None if first is None else first._painter
-        if cfg.pictures and self._painter is None:
+        self._painter: FramePainter | None = None
+        if cfg.pictures:
             self._painter = make_painter(self.scene, cfg.camera, cfg.picture_water(), cfg.painter, world.seed)
         self._stills = make_stills(self.scene, cfg, world.seed) if cfg.stills else None
         self.taken: tuple[Pose, Frame] | None = None
@@ -128,18 +120,12 @@ class ReefSimulator:
         self._navigation = make_navigation(cfg.navigation, cfg.noise, begin, rng)
         self._footprints = self.scene.footprints()
         self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
-        if first is None:
-            self.coverage: CoverageMeter = CoverageMeter(self.scene, seen_through_water(cfg))
-            self.imaging: ImagingMeter = ImagingMeter(
-                self.scene, cfg.camera, cfg.imaging, visibility_m=cfg.noise.visibility_m
-            )
-        else:
-            self.coverage, self.imaging = first.coverage, first.imaging
+        self.coverage = CoverageMeter(self.scene, seen_through_water(cfg))
+        self.imaging = ImagingMeter(self.scene, cfg.camera, cfg.imaging, visibility_m=cfg.noise.visibility_m)
         self.vehicle = VehicleDynamics(cfg.vehicle, VehicleState(begin.x, begin.y, begin.theta))
         self.distance_m = 0.0
         self.track: NDArray[np.float64] = np.array([begin[:2]])
         """Positions of the vehicle in the last tick, before contacts were resolved (m). Shape=(N, 2)."""
-        self._others: tuple[tuple[float, float], ...] = ()
         self._judge()
 
     @property
@@ -202,10 +188,7 @@ class ReefSimulator:
         return None if self._painter is None else self._painter.water
 
     def _clearance(self, x: float, y: float) -> float:
-        free = clearance(self._footprints, x, y)
-        for other in self._others:
-            free = min(free, math.dist(other, (x, y)) - self.cfg.vehicle.hull_radius_m)
-        return free
+        return clearance(self._footprints, x, y)
 
     @property
     def camera_attitude(self) -> CameraAttitude:
@@ -219,14 +202,9 @@ class ReefSimulator:
         z, roll, pitch = self.vehicle.attitude
         return z - self.world.seabed.z_m, roll, pitch
 
-    def act(
-        self, command: tuple[float, float], dt: float, others: Sequence[tuple[float, float]] = ()
-    ) -> list[tuple[float, float, int]]:
-        """Drive for `dt` seconds. Return new contacts with obstacles as (x, y, index of the obstacle).
-
-        The hulls of other robots, at the positions `others` (m), stop the vehicle like obstacles.
-        """
-        before, self._others = self.pose, tuple(others)
+    def act(self, command: tuple[float, float], dt: float) -> list[tuple[float, float, int]]:
+        """Drive for `dt` seconds. Return new contacts with obstacles as (x, y, index of the obstacle)."""
+        before = self.pose
         current = (self.world.current.x_m_s, self.world.current.y_m_s)
         solid = self.cfg.contact == "solid"
         self.track = self.vehicle.step(command, dt, current, self._clearance if solid else None)

@@ -1,4 +1,4 @@
-"""A reef survey for the viewer: map, robots, the true reef, and what its events say."""
+"""A reef survey for the viewer: map, robot, the true reef, and what its events say."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.decide.said import said_by
-from coral.reef.pictures.companions import COLORS
 from coral.reef.world.scene import RECTANGLE, Scene
 from coral.reef.world.world import ReefWorld
 from coral.view.decisions import Try
@@ -57,7 +56,6 @@ class ReefSubject:
             "view": {"yaw": 0.0, "pitch": 1.05},
             "columns": COLUMNS,
             "solids": _rov(),
-            "colors": [f"rgb{color}" for color in COLORS],
             "truth": _outlines(run.world),
             "tiles": [
                 {"name": "coverage", "column": "coverage", "scale": 100, "unit": " %", "digits": 0},
@@ -154,8 +152,6 @@ class ReefSubject:
     def _on_collision(self, event: Record) -> Moment:
         self._hits += 1
         return {"line": "collision", "mark": "bad"}
-
-    _on_robot_collision = _on_collision
 
     def _on_state(self, event: Record) -> Moment:
         self._state = str(event.get("state", ""))

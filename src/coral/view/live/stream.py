@@ -13,7 +13,6 @@ from coral.foreign_file import open_regular, parse_json
 from coral.odd_text import encodable_values
 from coral.rotating_log import earlier_parts, read_parts
 from coral.run_files import RunFiles
-from coral.runs import trajectory_name
 from coral.view.records import shallow, sound
 from coral.view.run import Record, numbers_of
 
@@ -90,7 +89,7 @@ class RunStream:
         self._subject: Subject | None = None
         self._lock = threading.Lock()
         self._events = Tail(folder / RunFiles.EVENTS)
-        self._tables: list[_Table] = []
+        self._table = _Table(folder / RunFiles.TRAJECTORY)
         self._moments: list[Moment] = []
 
     @property
@@ -101,12 +100,12 @@ class RunStream:
                 self._subject = self._make()
             return self._subject
 
-    def news(self, moments: int, rows: list[int]) -> dict[str, Any]:
+    def news(self, moments: int, rows: int) -> dict[str, Any]:
         """Return what is new to a page.
 
         Args:
             moments: Number of moments that the page has.
-            rows: Number of rows that it has of each robot.
+            rows: Number of rows that it has.
         """
         subject = self.subject
         if subject is None:
@@ -117,26 +116,22 @@ class RunStream:
                 told = subject.tell(event) if event is not None else None
                 if event is not None and told is not None:
                     self._moments.append({"t": event["t"], **told})
-            while (path := self.folder / trajectory_name(len(self._tables))).is_file():
-                self._tables.append(_Table(path))
-            for table in self._tables:
-                table.update(subject.row)
-            have = [*rows, *[0] * len(self._tables)]
+            self._table.update(subject.row)
             return {
                 "moments": self._moments[moments:],
-                "rows": [table.rows[max(n, 0) :] for table, n in zip(self._tables, have, strict=False)],
-                "steps_per_s": self._tables[0].steps_per_s if self._tables else 10.0,
+                "rows": self._table.rows[rows:],
+                "steps_per_s": self._table.steps_per_s,
                 "complete": (self.folder / RunFiles.METRICS).is_file(),
             }
 
     def close(self) -> None:
         """Close the files."""
-        for tail in (self._events, *self._tables):
-            tail.close()
+        self._events.close()
+        self._table.close()
 
 
 class _Table(Tail):
-    """The rows of one robot as the page gets them."""
+    """The rows of the trajectory as the page gets them."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path, headed=True)

@@ -146,10 +146,10 @@ class Viewer(WebServer):
         self._visited.set()
         have = request.query_params
         try:
-            moments, rows = int(have.get("moments", "0")), [int(n) for n in have.get("rows", "").split(",") if n]
+            moments, rows = int(have.get("moments", "0")), int(have.get("rows", "0"))
         except ValueError:
             raise refusal(HTTPStatus.BAD_REQUEST, "The request must count what the page has.") from None
-        news = self.stream.news(max(moments, 0), rows)
+        news = self.stream.news(max(moments, 0), max(rows, 0))
         return JSONResponse({**news, **self._pictures(), "now": self._now()})
 
     def _now(self) -> dict[str, Any] | None:

@@ -18,7 +18,6 @@
     return lengths.map((length) => length * drawn);
   }
   const lengths = travelled(RUN.x, RUN.y, track[0]);
-  const others = (RUN.o || []).map((o, k) => ({ ...o, body: $(`robot-${k + 1}`), line: $(`track-${k + 1}`), lengths: travelled(o.x, o.y, $(`track-${k + 1}`)) })).filter((o) => o.body && o.x.length);
 
   const before = (times, t) => {  // last index with times[i] <= t, at least 0
     let low = 0, high = times.length - 1;
@@ -52,15 +51,12 @@
       const i = before(T, t), j = Math.min(i + 1, T.length - 1);
       const w = T[j] > T[i] ? Math.min(1, Math.max(0, (t - T[i]) / (T[j] - T[i]))) : 0;
       const mix = (v) => v[i] + w * (v[j] - v[i]);
-      const place = (body, xs, ys, a) => {
-        const turn = a[i] + w * Math.atan2(Math.sin(a[j] - a[i]), Math.cos(a[j] - a[i]));
-        const [rx, ry] = px(mix(xs), mix(ys));
-        body.setAttribute("transform", `translate(${rx.toFixed(1)},${ry.toFixed(1)}) rotate(${(-turn * 180 / Math.PI).toFixed(1)})`);
-      };
-      const dash = (line, length) => { line.style.strokeDasharray = t >= RUN.end ? "none" : `${length} 1e6`; };
-      if ($("robot")) place($("robot"), RUN.x, RUN.y, RUN.a);
-      for (const p of track) dash(p, mix(lengths));
-      for (const o of others) { place(o.body, o.x, o.y, o.a); if (o.line) dash(o.line, mix(o.lengths)); }
+      if ($("robot")) {
+        const a = RUN.a, turn = a[i] + w * Math.atan2(Math.sin(a[j] - a[i]), Math.cos(a[j] - a[i]));
+        const [rx, ry] = px(mix(RUN.x), mix(RUN.y));
+        $("robot").setAttribute("transform", `translate(${rx.toFixed(1)},${ry.toFixed(1)}) rotate(${(-turn * 180 / Math.PI).toFixed(1)})`);
+      }
+      for (const p of track) p.style.strokeDasharray = t >= RUN.end ? "none" : `${mix(lengths)} 1e6`;
       put("now-coverage", RUN.k[i] == null ? "–" : `${Math.round(100 * RUN.k[i])} %`);
       put("now-speed", RUN.s[i] == null ? "–" : `${RUN.s[i].toFixed(2)} m/s`);
       put("now-clearance", RUN.c[i] == null ? "–" : RUN.c[i] > 99 ? "open" : `${RUN.c[i].toFixed(2)} m`);
@@ -90,7 +86,7 @@
       const box = $("now-decision");
       if (box.dataset.key !== d.n + state) {
         box.dataset.key = d.n + state;
-        box.innerHTML = `<b>Decision ${d.n}</b>${d.r == null ? "" : ` of robot ${d.r}`}, asked at ${mmss(d.t)} <span class="chip">${esc(d.cause || "asked")}</span> <span class="chip soft">${esc(d.mode)}</span>` +
+        box.innerHTML = `<b>Decision ${d.n}</b>, asked at ${mmss(d.t)} <span class="chip">${esc(d.cause || "asked")}</span> <span class="chip soft">${esc(d.mode)}</span>` +
           (open ? "<p>The advisor is thinking; the robot keeps moving.</p>" : `<p><b>${esc(d.said)}</b> <span class="chip ${esc(d.verdict)}">${esc(d.verdict)}${d.tries > 1 ? ` after ${d.tries} tries` : ""}</span></p><p>${esc(d.why)}</p>`) +
           `<p><a href="#decision-${d.n}" data-open="${d.n}">pictures and verdicts ↓</a></p>`;
       }
