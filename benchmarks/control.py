@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from coral.reef.drive.controller import DdpMppi, MppiCfg
 from coral.reef.map.costfield import CostField
-from coral.reef.vehicle.dynamics import Thrusters, parameter_set, planar
+from coral.reef.vehicle.dynamics import Thrusters, planar
 from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 
 CELL_M = 0.05
@@ -180,7 +180,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=200)
     args = parser.parse_args()
-    planar(parameter_set("A"), Thrusters())
+    planar(Thrusters())
     print("| control step | median ms | p99 ms | plain NumPy ms | ratio |")
     print("|---|---:|---:|---:|---:|")
     for name, cfg in CASES.items():

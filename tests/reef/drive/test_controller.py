@@ -27,12 +27,12 @@ from coral.reef.drive.controller_kernels import (
 )
 from coral.reef.drive.cost_terms import COSTS, GOAL, PATH, SPEED, CostCfg, Scales
 from coral.reef.map.costfield import UNREACHABLE, CostField
-from coral.reef.vehicle.dynamics import Thrusters, parameter_set, planar
+from coral.reef.vehicle.dynamics import Thrusters, planar
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.vehicle.vehicle import VehicleCfg, VehicleDynamics, VehicleState
 
 CELL = 0.05
-MODEL = planar(parameter_set("A"), Thrusters())
+MODEL = planar(Thrusters())
 SIMULATED = VehicleResponse.of_vehicle(VehicleCfg())
 SLUGGISH = VehicleResponse(surge_lag_s=0.15, yaw_lag_s=0.3, trail=0.3, trail_lag_s=2.0)
 OPEN = np.full((240, 240), np.inf, np.float32)

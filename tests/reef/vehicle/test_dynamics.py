@@ -7,12 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coral.errors import InputError
 from coral.reef.vehicle.dynamics import (
-    PARAMETER_SETS,
+    BLUEROV2_HEAVY,
     THRUST_MAX_N,
     Thrusters,
-    parameter_set,
     planar,
     six_dof,
     thrust_n,
@@ -28,8 +26,8 @@ from coral.reef.vehicle.dynamics_kernels import (
     six_rk4,
 )
 
-A = planar(parameter_set("A"), Thrusters())
-A6 = six_dof(parameter_set("A"), Thrusters())
+A = planar(Thrusters())
+A6 = six_dof(Thrusters())
 settings.register_profile("kernels", deadline=None)  # the first call compiles
 settings.load_profile("kernels")
 speeds = st.floats(-1.0, 1.0)
@@ -58,7 +56,7 @@ def test_six_dof_matches_the_matrix_form(nu, tau):
     nu, tau = np.array(nu), np.array(tau)
     weightless = A6._replace(weight_n=0.0, buoyancy_n=0.0)
     found = six_acceleration(nu, np.zeros(3), tau, weightless)
-    assert found == pytest.approx(numpy_acceleration(nu, tau, parameter_set("A")), abs=1e-9)
+    assert found == pytest.approx(numpy_acceleration(nu, tau, BLUEROV2_HEAVY), abs=1e-9)
 
 
 @given(speeds, speeds, speeds, st.floats(-80, 80), st.floats(-80, 80), st.floats(-20, 20))
@@ -67,7 +65,7 @@ def test_planar_is_six_dof_restricted(u, v, r, fx, fy, n):
     assert planar_acceleration(u, v, r, fx, fy, n, A) == pytest.approx(full[[0, 1, 5]], abs=1e-12)
 
 
-def test_planar_masses_of_set_a_match_hand_values():
+def test_planar_masses_match_hand_values():
     assert (A.m11, A.m22, A.m66) == pytest.approx((19.86, 20.62, 0.592))
 
 
@@ -77,16 +75,14 @@ def test_coriolis_does_no_work(nu):
     assert float(nu @ coriolis_force(nu, A6.inertia)) == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize(("name", "surge", "sway"), [("A", 0.734, 0.629), ("B", 2.067, 1.854), ("C", 1.213, 1.249)])
-def test_steady_speed_at_full_thrust(name, surge, sway):
+def test_steady_speed_at_full_thrust():
     """Hand values: the root of d u + dd u^2 = 4 cos45 30.4 N."""
-    m = planar(parameter_set(name), Thrusters())
-    fx, fy, _ = limit_wrench(1e9, 0.0, 0.0, m)[0], limit_wrench(0.0, 1e9, 0.0, m)[1], 0.0
+    fx, fy, _ = limit_wrench(1e9, 0.0, 0.0, A)[0], limit_wrench(0.0, 1e9, 0.0, A)[1], 0.0
     assert (fx, fy) == pytest.approx((85.98, 85.98), abs=0.01)
-    for i, force, expected in ((3, (fx, 0.0, 0.0), surge), (4, (0.0, fy, 0.0), sway)):
+    for i, force, expected in ((3, (fx, 0.0, 0.0), 0.734), (4, (0.0, fy, 0.0), 0.629)):
         s = np.zeros(9)
         for _ in range(3000):
-            planar_rk4(s, np.array(force), STILL, 0.0287, 0.01, m)
+            planar_rk4(s, np.array(force), STILL, 0.0287, 0.01, A)
         assert s[i] == pytest.approx(expected, abs=0.001)
 
 
@@ -185,7 +181,7 @@ def test_buoyancy_rights_a_tipped_vehicle():
     for _ in range(6000):
         six_rk4(s, np.zeros(6), STILL, 0.0287, 0.01, A6)
     assert np.abs(s[3:5]).max() < 0.03
-    assert s[2] < 0.0  # set A is 1 N heavy: it sinks
+    assert s[2] < 0.0  # it is 1 N heavy: it sinks
 
 
 def test_rotation_is_z_y_x():
@@ -194,9 +190,3 @@ def test_rotation_is_z_y_x():
     assert rotation(math.pi / 2, 0.0, 0.0) @ [0, 1, 0] == pytest.approx([0, 0, 1])
     turn = rotation(0.3, -0.4, 2.0)
     assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-12)
-
-
-def test_unknown_set_is_named():
-    assert set(PARAMETER_SETS) == {"A", "B", "C"}
-    with pytest.raises(InputError, match=r"found D, expected one of A, B, C"):
-        parameter_set("D")

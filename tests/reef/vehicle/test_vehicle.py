@@ -28,11 +28,6 @@ def test_commands_are_limited():
     assert (s.u, s.r) == pytest.approx((0.6, -0.6), abs=1e-3)
 
 
-def test_every_parameter_set_can_be_driven():
-    for name in "ABC":
-        assert drive(VehicleCfg(parameters=name), (0.5, 0.1)).state.u == pytest.approx(0.5, abs=2e-3)
-
-
 def test_unknown_model_is_named():
     with pytest.raises(InputError, match="planar, six_dof or kinematic"):
         VehicleDynamics(VehicleCfg(model="submarine"))  # type: ignore[arg-type]

@@ -24,7 +24,7 @@ def test_the_scene_has_the_hand_the_objects_and_what_is_fixed(subject):
 
 def test_a_recorded_task_is_told_with_its_terms(recorded_task, subject):
     stream = RunStream(recorded_task, lambda: subject)
-    news = stream.news(0, [])
+    news = stream.news(0, 0)
     stages = {moment["terms"]["stage"] for moment in news["moments"] if "terms" in moment}
     assert stages == {"reach"}
     assert news["moments"][-1]["ended"] == "timeout"

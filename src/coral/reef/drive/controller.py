@@ -16,7 +16,7 @@ from coral.mppi.weights import effective_sample_size, softmax_weights, weighted_
 from coral.reef.drive.controller_kernels import RolloutScene, Schedule, clearance_at, rollout, shape_samples
 from coral.reef.drive.cost_terms import COSTS, CostCfg, Scales
 from coral.reef.map.costfield import CostField
-from coral.reef.vehicle.dynamics import parameter_set, planar
+from coral.reef.vehicle.dynamics import planar
 from coral.reef.vehicle.response import Trailing, VehicleResponse
 from coral.reef.vehicle.vehicle import VehicleCfg, VehicleState
 
@@ -179,7 +179,7 @@ class DdpMppi:
         self.vehicle = vehicle = vehicle or VehicleCfg()
         self.response = response = response or VehicleResponse.of_vehicle(vehicle)
         self._rng = rng or np.random.default_rng(0)
-        self._model = planar(parameter_set(vehicle.parameters), vehicle.thrusters, vehicle.thrust_max_n)
+        self._model = planar(vehicle.thrusters, vehicle.thrust_max_n)
         self.schedule = schedule(cfg, response)
         self._times = np.concatenate([[0.0], np.cumsum(self.schedule.dt)])
         self._shift = shift_matrix(self.schedule.dt, control_period_s)

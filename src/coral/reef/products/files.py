@@ -13,9 +13,8 @@ from coral.errors import InputError
 from coral.file_writer import write_whole
 from coral.reef.products import product_files
 from coral.reef.products.feature import Feature, Layer, Value, closed_ring
-from coral.reef.products.geojson import write_geojson
-from coral.reef.products.geopackage import write_geopackage
 from coral.reef.products.geotiff import write_geotiff
+from coral.reef.products.layer_files import write_geojson, write_geopackage
 from coral.reef.products.placement import EarthPlacement, place_raster
 from coral.reef.products.product_files import ProductFiles
 from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, outline_style, raster_style

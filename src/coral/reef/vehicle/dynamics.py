@@ -1,4 +1,4 @@
-"""Parameter sets of the BlueROV2, and the constants of its equations of motion.
+"""Parameters of the BlueROV2, and the constants of its equations of motion.
 
 Body frame FLU (x forward, y left, z up), origin at the centre of gravity. Mass, inertia and drag values are positive
 magnitudes; the equations carry the signs.
@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Positive
-from coral.errors import InputError, nearest
 
 GRAVITY_M_S2 = 9.81
 WATER_KG_M3 = 1000.0
@@ -33,51 +32,18 @@ class Parameters:
     linear_drag: Six
     quadratic_drag: Six
     cb_above_cg_m: float
-    source: str
 
 
-PARAMETER_SETS: dict[str, Parameters] = {
-    "A": Parameters(
-        mass_kg=13.5,
-        volume_m3=0.0134,
-        inertia_kg_m2=(0.26, 0.23, 0.37),
-        added_mass=(6.36, 7.12, 18.68, 0.189, 0.135, 0.222),
-        linear_drag=(13.7, 0.0, 33.0, 0.0, 0.8, 0.0),
-        quadratic_drag=(141.0, 217.0, 190.0, 1.19, 0.47, 1.5),
-        cb_above_cg_m=0.01,
-        source="von Benzon et al. 2022, BlueROV2 Heavy",
-    ),
-    # B's source gives no mass or inertia: taken as neutrally buoyant, with A's inertia.
-    "B": Parameters(
-        mass_kg=11.35,
-        volume_m3=0.01135,
-        inertia_kg_m2=(0.26, 0.23, 0.37),
-        added_mass=(5.5, 12.7, 14.57, 0.12, 0.12, 0.12),
-        linear_drag=(4.03, 6.22, 5.18, 0.07, 0.07, 0.07),
-        quadratic_drag=(18.18, 21.66, 36.99, 1.55, 1.55, 1.55),
-        cb_above_cg_m=0.01,
-        source="MarineGym BlueROV; drag implausibly low (2 m/s at full thrust)",
-    ),
-    # C's source gives no volume: taken as neutrally buoyant.
-    "C": Parameters(
-        mass_kg=13.0,
-        volume_m3=0.013,
-        inertia_kg_m2=(0.26, 0.23, 0.37),
-        added_mass=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        linear_drag=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        quadratic_drag=(58.42, 55.14, 124.82, 4.0, 4.0, 4.0),
-        cb_above_cg_m=0.049,
-        source="Robotic Decision Making Lab, blue, heavy configuration (no added mass)",
-    ),
-}
-
-
-def parameter_set(name: str) -> Parameters:
-    """Return the parameter set of a name; an unknown name raises InputError with the nearest one."""
-    if name not in PARAMETER_SETS:
-        expected = f"one of {', '.join(PARAMETER_SETS)}{nearest(name, PARAMETER_SETS)}"
-        raise InputError("vehicle", "parameters", name, expected)
-    return PARAMETER_SETS[name]
+BLUEROV2_HEAVY = Parameters(
+    mass_kg=13.5,
+    volume_m3=0.0134,
+    inertia_kg_m2=(0.26, 0.23, 0.37),
+    added_mass=(6.36, 7.12, 18.68, 0.189, 0.135, 0.222),
+    linear_drag=(13.7, 0.0, 33.0, 0.0, 0.8, 0.0),
+    quadratic_drag=(141.0, 217.0, 190.0, 1.19, 0.47, 1.5),
+    cb_above_cg_m=0.01,
+)
+"""Von Benzon et al. 2022."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,9 +89,9 @@ def thrust_n(u: NDArray[np.float64] | float) -> NDArray[np.float64]:
 THRUST_MAX_N = float(thrust_n(1.0))
 
 
-def planar(parameters: Parameters, thrusters: Thrusters, thrust_max_n: float = THRUST_MAX_N) -> Planar:
-    """Return the planar constants of a parameter set (m11, m22 and m66 include the added mass)."""
-    p = parameters
+def planar(thrusters: Thrusters, thrust_max_n: float = THRUST_MAX_N) -> Planar:
+    """Return the planar constants of the BlueROV2 Heavy (m11, m22 and m66 include the added mass)."""
+    p = BLUEROV2_HEAVY
     cos45 = math.sqrt(0.5)
     return Planar(
         p.mass_kg + p.added_mass[0],
@@ -160,11 +126,11 @@ class SixDof(NamedTuple):
     """(4, 4 y, 4 x) of the vertical thrusters."""
 
 
-def six_dof(parameters: Parameters, thrusters: Thrusters, thrust_max_n: float = THRUST_MAX_N) -> SixDof:
-    """Return the six-degree-of-freedom constants of a parameter set."""
-    p, t = parameters, thrusters
+def six_dof(thrusters: Thrusters, thrust_max_n: float = THRUST_MAX_N) -> SixDof:
+    """Return the six-degree-of-freedom constants of the BlueROV2 Heavy."""
+    p, t = BLUEROV2_HEAVY, thrusters
     rigid = np.array([p.mass_kg] * 3 + list(p.inertia_kg_m2))
-    flat = planar(p, t)
+    flat = planar(t)
     return SixDof(
         rigid + np.array(p.added_mass),
         np.array(p.linear_drag),

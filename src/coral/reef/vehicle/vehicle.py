@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from coral.config import Positive, TimeStep
 from coral.errors import InputError
-from coral.reef.vehicle.dynamics import THRUST_MAX_N, Thrusters, parameter_set, planar, six_dof
+from coral.reef.vehicle.dynamics import THRUST_MAX_N, Thrusters, planar, six_dof
 from coral.reef.vehicle.dynamics_kernels import (
     limit_six,
     planar_drive,
@@ -44,7 +44,6 @@ class VehicleCfg:
 
     model: Literal["planar", "six_dof", "kinematic"] = "planar"
     """kinematic: the vehicle moves exactly as commanded, without inertia, drag or current; for bounds, not missions."""
-    parameters: str = "A"
     thrusters: Thrusters = field(default_factory=Thrusters)
     thrust_max_n: Positive = THRUST_MAX_N
     max_speed_m_s: Positive = 0.6
@@ -74,9 +73,8 @@ class VehicleDynamics:
 
     def __init__(self, cfg: VehicleCfg | None = None, state: VehicleState | Pose | None = None) -> None:
         self.cfg = cfg = cfg or VehicleCfg()
-        parameters = parameter_set(cfg.parameters)
-        self.model = planar(parameters, cfg.thrusters, cfg.thrust_max_n)
-        self._six = six_dof(parameters, cfg.thrusters, cfg.thrust_max_n) if cfg.model == "six_dof" else None
+        self.model = planar(cfg.thrusters, cfg.thrust_max_n)
+        self._six = six_dof(cfg.thrusters, cfg.thrust_max_n) if cfg.model == "six_dof" else None
         if cfg.model not in ("planar", "six_dof", "kinematic"):
             raise InputError("vehicle", "model", cfg.model, "planar, six_dof or kinematic")
         self._depth_integral = 0.0

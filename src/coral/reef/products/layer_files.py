@@ -1,4 +1,4 @@
-"""GeoPackage: layers of features in one file, written by GDAL (pyogrio)."""
+"""Layers of features as files, written by GDAL (pyogrio): GeoPackage, and GeoJSON (RFC 7946)."""
 
 from __future__ import annotations
 
@@ -34,20 +34,39 @@ def write_geopackage(path: Path, layers: Sequence[Layer], placement: EarthPlacem
         InputError: pyogrio is not installed.
         OSError: The file cannot be written.
     """
+    with scratch_for(path) as file:
+        for k, layer in enumerate(layers):
+            options = {"IDENTIFIER": layer.title or layer.name}
+            _write_layer(path, file, layer, placement, driver="GPKG", append=k > 0, layer_options=options)
+        _write_styles(file, [layer for layer in layers if layer.style])
+
+
+def write_geojson(path: Path, layer: Layer, placement: EarthPlacement) -> None:
+    """Write a layer in longitude and latitude (WGS 84) to a millimetre, cut where it crosses the date line.
+
+    Args:
+        path: File to write; an existing one is replaced.
+        layer: The features, in metres of the map.
+        placement: Where the map lies, with a datum.
+
+    Raises:
+        InputError: pyogrio is not installed.
+        OSError: The file cannot be written.
+    """
+    options = {"RFC7946": "YES", "COORDINATE_PRECISION": "8"}
+    with scratch_for(path) as file:
+        _write_layer(path, file, layer, placement, driver="GeoJSON", layer_options=options)
+
+
+def _write_layer(path: Path, file: Path, layer: Layer, placement: EarthPlacement, **how: Any) -> None:
     try:
         from pyogrio import raw
     except ModuleNotFoundError:
         raise InputError(str(path), "", "no package pyogrio", install_extra("geo")) from None
     crs = NO_PLACE if placement.epsg is None else f"EPSG:{placement.epsg}"
-    with scratch_for(path) as file:
-        for k, layer in enumerate(layers):
-            geometry = np.array([_wkb(layer, feature, placement) for feature in layer.features], dtype=object)
-            columns = [_column(layer, name) for name in layer.attributes]
-            raw.write(
-                file, geometry, columns, list(layer.attributes), layer=layer.name, driver="GPKG", crs=crs,
-                geometry_type=layer.kind, append=k > 0, layer_options={"IDENTIFIER": layer.title or layer.name},
-            )  # fmt: skip
-        _write_styles(file, [layer for layer in layers if layer.style])
+    geometry = np.array([_wkb(layer, feature, placement) for feature in layer.features], dtype=object)
+    columns, names = [_column(layer, name) for name in layer.attributes], list(layer.attributes)
+    raw.write(file, geometry, columns, names, layer=layer.name, crs=crs, geometry_type=layer.kind, **how)
 
 
 def _write_styles(file: Path, layers: Sequence[Layer]) -> None:
