@@ -42,7 +42,7 @@ def test_one_key_is_explained(told, key):
 
 
 def test_who_refuses_a_key_is_told(told):
-    assert "  not read, and refused, by: coral reef sail" in told("reef", "pilot.traffic.gap_m").splitlines()
+    assert "  not read, and refused, by: coral reef sail" in told("reef", "lane_m").splitlines()
 
 
 def test_the_values_of_a_file_are_shown_beside_the_default(told, tmp_path):

@@ -133,9 +133,9 @@ def test_every_refused_key_exists(command, key):
     ("words", "said"),
     [
         (
-            "reef sail s1 --cfg.pilot.traffic.gap-m 3",
-            "coral reef sail: --cfg.pilot.traffic.gap-m: found a setting that it never reads, expected nothing: one "
-            "robot surveys",
+            "reef sail s1 --cfg.lane-m 3",
+            "coral reef sail: --cfg.lane-m: found a setting that it never reads, expected nothing: no blind sweep is "
+            "driven in real time",
         ),
         (
             "reef bench --cfg.record.no-frames",
@@ -153,14 +153,14 @@ def test_a_file_may_have_such_a_key_with_its_default(tmp_path):
     file = tmp_path / "a.yaml"
     file.write_text("lane_m: 10\ntime_limit_s: 20\n")
     assert _parse("reef sail", ["s1", "--config", str(file)]).cfg.time_limit_s == 20.0
-    file.write_text("pilot: {traffic: {gap_m: 3}}\n")
-    with pytest.raises(InputError, match=r"--cfg.pilot.traffic.gap-m: found a setting that it never reads"):
+    file.write_text("simulator: {stills: true}\n")
+    with pytest.raises(InputError, match=r"--cfg.simulator.stills: found a setting that it never reads"):
         _parse("reef sail", ["s1", "--config", str(file)])
 
 
 def test_groups_and_who_refuses_them():
-    with pytest.raises(InputError, match=r"--cfg.pilot.traffic.gap-m"):
-        refuse_unread("reef sail", ["time_limit_s", "simulator.noise.drift_xy", "pilot.traffic.gap_m"])
+    with pytest.raises(InputError, match=r"--cfg.simulator.stills"):
+        refuse_unread("reef sail", ["time_limit_s", "simulator.noise.drift_xy", "simulator.stills"])
     refuse_unread("reef run", ["driver"])
     assert refused_by("lane_m") == ["reef sail"]
     assert refused_by("record.video") == ["reef bench"]

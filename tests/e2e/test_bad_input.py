@@ -115,7 +115,6 @@ def test_a_fault_in_a_world_is_named(place, world, refused, change, named):
         ((*RUN, "--model.attempt-timeout-s", "-1"), "--model: attempt_timeout_s: found -1"),
         ((*RUN, "--cfg.simulator.camera.range-m", "-1"), "range-m: found -1"),
         ((*RUN, "--cfg.simulator.noise.dropout", "3"), "dropout: found 3"),
-        ((*RUN, "--cfg.simulator.vehicle.parameters", "Z"), "parameters: found Z"),
         ((*RUN, "--out", "{place}/pond.yaml/run"), "--out"),
         ((*RUN, "--out", "{place}/pond.yaml"), "--out"),
         ((*RUN, "--config", "none.yaml"), "none.yaml: found no such file"),
