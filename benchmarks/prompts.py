@@ -7,10 +7,12 @@
     python benchmarks/prompts.py run full --seeds 2000
 
 `export` writes the first questions of every trial, a folder for each task: `plan.md` and `regions.md`, as an episode of
-that prompt renders them, and their pictures. A reader writes `plan.json` and `regions.json` beside them. `check` has
-the answers verified as at the beginning of an episode, and leaves `refused.md` where one is refused; the reader may
-answer again (`plan-2.json`, `plan-3.json`). `run` follows the answers, one episode each, and prints what became
-of them; without `--answers`, the shipped recordings. Masses and frictions are the recorded model's at every prompt.
+that prompt renders them, and their pictures. A reader writes `plan.json` and `regions.json` beside them. Of a task
+without a recording it first writes `parameters.md` alone, and the rest when run again beside a `parameters.json`.
+`check` has the answers verified as at the beginning of an episode, and leaves `refused.md` where one is refused; the
+reader may answer again (`plan-2.json`, `plan-3.json`). `run` follows the answers, one episode each, and prints what
+became of them; without `--answers`, the shipped recordings. Masses and frictions are the recorded model's at every
+prompt, where there is a recording.
 """
 
 from __future__ import annotations
@@ -37,7 +39,8 @@ from coral.contact.episode.episode import Episode
 from coral.contact.episode.resolution import resolve_episode, with_fallback
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.plan.contact_regions import region_limits
-from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
+from coral.contact.scene.task_file import every_task, shipped_tasks, suite_tasks
+from coral.contact.scene.task_names import HALVES, SUITES
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.recorded_answers import recorded_answers
@@ -47,7 +50,7 @@ A = TypeVar("A", bound=BaseModel)
 SEED, LATENCY = 2000, "fixed:0.04"
 """Of the trial that the questions show; the world's time that a plan takes."""
 VARIANT = "no-refinement"
-NAMES = {"cost-function": "plan", "contact-regions": "regions"}
+NAMES = {"physical-parameters": "parameters", "cost-function": "plan", "contact-regions": "regions"}
 YOURS = "The one that you have just written to plan.json."
 
 
@@ -58,7 +61,7 @@ class Reader:
     latency = "recorded"
 
     def __init__(self, written: Mapping[str, Sequence[str]]) -> None:
-        """Keep the answers of a task: texts for `plan` and `regions`, the next one for when one is refused."""
+        """Keep the answers of a task: texts for each name in `NAMES`, the next one for when one is refused."""
         self._written = written
         self.asked: dict[str, Question[Any]] = {}
         self.refused: dict[str, Sequence[Rejection]] = {}
@@ -70,9 +73,8 @@ class Reader:
             BadAnswer: The text is no answer.
             AdvisorUnavailable: Nothing (more) was written.
         """
-        if question.kind == "physical-parameters":
-            recorded = recorded_answers(str(question.facts["task"]))
-            assert recorded is not None
+        recorded = recorded_answers(str(question.facts["task"]))
+        if question.kind == "physical-parameters" and recorded is not None:
             return Reply(value=question.answer_type.model_validate(recorded.parameters.model_dump()), raw="")
         name = NAMES[question.kind]
         self.asked[name], self.refused[name] = question, rejections
@@ -105,7 +107,7 @@ def main() -> None:
     parser.add_argument("--only", default="", help="names of tasks, separated by commas")
     said = parser.parse_args()
     only = set(filter(None, said.only.split(",")))
-    tasks = [task for task in (*shipped_tasks(), *unseen_tasks()) if not only or task in only]
+    tasks = [task for task in every_task() if not only or task in only]
     if said.what == "run":
         lines = [] if said.answers is None else map(json.loads, said.answers.read_text(encoding="utf-8").splitlines())
         follow({line["task"]: line for line in lines}, tasks, said)
@@ -123,14 +125,15 @@ def main() -> None:
 
 def export(task: str, prompt: str, folder: Path) -> None:
     """Write the questions of a trial's beginning."""
-    reader = Reader({})
+    reader = Reader({"parameters": written_in(folder)["parameters"]})
     _, strategist = episode_of(task, SEED, prompt, reader)
-    asked, questions = reader.asked["plan"], strategist._questions
-    shown = {**questions.world_prompt(), "plan": YOURS, "limits": region_limits(strategist.cfg.region)}
-    folder.mkdir(parents=True)
-    (folder / "plan.md").write_text(asked.prompt, encoding="utf-8")
-    (folder / "regions.md").write_text(render("contact-regions", shown)[0], encoding="utf-8")
-    for picture in asked.pictures:
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, question in reader.asked.items():
+        (folder / f"{name}.md").write_text(question.prompt, encoding="utf-8")
+    if "plan" in reader.asked:
+        shown = {**strategist._questions.world_prompt(), "plan": YOURS, "limits": region_limits(strategist.cfg.region)}
+        (folder / "regions.md").write_text(render("contact-regions", shown)[0], encoding="utf-8")
+    for picture in reader.asked["plan" if "plan" in reader.asked else "parameters"].pictures:
         (folder / f"{picture.name}.txt").write_text(picture.caption, encoding="utf-8")
         (folder / f"{picture.name}.png").write_bytes(picture.png)
 
@@ -178,7 +181,8 @@ def follow(answers: Mapping[str, Mapping[str, Any]], tasks: Sequence[str], said:
                 flush=True,
             )
     trials = len(parse_seeds(said.seeds))
-    for name, group in (("six", shipped_tasks()), *((half, unseen_tasks(half)) for half in ("development", "test"))):
+    suites = ((f"{suite}:{half}", suite_tasks(suite, half)) for suite in SUITES for half in HALVES)
+    for name, group in (("six", shipped_tasks()), *suites):
         of = [task for task in group if task in solved]
         print(f"{said.prompt}, {name}: {sum(solved[task] for task in of)} of {trials * len(of)}")
 

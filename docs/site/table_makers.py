@@ -17,7 +17,7 @@ from coral.cli import COMMANDS
 from coral.commands.config import ListConfig
 from coral.commands.keyboard import KEYS
 from coral.contact.scene.task_file import load_task_file
-from coral.contact.scene.task_names import UNSEEN_HALVES, unseen_tasks
+from coral.contact.scene.task_names import HALVES, suite_tasks
 from coral.field_docs import class_doc, field_docs
 from coral.reef.eyes import reef_net, semantic_map, yolo_eyes
 from coral.reef.mission.presets import NOISE, PRESETS
@@ -134,9 +134,9 @@ def topics(bag: ModuleType) -> str:
     )
 
 
-def unseen() -> str:
-    """Return the tasks of the unseen suite."""
-    rows = ((f"`{name}`", half, load_task_file(name).title) for half in UNSEEN_HALVES for name in unseen_tasks(half))
+def suite(suite: str) -> str:
+    """Return the tasks of a suite."""
+    rows = ((f"`{name}`", half, load_task_file(name).title) for half in HALVES for name in suite_tasks(suite, half))
     return table("task | half | what", rows)
 
 

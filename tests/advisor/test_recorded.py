@@ -37,7 +37,7 @@ def test_answers_that_were_refused_then_are_left_out():
         [ask(advisor, "push-pick-board", "parameter-repair") for advisor in [RecordedAdvisor()] for _ in range(2)]
 
 
-@pytest.mark.parametrize(("task", "facts"), [("swap-cans", {}), ("pick-box", {"contact_strategy": False})])
+@pytest.mark.parametrize(("task", "facts"), [("pull-cart", {}), ("pick-box", {"contact_strategy": False})])
 def test_what_nobody_answered_is_not_answered(task, facts):
     with pytest.raises(AdvisorUnavailable, match="nobody answered"):
         ask(RecordedAdvisor(), task, **facts)

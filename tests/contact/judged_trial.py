@@ -1,8 +1,10 @@
 """A shipped task at its beginning, its judge, and states of it made by hand."""
 
 import numpy as np
+from contact_bench import touch
 
 from coral.contact.scene.geometry import from_rotvec, multiply
+from coral.contact.scene.joint_motion import move_joint
 from coral.contact.scene.judge import Judge
 from coral.contact.scene.observation import BodyState, HandForce, Truth
 from coral.contact.scene.trial import sample_trial
@@ -42,3 +44,39 @@ class JudgedTrial:
 
 def still(state, contacts, seconds=1.0):
     return [(state, contacts)] * round(seconds / STEP_S)
+
+
+def touches(name, *things):
+    return [touch(name, thing) for thing in things]
+
+
+def placed(one, name, position=None, axis=(0.0, 0.0, 1.0), degrees=0.0):
+    """An object moved to a position (None: as it was) and turned about an axis of its own."""
+    start = one.trial.objects[name].pose
+    at = [old if new is None else new for new, old in zip(position or [None] * 3, start.position, strict=True)]
+    turn = from_rotvec(np.radians(degrees) * np.array(axis))
+    return BodyState(np.array(at), multiply(start.quaternion, turn))
+
+
+def at_rest(body):
+    return BodyState(body.position, body.quaternion)
+
+
+def slid(one, to, things=("hand", "table"), force=0.0, pace=0.05):
+    """States in which the first object is moved straight to a point (x, y) at a pace (m/s)."""
+    start = one.start
+    way = np.array([*to, start.position[2]]) - start.position
+    count = max(2, round(np.linalg.norm(way) / pace / STEP_S))
+    velocity = way / count / STEP_S
+    contacts = touches(one.name, *things)
+    return [
+        (BodyState(start.position + way * share, start.quaternion, velocity), contacts, force)
+        for share in np.linspace(0, 1, count)
+    ]
+
+
+def on_joint(one, name, to):
+    """An object on its joint at a position, in degrees or metres."""
+    item, start = one.trial.task.object(name), one.trial.objects[name].pose
+    goal = np.radians(to) if item.joint.kind == "hinge" else to
+    return move_joint(item.joint, start, goal - one.trial.joint_position(name, start))

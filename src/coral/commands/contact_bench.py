@@ -48,7 +48,8 @@ from coral.contact.perception.tracker_registry import drop_addresses
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.policy_campaign_episode import run_policy_episode
 from coral.contact.scene.task import Task
-from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
+from coral.contact.scene.task_file import shipped_tasks, suite_tasks
+from coral.contact.scene.task_names import SUITES
 from coral.contact.scene.trial import sample_trial
 from coral.contact.scene.variation import split_variation
 from coral.contact.tasks import load_task
@@ -111,7 +112,7 @@ class ContactBench(CampaignFlags):
     policies: str = ""
     """Served policies to compare, NAME=ws://HOST:PORT, separated by commas."""
     tasks: str = "all"
-    """Shipped tasks or task files, separated by commas; all: the six of the paper; unseen: the unseen suite, or
+    """Shipped tasks or task files, separated by commas; all: the six of the paper; unseen or long: that suite, or
     unseen:development or unseen:test for half of it. With ~2 after a name, its second generated variation."""
     worlds: str = "panda"
     """Evaluation worlds, separated by commas: panda, hand."""
@@ -340,13 +341,13 @@ def named_tasks(text: str) -> tuple[str, ...]:
     """Return the tasks that `--tasks` names; `all~2` and `unseen:test~2` are the second variations of a whole suite.
 
     Raises:
-        InputError: The unseen suite has no such half.
+        InputError: A suite has no such half.
     """
     suite, number = split_variation(text)
     which, _, half = suite.partition(":")
-    if "," in text or which not in ("all", "unseen") or (which == "all" and half):
+    if "," in text or which not in ("all", *SUITES) or (which == "all" and half):
         return parse_names(text, "--tasks")
-    names = shipped_tasks() if which == "all" else unseen_tasks(half)
+    names = shipped_tasks() if which == "all" else suite_tasks(which, half)
     return tuple(f"{name}~{number}" for name in names) if number else names
 
 

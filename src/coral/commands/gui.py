@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from coral.contact.scene.task_names import shipped_tasks, task_path, unseen_tasks
+from coral.contact.scene.task_names import every_task, task_path
 from coral.errors import InputError
 from coral.interrupts import wait_for_interrupt
 from coral.reef.world.world_names import shipped_worlds, world_file
@@ -66,7 +66,7 @@ class Gui:
 
 def choices() -> dict[str, Any]:
     """Return what the page offers, by system."""
-    names = {"reef": [*shipped_worlds()], "contact": [*shipped_tasks(), *unseen_tasks()]}
+    names = {"reef": [*shipped_worlds()], "contact": [*every_task()]}
     return {
         system: {
             "names": names[system],

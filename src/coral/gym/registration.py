@@ -1,10 +1,10 @@
-"""Registers a Gymnasium environment for each shipped reef, task and unseen task; imports nothing heavy."""
+"""Registers a Gymnasium environment for each reef and task of the package; imports nothing heavy."""
 
 from __future__ import annotations
 
 import gymnasium
 
-from coral.contact.scene.task_names import shipped_tasks, unseen_tasks
+from coral.contact.scene.task_names import every_task
 
 REEFS = ("l1", "l2", "s1", "s2", "k1", "k2", "e1", "e2", "o1", "o2")
 
@@ -13,7 +13,7 @@ def register_environments() -> None:
     """Register the environments that are not registered yet."""
     for name in REEFS:
         _register(f"coral/reef-{name}-v0", "coral.gym.reef_env:ReefEnv", {"world": name})
-    for name in (*shipped_tasks(), *unseen_tasks()):
+    for name in every_task():
         _register(f"coral/{name}-v0", "coral.gym.contact_env:ContactEnv", {"task": name})
 
 

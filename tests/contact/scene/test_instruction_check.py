@@ -4,7 +4,7 @@ import pytest
 from contact_bench import make_trial, plain
 
 from coral.contact.scene.instruction_check import is_colour, unmatched_words
-from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
+from coral.contact.scene.task_file import every_task
 from coral.contact.tasks import load_task
 
 BOX = plain()["objects"][0]
@@ -32,7 +32,7 @@ def test_a_thing_that_is_not_there_is_pointed_out():
     assert told("Put it on the mat.", places={"mat": [0.1, 0.0, 0.0]}) == []
 
 
-@pytest.mark.parametrize("name", [*shipped_tasks(), *unseen_tasks()])
+@pytest.mark.parametrize("name", every_task())
 def test_shipped_tasks_have_what_their_words_name(name):
     assert unmatched_words(load_task(name)) == []
 

@@ -10,27 +10,31 @@ from contact_bench import changed, plain, stl, written
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from coral.contact.scene.task_file import TASKS_DIR, shipped_tasks, task_schema, unseen_tasks
-from coral.contact.scene.task_names import UNSEEN_HALVES
+from coral.contact.scene.task_file import TASKS_DIR, every_task, suite_tasks, task_schema
+from coral.contact.scene.task_names import HALVES, SUITES
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.errors import InputError
 
 
-@pytest.mark.parametrize("name", [*shipped_tasks(), *unseen_tasks()])
+@pytest.mark.parametrize("name", every_task())
 def test_shipped_tasks_load_and_can_be_drawn(name):
     task = load_task(name)
     assert task.name == name
     assert set(sample_trial(task, 3).objects) == {item.name for item in task.objects}
 
 
-def test_the_unseen_suite_has_two_halves_that_share_no_task():
-    halves = [unseen_tasks(half) for half in UNSEEN_HALVES]
-    assert sorted([*halves[0], *halves[1]]) == list(unseen_tasks())
-    assert len(unseen_tasks()) >= 8
-    assert not set(unseen_tasks()) & set(shipped_tasks())
+@pytest.mark.parametrize("suite", SUITES)
+def test_a_suite_has_two_halves_that_share_no_task(suite):
+    halves = [suite_tasks(suite, half) for half in HALVES]
+    assert sorted([*halves[0], *halves[1]]) == list(suite_tasks(suite))
+    assert len(halves[0]) == len(halves[1]) >= 4
     with pytest.raises(InputError, match="did you mean 'test'"):
-        unseen_tasks("tets")
+        suite_tasks(suite, "tets")
+
+
+def test_no_two_tasks_share_a_name():
+    assert len(set(every_task())) == len(every_task())
 
 
 def test_the_schema_file_is_current():

@@ -1,13 +1,13 @@
 import pytest
 
-from coral.contact.scene.task_names import TASKS_DIR, shipped_tasks, task_path, unseen_tasks
+from coral.contact.scene.task_names import TASKS_DIR, every_task, task_path
 from coral.errors import InputError
 
 
 def test_a_name_means_a_shipped_file_and_a_path_itself(tmp_path):
     assert task_path("pick-box") == TASKS_DIR / "pick-box.yaml"
     assert task_path(tmp_path / "own.yaml") == tmp_path / "own.yaml"
-    assert all(task_path(name).is_file() for name in (*shipped_tasks(), *unseen_tasks()))
+    assert all(task_path(name).is_file() for name in every_task())
 
 
 def test_a_mistyped_name_is_answered_with_the_nearest():

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from contact_bench import touch
-from judged_trial import STEP_S, JudgedTrial, still
+from judged_trial import JudgedTrial, at_rest, placed, slid, still, touches
 
-from coral.contact.scene.geometry import from_rotvec, multiply
+from coral.contact.scene.geometry import from_rotvec
 from coral.contact.scene.joint_motion import move_joint
 from coral.contact.scene.observation import BodyState
 from coral.contact.scene.task_file import unseen_tasks
@@ -19,35 +18,6 @@ def near_misses(task, cases):
     """Parametrize a test over its task's cases: keyword arguments, and whether they succeed."""
     JUDGED.add(task)
     return pytest.mark.parametrize(("how", "succeeds"), cases, ids=[f"{task}-{k}" for k in range(len(cases))])
-
-
-def touches(name, *things):
-    return [touch(name, thing) for thing in things]
-
-
-def placed(one, name, position=None, axis=Z, degrees=0.0):
-    """An object moved to a position (None: as it was) and turned about an axis of its own."""
-    start = one.trial.objects[name].pose
-    at = [old if new is None else new for new, old in zip(position or [None] * 3, start.position, strict=True)]
-    turn = from_rotvec(np.radians(degrees) * np.array(axis))
-    return BodyState(np.array(at), multiply(start.quaternion, turn))
-
-
-def at_rest(body):
-    return BodyState(body.position, body.quaternion)
-
-
-def slid(one, to, things=("hand", "table"), force=0.0, pace=0.05):
-    """States in which the first object is moved straight to a point (x, y) at a pace (m/s)."""
-    start = one.start
-    way = np.array([*to, start.position[2]]) - start.position
-    count = max(2, round(np.linalg.norm(way) / pace / STEP_S))
-    velocity = way / count / STEP_S
-    contacts = touches(one.name, *things)
-    return [
-        (BodyState(start.position + way * share, start.quaternion, velocity), contacts, force)
-        for share in np.linspace(0, 1, count)
-    ]
 
 
 def swung(one, to, force=0.0, end=()):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from coral.contact.scene.judge import Judge
-from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
+from coral.contact.scene.task_file import every_task
 from coral.contact.scene.trial import sample_trial
 from coral.contact.scene.variation import BYSTANDER_M, split_variation, vary_task
 from coral.contact.tasks import load_task
@@ -34,7 +34,7 @@ def test_the_number_makes_the_variation():
         load_task("stack-blocks~0")
 
 
-@pytest.mark.parametrize("name", [*shipped_tasks(), *unseen_tasks()])
+@pytest.mark.parametrize("name", every_task())
 def test_every_task_has_variations_that_can_be_drawn(name):
     for number in (1, 2):
         assert "bystander" in sample_trial(load_task(f"{name}~{number}"), 0).objects

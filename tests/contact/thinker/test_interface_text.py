@@ -9,7 +9,7 @@ from contact_bench import seen
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.cost.context import Quantity
 from coral.contact.cost.schema import object_quantities, scenery_quantities
-from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
+from coral.contact.scene.task_file import every_task
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.interface_text import LEGEND, interface_text
@@ -37,7 +37,7 @@ def named(schema, objects, told=()):
     return found
 
 
-@pytest.mark.parametrize("task", [*shipped_tasks(), *unseen_tasks()])
+@pytest.mark.parametrize("task", every_task())
 def test_every_quantity_of_a_task_is_named_and_nothing_else(task):
     trial = sample_trial(load_task(task), 0)
     schema = task_schema_of(trial.task)

@@ -10,7 +10,7 @@ from recorded import RULES
 from coral.advisor.question import AdvisorUnavailable, Picture, Reply
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
-from coral.contact.scene.task_file import shipped_tasks, unseen_tasks
+from coral.contact.scene.task_file import every_task
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import TEXTS
 from coral.contact.thinker.evidence import collect_evidence
@@ -145,7 +145,7 @@ FULL = {
 """A full history; what it is about takes a short name."""
 
 
-@pytest.mark.parametrize("task", [*shipped_tasks(), *unseen_tasks()])
+@pytest.mark.parametrize("task", every_task())
 def test_prompts_have_fewer_than_3000_tokens(ask, task):
     """In these prompts a token has 3.1 characters at least, whichever tokenizer counts.
 

@@ -8,4 +8,4 @@ def test_every_shipped_task_was_answered_and_no_other():
         assert found is not None, task
         assert found.plan.stages
         assert all(one.mass_kg > 0 for one in found.parameters.root.values())
-    assert recorded_answers("swap-cans") is None
+    assert recorded_answers("pull-cart") is None

@@ -11,16 +11,24 @@ from pydantic import ValidationError
 from coral.config import read_yaml
 from coral.contact.scene.shapes import Shape
 from coral.contact.scene.task import Task
-from coral.contact.scene.task_names import TASKS_DIR, shipped_tasks, task_path, unseen_tasks
+from coral.contact.scene.task_names import TASKS_DIR, every_task, shipped_tasks, suite_tasks, task_path, unseen_tasks
 from coral.contact.scene.task_validation import check_task
 from coral.file_writer import write_whole
 from coral.validation_errors import input_error
 
-__all__ = ["TASKS_DIR", "load_task_file", "shipped_tasks", "task_schema", "unseen_tasks"]
+__all__ = [
+    "TASKS_DIR",
+    "every_task",
+    "load_task_file",
+    "shipped_tasks",
+    "suite_tasks",
+    "task_schema",
+    "unseen_tasks",
+]
 
 
 def load_task_file(name_or_path: str | Path) -> Task:
-    """Load a shipped task by its name, one of the unseen suite included, or a task file.
+    """Load a task of the package by its name, or a task file.
 
     Raises:
         InputError: There is no such task, or the file is invalid; the error names the field.

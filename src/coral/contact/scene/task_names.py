@@ -1,13 +1,16 @@
-"""Names of the shipped tasks and of the unseen suite, and the file that a name or a path means."""
+"""Names of the shipped tasks and of the suites beside them, and the file that a name or a path means."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from coral.errors import InputError, nearest
 
 TASKS_DIR = Path(__file__).parent / "tasks"
-UNSEEN_HALVES = ("development", "test")
+SUITES = ("unseen", "long")
+"""Suites of tasks beside the shipped ones, each a folder with two halves."""
+HALVES = ("development", "test")
 
 
 def shipped_tasks() -> tuple[str, ...]:
@@ -18,36 +21,48 @@ def shipped_tasks() -> tuple[str, ...]:
 
 
 def unseen_tasks(half: str = "") -> tuple[str, ...]:
-    """Return the names of the unseen suite, in alphabetical order.
+    """Return the names of the unseen suite; see `suite_tasks`."""
+    return suite_tasks("unseen", half)
+
+
+def suite_tasks(suite: str, half: str = "") -> tuple[str, ...]:
+    """Return the names of a suite of tasks, in alphabetical order.
 
     Args:
+        suite: One of `SUITES`.
         half: "development", to be looked at while the method is built, or "test", kept for its measurement; both by
             default.
 
     Raises:
         InputError: There is no such half.
     """
-    if half and half not in UNSEEN_HALVES:
-        raise InputError("task", "", half, f"one of {', '.join(UNSEEN_HALVES)}{nearest(half, UNSEEN_HALVES)}")
-    return tuple(sorted(name for name, path in _unseen().items() if half in ("", path.parent.name)))
+    if half and half not in HALVES:
+        raise InputError("task", "", half, f"one of {', '.join(HALVES)}{nearest(half, HALVES)}")
+    return tuple(sorted(path.stem for one in ([half] if half else HALVES) for path in _files(suite, one)))
 
 
-def _unseen() -> dict[str, Path]:
-    return {path.stem: path for half in UNSEEN_HALVES for path in (TASKS_DIR / "unseen" / half).glob("*.yaml")}
+def _files(suite: str, half: str) -> Iterator[Path]:
+    return (TASKS_DIR / suite / half).glob("*.yaml")
+
+
+def every_task() -> tuple[str, ...]:
+    """Return the names of all tasks of the package: the shipped ones, then those of each suite."""
+    return (*shipped_tasks(), *(name for suite in SUITES for name in suite_tasks(suite)))
 
 
 def task_path(name_or_path: str | Path) -> Path:
-    """Return the file of a shipped task, one of the unseen suite included, or the path itself.
+    """Return the file of a task of the package, or the path itself.
 
     Raises:
         InputError: It is neither a name nor the path of a file.
     """
-    text, shipped, unseen = str(name_or_path), shipped_tasks(), _unseen()
+    text, shipped = str(name_or_path), shipped_tasks()
     if text in shipped:
         return TASKS_DIR / f"{text}.yaml"
-    path = unseen.get(text, Path(name_or_path))
+    suites = {path.stem: path for suite in SUITES for half in HALVES for path in _files(suite, half)}
+    path = suites.get(text, Path(name_or_path))
     if path.suffix not in (".yaml", ".yml") and not path.exists():
         beside = [f"{text}.yaml"] if Path(f"{text}.yaml").is_file() else []
-        close = nearest(text, beside, 0.0) or nearest(text, (*shipped, *unseen))
+        close = nearest(text, beside, 0.0) or nearest(text, (*shipped, *suites))
         raise InputError("task", "", repr(text), f"one of {', '.join(shipped)}{close}, or a YAML file")
     return path
