@@ -164,7 +164,7 @@ def test_bounds_are_checked_before_anything_is_sent_to_the_robot(visit, ask, cas
     page.get_by_label("Forward (m)").fill("9")
     page.get_by_label("Left (m)").fill("0")
     page.get_by_role("button", name="Submit").click()
-    expect(page.locator(".field.bad .fault")).to_have_text("must be 6 or less, not 9")
+    expect(page.locator(".field.bad .fault")).to_have_text("does not fit: 9 is greater than the maximum of 6")
     page.get_by_label("Forward (m)").fill("-2")
     page.get_by_role("button", name="Submit").click()
     assert asking.result().forward_m == -2

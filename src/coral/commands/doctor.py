@@ -23,6 +23,7 @@ CORE = (
     "rich",
     "PyYAML",
     "Jinja2",
+    "jsonschema",
     "starlette",
     "matplotlib",
     "imageio-ffmpeg",
