@@ -17,7 +17,7 @@ def test_tasks_are_listed_and_one_is_shown_with_its_ranges(capsys):
     assert all(name in listed for name in shipped_tasks())
     assert main(["contact", "tasks", "pick-box"]) == 0
     shown = capsys.readouterr().out
-    assert "mass      0.1 to 0.4 kg" in shown
+    assert yaml.safe_load(shown)["objects"][0]["mass_kg"] == [0.1, 0.4]
     assert main(["contact", "tasks", "--json"]) == 0
     assert [task["name"] for task in answer(capsys)["tasks"]] == list(shipped_tasks())
 
@@ -38,9 +38,8 @@ def task_file(tmp_path):
 def test_a_file_is_described_like_a_shipped_task(told, task_file):
     code, text, _ = told("contact", "tasks", task_file(name="mine", time_limit_s=7.5, numbers={"lift": 0.25}))
     assert code == 0
-    assert text.startswith("mine: ")
-    assert "at most 7.5 s" in text
-    assert "lift = 0.25" in text
+    told_back = yaml.safe_load(text)
+    assert (told_back["name"], told_back["time_limit_s"], told_back["numbers"]) == ("mine", 7.5, {"lift": 0.25})
 
 
 def test_a_wrong_file_is_one_line_that_names_the_field(refused, task_file):
