@@ -42,7 +42,6 @@ COMMANDS = {
     "contact poses": ("coral.commands.contact_poses:ContactPoses", "track a task's objects in a camera's pictures"),
     "contact click": ("coral.commands.contact_click:ContactClick", "click the objects in a camera's first picture"),
     "contact calibrate": ("coral.commands.contact_calibrate:ContactCalibrate", "find where a camera stands"),
-    "contact identify": ("coral.commands.contact_identify:ContactIdentify", "find mass and friction by pushing"),
     "memory list": ("coral.commands.memory:MemoryList", "list remembered successes of contact tasks"),
     "memory show": ("coral.commands.memory:MemoryShow", "show one of them, with its programs"),
     "memory forget": ("coral.commands.memory:MemoryForget", "forget one of them"),

@@ -84,13 +84,7 @@ def test_the_same_command_again_runs_nothing_a_larger_one_the_rest_a_retry_the_f
     assert [record["status"] for record in run.store.records()] == ["done", "failed", "done", "done"]
 
 
-def test_the_longest_episodes_start_first(run):
-    here = Here()
-    run(executor=here, first=lambda spec: spec.seed % 3)
-    assert here.seeds == [2, 1, 0, 3]
-
-
-def test_measured_lengths_of_a_variant_decide_where_none_are_given(tmp_path):
+def test_the_longest_episodes_start_first_as_far_as_they_were_measured(tmp_path):
     store = Store(tmp_path / "out")
     known = grid("toy", variants=["short", "long"], worlds=["w"], seeds=[0], advisors=["x"])
     more = grid("toy", variants=["short", "long"], worlds=["v"], seeds=[2], advisors=["x"])

@@ -1,6 +1,6 @@
 import pytest
 
-from coral.campaign.table import Table, document, overview, to_latex, to_markdown
+from coral.campaign.table import Table, document, overview, to_markdown
 
 TABLE = Table(
     "Table X",
@@ -21,29 +21,9 @@ MARKDOWN = """\
 - n = 3; † see x_1.
 """
 
-LATEX = r"""% Table X
-\begin{table*}\centering\small
-\begin{threeparttable}
-\caption{What \& why (100 \%).}
-\begin{tabular}{lr}
-\toprule
-variant & $\Delta$ cov. (\%) \\
-\midrule
-a|b\_c & $-$3.1 [$-$5.0, +1.2] \\
-<full> & $\approx$ 0.0 \\
-\bottomrule
-\end{tabular}
-\begin{tablenotes}\footnotesize
-\item n = 3; $^\dagger$ see x\_1.
-\end{tablenotes}
-\end{threeparttable}
-\end{table*}
-"""
 
-
-@pytest.mark.parametrize(("render", "text"), [(to_markdown, MARKDOWN), (to_latex, LATEX)])
-def test_the_same_table_in_two_forms(render, text):
-    assert render(TABLE) == text
+def test_markdown_is_padded_text():
+    assert to_markdown(TABLE) == MARKDOWN
 
 
 def test_a_page_of_tables_escapes_every_text():
@@ -53,18 +33,11 @@ def test_a_page_of_tables_escapes_every_text():
     assert "<td>≈ 0.0</td>" in page
 
 
-@pytest.mark.parametrize("form", ["md", "tex", "html"])
+@pytest.mark.parametrize("form", ["md", "html"])
 def test_a_document_holds_every_table(form):
     text = document([TABLE, TABLE], form, "Reef")
     assert text.count("Table X") == 2
     assert "Reef" in text
-
-
-def test_a_latex_document_has_no_letter_that_plain_latex_lacks():
-    from coral.campaign.reef_tables import paper
-
-    notes = tuple(note for group in paper()["notes"].values() for note in group)
-    assert to_latex(Table("T", "", ("a",), (), notes)).isascii()
 
 
 def test_a_ragged_table_is_a_mistake():

@@ -64,7 +64,7 @@ def test_a_bench_leaves_data_tables_figure_and_runs(finished):
         assert row["topology"] == "custom"
         assert len(row["covered_at_s"]) == row["clusters_covered"]
         assert row["commit"]
-    for form in ("md", "tex", "html"):
+    for form in ("md", "html"):
         assert "coral reef bench --variants full,lawnmower" in (out / f"tables.{form}").read_text()
     named = {value.rstrip("/") for name, value in vars(CampaignFiles).items() if name.isupper()}
     assert {path.name for path in out.iterdir() if not path.name.startswith(".")} <= named
@@ -257,7 +257,7 @@ def test_a_sweep_changes_one_key_at_a_time_and_runs_the_nominal_setting_too(swep
         "visibility=2",
     ]
     assert [table["name"] for table in result["results"]][-2:] == ["Sweep", "Sweep, differences"]
-    for form in ("md", "tex", "html"):
+    for form in ("md", "html"):
         assert "--sweep current=0.2 --sweep visibility=3,2" in (out / f"tables.{form}").read_text()
 
 

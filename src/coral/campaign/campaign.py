@@ -39,7 +39,6 @@ def run_campaign(
     *,
     retry_failed: bool = False,
     mix: bool = False,
-    first: Callable[[Spec], float] | None = None,
     progress: CampaignProgress | None = None,
 ) -> Summary:
     """Run the episodes that are not recorded yet. The store must be locked and opened.
@@ -51,7 +50,6 @@ def run_campaign(
         executor: Runs many episodes.
         retry_failed: Whether to repeat episodes with a recorded failure.
         mix: Whether to accept results of workers with another version of the code.
-        first: Expected length of an episode; the longest start first, which keeps all workers busy to the end.
         progress: Receives every outcome.
 
     Raises:
@@ -60,7 +58,7 @@ def run_campaign(
     """
     pending = list(store.pending(specs, retry_failed=retry_failed))
     found = len(specs) - len(pending)
-    pending.sort(key=first or _time_estimator(store), reverse=True)
+    pending.sort(key=_time_estimator(store), reverse=True)  # the longest first keeps all workers busy to the end
     progress = progress or CampaignProgress(quiet=True)
     progress.begin(len(specs), found, executor.jobs)
     finished = failed = 0

@@ -9,9 +9,7 @@ class CampaignFiles:
     """Files of a campaign."""
 
     TABLES: Final = "tables.md"
-    """All tables."""
-    LATEX: Final = "tables.tex"
-    """The same for LaTeX, which needs `booktabs` and `threeparttable`."""
+    """All tables; `pandoc tables.md -o tables.tex` makes LaTeX of them."""
     HTML: Final = "tables.html"
     """The same as a page."""
     RESULTS: Final = "results.parquet"

@@ -1,4 +1,4 @@
-"""A table as data, and its rendering as Markdown, LaTeX and HTML."""
+"""A table as data, and its rendering as Markdown and HTML."""
 
 from __future__ import annotations
 
@@ -74,85 +74,18 @@ def gather_notes(tables: Sequence[Table]) -> tuple[list[Table], list[str]]:
     return own, told
 
 
-def to_latex(table: Table) -> str:
-    """Render a `table*` float for booktabs and threeparttable."""
-    columns = "l" + "r" * (len(table.header) - 1)
-    lines = [
-        r"\begin{table*}\centering\small",
-        r"\begin{threeparttable}",
-        rf"\caption{{{_latex(table.caption)}}}",
-        rf"\begin{{tabular}}{{{columns}}}",
-        r"\toprule",
-        " & ".join(map(_latex, table.header)) + r" \\",
-        r"\midrule",
-        *(" & ".join(map(_latex, row)) + r" \\" for row in table.rows),
-        r"\bottomrule",
-        r"\end{tabular}",
-    ]
-    if table.notes:
-        lines += [
-            r"\begin{tablenotes}\footnotesize",
-            *(rf"\item {_latex(note)}" for note in table.notes),
-            r"\end{tablenotes}",
-        ]
-    return "\n".join([f"% {table.name}", *lines, r"\end{threeparttable}", r"\end{table*}"]) + "\n"
-
-
 def document(tables: Sequence[Table], form: str, title: str) -> str:
     """Render all tables as one file.
 
     Args:
         tables: Tables in order.
-        form: `md`, `tex` or `html`.
+        form: `md` or `html`.
         title: Title of the page.
     """
-    if form != "tex":  # a float of LaTeX stands alone
-        tables, shared = gather_notes(tables)
+    tables, shared = gather_notes(tables)
     if form == "md":
         last = ["## Notes", "", *(f"- {note}" for note in shared), ""] if shared else []
         return "\n".join([f"# {title}", "", *(to_markdown(table) for table in tables), *last])
-    if form == "tex":
-        preamble = rf"% {title}. Needs \usepackage{{booktabs,threeparttable}}"
-        return "\n".join([preamble, *(to_latex(table) for table in tables)])
     from coral.view.page import render_page
 
     return render_page("tables.html.j2", title=title, tables=tables, shared=shared)
-
-
-_LATEX = {
-    "\\": r"\textbackslash{}",
-    "&": r"\&",
-    "%": r"\%",
-    "$": r"\$",
-    "#": r"\#",
-    "_": r"\_",
-    "{": r"\{",
-    "}": r"\}",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "−": "$-$",
-    "–": "--",
-    "—": "---",
-    "×": r"$\times$",
-    "∞": r"$\infty$",
-    "°": r"$^\circ$",
-    "±": r"$\pm$",
-    "≥": r"$\geq$",
-    "≤": r"$\leq$",
-    "†": r"$^\dagger$",
-    "‡": r"$^\ddagger$",
-    "§": r"$^\S$",
-    "Δ": r"$\Delta$",
-    "η": r"$\eta$",
-    "·": r"$\cdot$",
-    "↑": r"$\uparrow$",
-    "↓": r"$\downarrow$",
-    "≈": r"$\approx$",
-    "“": "``",
-    "”": "''",
-    "’": "'",
-}
-
-
-def _latex(text: str) -> str:
-    return "".join(_LATEX.get(letter, letter) for letter in text)

@@ -118,8 +118,8 @@ def read_results(store: Store, noun: str, command: str) -> Results:
 def write_tables(
     store: Store, results: Results, tables: Sequence[Table], title: str, summary: Summary | None
 ) -> dict[str, Any]:
-    """Write the tables as Markdown, LaTeX and HTML; return the bench's result."""
-    for name in (CampaignFiles.TABLES, CampaignFiles.LATEX, CampaignFiles.HTML):
+    """Write the tables as Markdown and HTML; return the bench's result."""
+    for name in (CampaignFiles.TABLES, CampaignFiles.HTML):
         write_whole(store.folder / name, document(tables, name.rpartition(".")[2], title).encode())
     return {
         "out": str(store.folder),

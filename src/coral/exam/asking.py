@@ -33,30 +33,23 @@ class Sheet:
     """Tokens and cost."""
 
 
-def ask_all(
-    advisor: Advisor, items: Sequence[ExamItem], at_once: int = 1, told: Callable[[Sheet], None] = lambda sheet: None
-) -> list[Sheet]:
+def ask_all(advisor: Advisor, items: Sequence[ExamItem], at_once: int = 1) -> list[Sheet]:
     """Ask every question once; a bad answer is not asked for again.
 
     Args:
         advisor: The advisor; closed at the end.
         items: The questions.
         at_once: Maximum number of open questions.
-        told: Receives each sheet when its reply has arrived.
     """
-    return asyncio.run(_gather(advisor, items, at_once, told))
+    return asyncio.run(_gather(advisor, items, at_once))
 
 
-async def _gather(
-    advisor: Advisor, items: Sequence[ExamItem], at_once: int, told: Callable[[Sheet], None]
-) -> list[Sheet]:
+async def _gather(advisor: Advisor, items: Sequence[ExamItem], at_once: int) -> list[Sheet]:
     gate = asyncio.Semaphore(at_once)
 
     async def one(item: ExamItem) -> Sheet:
         async with gate:
-            sheet = await ask(advisor, item)
-            told(sheet)
-            return sheet
+            return await ask(advisor, item)
 
     try:
         return list(await asyncio.gather(*(one(item) for item in items)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import multiprocessing
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
@@ -30,11 +30,10 @@ class Grader:
 
     Args:
         jobs: Number of processes for episodes.
-        done: Called after each episode.
     """
 
-    def __init__(self, jobs: int = 1, done: Callable[[], None] = lambda: None) -> None:
-        self._jobs, self._done = jobs, done
+    def __init__(self, jobs: int = 1) -> None:
+        self._jobs = jobs
         self._known: dict[tuple[str, str], Worth] = {}
 
     def grade(self, sheets: Sequence[Sheet]) -> list[Graded]:
@@ -58,13 +57,10 @@ class Grader:
         if self._jobs == 1 or len(work) < 2:
             for key, one in zip(wanted, work, strict=True):
                 self._known[key] = outcome(*one)
-                self._done()
             return
         spawn = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(min(self._jobs, len(work)), mp_context=spawn) as pool:
-            for key, worth in zip(wanted, pool.map(outcome, *zip(*work, strict=True)), strict=True):
-                self._known[key] = worth
-                self._done()
+            self._known |= zip(wanted, pool.map(outcome, *zip(*work, strict=True)), strict=True)
 
 
 def outcome(kind: str, key: dict[str, object], facts: dict[str, object], text: str) -> Worth:

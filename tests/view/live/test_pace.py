@@ -31,16 +31,25 @@ def test_a_speed_limit_holds_and_nothing_is_hurried():
 
 
 def test_standing_still_ends_with_the_pause_or_the_run():
-    wall, seen = Wall(), []
-    pace = Pace(clock=wall.clock, wait=wall.wait)
-    assert not pace.stand_still(lambda: seen.append(1))
+    waited = []
+
+    def wait(seconds):
+        waited.append(seconds)
+        if len(waited) == 3:
+            pace.paused = False
+        if len(waited) == 4:
+            pace.end()
+
+    pace = Pace(clock=Wall().clock, wait=wait)
+    assert not pace.stand_still()
     pace.paused = True
-    assert pace.stand_still(lambda: seen.append(1) or (len(seen) == 3 and setattr(pace, "paused", False)))
-    assert len(seen) == 3
+    assert pace.stand_still()
+    assert len(waited) == 3
     pace.paused = True
-    assert pace.stand_still(pace.end)
+    assert pace.stand_still()
     assert pace.stop
-    assert not pace.stand_still(lambda: pytest.fail("the run is over"))
+    assert not pace.stand_still()
+    assert len(waited) == 4
 
 
 def test_the_first_reason_to_end_stays_and_nothing_waits_any_more():

@@ -64,12 +64,11 @@ class Pace:
         self._stop = self._stop or reason
         self._change()
 
-    def stand_still(self, meanwhile: Callable[[], None]) -> bool:
-        """Wait until the run may continue; return whether it had to wait. Calls `meanwhile` every 0.1 s."""
+    def stand_still(self) -> bool:
+        """Wait until the run may continue; return whether it had to wait."""
         if not self._paused or self._stop:
             return False
         while self._paused and not self._stop:
-            meanwhile()
             self._rest(0.1)
         self._anchor = None
         return True

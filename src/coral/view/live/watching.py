@@ -44,7 +44,7 @@ class WatchedRun:
             return
         if self.pace.paused:
             now.status = "paused"
-        if self.pace.stand_still(lambda: None) and hasattr(run, "stood_still"):
+        if self.pace.stand_still() and hasattr(run, "stood_still"):
             run.stood_still(time.monotonic() - clock)
         if not self._real_time:
             self.pace.keep(run.t)
