@@ -7,7 +7,7 @@ import pytest
 
 from coral.errors import InputError
 from coral.view.decisions import decisions
-from coral.view.run import RunFolder
+from coral.view.run import RunFolder, read_camera_frame
 
 
 def test_a_finished_run_is_read_whole(finished):
@@ -69,17 +69,17 @@ def test_not_a_run(tmp_path):
 
 def test_what_the_camera_saw_is_read_with_colours_where_they_were_kept(fresh):
     run = RunFolder.read(fresh)
-    assert run.camera_frame(400).rgb is None
-    assert run.camera_frame(399) is None
+    assert read_camera_frame(run.path, 400).rgb is None
+    assert read_camera_frame(run.path, 399) is None
     labels = run.frame(400, "labels")
     rgb = np.zeros((*labels.shape, 3), np.uint8)
     rgb[..., 0] = 200
     cv2.imwrite(str(fresh / "frames" / "000400_rgb.jpg"), rgb[..., ::-1])
-    seen = run.camera_frame(400)
+    seen = read_camera_frame(run.path, 400)
     assert np.abs(seen.rgb.astype(int) - rgb).max() <= 2
     assert np.array_equal(seen.labels, np.minimum(labels, 3))
     cv2.imwrite(str(fresh / "frames" / "000400_rgb.jpg"), rgb[..., 0])
-    assert run.camera_frame(400).rgb is None
+    assert read_camera_frame(run.path, 400).rgb is None
 
 
 def test_a_log_that_was_cut_into_parts_is_read_whole(fresh):

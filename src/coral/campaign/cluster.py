@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, perform
+from coral.campaign.spec import Spec
 from coral.errors import InputError, RunError, first_line, install_extra
 
 ATTEMPTS = 4
@@ -60,7 +61,7 @@ class RayExecutor:
         """Yield each task's outcome as it comes (see `Executor`)."""
         ray = self._ray
         # Attempts are counted here, not by Ray, so that the record contains their number.
-        remote = ray.remote(num_cpus=1, max_retries=0, runtime_env={"env_vars": ONE_THREAD})(_perform_on_node)
+        remote = ray.remote(num_cpus=1, max_retries=0, runtime_env={"env_vars": ONE_THREAD})(_perform_in_task)
         shared = ray.put(episode)
         queue = deque((task, 1) for task in tasks)
         running: dict[Any, tuple[EpisodeTask, int]] = {}
@@ -111,15 +112,19 @@ def _check_listening(address: str) -> None:
         raise RunError(f"no Ray cluster at {address}: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _perform_on_node(episode: Episode, spec: Any) -> tuple[EpisodeOutcome, bytes]:
-    """Run the Ray task in a folder of the node; return the files written there along with the outcome."""
+def _perform_in_task(episode: Episode, spec: Spec) -> tuple[EpisodeOutcome, bytes]:
+    """Run the Ray task."""
     import ray
 
+    return perform_on_node(episode, spec, ray.get_runtime_context().get_node_id())
+
+
+def perform_on_node(episode: Episode, spec: Spec, node: str) -> tuple[EpisodeOutcome, bytes]:
+    """Run one episode in a folder of this node; return the files written there along with the outcome."""
     with tempfile.TemporaryDirectory(prefix="coral-") as folder:
         place = Path(folder) / "run"
         outcome = perform(episode, spec, place)
-        about = {**outcome.about, "node": ray.get_runtime_context().get_node_id()}
-        return dataclasses.replace(outcome, about=about), pack(place)
+        return dataclasses.replace(outcome, about={**outcome.about, "node": node}), pack(place)
 
 
 def pack(folder: Path) -> bytes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from statistics import fmean, median
@@ -71,49 +71,55 @@ def poses_of(rows: Sequence[Row]) -> str:
 
 def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     """Count the successful trials, beside the paper's out of ten."""
-    tasks, variants = _tasks(rows), _variants(rows)
-    lines = []
-    for variant in variants:
-        line = [_marked(variant, rows)]
-        for task in tasks:
-            own = _of(rows, variant, task)
-            printed = _paper_numbers(variant, task)
-            line += [
-                f"{sum(map(_is_success, own))}/{len(own)}" if own else "not run",
-                f"{printed[0]}/10" if printed else "–",
-            ]
-        lines.append(tuple(line))
-    header = ["method", *(label for task in tasks for label in (_task(task), "paper"))]
-    return Table(
-        "Table 1, success",
-        f"Successful trials beside the paper’s. {caption}",
-        tuple(header),
-        tuple(lines),
-        (*paper()["notes"], *source),
-    )
+
+    def cells(own: Sequence[Row], printed: list[int | None] | None) -> tuple[str, str]:
+        ours = f"{sum(map(_is_success, own))}/{len(own)}" if own else "not run"
+        return ours, f"{printed[0]}/10" if printed else "–"
+
+    return _beside_paper(rows, cells, "success", "", f"Successful trials beside the paper’s. {caption}", source)
 
 
 def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     """Return the mean completion time of the successes: simulated and wall seconds, beside the paper's."""
-    tasks, variants = _tasks(rows), _variants(rows)
-    lines = []
-    for variant in variants:
-        line = [_marked(variant, rows)]
-        for task in tasks:
-            won = [row for row in _of(rows, variant, task) if _is_success(row)]
-            simulated, wall = (_mean([row[key] for row in won]) for key in ("sim_time_s", "wall_time_s"))
-            printed = _paper_numbers(variant, task)
-            seconds = printed[1] if printed else None
-            line += [f"{simulated} ({wall})" if won else "–", str(seconds) if seconds is not None else "–"]
-        lines.append(tuple(line))
-    header = ["method", *(label for task in tasks for label in (f"{_task(task)} (s)", "paper"))]
-    return Table(
-        "Table 1, time",
-        f"Mean completion time of the successes: simulated seconds (wall seconds). {caption}",
-        tuple(header),
-        tuple(lines),
-        (*paper()["notes"], *source),
-    )
+
+    def cells(own: Sequence[Row], printed: list[int | None] | None) -> tuple[str, str]:
+        won = [row for row in own if _is_success(row)]
+        simulated, wall = (_mean([row[key] for row in won]) for key in ("sim_time_s", "wall_time_s"))
+        theirs = "–" if printed is None or printed[1] is None else str(printed[1])
+        return f"{simulated} ({wall})" if won else "–", theirs
+
+    what = f"Mean completion time of the successes: simulated seconds (wall seconds). {caption}"
+    return _beside_paper(rows, cells, "time", " (s)", what, source)
+
+
+def _beside_paper(
+    rows: Sequence[Row],
+    cells: Callable[[Sequence[Row], list[int | None] | None], tuple[str, str]],
+    what: str,
+    unit: str,
+    caption: str,
+    source: tuple[str, ...],
+) -> Table:
+    """Make a part of Table 1: for each method and task our cell and the paper's.
+
+    Args:
+        rows: Trials.
+        cells: Returns both cells of a method's trials of a task, given the paper's numbers.
+        what: What the part shows.
+        unit: Its unit, after the name of a task.
+        caption: Caption of the table.
+        source: Notes on where the rows come from.
+    """
+    tasks = _tasks(rows)
+    lines = [
+        (
+            _marked(variant, rows),
+            *(cell for task in tasks for cell in cells(_of(rows, variant, task), _paper_numbers(variant, task))),
+        )
+        for variant in _variants(rows)
+    ]
+    header = ("method", *(label for task in tasks for label in (f"{_task(task)}{unit}", "paper")))
+    return Table(f"Table 1, {what}", caption, header, tuple(lines), (*paper()["notes"], *source))
 
 
 def _trials_table(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:

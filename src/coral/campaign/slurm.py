@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
 import logging
 import os
 import subprocess
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -14,8 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from coral.campaign.cluster import pack, unpack
-from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, perform
+from coral.campaign.cluster import perform_on_node, unpack
+from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask
 from coral.campaign.spec import Spec
 from coral.errors import InputError, RunError, install_extra
 
@@ -170,9 +168,5 @@ def _reason(error: BaseException) -> str:
 
 
 def _perform_in_job(episode: Episode, spec: Spec) -> tuple[EpisodeOutcome, bytes]:
-    """Run one episode in a folder of the node; return the files written there along with the outcome."""
-    with tempfile.TemporaryDirectory(prefix="coral-") as folder:
-        place = Path(folder) / "run"
-        outcome = perform(episode, spec, place)
-        about = {**outcome.about, "node": os.environ.get("SLURMD_NODENAME", "")}
-        return dataclasses.replace(outcome, about=about), pack(place)
+    """Run the job."""
+    return perform_on_node(episode, spec, os.environ.get("SLURMD_NODENAME", ""))

@@ -90,15 +90,6 @@ def figures(metrics: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in metrics.items() if key not in FIGURES or is_number(value)}
 
 
-def histogram(timing: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the timing without a histogram that cannot be drawn."""
-    found = timing.get("control_ms_histogram")
-    counts, edges = (found.get(key) if isinstance(found, dict) else None for key in ("counts", "edges"))
-    lists = isinstance(counts, list) and isinstance(edges, list) and len(edges) == len(counts) + 1 > 1
-    whole = lists and all(map(is_number, (*counts, *edges)))  # type: ignore[misc]
-    return {key: value for key, value in timing.items() if key != "control_ms_histogram" or whole}
-
-
 def is_extent(size: object) -> bool:
     """Check whether a value is a map's width and height (m)."""
     return isinstance(size, list | tuple) and len(size) == 2 and all(is_number(s) and 0 < s <= 10_000 for s in size)

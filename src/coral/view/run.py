@@ -20,7 +20,7 @@ from coral.odd_text import encodable_values
 from coral.reef.world.geometry import Frame
 from coral.rotating_log import earlier_parts, read_parts
 from coral.run_files import RunFiles, SurveyFiles, TaskFiles
-from coral.view.records import figures, histogram, is_extent, is_number, shallow, sound
+from coral.view.records import figures, is_extent, is_number, shallow, sound
 from coral.words import many
 from coral.yaml_file import load_mapping
 
@@ -80,18 +80,7 @@ class RunFolder:
 
         Shape=(H, W); of "rgb" Shape=(H, W, 3), in OpenCV's order of colours.
         """
-        path = self.path / SurveyFiles.FRAMES / f"{step:06d}_{kind}.{'jpg' if kind == 'rgb' else 'png'}"
-        return read_picture_file(path, channels=3 if kind == "rgb" else 1)
-
-    def camera_frame(self, step: int) -> Frame | None:
-        """Read what the camera saw: depth and classes, and the colours if they were kept; None if unreadable."""
-        labels, depth, rgb = (self.frame(step, kind) for kind in ("labels", "depth", "rgb"))
-        if labels is None or depth is None:
-            return None
-        metres = np.where(depth > 0, depth / 1000.0, np.inf).astype(np.float32)
-        fits = rgb is not None and rgb.ndim == 3 and rgb.shape[2] == 3
-        colours = np.ascontiguousarray(rgb[..., ::-1], np.uint8) if rgb is not None and fits else None
-        return Frame(metres, np.minimum(labels, 3).astype(np.uint8), np.zeros(labels.shape, np.int32), colours)
+        return read_frame(self.path, step, kind)
 
     def picture(self, digest: str) -> Path | None:
         """Find a picture of a question by its digest."""
@@ -130,7 +119,7 @@ class RunFolder:
             if task and not (folder / RunFiles.ATTEMPTS).is_file()
             else _keep_sound(RunFiles.ATTEMPTS, _lines(folder / RunFiles.ATTEMPTS, notes), notes),
             metrics=figures(_document(folder / RunFiles.METRICS, parse_json, notes)),
-            timing=histogram(_document(folder / RunFiles.TIMING, parse_json, notes)),
+            timing=_document(folder / RunFiles.TIMING, parse_json, notes),
             config=_document(folder / RunFiles.CONFIG, _yaml, notes),
             world=_world(folder / (TaskFiles.TASK if task else SurveyFiles.WORLD), notes),
             frame_steps=tuple(
@@ -142,6 +131,22 @@ class RunFolder:
             ),
             notes=tuple(notes),
         )
+
+
+def read_frame(folder: Path, step: int, kind: str) -> NDArray[Any] | None:
+    """Read one picture of a run folder; see `RunFolder.frame`."""
+    path = folder / SurveyFiles.FRAMES / f"{step:06d}_{kind}.{'jpg' if kind == 'rgb' else 'png'}"
+    return read_picture_file(path, channels=3 if kind == "rgb" else 1)
+
+
+def read_camera_frame(folder: Path, step: int) -> Frame | None:
+    """Read what the camera saw: depth and classes, and the colours if they were kept; None if unreadable."""
+    labels, depth, rgb = (read_frame(folder, step, kind) for kind in ("labels", "depth", "rgb"))
+    if labels is None or depth is None:
+        return None
+    metres = np.where(depth > 0, depth / 1000.0, np.inf).astype(np.float32)
+    colours = None if rgb is None else np.ascontiguousarray(rgb[..., ::-1], np.uint8)
+    return Frame(metres, np.minimum(labels, 3).astype(np.uint8), np.zeros(labels.shape, np.int32), colours)
 
 
 def read_table(path: Path) -> dict[str, NDArray[np.float64]]:

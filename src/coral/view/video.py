@@ -17,7 +17,7 @@ from coral.reef.pictures.mapview import MapViewCfg, draw_map
 from coral.run_files import SurveyFiles
 from coral.view.decisions import Decision, decisions
 from coral.view.mp4 import write_mp4
-from coral.view.run import RunFolder
+from coral.view.run import RunFolder, read_camera_frame
 from coral.view.runmap import scene_at, snapshot, step_at
 from coral.view.svg import clock
 
@@ -78,7 +78,7 @@ def pictures(run: RunFolder) -> Iterator[Image]:
 
 def _camera_pictures(run: RunFolder, step: int) -> Image:
     """Draw the camera's colours, or its classes, above depth, Shape=(2 EYE[1], EYE[0], 3)."""
-    frame = run.camera_frame(step)
+    frame = read_camera_frame(run.path, step)
     if frame is None:
         return np.full((2 * EYE[1], EYE[0], 3), 235, np.uint8)
     upper: Kind = "segmentation" if frame.rgb is None else "colour"

@@ -15,15 +15,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from coral.drawing import Image, png
-from coral.foreign_file import read_picture_file, read_text
+from coral.foreign_file import read_text
 from coral.interrupts import wait_for_interrupt
 from coral.reef.pictures.cameraview import camera_picture
 from coral.reef.pictures.mapframe import CELL_COLORS
-from coral.reef.world.geometry import Frame
 from coral.run_files import RunFiles, SurveyFiles, TaskFiles
 from coral.view.live.controls import Controls
 from coral.view.live.stream import RunStream, Subject
-from coral.view.run import RunFolder
+from coral.view.run import RunFolder, read_camera_frame, read_frame
 from coral.web import WebServer, read_json, refusal
 
 if TYPE_CHECKING:
@@ -222,22 +221,12 @@ def subject_of(folder: Path) -> Subject | None:
 
 def frame_picture(folder: Path, step: int, kind: str) -> Image | None:
     """Draw one picture of a run: "map", "segmentation", "depth" or "colour"; None if it was not kept."""
-
-    def stored(name: str) -> Any:
-        path = folder / SurveyFiles.FRAMES / f"{step:06d}_{name}.{'jpg' if name == 'rgb' else 'png'}"
-        return read_picture_file(path, channels=3 if name == "rgb" else 1)
-
     if kind == "map":
-        cells = stored("map")
-        return None if cells is None or cells.ndim != 2 else CELL_COLORS[np.minimum(cells, 3)][::-1]
-    labels, depth, rgb = stored("labels"), stored("depth"), stored("rgb")
-    if labels is None or depth is None or kind not in ("segmentation", "depth", "colour"):
+        cells = read_frame(folder, step, "map")
+        return None if cells is None else CELL_COLORS[np.minimum(cells, 3)][::-1]
+    frame = read_camera_frame(folder, step)
+    if frame is None or kind not in ("segmentation", "depth", "colour") or (kind == "colour" and frame.rgb is None):
         return None
-    if kind == "colour" and rgb is None:
-        return None
-    metres = np.where(depth > 0, depth / 1000.0, np.inf).astype(np.float32)
-    colours = None if rgb is None or rgb.ndim != 3 else np.ascontiguousarray(rgb[..., ::-1], np.uint8)
-    frame = Frame(metres, np.minimum(labels, 3).astype(np.uint8), np.zeros(labels.shape, np.int32), colours)
     return camera_picture(frame, kind, PICTURE)  # type: ignore[arg-type]
 
 
