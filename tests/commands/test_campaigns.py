@@ -6,9 +6,10 @@ from coral.campaign.store import Store
 from coral.campaign.table import Table
 from coral.commands.campaigns import (
     CampaignFlags,
-    check_finished,
     check_jobs,
+    collect_only,
     describe_campaign,
+    flag_words,
     read_results,
     run_specs,
     write_tables,
@@ -46,12 +47,12 @@ def test_a_campaign_without_a_record_has_no_results(tmp_path):
         read_results(store, "mission", "coral bench")
 
 
-def test_tables_are_written_in_three_forms_and_told(store):
+def test_tables_are_written_in_two_forms_and_told(store):
     results = read_results(store, "mission", "coral bench")
     result = write_tables(store, results, [TABLE], "Toys", Summary(2, 1, 1, 0))
     assert [result[key] for key in ("episodes", "done", "failed", "ran", "found")] == [2, 1, 1, 1, 1]
     assert result["results"][0]["rows"] == [{"variant": "a", "score": "7"}]
-    for form in ("md", "tex", "html"):
+    for form in ("md", "html"):
         assert "Scores." in (store.folder / f"tables.{form}").read_text(encoding="utf-8")
     more = {**result, "figure": "", "figures": ["one.png", "two.png"]}
     told = describe_campaign(store.folder, more, "mission", ("tables", "figure", "figures"), [TABLE.name])
@@ -64,11 +65,19 @@ def test_tables_are_written_in_three_forms_and_told(store):
     ]
 
 
-def test_only_a_campaign_in_which_everything_failed_is_a_failure(tmp_path):
-    check_finished({"done": 1}, Summary(2, 0, 1, 1), tmp_path, "mission")
-    check_finished({"done": 0}, Summary(0, 0, 0, 0), tmp_path, "mission")
+def run(store, summary, done, monkeypatch):
+    monkeypatch.setattr("coral.commands.campaigns.run_campaign", lambda *_, **__: summary)
+    flags, conditions = CampaignFlags(quiet=True), {"code": "1"}
+    return run_specs(
+        flags, store, store.specs(), lambda spec, folder: {}, conditions, "", lambda *_: {"done": done}, "mission"
+    )
+
+
+def test_only_a_campaign_in_which_everything_failed_is_a_failure(store, monkeypatch):
+    assert run(store, Summary(2, 0, 1, 1), 1, monkeypatch) == {"done": 1}
+    run(store, Summary(0, 0, 0, 0), 0, monkeypatch)
     with pytest.raises(RunError, match=r"every mission failed; see .*failures"):
-        check_finished({"done": 0}, Summary(2, 0, 0, 2), tmp_path, "mission")
+        run(store, Summary(2, 0, 0, 2), 0, monkeypatch)
 
 
 def test_an_interrupted_campaign_says_that_it_goes_on(store, capsys, monkeypatch):
@@ -77,8 +86,23 @@ def test_an_interrupted_campaign_says_that_it_goes_on(store, capsys, monkeypatch
 
     monkeypatch.setattr("coral.commands.campaigns.run_campaign", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        run_specs(CampaignFlags(quiet=True), store, store.specs(), lambda spec, folder: {})
+        run_specs(
+            CampaignFlags(quiet=True), store, store.specs(), lambda spec, folder: {}, {"code": "1"}, "", dict, "mission"
+        )
     assert capsys.readouterr().err == f"stopped; the same command continues from here ({store.folder})\n"
+
+
+def test_tables_of_recorded_episodes_alone_need_a_campaign(store, tmp_path):
+    assert collect_only(store.folder, lambda held, summary: {"of": held.folder, "ran": summary}) == {
+        "of": store.folder,
+        "ran": None,
+    }
+    with pytest.raises(InputError, match="no campaign"):
+        collect_only(tmp_path / "nothing", lambda *_: {})
+
+
+def test_flags_without_a_value_are_not_repeated():
+    assert flag_words(CampaignFlags(address=""), "jobs", "address") == ["--jobs", "1"]
 
 
 @pytest.mark.parametrize("jobs", [0, -3])

@@ -117,7 +117,7 @@ def test_again_runs_nothing_and_collect_needs_no_grid(finished, puddle):
     (out / "tables.md").unlink()
     command = ReefBench(out=out, collect=True)
     told = command.describe(command())
-    assert told.count("**") == 4  # two tables
+    assert told.count("**") == 6  # the effects, and all variants with each of two advisors
     assert "**All variants.**" in told
     assert told.count("Made by: coral reef bench") == 1
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -20,6 +20,7 @@ from coral.campaign.store import Store
 from coral.campaign.table import Table, document, overview
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
+from coral.runs import provenance
 from coral.words import many
 
 
@@ -66,6 +67,10 @@ class Results:
         return [record for record in self.records if record["status"] == "done"]
 
 
+Collect = Callable[[Store, Summary | None], dict[str, Any]]
+"""Makes data set, tables and figures of a folder's records; returns the bench's result."""
+
+
 def check_jobs(jobs: int) -> None:
     """Check the number of workers.
 
@@ -76,22 +81,69 @@ def check_jobs(jobs: int) -> None:
         raise InputError("--jobs", "", jobs, "a number of 1 or more")
 
 
-def run_specs(flags: CampaignFlags, store: Store, specs: Sequence[Spec], episode: Episode) -> Summary:
-    """Run the episodes that are not recorded yet."""
+def collect_only(out: Path, collect: Collect) -> dict[str, Any]:
+    """Make the tables of what is recorded in a folder, as `--collect` asks.
+
+    Raises:
+        InputError: It is no campaign's folder.
+    """
+    store = Store(out)
+    store.manifest()
+    with store.lock():
+        return collect(store, None)
+
+
+def run_specs(
+    flags: CampaignFlags,
+    store: Store,
+    specs: Sequence[Spec],
+    episode: Episode,
+    conditions: Mapping[str, str],
+    command: str,
+    collect: Collect,
+    noun: str,
+) -> dict[str, Any]:
+    """Run the episodes that are not recorded yet, and make the tables.
+
+    Args:
+        flags: Flags of the campaign.
+        store: Its store.
+        specs: Episodes of its grid.
+        episode: Runs one.
+        conditions: Digests of what must be equal for all episodes of a table.
+        command: The command that makes the campaign.
+        collect: Makes the tables.
+        noun: The word for an episode.
+
+    Raises:
+        RunError: All of the episodes failed.
+    """
     executor = make_executor(flags.executor, flags.jobs, flags.address, flags.slurm, store.folder / ".slurm")
-    try:
-        return run_campaign(
-            store,
-            specs,
-            episode,
-            executor,
-            retry_failed=flags.retry_failed,
-            mix=flags.mix,
-            progress=CampaignProgress(quiet=flags.quiet),
-        )
-    except KeyboardInterrupt:
-        print(f"stopped; the same command continues from here ({store.folder})", file=sys.stderr)
-        raise
+    with store.lock():
+        store.open(specs, conditions, command=command, mix=flags.mix, about=provenance())
+        try:
+            summary = run_campaign(
+                store,
+                specs,
+                episode,
+                executor,
+                retry_failed=flags.retry_failed,
+                mix=flags.mix,
+                progress=CampaignProgress(quiet=flags.quiet),
+            )
+        except KeyboardInterrupt:
+            print(f"stopped; the same command continues from here ({store.folder})", file=sys.stderr)
+            raise
+        result = collect(store, summary)
+    if summary.failed and not result["done"]:
+        raise RunError(f"every {noun} failed; see {store.folder / 'failures'}")
+    return result
+
+
+def flag_words(flags: CampaignFlags, *names: str) -> list[str]:
+    """Return the flags of these names with their values; those without a value are left out."""
+    values = {name: getattr(flags, name) for name in names}
+    return [word for name, value in values.items() if value not in (None, "") for word in (f"--{name}", str(value))]
 
 
 def read_results(store: Store, noun: str, command: str) -> Results:
@@ -164,13 +216,3 @@ def _table(found: Mapping[str, Any]) -> Table:
     return Table(
         found["name"], found["caption"], header, tuple(tuple(row.values()) for row in rows), tuple(found["notes"])
     )
-
-
-def check_finished(result: Mapping[str, Any], summary: Summary, out: Path, noun: str) -> None:
-    """Check that a campaign has a result.
-
-    Raises:
-        RunError: All of its episodes failed.
-    """
-    if summary.failed and not result["done"]:
-        raise RunError(f"every {noun} failed; see {out / 'failures'}")

@@ -27,9 +27,10 @@ from coral.campaign.store import Store
 from coral.campaign.version import code_version
 from coral.commands.campaigns import (
     CampaignFlags,
-    check_finished,
     check_jobs,
+    collect_only,
     describe_campaign,
+    flag_words,
     read_results,
     run_specs,
     write_tables,
@@ -62,7 +63,6 @@ from coral.flags import Option
 from coral.foreign_file import read_bytes, read_json, regular_bytes
 from coral.limits import MESH_BYTES
 from coral.run_files import TaskFiles
-from coral.runs import provenance
 
 
 @dataclass(frozen=True)
@@ -149,11 +149,9 @@ class ContactBench(CampaignFlags):
         """Run the missing episodes, then make the tables."""
         if self.fallback is not None:
             return dataclasses.replace(self, cfg=with_fallback(self.cfg, self.fallback), fallback=None)()
-        store = Store(self.out)
         if self.collect:
-            store.manifest()
-            with store.lock():
-                return self._collect(store, None)
+            return collect_only(self.out, self._collect)
+        store = Store(self.out)
         check_jobs(self.jobs)
         names = named_tasks(self.tasks)
         tasks = {name: load_task(name) for name in names}
@@ -166,14 +164,11 @@ class ContactBench(CampaignFlags):
             preflight_campaign(
                 store, specs, self._advisor, pictures=True, retry_failed=self.retry_failed, quiet=self.quiet
             )
-        with store.lock():
-            store.open(
-                specs, self._conditions(cfg, tasks, memory), command=self._command(), mix=self.mix, about=provenance()
-            )
-            summary = self._run(store, specs, cfg, tasks, memory)
-            result = self._collect(store, summary)
-        check_finished(result, summary, self.out, "episode")
-        return result
+        conditions = self._conditions(cfg, tasks, memory)
+        if (self.jobs > 1 or self.executor != "local") and not cfg.planning.threads:
+            cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
+        episode = ContactEpisode(cfg, self.model, tasks, self._policies(), memory)
+        return run_specs(self, store, specs, episode, conditions, self._command(), self._collect, "episode")
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the tables and list the files."""
@@ -240,18 +235,6 @@ class ContactBench(CampaignFlags):
             **{f"task {name}": _task_digest(task) for name, task in tasks.items()},
         }
 
-    def _run(
-        self,
-        store: Store,
-        specs: Sequence[Spec],
-        cfg: EpisodeCfg,
-        tasks: Mapping[str, Task],
-        memory: Mapping[str, Any] | None,
-    ) -> Summary:
-        if (self.jobs > 1 or self.executor != "local") and not cfg.planning.threads:
-            cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
-        return run_specs(self, store, specs, ContactEpisode(cfg, self.model, tasks, self._policies(), memory))
-
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
         results = read_results(store, "episode", "coral contact bench")
         tables = [
@@ -312,26 +295,9 @@ class ContactBench(CampaignFlags):
 
     def _command(self) -> str:
         """Return the command that makes this campaign, without flags that do not change its results."""
-        words = [
-            "coral",
-            "contact",
-            "bench",
-            "--variants",
-            self.variants,
-            "--tasks",
-            self.tasks,
-            "--worlds",
-            self.worlds,
-            "--seeds",
-            self.seeds,
-            "--advisors",
-            self.advisors,
-        ]
-        words += ["--policies", self.policies] if self.policies else []
-        words += ["--poses", self.poses] if self.poses is not None else []
-        words += ["--tracker", self.tracker] if self.tracker is not None else []
-        words += ["--memory", self.memory] if self.memory is not None else []
-        words += ["--samples", str(self.samples)] if self.samples is not None else []
+        grid_flags = ("variants", "tasks", "worlds", "seeds", "advisors")
+        given = ("policies", "poses", "tracker", "memory", "samples")
+        words = ["coral", "contact", "bench", *flag_words(self, *grid_flags, *given)]
         words += config_words(self.cfg, episode_alone(), self.config)
         words += config_words(self.model, contact_model(), None, "model")
         return shlex.join(words)

@@ -26,9 +26,10 @@ from coral.campaign.version import code_version
 from coral.campaign.word_table import word_tables
 from coral.commands.campaigns import (
     CampaignFlags,
-    check_finished,
     check_jobs,
+    collect_only,
     describe_campaign,
+    flag_words,
     read_results,
     run_specs,
     write_tables,
@@ -51,7 +52,6 @@ from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.generated import expand_names, find_world
 from coral.reef.world.word_missions import half_of
 from coral.reef.world.world import ReefWorld
-from coral.runs import provenance
 
 
 @dataclass(frozen=True)
@@ -146,24 +146,18 @@ class ReefBench(CampaignFlags):
             return replace(self, cfg=with_fallback(self.cfg, self.fallback), fallback=None)()
         if self.study not in (None, (), ("words",)):
             raise InputError("--study", "", " ".join(self.study or ()), "words, or nothing")
-        store = Store(self.out)
         if self.collect:
-            store.manifest()
-            with store.lock():
-                return self._collect(store, None)
-        worlds = self._worlds()
+            return collect_only(self.out, self._collect)
+        store, worlds = Store(self.out), self._worlds()
         specs = self._specs(worlds)
         check_jobs(self.jobs)
         if self.preflight:
             preflight_campaign(
                 store, specs, self._advisor, pictures=True, retry_failed=self.retry_failed, quiet=self.quiet
             )
-        with store.lock():
-            store.open(specs, self._conditions(worlds), command=self._command(), mix=self.mix, about=provenance())
-            summary = run_specs(self, store, specs, ReefEpisode(self.cfg, self.model, worlds, self._keep, self.inbox))
-            result = self._collect(store, summary)
-        check_finished(result, summary, self.out, "mission")
-        return result
+        episode = ReefEpisode(self.cfg, self.model, worlds, self._keep, self.inbox)
+        conditions = self._conditions(worlds)
+        return run_specs(self, store, specs, episode, conditions, self._command(), self._collect, "mission")
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the tables and where everything is."""
@@ -278,19 +272,7 @@ class ReefBench(CampaignFlags):
 
     def _command(self) -> str:
         """Return the command that makes this campaign, without flags that do not change its results."""
-        words = [
-            "coral",
-            "reef",
-            "bench",
-            "--variants",
-            self.variants,
-            "--worlds",
-            self.worlds,
-            "--seeds",
-            self.seeds,
-            "--advisors",
-            self.advisors,
-        ]
+        words = ["coral", "reef", "bench", *flag_words(self, "variants", "worlds", "seeds", "advisors")]
         words += [] if self.study is None else ["--study", *self.study]
         words += ["--presets", self.presets] if self.presets != CLEAR else []
         words += [word for text in self.sweep for word in ("--sweep", text)]
