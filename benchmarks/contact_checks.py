@@ -65,10 +65,8 @@ ABSOLUTE = textwrap.dedent("""
 """The same with absolute values in place of norms."""
 BOARD = textwrap.dedent("""
     def state_cost(self):
-        pos, ori = p.getBasePositionAndOrientation(self.board, physicsClientId=self.cid)
-        pos = np.array(pos)
-        hand_pos = np.array(p.getLinkState(self.panda, self.grasp_link, physicsClientId=self.cid)[0])
-        speed, spin = p.getBaseVelocity(self.board, physicsClientId=self.cid)
+        pos, hand_pos = self.board_pos, self.ee_pos
+        speed, spin = self.board_vel, self.board_angvel
         forward = np.array([0.0, 1.0, 0.0])
         grip = np.array(self.board_handle_pos)
         beyond = np.dot(grip - np.array([grip[0], self.table_max[1], grip[2]]), forward)

@@ -36,8 +36,8 @@ def state_cost(self):
     cost = 0.0
     pos, speed, spin = np.array(self.board_pos), self.board_vel, self.board_angvel
     forward = np.array([1.0, 0.2, 0.0])
-    forward /= np.linalg.norm(forward) + 1e-9
-    handle = np.array(getattr(self, "board_handle_pos", pos))
+    forward = forward / (np.linalg.norm(forward) + 1e-9)
+    handle = np.array(self.board_handle_pos)
     beyond = np.dot(handle - np.array([self.table_max[0], pos[1], pos[2]]), forward)
     done = unit(beyond / 0.05)
     calm = unit(np.exp(-2.5 * (np.linalg.norm(speed) + 0.4 * np.linalg.norm(spin))))

@@ -6,8 +6,6 @@ from coral.contact.cost.context import Quantity, Schema
 from coral.contact.cost.schema import HAND, object_quantities, scenery_quantities
 from coral.contact.cost_program.errors import CODES
 from coral.contact.cost_program.library import CONSTANTS, MATH, METHODS, NUMPY, OURS, PYTHON
-from coral.contact.cost_program.pybullet import PyBullet
-from coral.contact.cost_program.state import FIXED_BODIES, HAND_BODIES, HANDLES, StateSpace
 
 
 def _kind(quantity: Quantity) -> str:
@@ -31,12 +29,11 @@ def _names(names: list[str]) -> str:
 def _functions() -> str:
     rows = [
         ("ours", list(OURS)),
-        ("Python", [*PYTHON, "dict", "print (ignored)"]),
+        ("Python", list(PYTHON)),
         ("`np.`", list(NUMPY)),
         ("`math.`", list(MATH)),
         ("`np.`, `math.` constants", list({**CONSTANTS["np"], **CONSTANTS["math"]})),
         ("methods of arrays", list(METHODS)),
-        ("`p.`", list(PyBullet(StateSpace(HAND)).calls)),
     ]
     lines = [f"| {where} | {_names(names)} |" for where, names in rows]
     return "\n".join(["| where | names |", "|---|---|", *lines, ""])
@@ -45,17 +42,6 @@ def _functions() -> str:
 def _errors() -> str:
     lines = [f"| `{code}` | {text} |" for code, text in CODES.items()]
     return "\n".join(["| code | meaning |", "|---|---|", *lines, ""])
-
-
-def _paper() -> str:
-    rows = [
-        (["box_ori", "box_init_ori", "ee_ori"], "the same orientation as `..._quat`, as (x, y, z, w)"),
-        (["in_contact"], "whether the hand touches any object"),
-        ([*HAND_BODIES, "box", *FIXED_BODIES], "bodies for the functions of `p`; also with `_id`"),
-        (HANDLES, "handles that are accepted and ignored"),
-    ]
-    lines = [f"| {', '.join(f'`self.{name}`' for name in names)} | {text} |" for names, text in rows]
-    return "\n".join(["| name | value |", "|---|---|", *lines, ""])
 
 
 def tables() -> dict[str, str]:
@@ -68,5 +54,4 @@ def tables() -> dict[str, str]:
         "scenery": _quantities(scenery),
         "functions": _functions(),
         "errors": _errors(),
-        "paper": _paper(),
     }

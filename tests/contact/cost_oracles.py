@@ -32,20 +32,16 @@ BOARD = textwrap.dedent("""
         # helpers
         def squash(x): return 1.0 / (1.0 + np.exp(-x))
         unit = lambda v: max(0.0, min(1.0, float(v)))
-        hand = p.getLinkState(self.panda, self.grasp_link, computeForwardKinematics=True, physicsClientId=self.cid)
-        hand_pos = np.array(hand[0])
-        hand_ori = hand[1]
+        hand_pos = self.ee_pos
         cost = 0.0
 
-        pos, ori = p.getBasePositionAndOrientation(self.board, physicsClientId=self.cid)
-        pos = np.array(pos)
-        speed, spin = p.getBaseVelocity(self.board, physicsClientId=self.cid)
-        forward = np.array(getattr(self, 'push_direction', [1.0, 0.2, 0.0]), dtype=float)
-        forward /= (np.linalg.norm(forward) + 1e-9)
-        edge = getattr(self, 'edge_x', self.board_init_pos[0] + 0.2)
-        wanted = getattr(self, 'overhang', 0.05)
-        grip = np.array(getattr(self, 'board_handle_pos', pos), dtype=float)
-        press = np.array(getattr(self, 'press_point', pos + 0.5 * wanted * forward), dtype=float)
+        pos, speed, spin = self.board_pos, self.board_vel, self.board_angvel
+        forward = np.array([1.0, 0.2, 0.0], dtype=float)
+        forward = forward / (np.linalg.norm(forward) + 1e-9)
+        edge = self.board_init_pos[0] + 0.2
+        wanted = 0.05
+        grip = self.board_handle_pos
+        press = pos + 0.5 * wanted * forward
 
         # phase
         beyond = np.dot(grip - np.array([edge, pos[1], pos[2]]), forward)
@@ -59,22 +55,17 @@ BOARD = textwrap.dedent("""
         cost += 19.0 * s * np.linalg.norm(hand_pos - grip)
         # progress
         cost -= 15.0 * (1.0 - s) * done
-        touching = bool(getattr(self, 'in_contact', True))
+        touching = self.board_hand_contact or self.box_hand_contact
         cost += (20.0 * (1.0 - s)) * (0.0 if touching else 1.0)  # keep touching
-        if hasattr(self, 'board_init_ori') and self.board_init_ori is not None:
-            turn = p.getDifferenceQuaternion(hand_ori, self.board_init_ori)
-            c = max(-1.0, min(1.0, float(turn[3])))
-            cost += (25.0 * s) * (2.0 * math.acos(c))  # align
+        cost += (25.0 * s) * quat_angle(self.ee_quat, self.board_init_quat)  # align
         moved = pos - np.array(self.board_init_pos)
         along = np.dot(moved, forward) * forward
         cost += 9.0 * (1.0 - s) * np.linalg.norm(moved - along)  # drift
-        yaw = p.getDifferenceQuaternion(ori, self.board_init_ori)
-        cost += 7.0 * (1.0 - s) * 2.0 * math.acos(max(-1.0, min(1.0, float(yaw[3]))))  # rotation
+        cost += 7.0 * (1.0 - s) * quat_angle(self.board_quat, self.board_init_quat)  # rotation
         lift = pos[2] - self.board_init_pos[2]
         cost -= (30.0 * s) * max(0.0, float(lift))  # lift
-        if hasattr(self, 'last_action'):
-            cost += 0.001 * np.linalg.norm(self.last_action) ** 2  # effort
-        cost += 0.01 * getattr(self, 'current_step', 0)  # time
+        cost += 0.001 * np.linalg.norm(self.last_action) ** 2  # effort
+        cost += 0.01 * self.current_step  # time
         return cost
 """)
 
@@ -97,24 +88,8 @@ def make_states(rng, k=4, h=5):
     return Context(values, (k, h))
 
 
-def xyzw_difference(a, b):
-    """The shorter rotation from a to b, (x, y, z, w)."""
-    (ax, ay, az, aw), (bx, by, bz, bw) = a, b
-    if aw * bw + ax * bx + ay * by + az * bz < 0.0:
-        bx, by, bz, bw = -bx, -by, -bz, -bw
-    cw, cx, cy, cz = aw, -ax, -ay, -az
-    return np.array(
-        [
-            bw * cx + bx * cw + by * cz - bz * cy,
-            bw * cy - bx * cz + by * cw + bz * cx,
-            bw * cz + bx * cy - by * cx + bz * cw,
-            bw * cw - bx * cx - by * cy - bz * cz,
-        ]
-    )
-
-
 class Self:
-    """`self` of one state, the schema's quantities and the paper's names."""
+    """`self` of one state."""
 
     def __init__(self, state, i, j, number, vector):
         for name, quantity in SCHEMA.items():
@@ -123,38 +98,6 @@ class Self:
                 setattr(self, name, vector(number(x) for x in full))
             else:
                 setattr(self, name, bool(full) if quantity.truth else number(full))
-            if name.endswith("_quat"):
-                w, x, y, z = getattr(self, name)
-                setattr(self, name.removesuffix("_quat") + "_ori", vector((x, y, z, w)))
-        self.panda, self.board, self.box, self.grasp_link, self.cid = "ee", "board", "box", 0, 0
-        self.table, self.wall = "table", "wall"
-        self.in_contact = self.board_hand_contact or self.box_hand_contact
-
-
-class Bullet:
-    """`p` of one state."""
-
-    def __init__(self, state):
-        self.state = state
-        self.getDifferenceQuaternion = xyzw_difference
-
-    def getLinkState(self, body, link, **_):
-        s = self.state
-        return s.ee_pos, s.ee_ori, None, None, s.ee_pos, s.ee_ori, s.ee_vel, s.ee_angvel
-
-    def getBasePositionAndOrientation(self, body, **_):
-        return getattr(self.state, f"{body}_pos"), getattr(self.state, f"{body}_ori")
-
-    def getBaseVelocity(self, body, **_):
-        return getattr(self.state, f"{body}_vel"), getattr(self.state, f"{body}_angvel")
-
-    def getContactPoints(self, a, b):
-        names = {a: b, b: a}
-        for thing in ("board", "box"):
-            if thing in names:
-                other = "hand" if names[thing] == "ee" else names[thing]
-                return [0] * getattr(self.state, f"{thing}_{other}_contact")
-        return []
 
 
 def near(distance, scale):
@@ -197,11 +140,11 @@ def run_per_state(source, state, namespace, number, vector, entry="state_cost"):
     for i in range(state.shape[0]):
         for j in range(state.shape[1]):
             one = Self(state, i, j, number, vector)
-            names = {**namespace, "p": Bullet(one)}
+            names = dict(namespace)
             exec(code, names)
             value = names[entry](one)
             value = sum(value.values()) if isinstance(value, dict) else value
-            found[i, j] = value[0] if isinstance(value, tuple) else value
+            found[i, j] = value
     return found
 
 

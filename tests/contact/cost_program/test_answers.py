@@ -7,7 +7,7 @@ from coral.contact.cost_program.answers import Ran, WorkerFailure
 
 
 def test_an_answer_is_read_from_its_json():
-    ran = Ran.model_validate_json(b'{"terms": ["a"], "lines": {"a": 2}, "distances": [[3, [[1, 1], [4, 5]]]]}')
+    ran = Ran.model_validate_json(b'{"terms": ["a"], "distances": [[3, [[1, 1], [4, 5]]]]}')
     assert ran.distances == [(3, [(1, 1), (4, 5)])]
 
 

@@ -1,35 +1,56 @@
-"""Variables, entries and containers are set as in Python, and the state never."""
+"""Variables and entries of dicts are set as in Python; lists, arrays and the state never change."""
 
 import pytest
 
 SAME = {
-    "dict of lists": "d = {'a': []}\nd['a'].append(self.time)\nd['a'].append(2.0)\nreturn d['a'][0] + d['a'][1]",
-    "helper that fills a dict": (
-        "terms = {}\ndef add(name, x):\n    terms[name] = x\n    return x\n"
-        "total = add('a', self.time) + 2.0 * add('b', 3.0)\nreturn total + sum(terms.values())"
-    ),
-    "list of lists": "L = [[1.0], [2.0]]\nL[0][0] = self.time\nL[1].append(3.0)\nreturn L[0][0] + len(L[1])",
-    "list plus array": "L = [1.0, 2.0]\nL += np.array([3.0, 4.0])\nreturn len(L) + L[1]",
-    "list plus tuple": "L = [1.0, 2.0]\nL += (3.0, 4.0)\nreturn len(L) + L[2]",
-    "list extended by an array": "L = [self.time]\nL.extend(2.0 * self.ee_pos)\nreturn sum(L) + len(L)",
-    "dict updated": "d = {'a': 1.0}\nd.update({'a': self.time, 'b': 2.0})\nd.update(c=3.0)\nreturn sum(d.values())",
     "chain of targets": "a = b = self.time\na += 1.0\nreturn a + 10.0 * b",
     "nested targets": "(a, (b, c)), d = (1.0, (self.time, 3.0)), 4.0\nreturn a + 10.0 * b + 100.0 * c + 1000.0 * d",
     "swap": "a, b = 1.0, self.time\na, b = b, a\nreturn a + 10.0 * b",
+    "entry of a dict": "d = {'a': 1.0}\nd['b'] = self.time\nd['a'] -= 0.5\nreturn d['a'] + 10.0 * d['b']",
+    "entry in a branch": (
+        "d = {'a': 1.0}\nif self.time > 0.5:\n    d['a'] = 3.0\n    d['b'] = 2.0\nd['c'] = 5.0\nreturn sum(d.values())"
+    ),
+    "dict in a loop": "d = {}\nfor i in range(3):\n    d[i] = self.ee_pos[i]\nreturn d[0] + 10.0 * d[2]",
+    "dict beside other values": "s, d = 0.0, {'a': 1.0}\nd['a'] = self.time\nreturn d['a'] + s",
+    "dicts in a list that are read": (
+        "s = 0.0\nfor t in [{'w': 2.0, 'x': self.time}, {'w': 1.0, 'x': 3.0}]:\n    s += t['w'] * t['x']\nreturn s"
+    ),
+    "array that becomes a new one": "v = self.ee_pos\nu = v\nv = v + 1.0\nreturn u[0] + 10.0 * v[0]",
 }
 REFUSED = {
-    "attribute of the state": ("self.time = 0.0\nreturn 1.0", "not_allowed", "the state cannot be changed"),
-    "entry of the state": ("self.ee_pos[0] = 0.0\nreturn 1.0", "not_allowed", "the state cannot be changed"),
+    "attribute of the state": ("self.time = 0.0\nreturn 1.0", "not_allowed", "the state cannot"),
+    "entry of the state": ("self.ee_pos[0] = 0.0\nreturn 1.0", "not_allowed", "make a new one"),
     "attribute in place": ("self.ee_pos += 1.0\nreturn 1.0", "not_allowed", "a variable of your own"),
     "sum that does not begin": ("cost += 1.0\nreturn cost", "unset", "begin with cost = 0.0"),
-    "append to a tuple": ("t = (1.0,)\nt.append(2.0)\nreturn t[0]", "wrong_type", "a tuple of 1 cannot be changed"),
-    "append to a dict": ("d = {}\nd.append(2.0)\nreturn 1.0", "wrong_call", "append does not apply to a dict"),
-    "too few values": ("a, b = [self.time]\nreturn a", "wrong_size", "2 names cannot take 1 values"),
-    "list of the caller in a branch": (
-        "L = []\ndef add(x):\n    L.append(x)\n    return x\nreturn add(1.0) if self.time > 0.5 else 0.0",
+    "entry of an array": ("v = self.ee_pos.copy()\nv[2] += 0.1\nreturn v[2]", "not_allowed", "np.array([...])"),
+    "array in place": ("v = self.ee_pos\nu = v\nv += 1.0\nreturn u[0]", "shared", "write v = v + ..."),
+    "list in place": ("xs = [1.0]\nxs += [2.0]\nreturn xs[1]", "shared", "write xs = xs + ..."),
+    "append": ("xs = [1.0]\nxs.append(2.0)\nreturn xs[1]", "unknown_attribute", "xs = xs + [x]"),
+    "update": ("d = {}\nd.update({'a': 1.0})\nreturn 1.0", "unknown_attribute", "are not changed"),
+    "number of np.where": ("x = np.where(self.time > 0.5, 1.0, 2.0)\ny = x\ny += 1.0\nreturn x", "shared", "y = y +"),
+    "dict with two names": ("d = {'a': 1.0}\ne = d\nd['a'] = 2.0\nreturn e['a']", "shared", "under another name"),
+    "dict of a list": ("d = {'a': 1.0}\nL = [d]\nd['a'] = 2.0\nreturn L[0]['a']", "shared", "another name"),
+    "dict of a tuple": ("t = ({'a': 1.0}, 2.0)\nd, x = t\nd['a'] = 2.0\nreturn t[0]['a']", "shared", "another name"),
+    "dict of either name": (
+        "d, e = {'a': 1.0}, {'a': 2.0}\nx = d if self.time > 0.5 else e\nx['a'] = 3.0\nreturn d['a']",
         "shared",
-        "cannot be changed inside a condition",
+        "another name",
     ),
+    "argument": ("def f(d):\n    d['a'] = 1.0\n    return 1.0\nd = {}\nreturn f(d)", "shared", "another name"),
+    "dict of a dict": ("d = {'a': {}}\nd['a']['b'] = 1.0\nreturn 1.0", "not_allowed", "their own name"),
+    "dict of the caller": (
+        "d = {}\ndef add(x):\n    d['a'] = x\n    return x\nreturn add(1.0) + d['a']",
+        "not_allowed",
+        "a function's own dicts",
+    ),
+    "values kept": ("d = {'a': 1.0}\nvs = d.values()\nd['a'] = 2.0\nreturn sum(vs)", "wrong_type", "write list(...)"),
+    "method kept": ("d = {'a': 1.0}\ng = d.get\nd['a'] = 2.0\nreturn g('a')", "not_allowed", "is called at once"),
+    "dict that a loop reads": (
+        "d = {'a': 1.0, 'b': 2.0}\nfor k in d:\n    d[k] = 2.0\nreturn d['a']",
+        "shared",
+        "fill another dict",
+    ),
+    "too few values": ("a, b = [self.time]\nreturn a", "wrong_size", "2 names cannot take 1 values"),
 }
 
 

@@ -199,6 +199,7 @@ REFUSED = {
     "generator": body("return (x for x in [1.0])"),
     "in place on a quantity": body("v = self.ee_pos\nv *= 0\nreturn v[0] + self.ee_pos[0]"),
     "entry of a quantity": body("v = self.ee_pos\nv[0] = 9.0\nreturn v[0] + self.ee_pos[0]"),
+    "entry of a copy": body("v = self.ee_pos.copy()\nv[0] = 9.0\nreturn v[0] + self.ee_pos[0]"),
     "self": body("return self"),
     "module": body("return np"),
     "dict of texts": body("return {'a': 'b'}"),
@@ -211,11 +212,9 @@ REFUSED = {
     "nothing": "",
 }
 HARMLESS = {
-    "print": body("print('time', self.time, f'{self.time:.3f}')\nreturn self.time"),
     "rebinding max": body("max = min\nreturn max(self.time, 0.5)"),
     "rebinding np": body("np = 3.0\nreturn np + self.time"),
     "rebinding self": body("t = self.time\nself = 3.0\nreturn t * self"),
-    "entry of a copy": body("v = self.ee_pos.copy()\nv[0] = 9.0\nreturn v[0] + self.ee_pos[0]"),
     "code in a comment": body("return self.time  # __import__('os').system('id')"),
     "code in a text": body('\'__import__("os").system("id")\'\nreturn self.time'),
     "long sum": body("return " + "+".join(["self.time"] * 900)),

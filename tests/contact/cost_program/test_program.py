@@ -14,23 +14,6 @@ def test_the_board_example_agrees_with_numpy(board, schema, states, plainly):
     np.testing.assert_allclose(CostProgram(board, schema).evaluate(state).cost, plainly(board, state), rtol=1e-9)
 
 
-def test_the_terms_add_up_to_the_cost_and_carry_the_names_of_comments(board, schema, states):
-    program = CostProgram(board, schema)
-    found = program.evaluate(states(np.random.default_rng(3)))
-    assert np.array_equal(sum(found.terms.values()), found.cost)
-    assert list(found.terms)[2:] == [
-        "progress",
-        "keep touching",
-        "align",
-        "drift",
-        "rotation",
-        "lift",
-        "effort",
-        "time",
-    ]
-    assert program.line(program.term_line("drift")).endswith("# drift")
-
-
 def test_a_batch_of_states_equals_its_single_states(board, schema, states):
     state = states(np.random.default_rng(4), 3, 4)
     program = CostProgram(board, schema)
@@ -44,10 +27,10 @@ def test_a_batch_of_states_equals_its_single_states(board, schema, states):
 
 
 @pytest.mark.parametrize(
-    "body", ["v = self.ee_pos\n    v *= 0.0\n    return v[0]", "w = self.box_pos[:2]\n    w[0] = 1.0\n    return w[0]"]
+    "body", ["v = self.ee_pos\n    v *= 0.0\n    return v[0]", "self.box_pos[0] = 1.0\n    return 1.0"]
 )
 def test_a_program_cannot_change_the_state(body, schema, states):
-    with pytest.raises(CostError, match="or self holds the same value; copy it first"):
+    with pytest.raises(CostError, match=r"write v = v|make a new one"):
         CostProgram(f"def state_cost(self):\n    {body}", schema)(states(np.random.default_rng(0)))
 
 
@@ -68,23 +51,27 @@ def test_terms_filled_without_a_return_are_the_cost(schema, states):
 
 def test_a_term_of_one_branch_is_zero_in_the_other(schema, states):
     state = states(np.random.default_rng(8))
-    terms = CostProgram(
-        textwrap.dedent("""
+    source = textwrap.dedent("""
         def state_cost(self):
-            cost = self.time
+            terms = {"time": self.time}
             if self.board_hand_contact:
-                cost -= 5.0  # touch
-            return cost
-    """),
-        schema,
-    )(state)
+                terms["touch"] = -5.0
+            return terms
+    """)
+    terms = CostProgram(source, schema)(state)
     assert np.array_equal(terms["touch"], np.where(state["board_hand_contact"] != 0, -5.0, 0.0))
 
 
+def test_a_cost_that_is_a_number_is_one_term(schema, states):
+    state = states(np.random.default_rng(8))
+    terms = CostProgram("def state_cost(self):\n    return 1.0 + self.time", schema)(state)
+    assert list(terms) == ["cost"]
+    assert np.array_equal(terms["cost"], 1.0 + state["time"])
+
+
 def test_only_what_is_read_is_asked_for(schema):
-    source = "def state_cost(self):\n    return norm(self.ee_pos) + p.getBaseVelocity(self.box)[0][2]"
-    program = CostProgram(source, schema)
-    assert program.reads == ["board_angvel", "board_vel", "box_angvel", "box_vel", "ee_pos"]
+    source = "def state_cost(self):\n    return norm(self.ee_pos) + self.box_vel[2] + self.nothing"
+    assert CostProgram(source, schema).reads == ["box_vel", "ee_pos"]
 
 
 @pytest.mark.parametrize(
@@ -94,7 +81,7 @@ def test_only_what_is_read_is_asked_for(schema):
         ("return nrom(self.ee_pos)", "unknown_name", 2, "did you mean 'norm'?"),
         ("return board_pos[0]", "unknown_name", 2, "did you mean self.board_pos?"),
         ("return np.linalg.det(self.ee_pos)", "unknown_attribute", 2, "it has norm"),
-        ("return p.getJointState(self.panda, 3)[0]", "unknown_attribute", 2, "getLinkState"),
+        ("return p.getJointState(self.panda, 3)[0]", "unknown_name", 2, "self.NAME_pos"),
         ("return self.ee_pos", "wrong_return", 0, "a vector of 3"),
         ("return self.ee_pos[self.current_step]", "not_fixed", 2, "constant"),
         ("return self.ee_pos[3]", "wrong_size", 2, "no entry 3"),
@@ -105,10 +92,9 @@ def test_only_what_is_read_is_asked_for(schema):
         ("x = None if self.time > 0.5 else 1.0\n    return x", "mixed", 2, "None"),
         ("return 1.0 / (self.time * 0.0)", "not_finite", 2, "guard divisions"),
         ("return math.acos(2.0 + self.time)", "not_finite", 2, "math.acos"),
-        ("return p.getDifferenceQuaternion(self.ee_quat, self.board_ori)[3]", "quaternion_order", 2, "NAME_ori"),
-        ("return quat_angle(self.ee_ori, self.board_quat)", "quaternion_order", 2, "NAME_quat"),
-        ("a = self.ee_pos + 0.0\n    b = a\n    b[0] = 1.0\n    return a[0]", "shared", 4, "copy"),
-        ("return np.clip(self.time, 0.0, 1.0)[1]", "wrong_type", 2, "no entries"),
+        ("break", "syntax", 2, "outside a loop"),
+        ("a = self.ee_pos\n    b = a\n    b[0] = 1.0\n    return a[0]", "not_allowed", 4, "make a new one"),
+        ("return np.clip(self.time, 0.0, 1.0)[1]", "wrong_type", 2, "no numbered entries"),
         ("return dist(self.ee_pos)", "wrong_call", 2, "q is missing"),
         ("if self.ee_pos:\n        return 1.0\n    return 0.0", "wrong_type", 2, "neither true nor false"),
         ("cost += self.time\n    return cost", "unset", 2, "begin with"),

@@ -14,4 +14,4 @@ PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "cost-language.md").r
 @pytest.mark.parametrize("code", re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL))
 def test_an_example_of_the_page_runs(code, schema, states):
     terms = CostProgram(code, schema)(states(np.random.default_rng(0)))
-    assert {"reach", "grasp", "lift"} <= set(terms)
+    assert {"reach", "grasp", "lift"} <= set(terms) or set(terms) == {"cost"}

@@ -75,7 +75,7 @@ def test_terms_are_written_behind_the_inputs(memory):
     sandbox = Sandbox(memory)
     loaded = sandbox.answer(load(7, 'def state_cost(self):\n    return {"d": norm(self.ee_pos), "t": -self.time}'))
     assert loaded["reads"] == ["ee_pos", "time"]
-    assert sandbox.answer(run(7)) == {"terms": ["d", "t"], "distances": [], "lines": {"d": 0, "t": 0}}
+    assert sandbox.answer(run(7)) == {"terms": ["d", "t"], "distances": []}
     assert memory[8:12].tolist() == [5.0, 2.0, -0.1, -0.2]
 
 
@@ -83,7 +83,7 @@ def test_a_traced_run_adds_its_distances_behind_the_terms(memory):
     sandbox = Sandbox(memory)
     sandbox.answer(load(7, "def state_cost(self):\n    return norm(self.ee_pos) + self.time"))
     reply = sandbox.answer(run(7, zeroed=0))
-    assert (reply["terms"], reply["distances"]) == (["time"], [[2, [[1, 2]] * 4]])
+    assert (reply["terms"], reply["distances"]) == (["cost"], [[2, [[1, 2]] * 4]])
     assert memory[8:10].tolist() == [0.1, 0.2]
     assert memory[10:18].reshape(4, 2).tolist() == [[3.0, 0.0], [4.0, 0.0], [0.0, 2.0], [5.0, 2.0]]
 

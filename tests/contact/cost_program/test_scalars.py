@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from coral.contact.cost_program import CostError
-from coral.contact.cost_program.scalars import number, scalar, truth, where
-from coral.contact.cost_program.values import ContactList
+from coral.contact.cost_program.scalars import number, scalar, where
 
 YES_NO = np.array([[True, False]])
 
@@ -13,12 +12,6 @@ YES_NO = np.array([[True, False]])
 def test_truth_values_count_as_zero_and_one(meter):
     assert number(meter, True) == 1
     assert number(meter, YES_NO).tolist() == [[1.0, 0.0]]
-
-
-def test_contact_points_are_true_where_there_are_any_and_no_number(meter):
-    assert truth(meter, ContactList(YES_NO)) is YES_NO
-    with pytest.raises(CostError, match=r"use len\(\.\.\.\)"):
-        number(meter, ContactList(YES_NO))
 
 
 def test_a_choice_between_truth_values_stays_a_truth_value(meter):
@@ -68,7 +61,7 @@ def test_a_whole_divisor_that_is_zero_counts_only_where_its_line_does(meter):
 ZERO = "z, v = 0.0 * self.time, 0.0 * self.ee_pos\nreturn np.tanh({})"
 PLAIN = [
     *("float(z)", "(int(z) * 0.5)", "math.sqrt(z)", "abs(float(z))", "max(z - 1.0, 0.0)", "-float(z)"),
-    *("(z + 1.0 if self.time < -9.0 else 0.0)", "v.tolist()[0]", "v[:1].item()", "math.hypot(z, 0.0)"),
+    *("(z + 1.0 if self.time < -9.0 else 0.0)", "math.fabs(z)"),
 ]
 """Numbers that Python holds as its own: it raises where they are 0, where NumPy's give inf."""
 
@@ -79,7 +72,7 @@ def test_what_python_refuses_to_divide_by_is_refused(number, text, refusal):
     assert refusal(ZERO.format(text.format(number))).code in ("division_by_zero", "not_finite")
 
 
-@pytest.mark.parametrize("number", ["z", "np.float64(z)", "np.sqrt(z)", "float(z) * z", "np.where(z > 0.0, 1.0, 0.0)"])
+@pytest.mark.parametrize("number", ["z", "np.sqrt(z)", "float(z) * z", "np.where(z > 0.0, 1.0, 0.0)"])
 def test_what_numpy_divides_by_zero_is_infinite(number, agrees):
     with np.errstate(all="ignore"):
         agrees(ZERO.format(f"1.0 / ({number})"))

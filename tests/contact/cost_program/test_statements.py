@@ -16,22 +16,33 @@ SAME = {
         "if self.time > 0.5:\n    if self.box_hand_contact:\n        return 1.0\n    else:\n        return 2.0\n"
         "else:\n    return 3.0\nreturn 4.0"
     ),
-    "constant condition": "if hasattr(self, 'sphere_pos'):\n    return 1.0\nreturn 2.0 + self.time",
-    "imports": (
-        "import math as m\nfrom numpy import pi, exp as e\nfrom typing import List\n"
-        "return m.sqrt(4.0) + e(self.time) * pi"
+    "constant condition": "if 1 > 2:\n    return 1.0\nreturn 2.0 + self.time",
+    "imports": "import math as m\nimport numpy\nreturn m.sqrt(4.0) + numpy.exp(self.time)",
+    "break and continue": (
+        "s = 0.0\nfor i, x in enumerate(self.ee_pos):\n    if i == 1:\n        continue\n    s += i + x\n"
+        "    for j in range(9):\n        if j == 3:\n            break\n        s += j\nreturn s + j"
     ),
-    "print": "print('t', self.time, f'{self.time:.2f}')\nreturn self.time",
+    "loop over nothing": "s = self.time\nfor x in []:\n    s = 5.0\nreturn s",
+    "return out of a loop": (
+        "for i in range(4):\n    if self.time < 0.25 * (i + 1):\n        return i + self.time\nreturn 9.0"
+    ),
+    "loop in a branch": (
+        "s = 0.0\nif self.time > 0.4:\n    for x in self.ee_pos:\n        s += x\n        break\nreturn s + self.time"
+    ),
     "variable of the branch that goes on": (
         "if self.time > 0.5:\n    return 1.0\nelse:\n    y = self.gripper_opening\nreturn y"
     ),
     "text alone": "'A docstring.'\n3.0\npass\nreturn self.time",
 }
 REFUSED = {
-    "change in a print": ("xs = []\nprint(xs.append(1.0))\nreturn len(xs)", "not_allowed", "print is ignored"),
+    "print": ("print(self.time)\nreturn 1.0", "unknown_name", "leave it out"),
     "other import": ("import scipy.spatial.transform\nreturn 1.0", "not_allowed", "cannot be imported"),
-    "function in a print": ("def f():\n    return 1.0\nprint(f())\nreturn 1.0", "not_allowed", "print is ignored"),
-    "unknown import": ("from numpy import argmin\nreturn 1.0", "unknown_name", "numpy has no 'argmin' here"),
+    "break in some states": (
+        "s = 0.0\nfor x in [0.2, 0.4]:\n    if s > self.time:\n        break\n    s += x\nreturn s",
+        "not_fixed",
+        "around the rest of the loop",
+    ),
+    "long list": ("s = 0.0\nfor x in np.ones(65):\n    s += x\nreturn s", "steps", "at most 64 turns"),
     "variable of one branch": ("if self.time > 0.5:\n    x = 1.0\nreturn x", "unset", "before the `if`"),
 }
 

@@ -62,7 +62,7 @@ def touches(**change):
 @pytest.mark.parametrize("penalty", ["0.5", "3.0", "100.0"])
 def test_a_penalty_near_the_target_that_outweighs_the_rest_of_the_way_is_a_barrier(penalty):
     (fault,) = gates(GATE, change=penalty)
-    assert (fault.code, fault.line, fault.fatal) == ("barrier", 5, True)
+    assert (fault.code, fault.line, fault.fatal) == ("barrier", 0, True)
     assert f"jumps up by {float(penalty):.3g}" in fault.reason
     assert "towards the box" in fault.reason
     assert "0.0" in fault.reason
@@ -104,7 +104,7 @@ def test_a_penalty_on_a_hand_that_is_turned_wrongly_is_no_barrier():
 
 def test_a_term_that_begins_with_the_touch_of_the_target_is_a_barrier():
     (fault,) = touches(target="box", change="50.0")
-    assert (fault.line, fault.fatal) == (4, True)
+    assert (fault.line, fault.fatal) == (0, True)
     assert "rises by" in fault.reason
     assert "touches it" in fault.reason
 

@@ -58,9 +58,7 @@ class Ran(WorkerAnswer):
     Args:
         terms: Names of the terms.
         distances: Line of each distance, and the shapes of its components and of its length.
-        lines: Line that each term comes from.
     """
 
     terms: list[str] = Field(min_length=1)
     distances: list[tuple[Whole, Annotated[list[tuple[Size, Size]], Field(min_length=1)]]]
-    lines: dict[str, Whole]

@@ -1,4 +1,4 @@
-"""Arithmetic of numbers, arrays and lists, with NumPy's rules for arrays of different shapes."""
+"""Arithmetic of numbers, vectors and lists, with NumPy's rules for arrays of different lengths."""
 
 from __future__ import annotations
 
@@ -9,22 +9,7 @@ import numpy as np
 
 from coral.contact.cost_program.limits import Meter
 from coral.contact.cost_program.scalars import is_truth, is_whole, no_truth, number, root, scalar
-from coral.contact.cost_program.sharing import LAZY, memory
-from coral.contact.cost_program.texts import joined_text
-from coral.contact.cost_program.values import (
-    NUMBER,
-    ContactList,
-    Number,
-    Seq,
-    Value,
-    Vec,
-    bounded,
-    depth,
-    is_matrix,
-    kind,
-)
-
-NOTHING = "an array has at least one entry"
+from coral.contact.cost_program.values import NUMBER, Number, Seq, Value, Vec, bounded, kind
 
 
 def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
@@ -39,19 +24,13 @@ def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
         if symbol == "+" and a.kind == b.kind in ("list", "tuple"):
             return bounded(meter, Seq(a.items + b.items, a.kind))
         raise meter.fault("wrong_type", f"`{symbol}` does not apply to two {a.kind}s; make them arrays with np.array")
-    if symbol == "*" and (isinstance(a, Seq) or isinstance(b, Seq)) and (isinstance(a, int) or isinstance(b, int)):
-        return _repeat_sequence(meter, a, b)
     if isinstance(a, Vec) or isinstance(b, Vec):
         return _arrays(meter, symbol, a, b)
     if isinstance(a, Seq) or isinstance(b, Seq):
         raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}; use np.array")
-    if symbol == "+" and isinstance(a, str) and isinstance(b, str):
-        return joined_text(meter, [a, b])
-    if symbol in ("==", "!=") and (a is None or b is None or (isinstance(a, str) and isinstance(b, str))):
+    if symbol in ("==", "!=") and isinstance(a, str) and isinstance(b, str):
         meter.spend()
         return (a == b) == (symbol == "==")
-    if isinstance(a, ContactList) or isinstance(b, ContactList):
-        raise meter.fault("wrong_type", "a list of contact points is no number; use len(...)")
     raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}")
 
 
@@ -66,82 +45,59 @@ def _arrays(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
     return elementwise(meter, apply, a, b)
 
 
-def _repeat_sequence(meter: Meter, a: Value, b: Value) -> Value:
-    seq, times = (a, b) if isinstance(a, Seq) else (b, a)
-    assert isinstance(seq, Seq)
-    assert isinstance(times, int)
-    if seq.kind not in ("list", "tuple"):
-        raise meter.fault("wrong_type", f"{kind(seq)} cannot be repeated; write list(...) around it")
-    if times * max(len(seq.items), 1) > meter.cfg.items:
-        raise meter.fault("memory", f"a list of more than {meter.cfg.items} entries")
-    return bounded(meter, Seq(seq.items * times, seq.kind))
-
-
 def elementwise(meter: Meter, function: Callable[..., Value], *values: Value) -> Value:
-    """Apply a function of numbers to arrays and numbers, broadcast as NumPy does.
+    """Apply a function of numbers to vectors and numbers, broadcast as NumPy does.
 
     Raises:
-        CostError: The shapes do not match.
+        CostError: The lengths do not match.
     """
-    arrays = [as_vector(meter, value) for value in values]
-    depths = [depth(value) for value in arrays]
-    deepest = max(depths)
-    if not deepest:
-        return function(*arrays)
-    deep = [value.items for value, n in zip(arrays, depths, strict=True) if n == deepest and isinstance(value, Vec)]
-    count = max(map(len, deep))
-    if not {len(items) for items in deep} <= {1, count}:
-        what = "a vector" if deepest == 1 else "a matrix"
-        sizes = " and ".join(f"{what} of {len(items)}" for items in deep)
-        raise meter.fault("wrong_size", f"{sizes} do not match")
+    given = [as_vector(meter, value) for value in values]
+    sizes = [len(value.items) for value in given if isinstance(value, Vec)]
+    if not sizes:
+        return function(*given)
+    count = max(sizes)
+    if not set(sizes) <= {1, count}:
+        text = " and ".join(f"a vector of {size}" for size in sizes)
+        raise meter.fault("wrong_size", f"{text} do not match")
     columns = [
         (value.items if len(value.items) == count else value.items * count)
-        if n == deepest and isinstance(value, Vec)
+        if isinstance(value, Vec)
         else (value,) * count
-        for value, n in zip(arrays, depths, strict=True)
+        for value in given
     ]
-    if deepest == 1:
-        return Vec(tuple(map(function, *columns)))
-    return Vec(tuple(elementwise(meter, function, *row) for row in zip(*columns, strict=True)))
+    return Vec(tuple(map(function, *columns)))
 
 
 def as_vector(meter: Meter, value: Value) -> Value:
     """Convert a list or tuple to the vector that np.array would make; return anything else unchanged.
 
+    The entries become decimals if one of them is, else whole numbers if one of them is.
+
     Raises:
-        CostError: Its rows differ in length, or it has no entries.
+        CostError: It holds something else than numbers, or nothing.
     """
     if not isinstance(value, Seq):
         return value
-    if value.kind in LAZY:
-        raise meter.fault("wrong_type", f"{kind(value)} is no array; write list(...) around it")
-    items = tuple(as_vector(meter, item) for item in value.items)
-    sizes = {len(item.items) if isinstance(item, Vec) else 0 for item in items}
-    if len(sizes) != 1:
-        raise meter.fault("wrong_size", "the rows of an array must have one length" if items else NOTHING)
-    for item in items:
-        if not isinstance(item, Vec):
-            number(meter, item)
-        elif is_matrix(item):
-            raise meter.fault("wrong_size", "an array has one or two axes; keep several matrices in a list")
-    return bounded(meter, of_one_kind(Vec(items)))
+    if value.kind == "iterator":
+        raise meter.fault("wrong_type", "an iterator is no array; write list(...) around it")
+    if not value.items:
+        raise meter.fault("wrong_size", "an array has at least one entry")
+    for item in value.items:
+        if isinstance(item, Vec | Seq):
+            raise meter.fault(
+                "wrong_size", "an array has one axis; write a list of vectors, and quat_rotate(q, v) for rotations"
+            )
+        number(meter, item)
+    if all(map(is_truth, value.items)):
+        return bounded(meter, Vec(value.items))
+    whole = all(map(is_whole, value.items))
 
-
-def of_one_kind(value: Vec) -> Vec:
-    """Make a new array whose entries are all decimals if one of them is, else all whole if one of them is."""
-    leaves = [x for item in value.items for x in (item.items if isinstance(item, Vec) else (item,))]
-    if all(map(is_truth, leaves)):
-        return value
-    whole = all(map(is_whole, leaves))
-
-    def renew(item: Value) -> Value:
-        if isinstance(item, Vec):
-            return Vec(tuple(map(renew, item.items)), item.order)
+    def renewed(item: Value) -> Value:
         if isinstance(item, np.ndarray):
             return item.astype(np.int64 if whole else np.float64, copy=False)
         return int(cast(int, item)) if whole else float(cast(float, item))
 
-    return Vec(tuple(map(renew, value.items)), value.order)
+    return bounded(meter, Vec(tuple(map(renewed, value.items))))
 
 
 def components(meter: Meter, value: Value, what: str = "a vector") -> tuple[Value, ...]:
@@ -151,7 +107,7 @@ def components(meter: Meter, value: Value, what: str = "a vector") -> tuple[Valu
         CostError: The value is not a vector of numbers.
     """
     found = as_vector(meter, value)
-    if isinstance(found, Vec) and not is_matrix(found):
+    if isinstance(found, Vec):
         return found.items
     raise meter.fault("wrong_type", f"{what} is needed here, not {kind(value)}")
 
@@ -165,43 +121,15 @@ def total(meter: Meter, items: tuple[Value, ...]) -> Value:
 
 
 def dot(meter: Meter, a: Value, b: Value) -> Value:
-    """Compute the scalar product, or the matrix product if either operand is a matrix.
+    """Compute the scalar product.
 
     Raises:
         CostError: The lengths do not match.
     """
-    a, b = as_vector(meter, a), as_vector(meter, b)
-    if not (isinstance(a, Vec) and isinstance(b, Vec)):
-        raise meter.fault("wrong_type", f"a vector or matrix is needed here, not {kind(b)}")
-    if is_matrix(a):
-        return Vec(tuple(dot(meter, row, b) for row in a.items))
-    if is_matrix(b):
-        return Vec(tuple(dot(meter, a, column) for column in transposed(meter, b).items))
-    if len(a.items) != len(b.items):
-        raise meter.fault("wrong_size", f"a vector of {len(a.items)} and a vector of {len(b.items)} do not match")
-    return total(meter, tuple(scalar(meter, "*", x, y) for x, y in zip(a.items, b.items, strict=True)))
-
-
-def matmul(meter: Meter, a: Value, b: Value, /) -> Value:
-    """Evaluate `a @ b`.
-
-    Raises:
-        CostError: An operand is a number, or neither is an array.
-    """
-    x, y = as_vector(meter, a), as_vector(meter, b)
-    if not (isinstance(x, Vec) and isinstance(y, Vec) and (isinstance(a, Vec) or isinstance(b, Vec))):
-        raise meter.fault("wrong_type", f"`@` does not apply to {kind(a)} and {kind(b)}; use * or np.dot")
-    return dot(meter, x, y)
-
-
-def transposed(meter: Meter, value: Vec) -> Vec:
-    """Swap rows and columns; a plain vector is returned unchanged."""
-    if not is_matrix(value):
-        return value
-    rows = [components(meter, row) for row in value.items]
-    meter.spend(len(rows) * len(rows[0]))
-    marks = memory(value)
-    return Vec(tuple(Vec(column, "", marks) for column in zip(*rows, strict=True)), "", marks)
+    x, y = components(meter, a), components(meter, b)
+    if len(x) != len(y):
+        raise meter.fault("wrong_size", f"a vector of {len(x)} and a vector of {len(y)} do not match")
+    return total(meter, tuple(scalar(meter, "*", one, other) for one, other in zip(x, y, strict=True)))
 
 
 def norm(meter: Meter, value: Value) -> Value:

@@ -4,20 +4,34 @@ from __future__ import annotations
 
 import ast
 
-from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.machine import Machine
-from coral.contact.cost_program.values import Seq, Value, kind
+from coral.contact.cost_program.values import DictValue, Seq, Value, entries, kind
 
 
 def storable(machine: Machine, value: Value) -> Value:
-    """Check a value before it is bound to a name or stored in a container.
+    """Check a value that is put into a list or tuple.
 
     Raises:
-        CostError: It is a generator, whose values Python would compute only later.
+        CostError: It is an iterator, whose values Python would compute only later, and once.
     """
-    if isinstance(value, Seq) and value.kind == "generator":
-        raise machine.meter.fault("wrong_type", "a generator is used where it is made; write a list, [x for x in xs]")
+    if isinstance(value, Seq) and value.kind == "iterator":
+        raise machine.meter.fault("wrong_type", "an iterator is used where it is made; write list(...) around it")
     return value
+
+
+def hold(machine: Machine, value: Value) -> Value:
+    """Check a value that is bound to a name or put into a dict, and note that its dicts have one more name.
+
+    Raises:
+        CostError: It is an iterator.
+    """
+    if isinstance(value, DictValue):
+        value.shared = value.named
+        value.named = True
+    elif isinstance(value, Seq):
+        for item in value.items:
+            hold(machine, item)
+    return storable(machine, value)
 
 
 def checked_key(machine: Machine, key: Value) -> Value:
@@ -28,7 +42,7 @@ def checked_key(machine: Machine, key: Value) -> Value:
     """
     if isinstance(key, str | int) and not isinstance(key, bool):
         return key
-    raise machine.meter.fault("wrong_type", f"the keys of a dict are constant texts or whole numbers, not {kind(key)}")
+    raise machine.meter.fault("not_fixed", f"the keys of a dict are constant texts or whole numbers, not {kind(key)}")
 
 
 def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
@@ -38,16 +52,12 @@ def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
         CostError: The target is no name, or the lengths differ.
     """
     if isinstance(target, ast.Name):
-        machine.frame.variables[target.id] = storable(machine, value)
+        machine.frame.variables[target.id] = hold(machine, value)
         return
     if not isinstance(target, ast.Tuple | ast.List):
-        raise machine.meter.fault(
-            "not_allowed",
-            "only variables and entries of the program's own lists, dicts and "
-            "arrays can be set; the state cannot be changed",
-        )
+        raise machine.meter.fault("not_allowed", "only variables and entries of dicts can be set; the state cannot")
     items = entries(machine.meter, value)
-    if any(isinstance(part, ast.Starred) for part in target.elts) or len(items) != len(target.elts):
+    if len(items) != len(target.elts):
         raise machine.meter.fault("wrong_size", f"{len(target.elts)} names cannot take {len(items)} values")
     for part, item in zip(target.elts, items, strict=True):
         unpack(machine, part, item)

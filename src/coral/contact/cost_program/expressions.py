@@ -8,29 +8,16 @@ from typing import Any, cast
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import binary, elementwise, matmul, negative
-from coral.contact.cost_program.binding import checked_key, storable
+from coral.contact.cost_program.arithmetic import binary, dot, elementwise, negative
+from coral.contact.cost_program.binding import checked_key, hold, storable
 from coral.contact.cost_program.calls import attribute, call
 from coral.contact.cost_program.comprehensions import comprehend
-from coral.contact.cost_program.iterating import entries
 from coral.contact.cost_program.limits import Mask
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import merge
-from coral.contact.cost_program.scalars import both, either, invert, is_truth, no_truth, truth
+from coral.contact.cost_program.scalars import both, invert, no_truth, truth
 from coral.contact.cost_program.subscripts import subscript
-from coral.contact.cost_program.texts import formatted, joined_text
-from coral.contact.cost_program.values import (
-    NUMBER,
-    DictValue,
-    Function,
-    Partial,
-    Poison,
-    Seq,
-    Value,
-    Vec,
-    bounded,
-    kind,
-)
+from coral.contact.cost_program.values import NUMBER, DictValue, Function, Poison, Seq, Value, Vec, bounded, kind
 
 SYMBOLS: dict[type[ast.AST], str] = {
     ast.Add: "+",
@@ -78,18 +65,7 @@ def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
 
 
 def _constant(machine: Machine, node: Any) -> Value:
-    if node.value is ...:
-        raise machine.meter.fault("not_allowed", "`...` is an index only, as in a[..., 2]")
     return cast(Value, node.value)
-
-
-def _text(machine: Machine, node: Any) -> Value:
-    return joined_text(machine.meter, [evaluate(machine, part) for part in node.values])
-
-
-def _formatted(machine: Machine, node: Any) -> Value:
-    spec = evaluate(machine, node.format_spec) if node.format_spec is not None else ""
-    return formatted(machine.meter, evaluate(machine, node.value), node.conversion, spec)
 
 
 def _name(machine: Machine, node: Any) -> Value:
@@ -99,6 +75,8 @@ def _name(machine: Machine, node: Any) -> Value:
 def _attribute(machine: Machine, node: Any) -> Value:
     base = evaluate(machine, node.value)
     machine.meter.line = node.lineno
+    if isinstance(base, DictValue):  # kept for later, it would not see how the dict changes
+        raise machine.meter.fault("not_allowed", "a method of a dict is called at once")
     return attribute(machine, base, node.attr)
 
 
@@ -113,21 +91,11 @@ def _binary(machine: Machine, node: Any) -> Value:
         node = node.left
     found = evaluate(machine, node)
     for link in reversed(chain):
-        right = _evaluate_holding(machine, found, link.right)
+        right = evaluate(machine, link.right)
         machine.meter.step(link.lineno)
         found = operate(machine, link.op, found, right)
         if machine.meter.trace is not None:
             _watch(machine, link, found)
-    return found
-
-
-def _evaluate_holding(machine: Machine, held: Value, node: ast.expr) -> Value:
-    """Evaluate an expression while an earlier operand is on the stack."""
-    if isinstance(held, NUMBER):
-        return evaluate(machine, node)
-    machine.pending.append(held)
-    found = evaluate(machine, node)
-    machine.pending.pop()
     return found
 
 
@@ -137,22 +105,11 @@ def operate(machine: Machine, operator: ast.operator, left: Value, right: Value)
     Raises:
         CostError: The operator does not apply to these values.
     """
-    meter = machine.meter
     if isinstance(operator, ast.MatMult):
-        return matmul(meter, left, right)
-    if isinstance(operator, ast.BitAnd | ast.BitOr):
-        join = both if isinstance(operator, ast.BitAnd) else either
-
-        def joined(x: Value, y: Value) -> Value:
-            for value in (x, y):
-                if not is_truth(value):
-                    raise meter.fault("wrong_type", f"& and | join truth values, not {kind(value)}; use and, or")
-            return join(meter, cast(Mask, x), cast(Mask, y))
-
-        if isinstance(left, Seq) or isinstance(right, Seq):
-            raise meter.fault("wrong_type", "& and | join truth values, not lists; use and, or")
-        return elementwise(meter, joined, left, right)
-    return binary(meter, SYMBOLS[type(operator)], left, right)
+        if not isinstance(left, Vec) and not isinstance(right, Vec):
+            raise machine.meter.fault("wrong_type", f"`@` does not apply to {kind(left)} and {kind(right)}; use np.dot")
+        return dot(machine.meter, left, right)
+    return binary(machine.meter, SYMBOLS[type(operator)], left, right)
 
 
 def _unary(machine: Machine, node: Any) -> Value:
@@ -194,9 +151,7 @@ def _evaluate_under(machine: Machine, condition: Mask, node: ast.expr) -> Value:
     """Evaluate an expression that counts only where a condition holds."""
     before = machine.meter.mask
     machine.meter.mask = machine.narrowed(condition, before)
-    machine.branching += 1
     found = evaluate(machine, node)
-    machine.branching -= 1
     machine.meter.mask = before
     return found
 
@@ -214,9 +169,9 @@ def _compare(machine: Machine, node: Any) -> Value:
     left = evaluate(machine, node.left)
     found: Value = True
     for operator, right_node in zip(node.ops, node.comparators, strict=True):
-        right = _evaluate_holding(machine, left, right_node)
+        right = evaluate(machine, right_node)
         machine.meter.line = node.lineno
-        step = _relation(machine, operator, left, right)
+        step = binary(machine.meter, SYMBOLS[type(operator)], left, right)
         if len(node.ops) == 1:
             return step
         found = both(machine.meter, truth(machine.meter, found), truth(machine.meter, step))
@@ -224,43 +179,8 @@ def _compare(machine: Machine, node: Any) -> Value:
     return found
 
 
-def _relation(machine: Machine, operator: ast.cmpop, left: Value, right: Value) -> Value:
-    if isinstance(operator, ast.Is | ast.IsNot):
-        if left is not None and right is not None:
-            raise machine.meter.fault("wrong_type", "`is` compares with None; use ==, or the truth value itself")
-        return (left is right) == isinstance(operator, ast.Is)
-    if isinstance(operator, ast.In | ast.NotIn):
-        found = _contains(machine, left, right)
-        return found if isinstance(operator, ast.In) else invert(machine.meter, found)
-    return binary(machine.meter, SYMBOLS[type(operator)], left, right)
-
-
-def _contains(machine: Machine, item: Value, container: Value) -> Value:
-    if isinstance(container, DictValue):
-        if not isinstance(item, str | int):
-            raise machine.meter.fault("wrong_type", "the keys of a dict are constant texts or whole numbers")
-        held = container.items.get(item)
-        return held.mask if isinstance(held, Partial) else item in container.items
-    if isinstance(container, Seq):
-        found: bool | Mask = False
-        for other in entries(machine.meter, container):
-            found = either(machine.meter, found, truth(machine.meter, binary(machine.meter, "==", item, other)))
-        return found
-    raise machine.meter.fault("wrong_type", f"`in` looks into lists and dicts, not into {kind(container)}")
-
-
 def _items(machine: Machine, nodes: list[ast.expr]) -> tuple[Value, ...]:
-    found: list[Value] = []
-    waiting = len(machine.pending)
-    for node in nodes:
-        if isinstance(node, ast.Starred):
-            more = entries(machine.meter, evaluate(machine, node.value))
-        else:
-            more = (storable(machine, evaluate(machine, node)),)
-        found.extend(more)
-        machine.pending.extend(more)
-    del machine.pending[waiting:]
-    return tuple(found)
+    return tuple(storable(machine, evaluate(machine, node)) for node in nodes)
 
 
 def _list(machine: Machine, node: Any) -> Value:
@@ -273,19 +193,11 @@ def _tuple(machine: Machine, node: Any) -> Value:
 
 def _dict(machine: Machine, node: Any) -> Value:
     items: dict[Value, Value] = {}
-    waiting = len(machine.pending)
     for key_node, value_node in zip(node.keys, node.values, strict=True):
         if key_node is None:
-            other = evaluate(machine, value_node)
-            if not isinstance(other, DictValue):
-                raise machine.meter.fault("wrong_type", f"** takes a dict, not {kind(other)}")
-            items.update(other.items)
-        else:
-            key = evaluate(machine, key_node)
-            value = storable(machine, evaluate(machine, value_node))
-            items[checked_key(machine, key)] = value
-            machine.pending.append(value)
-    del machine.pending[waiting:]
+            raise machine.meter.fault("not_allowed", "a dict has no ** entries; write them one by one")
+        key = checked_key(machine, evaluate(machine, key_node))
+        items[key] = hold(machine, evaluate(machine, value_node))
     return bounded(machine.meter, DictValue(items))
 
 
@@ -297,16 +209,12 @@ def make_function(
     machine: Machine, name: str, arguments: ast.arguments, body: list[ast.stmt] | ast.expr, names: frozenset[str]
 ) -> Function:
     """Make the function of a `def` or `lambda`; its defaults are evaluated now."""
-    positional = [*arguments.posonlyargs, *arguments.args]
-    defaults: dict[str, Value] = {}
-    first = len(positional) - len(arguments.defaults)
-    for argument, default in zip(positional[first:], arguments.defaults, strict=True):
-        defaults[argument.arg] = storable(machine, evaluate(machine, default))
-    for argument, kw_default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True):
-        if kw_default is not None:
-            defaults[argument.arg] = evaluate(machine, kw_default)
-    own = frozenset(a.arg for a in [*positional, *arguments.kwonlyargs])
-    return Function(name, arguments, body, defaults, machine.frame, names | own)
+    wanted = [argument.arg for argument in arguments.args]
+    given = wanted[len(wanted) - len(arguments.defaults) :]
+    defaults = {
+        name: hold(machine, evaluate(machine, default)) for name, default in zip(given, arguments.defaults, strict=True)
+    }
+    return Function(name, wanted, body, defaults, machine.frame, names | frozenset(wanted))
 
 
 def _comprehension(machine: Machine, node: Any) -> Value:
@@ -319,7 +227,7 @@ def _subscript(machine: Machine, node: Any) -> Value:
 
 
 def _misplaced(machine: Machine, node: Any) -> Value:
-    raise machine.meter.fault("not_allowed", "a slice is an index of a list or array; `*` stands in calls and lists")
+    raise machine.meter.fault("not_allowed", "a slice is an index of a list or array")
 
 
 EVALUATORS: dict[type[ast.AST], Callable[[Machine, Any], Value]] = {
@@ -338,10 +246,6 @@ EVALUATORS: dict[type[ast.AST], Callable[[Machine, Any], Value]] = {
     ast.Lambda: _lambda,
     ast.ListComp: _comprehension,
     ast.GeneratorExp: _comprehension,
-    ast.DictComp: _comprehension,
     ast.Subscript: _subscript,
     ast.Slice: _misplaced,
-    ast.Starred: _misplaced,
-    ast.JoinedStr: _text,
-    ast.FormattedValue: _formatted,
 }

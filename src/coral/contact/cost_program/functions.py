@@ -1,4 +1,4 @@
-"""Functions of numbers and arrays, number by number: a part of `math` and `numpy`, and a few of our own."""
+"""Functions of numbers and vectors: a part of `math` and `numpy`, and a few of our own."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ from typing import Any, cast
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import binary, components, elementwise, norm
-from coral.contact.cost_program.arrays import whole
-from coral.contact.cost_program.iterating import entries
+from coral.contact.cost_program.arithmetic import binary, components, elementwise, norm, total
+from coral.contact.cost_program.arrays import to_float, whole
 from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.scalars import (
     both,
     chosen,
     either,
-    invert,
     no_truth,
     number,
     pointwise,
@@ -23,7 +21,7 @@ from coral.contact.cost_program.scalars import (
     truth,
     where,
 )
-from coral.contact.cost_program.values import Number, Partial, Seq, Value, Vec, kind
+from coral.contact.cost_program.values import Number, Partial, Seq, Value, Vec, entries, kind
 
 Call = Callable[..., Value]
 """Takes the meter, then the arguments of the program."""
@@ -78,15 +76,6 @@ def of_math(function: Callable[..., Any]) -> Call:
     return call
 
 
-def plain(function: Call) -> Call:
-    """Make a function of `math` that never raises out of one of numbers."""
-
-    def call(meter: Meter, *values: Value) -> Value:
-        return meter.as_plain(function(meter, *values))
-
-    return call
-
-
 def whole_by(function: Callable[..., Any]) -> Call:
     """Make math.floor, math.ceil or Python's round, which give whole numbers."""
 
@@ -99,14 +88,6 @@ def whole_by(function: Callable[..., Any]) -> Call:
     return call
 
 
-def hypotenuse(meter: Meter, *values: Value) -> Value:
-    """Evaluate math.hypot with any number of arguments."""
-    found: Value = 0.0
-    for value in values:
-        found = of_two(np.hypot)(meter, found, number(meter, value))
-    return found
-
-
 def clip(meter: Meter, a: Value, a_min: Value, a_max: Value) -> Value:
     """Clip the value to two bounds, either of which may be None."""
     if a_min is not None:
@@ -114,11 +95,6 @@ def clip(meter: Meter, a: Value, a_min: Value, a_max: Value) -> Value:
     if a_max is not None:
         a = MINIMUM(meter, a, a_max)
     return elementwise(meter, lambda x: no_truth(meter, x), a)
-
-
-def clipped(meter: Meter, a: Value, min: Value = None, max: Value = None) -> Value:
-    """Evaluate the method clip."""
-    return clip(meter, a, min, max)
 
 
 def clip01(meter: Meter, x: Value) -> Value:
@@ -155,28 +131,6 @@ def select(meter: Meter, condition: Value, x: Value, y: Value, /) -> Value:
     return found
 
 
-def round_to(meter: Meter, a: Value, decimals: Value = 0) -> Value:
-    """Evaluate np.round."""
-    if not isinstance(decimals, int) or isinstance(decimals, bool) or not 0 <= decimals <= 12:
-        raise meter.fault("wrong_call", "round takes 0 to 12 decimals")
-    return of_one(lambda x: np.round(x, decimals))(meter, a)
-
-
-def logical(name: str) -> Call:
-    """Make np.logical_and or np.logical_or."""
-    join = both if name == "and" else either
-
-    def call(meter: Meter, x1: Value, x2: Value, /) -> Value:
-        return elementwise(meter, lambda x, y: join(meter, truth(meter, x), truth(meter, y)), x1, x2)
-
-    return call
-
-
-def negation(meter: Meter, x: Value, /) -> Value:
-    """Evaluate np.logical_not."""
-    return elementwise(meter, lambda item: invert(meter, item), x)
-
-
 def cross(meter: Meter, a: Value, b: Value) -> Value:
     """Compute the cross product of two vectors of length 3."""
     left, right = components(meter, a), components(meter, b)
@@ -187,11 +141,6 @@ def cross(meter: Meter, a: Value, b: Value) -> Value:
         return scalar(meter, "-", scalar(meter, "*", left[i], right[j]), scalar(meter, "*", left[j], right[i]))
 
     return Vec((minor(1, 2), minor(2, 0), minor(0, 1)))
-
-
-def outer(meter: Meter, a: Value, b: Value) -> Value:
-    """Compute the outer product of two vectors."""
-    return Vec(tuple(binary(meter, "*", item, Vec(components(meter, b))) for item in components(meter, a)))
 
 
 def dist(meter: Meter, p: Value, q: Value, /) -> Value:
@@ -223,3 +172,53 @@ def add_up(meter: Meter, iterable: Value, /, start: Value = 0) -> Value:
             item = where(meter, item.mask, item.value, 0.0)
         found = binary(meter, "+", found, item)
     return found
+
+
+def fold_truth(name: str) -> Callable[[Meter, tuple[Value, ...]], bool | Mask]:
+    """Make the reduction of truth values by "any" or "all"."""
+
+    def fold(meter: Meter, items: tuple[Value, ...]) -> bool | Mask:
+        found: bool | Mask = name == "all"
+        for item in items:
+            found = (both if name == "all" else either)(meter, found, truth(meter, item))
+        return found
+
+    return fold
+
+
+def _mean(meter: Meter, items: tuple[Value, ...]) -> Value:
+    return scalar(meter, "/", total(meter, items), len(items))
+
+
+def _most(function: Call) -> Callable[[Meter, tuple[Value, ...]], Value]:
+    def fold(meter: Meter, items: tuple[Value, ...]) -> Value:
+        found: Value = no_truth(meter, items[0])
+        for item in items[1:]:
+            found = function(meter, found, item)
+        return found
+
+    return fold
+
+
+FOLDS: dict[str, Callable[[Meter, tuple[Value, ...]], Value]] = {
+    "sum": total,
+    "mean": _mean,
+    "max": _most(MAXIMUM),
+    "min": _most(MINIMUM),
+    "any": fold_truth("any"),
+    "all": fold_truth("all"),
+}
+
+
+def reduction(name: str) -> Call:
+    """Make np.sum, np.mean, np.max, np.min, np.any or np.all."""
+
+    def call(meter: Meter, a: Value) -> Value:
+        return FOLDS[name](meter, a.items if isinstance(a, Vec) else (a,))
+
+    return call
+
+
+def length(meter: Meter, x: Value) -> Value:
+    """Evaluate np.linalg.norm: the length of a vector, or the size of a number."""
+    return norm(meter, x) if isinstance(x, Vec) else to_float(meter, ABS(meter, x))

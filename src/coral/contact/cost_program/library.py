@@ -14,44 +14,19 @@ from typing import NamedTuple
 import numpy as np
 
 from coral.contact.cost_program import arrays, functions, orientations
-from coral.contact.cost_program.arithmetic import as_vector, dot, matmul
-from coral.contact.cost_program.functions import of_math, of_one, of_two
-from coral.contact.cost_program.iterating import entries, iterator
+from coral.contact.cost_program.arithmetic import as_vector, dot
+from coral.contact.cost_program.functions import of_math, of_one, of_two, reduction
 from coral.contact.cost_program.limits import Meter
-from coral.contact.cost_program.reductions import fold_truth, linalg_norm, reduction
 from coral.contact.cost_program.scalars import truth
-from coral.contact.cost_program.sharing import ONE_PASS
-from coral.contact.cost_program.values import (
-    Builtin,
-    ContactList,
-    DictValue,
-    Seq,
-    Value,
-    Vec,
-    bounded,
-    depth,
-    kind,
-)
-
-
-class Shapes(NamedTuple):
-    """What an argument may be."""
-
-    axes: tuple[int, ...]
-    """Numbers of axes that are offered."""
-    text: str
-    """The same in words."""
-
+from coral.contact.cost_program.values import Builtin, DictValue, Seq, Value, Vec, bounded, entries, kind
 
 WORDS = {
-    "x": Shapes((0, 1, 2), "a number, vector or matrix"),
-    "t": Shapes((0, 1, 2), "a truth value or an array of them"),
-    "a": Shapes((1, 2), "a vector or matrix"),
-    "v": Shapes((1,), "a vector"),
-    "n": Shapes((0,), "a number"),
-    "b": Shapes((0, 1, 2), "a number, vector, matrix or None"),
+    "x": ((Vec, np.ndarray, int, float), "a number or a vector"),
+    "v": ((Vec,), "a vector"),
+    "n": ((np.ndarray, int, float), "a number"),
+    "b": ((Vec, np.ndarray, int, float, type(None)), "a number, a vector or None"),
 }
-"""Words of the table; an argument with any other word is checked by the function itself."""
+"""Words of the table: what the argument may be, and the same in words; the function checks any other argument."""
 
 
 class Offer(NamedTuple):
@@ -78,11 +53,11 @@ def builtin(name: str, offer: Offer) -> Builtin:
     more = [offer.takes.split()[-1]] * 64 if rest else []
 
     def checked(meter: Meter, value: Value, word: str) -> Value:
-        if word not in WORDS or (value is None and word == "b"):
+        if word not in WORDS:
             return value
-        allowed, found = WORDS[word], as_vector(meter, value)
-        if depth(found) not in allowed.axes or not isinstance(found, Vec | np.ndarray | int | float):
-            raise meter.fault("wrong_type", f"{name} takes {allowed.text}, not {kind(value)}")
+        (kinds, text), found = WORDS[word], as_vector(meter, value)
+        if not isinstance(found, kinds):
+            raise meter.fault("wrong_type", f"{name} takes {text}, not {kind(value)}")
         return found
 
     def call(meter: Meter, args: list[Value], named: dict[str, Value]) -> Value:
@@ -130,13 +105,14 @@ def _range(meter: Meter, *values: Value) -> Value:
 
 def _zip(meter: Meter, *values: Value) -> Value:
     lists = [entries(meter, value) for value in values]
-    return iterator((Seq(row, "tuple") for row in zip(*lists, strict=False)), *values)
+    return Seq(tuple(Seq(row, "tuple") for row in zip(*lists, strict=False)), "iterator")
 
 
 def _enumerate(meter: Meter, iterable: Value, start: Value = 0) -> Value:
     if not isinstance(start, int):
         raise meter.fault("not_fixed", "enumerate starts at a constant whole number")
-    return iterator((Seq((i, item), "tuple") for i, item in enumerate(entries(meter, iterable), start)), iterable)
+    pairs = enumerate(entries(meter, iterable), start)
+    return Seq(tuple(Seq((i, item), "tuple") for i, item in pairs), "iterator")
 
 
 def _sequence(name: str) -> Callable[..., Value]:
@@ -148,29 +124,19 @@ def _sequence(name: str) -> Callable[..., Value]:
     return call
 
 
-def _dict(meter: Meter, args: list[Value], named: dict[str, Value]) -> Value:
-    if len(args) > 1 or not all(isinstance(value, DictValue) for value in args):
-        raise meter.fault("wrong_call", "dict takes keywords or another dict")
-    items: dict[Value, Value] = dict(args[0].items) if args and isinstance(args[0], DictValue) else {}
-    return DictValue(items | dict(named))
-
-
 def _bool(meter: Meter, value: Value = False, /) -> Value:
     return truth(meter, value)
 
 
 def _any(name: str) -> Callable[..., Value]:
     def call(meter: Meter, values: Value, /) -> Value:
-        return fold_truth(meter, entries(meter, values), name)
+        return functions.FOLDS[name](meter, entries(meter, values))
 
     return call
 
 
 def _length(meter: Meter, value: Value, /) -> Value:
-    """Count the entries of a container; contact points count 1 if there are any."""
-    if isinstance(value, ContactList):
-        return value.touching.astype(np.int64)
-    if isinstance(value, Vec | DictValue) or (isinstance(value, Seq) and value.kind not in ONE_PASS):
+    if isinstance(value, Vec | DictValue) or (isinstance(value, Seq) and value.kind != "iterator"):
         return len(value.items)
     raise meter.fault("wrong_type", f"{kind(value)} has no length")
 
@@ -183,9 +149,9 @@ def _abs(meter: Meter, x: Value, /) -> Value:
 
 
 OURS: Table = {
-    "norm": Offer(linalg_norm, "x ord axis flag"),
+    "norm": Offer(functions.length, "x"),
     "dist": Offer(functions.dist, "v v"),
-    "dot": Offer(dot, "a a"),
+    "dot": Offer(dot, "v v"),
     "cross": Offer(functions.cross, "v v"),
     "clip": Offer(functions.clip, "x b b"),
     "clip01": Offer(functions.clip01, "x"),
@@ -197,7 +163,6 @@ OURS: Table = {
     "quat_rotate": Offer(orientations.quat_rotate, "v v"),
     "quat_multiply": Offer(orientations.quat_multiply, "v v"),
     "quat_inverse": Offer(orientations.quat_inverse, "v"),
-    "quat_matrix": Offer(orientations.quat_matrix, "v"),
     "quat_euler": Offer(orientations.quat_euler, "v"),
 }
 PYTHON: Table = {
@@ -222,116 +187,84 @@ NUMPY: Table = {
     **{
         name: Offer(of_one(getattr(np, name)), "x")
         for name in (
-            *("sqrt", "exp", "log", "log10", "log1p", "sin", "cos", "tan", "tanh", "arcsin", "arccos", "arctan"),
-            *("abs", "absolute", "square", "sign", "floor", "ceil", "deg2rad", "rad2deg", "radians", "degrees"),
+            *("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "arcsin", "arccos", "arctan"),
+            *("abs", "square", "sign", "deg2rad", "rad2deg", "radians", "degrees"),
         )
     },
     **{name: Offer(of_two(getattr(np, name)), "x x") for name in ("maximum", "minimum", "arctan2", "hypot")},
     "clip": Offer(functions.clip, "x b b"),
-    "where": Offer(functions.select, "t x x"),
-    "round": Offer(functions.round_to, "x decimals"),
-    "logical_and": Offer(functions.logical("and"), "t t"),
-    "logical_or": Offer(functions.logical("or"), "t t"),
-    "logical_not": Offer(functions.negation, "t"),
-    "array": Offer(arrays.array, "a dtype"),
-    "asarray": Offer(arrays.asarray, "a dtype"),
-    "copy": Offer(arrays.copied, "a"),
-    "zeros": Offer(arrays.filled_with(0.0), "shape dtype"),
-    "ones": Offer(arrays.filled_with(1.0), "shape dtype"),
-    "zeros_like": Offer(arrays.like(0), "a dtype"),
-    "ones_like": Offer(arrays.like(1), "a dtype"),
-    "eye": Offer(arrays.eye, "size"),
-    "concatenate": Offer(arrays.joined(np.concatenate), "arrays axis"),
-    "stack": Offer(arrays.joined(np.stack), "arrays axis"),
-    "hstack": Offer(arrays.stacked(np.hstack), "arrays"),
-    "vstack": Offer(arrays.stacked(np.vstack), "arrays"),
-    "reshape": Offer(arrays.reshape, "a shape"),
-    "ravel": Offer(arrays.ravel, "a"),
-    "transpose": Offer(arrays.transpose, "a"),
-    "dot": Offer(dot, "a a"),
-    "matmul": Offer(matmul, "a a"),
+    "where": Offer(functions.select, "x x x"),
+    "array": Offer(arrays.array, "v dtype"),
+    "asarray": Offer(arrays.array, "v dtype"),
+    "zeros": Offer(arrays.filled_with(0.0), "size"),
+    "ones": Offer(arrays.filled_with(1.0), "size"),
+    "concatenate": Offer(arrays.concatenated, "arrays"),
+    "dot": Offer(dot, "v v"),
     "cross": Offer(functions.cross, "v v"),
-    "outer": Offer(functions.outer, "v v"),
-    **{name: Offer(reduction(name), "x axis flag") for name in ("sum", "mean", "prod", "max", "min")},
-    **{name: Offer(reduction(name), "t axis flag") for name in ("any", "all")},
-    "linalg.norm": Offer(linalg_norm, "x ord axis flag"),
-    "float64": Offer(arrays.to_float, "number"),
+    **{name: Offer(reduction(name), "x") for name in functions.FOLDS},
+    "linalg.norm": Offer(functions.length, "x"),
 }
 MATH: Table = {
-    **{
-        name: Offer(of_math(getattr(np, of)), "n")
-        for name, of in {
-            **{
-                name: name
-                for name in ("sqrt", "exp", "log", "log10", "sin", "cos", "tan", "tanh", "radians", "degrees")
-            },
-            "acos": "arccos",
-            "asin": "arcsin",
-            "atan": "arctan",
-            "fabs": "abs",
-        }.items()
-    },
+    **{name: Offer(of_math(getattr(np, name)), "n") for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh")},
+    **{name: Offer(of_math(getattr(np, name)), "n") for name in ("radians", "degrees")},
+    **{name: Offer(of_math(getattr(np, f"arc{name[1:]}")), "n") for name in ("acos", "asin", "atan")},
+    "fabs": Offer(of_math(np.abs), "n"),
     "atan2": Offer(of_two(np.arctan2), "n n"),
-    "hypot": Offer(functions.plain(functions.hypotenuse), "n"),
     "floor": Offer(functions.whole_by(np.floor), "n"),
     "ceil": Offer(functions.whole_by(np.ceil), "n"),
 }
-_CIRCLE: dict[str, float | None] = {"pi": math.pi, "e": math.e, "inf": math.inf}
-CONSTANTS = {"np": {**_CIRCLE, "newaxis": None}, "math": {**_CIRCLE, "tau": math.tau}}
+_CIRCLE = {"pi": math.pi, "e": math.e, "inf": math.inf}
+CONSTANTS = {"np": _CIRCLE, "math": {**_CIRCLE, "tau": math.tau}}
 METHODS: Table = {
-    "copy": Offer(arrays.copied, "a"),
-    "dot": Offer(dot, "a a"),
-    **{name: Offer(reduction(name), "a axis flag") for name in ("sum", "mean", "prod", "max", "min")},
-    **{name: Offer(reduction(name), "a axis flag") for name in ("any", "all")},
-    "astype": Offer(arrays.as_type, "a dtype"),
-    "reshape": Offer(arrays.reshaped, "a shape"),
-    "flatten": Offer(arrays.flatten, "a"),
-    "ravel": Offer(arrays.ravel, "a"),
-    "transpose": Offer(arrays.transpose, "a"),
-    "clip": Offer(functions.clipped, "a b b"),
-    "round": Offer(functions.round_to, "a decimals"),
-    "tolist": Offer(arrays.to_list, "a"),
-    "item": Offer(arrays.item, "a"),
+    "copy": Offer(arrays.copied, "v"),
+    "dot": Offer(dot, "v v"),
+    **{name: Offer(reduction(name), "v") for name in functions.FOLDS},
 }
-INSTEAD = {
-    **dict.fromkeys(("np.mod", "np.remainder"), "a % b"),
-    **dict.fromkeys(("np.fmod", "math.fmod"), "a - b * int(a / b)"),
-    **dict.fromkeys(("np.power", "np.float_power", "math.pow", "pow"), "a ** b"),
-    **dict.fromkeys(("np.isclose", "np.allclose", "math.isclose"), "abs(a - b) < 1e-6"),
-    **dict.fromkeys(("np.inner", "np.vdot"), "np.dot(a, b), of two vectors"),
-    **dict.fromkeys(("np.select", "np.piecewise", "np.heaviside"), "np.where(condition, a, b)"),
-    **dict.fromkeys(("np.interp",), "np.clip and a straight line"),
-    **dict.fromkeys(("np.amax", "np.nanmax"), "np.max(a)"),
-    **dict.fromkeys(("np.amin", "np.nanmin"), "np.min(a)"),
-    **dict.fromkeys(("np.average", "np.median", "np.nanmean"), "np.mean(a)"),
-    **dict.fromkeys(("np.std", "np.var"), "np.mean((a - np.mean(a)) ** 2)"),
-    **dict.fromkeys(("np.float32", "np.float_", "np.double"), "float(x)"),
-    **dict.fromkeys(("np.int32", "np.int64", "np.int_"), "int(x)"),
-    **dict.fromkeys(("np.add", "np.subtract", "np.multiply", "np.divide"), "the operators + - * /"),
-    **dict.fromkeys(("np.fabs",), "np.abs(x)"),
-    **dict.fromkeys(("np.full", "np.full_like"), "value * np.ones(n)"),
-    **dict.fromkeys(("np.identity",), "np.eye(n)"),
-    **dict.fromkeys(("np.append", "np.column_stack", "np.r_", "np.c_"), "np.concatenate, np.stack or np.hstack"),
-    **dict.fromkeys(("np.arange", "np.linspace"), "range(n) and a list"),
-    **dict.fromkeys(("np.bool_",), "bool(x)"),
-    **dict.fromkeys(("math.fsum", "math.prod"), "sum(xs), or a product in a loop"),
-    **dict.fromkeys(
-        ("np.nan_to_num", "np.isnan", "np.isfinite", "math.isnan", "math.isfinite"), "a guard with max and min"
-    ),
-    **dict.fromkeys(("np.sinh", "np.cosh", "math.sinh", "math.cosh"), "np.exp"),
-    **dict.fromkeys(("np.trunc", "np.fix", "math.trunc"), "int(x)"),
-    **dict.fromkeys(("np.rint", "np.around"), "np.round(x)"),
-    **dict.fromkeys(("np.acos", "np.asin", "np.atan", "np.atan2"), "np.arccos, np.arcsin, np.arctan, np.arctan2"),
+_INSTEAD = {
+    "np.mod np.remainder np.fmod math.fmod": "a % b",
+    "np.power math.pow pow": "a ** b",
+    "np.isclose np.allclose math.isclose": "abs(a - b) < 1e-6",
+    "np.inner np.vdot np.matmul": "np.dot(a, b), of two vectors",
+    "np.select np.piecewise np.heaviside": "np.where(condition, a, b)",
+    "np.amax np.nanmax": "np.max(a)",
+    "np.amin np.nanmin": "np.min(a)",
+    "np.average np.median np.nanmean": "np.mean(a)",
+    "np.std np.var": "np.mean((a - np.mean(a)) ** 2)",
+    "np.float64 np.float32": "float(x)",
+    "np.int32 np.int64 np.trunc np.fix math.trunc": "int(x)",
+    "np.floor": "math.floor(x)",
+    "np.ceil": "math.ceil(x)",
+    "np.add np.subtract np.multiply np.divide": "the operators + - * /",
+    "np.fabs np.absolute": "np.abs(x)",
+    "np.full np.full_like np.zeros_like np.ones_like": "value * np.ones(n)",
+    "np.append np.hstack np.r_": "np.concatenate([a, b])",
+    "np.stack np.vstack np.column_stack np.reshape": "a list of vectors: an array has one axis",
+    "np.eye np.identity np.outer np.transpose quat_matrix": "quat_rotate(q, v) and quat_axis(q, i), without matrices",
+    "np.arange np.linspace": "range(n) and a list",
+    "math.fsum np.prod math.prod": "sum(xs), or a product in a loop",
+    "np.nan_to_num np.isnan np.isfinite math.isnan math.isfinite": "a guard with max and min",
+    "np.sinh np.cosh math.sinh math.cosh np.log1p": "np.exp and np.log",
+    "np.log10 math.log10": "np.log(x) / np.log(10)",
+    "np.rint np.around np.round": "round(x)",
+    "np.acos np.asin np.atan np.atan2": "np.arccos, np.arcsin, np.arctan, np.arctan2",
+    "np.logical_and np.logical_or np.logical_not np.bool_": "and, or, not, of single truth values",
+    "np.copy": "the array itself: it cannot be changed",
     "math.dist": "dist(a, b)",
+    "math.hypot": "np.hypot(x, y)",
     "sorted": "max and min, or np.where",
     "reversed": "xs[::-1]",
+    "getattr hasattr": "self.NAME, of the names of this task",
     "isinstance": "the value as it is: what is a number and what a vector is known",
-    "str": "an f-string",
+    "str": "the text itself",
+    "print": "nothing: leave it out",
     "map": "[f(x) for x in xs]",
+    "dict": "{...}",
     "set": "a list",
-    "filter": "[x for x in xs if ...]",
-    "Rotation": "quat_angle, quat_axis, quat_rotate and quat_matrix",
+    "filter": "(x if ... else 0.0) in a list",
+    "p pb pybullet": "self.NAME_pos, self.NAME_quat, self.NAME_vel and self.NAME_hand_contact",
+    "Rotation": "quat_angle, quat_axis and quat_rotate",
 }
+INSTEAD = {name: text for names, text in _INSTEAD.items() for name in names.split()}
 """What to write instead of functions that are not offered."""
 
 
@@ -339,11 +272,10 @@ def _named(prefix: str, table: Table) -> dict[str, Builtin]:
     return {name: builtin(prefix + name, offer) for name, offer in table.items()}
 
 
-BUILTINS: dict[str, Builtin] = {**_named("", OURS), **_named("", PYTHON), "dict": Builtin("dict", _dict)}
+BUILTINS: dict[str, Builtin] = {**_named("", OURS), **_named("", PYTHON)}
 MODULES: dict[str, dict[str, Builtin]] = {"np": _named("np.", NUMPY), "math": _named("math.", MATH)}
 VECTOR_METHODS: dict[str, Builtin] = _named("", METHODS)
-IMPORTABLE = {"numpy": "np", "np": "np", "math": "math", "pybullet": "p", "p": "p"}
-MODULE_NAMES = {"np": "np", "numpy": "np", "math": "math", "p": "p", "pybullet": "p", "pb": "p"}
+MODULE_NAMES = {"np": "np", "numpy": "np", "math": "math"}
 
 
 def instead(name: str) -> str:

@@ -61,10 +61,8 @@ class Meter:
     """Arrays made so far."""
     operations: int = 0
     """Operations on single numbers so far."""
-    cache: dict[str, object] = field(default_factory=dict)
+    cache: dict[str, tuple[object, ...]] = field(default_factory=dict)
     """Components of the quantities read so far."""
-    state_marks: frozenset[int] = frozenset()
-    """Memory of the quantities read so far; see `sharing.py`."""
     zero_axes: list[object] = field(default_factory=list)
     """Numbers that NumPy would hold as arrays without axes."""
     plain: WeakValueDictionary[int, object] = field(default_factory=WeakValueDictionary)

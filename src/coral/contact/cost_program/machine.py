@@ -8,32 +8,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from coral.contact.cost_program.labels import TermNames
+from coral.contact.cost.context import Schema
 from coral.contact.cost_program.library import BUILTINS, MODULE_NAMES, instead
 from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.merging import merge_variables
-from coral.contact.cost_program.pybullet import PyBullet
 from coral.contact.cost_program.scalars import both
-from coral.contact.cost_program.state import StateSpace
 from coral.contact.cost_program.values import Module, Partial, Poison, Scope, Value
 from coral.errors import nearest
 
 Snapshot = list[dict[str, Value]]
-Exit = tuple[Mask | None, Snapshot]
-
-
-@dataclass
-class Loop:
-    """A running loop."""
-
-    sources: tuple[Value, ...] = ()
-    """Containers that it runs over."""
-    turn: int = 0
-    """The present iteration, from 0."""
-    continues: list[Exit] = field(default_factory=list)
-    """States that left the present iteration."""
-    breaks: list[Exit] = field(default_factory=list)
-    """States that left the loop."""
 
 
 @dataclass
@@ -42,50 +25,23 @@ class Machine:
 
     meter: Meter
     """Resources used, and the present line."""
-    space: StateSpace
+    schema: Schema
     """Quantities of `self`."""
-    bullet: PyBullet
-    """Functions of `p`."""
-    terms: TermNames
-    """Names of the addends."""
-    sums: frozenset[str]
-    """Variables of the cost function whose addends are kept."""
     own_names: Mapping[int, frozenset[str]]
     """Variables of every function, by the identity of its node."""
     run: Callable[[Machine, list[ast.stmt]], bool]
     """Runs the body of a function."""
     stack: list[Scope] = field(default_factory=list)
     """Frames of the running functions, the present one last."""
-    loops: list[Loop] = field(default_factory=list)
-    """Loops of the present function, the innermost last."""
-    running: list[Loop] = field(default_factory=list)
-    """Loops of all running functions."""
-    pending: list[Value] = field(default_factory=list)
-    """Containers held by an expression under evaluation."""
-    exited: int = 0
-    """Number of times that some states have left a block."""
-    branching: int = 0
-    """Depth of expressions that count for some states only."""
+    conditions: int = 0
+    """Depth of the present statement in conditions on the state, within its loop."""
+    left: str = ""
+    """Which of `break` and `continue` ended the present block, if one did."""
 
     @property
     def frame(self) -> Scope:
         """Return the variables of the current function."""
         return self.stack[-1]
-
-    def owner(self, name: str) -> Scope | None:
-        """Return the innermost frame that holds a name.
-
-        Raises:
-            CostError: The name is a variable without a value yet.
-        """
-        frame: Scope | None = self.frame
-        while frame is not None:
-            if name in frame.variables:
-                return frame
-            if name in frame.names:
-                raise self.meter.fault("unset", f"{name!r} is read before it is set")
-            frame = frame.parent
-        return None
 
     def lookup(self, name: str) -> Value:
         """Return the value of a name.
@@ -93,14 +49,18 @@ class Machine:
         Raises:
             CostError: There is no such name, or it has no value in some state that reads it.
         """
-        frame = self.owner(name)
-        if frame is not None:
-            return self.usable(frame.variables[name], name)
+        frame: Scope | None = self.frame
+        while frame is not None:
+            if name in frame.variables:
+                return self.usable(frame.variables[name], name)
+            if name in frame.names:
+                raise self.meter.fault("unset", f"{name!r} is read before it is set")
+            frame = frame.parent
         if name in BUILTINS:
             return BUILTINS[name]
         if name in MODULE_NAMES:
             return Module(MODULE_NAMES[name])
-        if self.space.has(name):
+        if name in self.schema:
             raise self.meter.fault("unknown_name", f"{name!r} is not a variable; did you mean self.{name}?")
         known = [*self.frame.names, *BUILTINS]
         raise self.meter.fault(
@@ -144,25 +104,3 @@ class Machine:
         """Take the snapshot's variables in the states where the condition holds."""
         for frame, variables in zip(self.stack, snapshot, strict=True):
             frame.variables = merge_variables(self.meter, condition, variables, frame.variables)
-
-    def collect(self, exits: list[Exit], falls: bool) -> bool:
-        """Merge the states that left a block with those that reached its end; return whether there are any."""
-        exits = list(exits)
-        if not falls:
-            if not exits:
-                return False
-            self.meter.mask, last = exits.pop()
-            self.restore(last)
-        for mask, snapshot in reversed(exits):
-            if mask is None:
-                self.restore(snapshot)
-                self.meter.mask = None
-            else:
-                self.join(mask, snapshot)
-                if self.meter.mask is not None:
-                    self.meter.mask = np.logical_or(mask, self.meter.mask)
-        return True
-
-    def looping(self) -> list[tuple[Value, int]]:
-        """Return the containers that all running loops iterate over, with their current iterations."""
-        return [(source, loop.turn) for loop in self.running for source in loop.sources]

@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.scalars import is_truth, is_whole, where
-from coral.contact.cost_program.sharing import marks_of
-from coral.contact.cost_program.values import (
-    NUMBER,
-    ContactList,
-    DictValue,
-    Partial,
-    Poison,
-    Seq,
-    Value,
-    Vec,
-    is_matrix,
-    kind,
-)
+from coral.contact.cost_program.scalars import is_truth, where
+from coral.contact.cost_program.values import NUMBER, DictValue, Partial, Poison, Seq, Value, Vec, kind
 
 MISSING = object()
-TWO_KINDS = "whole in some states"
-"""Order of an array that NumPy would hold as whole numbers in some states and as decimals in others."""
-
-
-def _sort(value: Vec) -> tuple[bool, bool]:
-    return is_truth(value.items[0]), is_whole(value.items[0])
+K = TypeVar("K")
 
 
 def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
@@ -52,20 +37,14 @@ def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
             meter.zero_axes.append(found)
         return found
     if isinstance(a, Vec) and isinstance(b, Vec) and len(a.items) == len(b.items):
-        items = _merge_items(meter, condition, a.items, b.items)
-        order = a.order if a.order == b.order else ""
-        if not is_matrix(a) and _sort(a) != _sort(b):
-            order = TWO_KINDS
-        return Vec(items, order, marks_of(a) | marks_of(b))
+        return Vec(_merge_items(meter, condition, a.items, b.items))
     if isinstance(a, Seq) and isinstance(b, Seq) and a.kind == b.kind and len(a.items) == len(b.items):
-        return Seq(_merge_items(meter, condition, a.items, b.items), a.kind, marks_of(a) | marks_of(b))
+        return Seq(_merge_items(meter, condition, a.items, b.items), a.kind)
     if isinstance(a, DictValue) and isinstance(b, DictValue):
-        return merge_tables(meter, condition, a, b)
+        merged = merge_variables(meter, condition, a.items, b.items)
+        return DictValue(merged, a.named or b.named, a.shared or b.shared)
     if isinstance(a, str) and isinstance(b, str) and a == b:
         return a
-    if isinstance(a, ContactList) and isinstance(b, ContactList):
-        meter.made()
-        return ContactList(np.where(condition, a.touching, b.touching))
     if isinstance(a, Poison):
         return a
     if isinstance(b, Poison):
@@ -75,15 +54,6 @@ def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
 
 def _merge_items(meter: Meter, condition: Mask, a: tuple[Value, ...], b: tuple[Value, ...]) -> tuple[Value, ...]:
     return tuple(merge(meter, condition, x, y) for x, y in zip(a, b, strict=True))
-
-
-def merge_tables(meter: Meter, condition: Mask, a: DictValue, b: DictValue) -> DictValue:
-    """Merge dicts key by key; a key of only one of them is set in some states only."""
-    keys = [*a.items, *(key for key in b.items if key not in a.items)]
-    return DictValue(
-        {key: merge(meter, condition, a.items.get(key, MISSING), b.items.get(key, MISSING)) for key in keys},
-        marks_of(a) | marks_of(b),
-    )
 
 
 def _partial(mask: Mask, value: Value) -> Value:
@@ -105,8 +75,8 @@ def _merge_partial(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
     return Partial(joined, np.where(condition, mask_a, mask_b))
 
 
-def merge_variables(meter: Meter, condition: Mask, a: dict[str, Value], b: dict[str, Value]) -> dict[str, Value]:
-    """Merge the variables after an `if` whose branches left `a` and `b`."""
+def merge_variables(meter: Meter, condition: Mask, a: dict[K, Value], b: dict[K, Value]) -> dict[K, Value]:
+    """Merge variables or the entries of dicts; what only one side has is set in its states only."""
     names = [*a, *(name for name in b if name not in a)]
     return {name: merge(meter, condition, a.get(name, MISSING), b.get(name, MISSING)) for name in names}
 

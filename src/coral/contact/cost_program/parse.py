@@ -8,19 +8,17 @@ from dataclasses import dataclass
 
 from coral.contact.cost_program.errors import CostError
 from coral.contact.cost_program.extract import WRAPPED, extract
-from coral.contact.cost_program.library import IMPORTABLE, instead
+from coral.contact.cost_program.library import MODULE_NAMES
 from coral.contact.cost_program.limits import LimitsCfg
 
 # fmt: off
 ALLOWED: tuple[type[ast.AST], ...] = (
     ast.Module, ast.FunctionDef, ast.arguments, ast.arg, ast.Return, ast.Assign, ast.AugAssign, ast.AnnAssign,
-    ast.For, ast.If, ast.Expr, ast.Pass, ast.Break, ast.Continue, ast.Import, ast.ImportFrom, ast.alias, ast.BoolOp,
-    ast.BinOp, ast.UnaryOp, ast.Lambda, ast.IfExp, ast.Dict, ast.ListComp, ast.DictComp, ast.GeneratorExp,
-    ast.comprehension, ast.Compare, ast.Call, ast.keyword, ast.Constant, ast.Attribute, ast.Subscript, ast.Starred,
-    ast.Name, ast.List, ast.Tuple, ast.Slice, ast.JoinedStr, ast.FormattedValue, ast.Load, ast.Store, ast.And,
-    ast.Or, ast.Not, ast.USub, ast.UAdd, ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod, ast.Pow,
-    ast.MatMult, ast.BitAnd, ast.BitOr, ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Is, ast.IsNot,
-    ast.In, ast.NotIn,
+    ast.For, ast.If, ast.Expr, ast.Pass, ast.Break, ast.Continue, ast.Import, ast.alias, ast.BoolOp, ast.BinOp,
+    ast.UnaryOp, ast.Lambda, ast.IfExp, ast.Dict, ast.ListComp, ast.GeneratorExp, ast.comprehension, ast.Compare,
+    ast.Call, ast.keyword, ast.Constant, ast.Attribute, ast.Subscript, ast.Name, ast.List, ast.Tuple, ast.Slice,
+    ast.Load, ast.Store, ast.And, ast.Or, ast.Not, ast.USub, ast.UAdd, ast.Add, ast.Sub, ast.Mult, ast.Div,
+    ast.FloorDiv, ast.Mod, ast.Pow, ast.MatMult, ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt, ast.GtE,
 )
 # fmt: on
 WORDS: dict[type[ast.AST], str] = {
@@ -43,6 +41,16 @@ WORDS: dict[type[ast.AST], str] = {
     ast.SetComp: "sets (write a list)",
     ast.NamedExpr: "`:=` (write the assignment on a line of its own)",
     ast.Invert: "~ (write not)",
+    ast.BitAnd: "& (write and)",
+    ast.BitOr: "| (write or)",
+    ast.Is: "`is` (write ==)",
+    ast.IsNot: "`is not` (write !=)",
+    ast.In: "`in` outside a for (write == and or)",
+    ast.NotIn: "`not in` (write != and and)",
+    ast.DictComp: "dicts of a comprehension (write the entries one by one)",
+    ast.Starred: "`*` (write the values one by one)",
+    ast.ImportFrom: "`from` (write np.NAME or math.NAME; for rotations quat_angle, quat_axis and quat_rotate)",
+    ast.JoinedStr: "f-strings (write the text itself)",
 }
 BRACKETS = 60
 
@@ -155,12 +163,12 @@ def _check_node(node: ast.AST, line: int) -> None:
         _check_arguments(node.args, line)
     elif isinstance(node, ast.Constant):
         _check_constant(node, line)
-    elif isinstance(node, ast.Import | ast.ImportFrom):
+    elif isinstance(node, ast.Import):
         _check_import(node, line)
     elif isinstance(node, ast.comprehension) and node.is_async:
         raise CostError("not_allowed", "a cost has no async", line)
-    elif isinstance(node, ast.For) and node.orelse:
-        raise CostError("not_allowed", "a cost has no else after a loop; set a variable in it", line)
+    elif isinstance(node, ast.For):
+        _check_loop(node, line)
 
 
 def _names(node: ast.AST) -> list[str]:
@@ -175,29 +183,32 @@ def _check_function(node: ast.FunctionDef, line: int) -> None:
 
 
 def _check_arguments(arguments: ast.arguments, line: int) -> None:
-    if arguments.vararg or arguments.kwarg:
-        raise CostError("not_allowed", "a cost has no *args and **kwargs in definitions; name the arguments", line)
+    if arguments.vararg or arguments.kwarg or arguments.kwonlyargs or arguments.posonlyargs:
+        raise CostError("not_allowed", "a cost has no `*` and `/` in definitions; name the arguments", line)
+
+
+def _check_loop(node: ast.For, line: int) -> None:
+    if node.orelse:
+        raise CostError("not_allowed", "a cost has no else after a loop; set a variable in it", line)
+    read = {part.id for part in ast.walk(node.iter) if isinstance(part, ast.Name)}
+    for part in ast.walk(node):
+        held = part.value if isinstance(part, ast.Subscript) and isinstance(part.ctx, ast.Store) else None
+        if isinstance(held, ast.Name) and held.id in read:
+            raise CostError("shared", f"{held.id!r} changes in a loop over it; fill another dict", held.lineno)
 
 
 def _check_constant(node: ast.Constant, line: int) -> None:
     value = node.value
-    if not (value is None or value is ... or isinstance(value, bool | int | float | str)):
+    if not (value is None or isinstance(value, bool | int | float | str)):
         raise CostError("not_allowed", f"a cost has no {type(value).__name__} constants", line)
     if isinstance(value, int) and abs(value) > 2**53:
         raise CostError("too_large_number", "whole numbers reach to 2**53", line)
 
 
-def _check_import(node: ast.Import | ast.ImportFrom, line: int) -> None:
-    if isinstance(node, ast.ImportFrom):
-        if node.module in ("typing", "__future__") and not node.level:
-            return
-        modules = [node.module or "."]
-    else:
-        modules = [alias.name for alias in node.names]
-    for module in modules:
-        if module not in IMPORTABLE:
-            hint = instead("Rotation") if module.startswith("scipy") else "; np and math are there already"
-            raise CostError("not_allowed", f"{module!r} cannot be imported{hint}", line)
+def _check_import(node: ast.Import, line: int) -> None:
+    for alias in node.names:
+        if alias.name not in MODULE_NAMES:
+            raise CostError("not_allowed", f"{alias.name!r} cannot be imported; np and math are there already", line)
 
 
 def _entry(tree: ast.Module) -> ast.FunctionDef:
@@ -207,8 +218,6 @@ def _entry(tree: ast.Module) -> ast.FunctionDef:
     if found is None:
         raise CostError("no_function", "there is no `def state_cost(self):`")
     arguments = found.args
-    positional = [*arguments.posonlyargs, *arguments.args]
-    without = len(positional) - len(arguments.defaults)
-    if not positional or without > 1 or any(default is None for default in arguments.kw_defaults):
+    if not arguments.args or len(arguments.args) - len(arguments.defaults) > 1:
         raise CostError("no_function", f"{found.name} takes one argument: `def state_cost(self):`", found.lineno)
     return found

@@ -11,17 +11,13 @@ from coral.contact.cost.context import Array, Context, Schema, Terms
 from coral.contact.cost_program.arithmetic import binary
 from coral.contact.cost_program.calls import leave, outcome
 from coral.contact.cost_program.errors import LONGEST_NAME, CostError, is_term_name
-from coral.contact.cost_program.labels import TermNames
 from coral.contact.cost_program.limits import LimitsCfg, Meter
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import filled
 from coral.contact.cost_program.parse import parse
-from coral.contact.cost_program.pybullet import PyBullet
-from coral.contact.cost_program.state import HANDLES, StateSpace
 from coral.contact.cost_program.statements import own_names, run_block
-from coral.contact.cost_program.sums import summed_variables
 from coral.contact.cost_program.trace import Trace, Traced
-from coral.contact.cost_program.values import NUMBER, DictValue, Scope, Seq, State, Value, kind
+from coral.contact.cost_program.values import NUMBER, DictValue, Function, Scope, State, Value, kind
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,15 +54,12 @@ class CostProgram:
         self.name, self.schema, self.limits = name, dict(schema), limits or LimitsCfg()
         self.parsed = parse(source, self.limits)
         self.source = self.parsed.source
-        self.space = StateSpace(self.schema)
-        self.bullet = PyBullet(self.space)
-        self.names = TermNames(self.source)
-        self.sums = summed_variables(self.parsed.entry)
         self.module_names = own_names(self.parsed.tree.body)
         self.own_names = {
             id(node): own_names(node.body) for node in ast.walk(self.parsed.tree) if isinstance(node, ast.FunctionDef)
         }
-        self.reads = self._reads()
+        read = {node.attr for node in ast.walk(self.parsed.tree) if isinstance(node, ast.Attribute)}
+        self.reads = sorted(read & self.schema.keys())
 
     def __call__(self, state: Context) -> Terms:
         """Return the terms of every state, each Shape=(K, H).
@@ -129,56 +122,39 @@ class CostProgram:
         lines = self.source.split("\n")
         return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
 
-    def term_line(self, term: str) -> int:
-        """Return the line that a term of a sum comes from; 0 if unknown."""
-        return self.names.line_of.get(term, 0)
-
     def _run(self, meter: Meter) -> Evaluated:
         module = Scope(None, self.module_names)
-        machine = Machine(meter, self.space, self.bullet, self.names, self.sums, self.own_names, run_block, [module])
-        run_block(machine, self.parsed.tree.body)
+        machine = Machine(meter, self.schema, self.own_names, run_block, [module])
+        if not run_block(machine, self.parsed.tree.body):
+            raise meter.fault("syntax", "not Python: `return`, `break` or `continue` outside a function")
         entry = self.parsed.entry
-        arguments = [*entry.args.posonlyargs, *entry.args.args]
         function = module.variables[entry.name]
-        defaults = getattr(function, "defaults", {})
-        variables: dict[str, Value] = {**defaults, arguments[0].arg: State()}
-        frame = Scope(module, self.own_names[id(entry)] | {argument.arg for argument in arguments}, True, variables)
+        assert isinstance(function, Function)
+        variables: dict[str, Value] = {**function.defaults, function.arguments[0]: State()}
+        frame = Scope(module, function.names, variables)
         if "terms" not in frame.names and "terms" not in module.names:
-            variables["terms"] = DictValue({})
+            variables["terms"] = DictValue({}, named=True)
         machine.stack.append(frame)
         if run_block(machine, entry.body):
-            leave(machine, *self._at_end(machine, frame))
-        value, ledger = outcome(machine, frame, entry.name)
+            filled_terms = frame.variables.get("terms")
+            leave(machine, filled_terms if isinstance(filled_terms, DictValue) and filled_terms.items else None)
+        value = outcome(machine, frame, entry.name)
         meter.line = 0
-        return self._evaluated(machine, value, ledger)
+        return self._evaluated(machine, value)
 
-    def _at_end(self, machine: Machine, frame: Scope) -> tuple[Value, Value]:
-        """Return the cost of a function that ends without `return`, if it filled `terms`."""
-        terms = frame.variables.get("terms")
-        return (terms, None) if isinstance(terms, DictValue) and terms.items else (None, None)
-
-    def _evaluated(self, machine: Machine, value: Value, ledger: Value) -> Evaluated:
+    def _evaluated(self, machine: Machine, value: Value) -> Evaluated:
         meter = machine.meter
-        if (
-            isinstance(value, Seq)
-            and value.kind == "tuple"
-            and len(value.items) == 2
-            and isinstance(value.items[1], DictValue)
-        ):
-            value, ledger = value.items[0], None  # (cost, parts): only the cost is used
         if value is None:
             raise meter.fault("no_return", "some state reaches the end of the function without a return")
-        if isinstance(value, DictValue):
-            terms = self._terms(machine, value)
-            total: Value = 0.0
+        if isinstance(value, NUMBER):
+            terms: dict[str, Value] = {"cost": value}
+            total: Value = value
+        elif isinstance(value, DictValue):
+            terms, total = self._terms(machine, value), 0.0
             for term in terms.values():
                 total = binary(meter, "+", total, term)
         else:
-            if not isinstance(value, NUMBER):
-                raise meter.fault("wrong_return", f"the cost is a number or a dict of named numbers, not {kind(value)}")
-            total = value
-            named = isinstance(ledger, DictValue) and 0 < len(ledger.items) <= self.limits.terms
-            terms = self._terms(machine, ledger) if named and isinstance(ledger, DictValue) else {"cost": value}
+            raise meter.fault("wrong_return", f"the cost is a number or a dict of named numbers, not {kind(value)}")
         cost = self._batch(machine, total)
         return Evaluated(
             cost, {name: self._batch(machine, term) for name, term in terms.items()}, meter.steps, meter.arrays
@@ -204,29 +180,6 @@ class CostProgram:
     def _batch(self, machine: Machine, value: Value) -> Array:
         machine.meter.made()
         return np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), machine.meter.context.shape))
-
-    def _reads(self) -> list[str]:
-        """Return the quantities of the schema that the program may read."""
-        found: set[str] = set()
-        for node in ast.walk(self.parsed.tree):
-            name = node.attr if isinstance(node, ast.Attribute) else None
-            if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                name = node.value
-            if name is None or name in HANDLES:
-                continue
-            found.update(self.space.quantities(name))
-            found.update(self._read_by_bullet(name))
-        return sorted(found)
-
-    def _read_by_bullet(self, name: str) -> list[str]:
-        things = self.space.objects
-        needed = {
-            "getLinkState": ["ee_pos", "ee_quat", "ee_vel", "ee_angvel"],
-            "getBasePositionAndOrientation": [f"{t}_{part}" for t in things for part in ("pos", "quat")],
-            "getBaseVelocity": [f"{t}_{part}" for t in things for part in ("vel", "angvel")],
-            "getContactPoints": [quantity for quantity in self.schema if quantity.endswith("_contact")],
-        }
-        return [quantity for quantity in needed.get(name, []) if quantity in self.schema]
 
 
 def _short(name: Value) -> str:

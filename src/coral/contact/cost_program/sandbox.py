@@ -133,7 +133,7 @@ class Sandbox:
             distances.append([distance.line, [list(part.shape) for part in parts]])
             for part in parts:
                 end = self._put(end, part)
-        return {"terms": list(terms), "distances": distances, "lines": {t: program.term_line(t) for t in terms}}
+        return {"terms": list(terms), "distances": distances}
 
     def _view(self, offset: int, shape: list[int], vector: bool) -> NDArray[np.float64]:
         view = self.memory[offset : offset + math.prod(shape)].reshape(shape)

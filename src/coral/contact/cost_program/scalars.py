@@ -10,8 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.sharing import ONE_PASS
-from coral.contact.cost_program.values import NUMBER, ContactList, DictValue, Number, Seq, Value, Vec, kind
+from coral.contact.cost_program.values import NUMBER, DictValue, Number, Seq, Value, Vec, kind
 
 LARGEST_INT = 2**53  # the largest whole number that stays exact among arrays of float64
 
@@ -58,8 +57,6 @@ def number(meter: Meter, value: Value) -> Number:
         return int(value)
     if isinstance(value, int | float):
         return value
-    if isinstance(value, ContactList):
-        raise meter.fault("wrong_type", "a list of contact points is no number; use len(...)")
     raise meter.fault("wrong_type", f"a number is needed here, not {kind(value)}")
 
 
@@ -85,15 +82,12 @@ def truth(meter: Meter, value: Value) -> bool | Mask:
             return value
         meter.made()
         return cast(Mask, value != 0)
-    if isinstance(value, ContactList):
-        return value.touching
     if value is None or isinstance(value, bool | int | float | str):
         return bool(value)
-    if isinstance(value, Seq | DictValue):
-        return bool(value.items) or (isinstance(value, Seq) and value.kind in ONE_PASS)
-    if isinstance(value, Vec):
-        raise meter.fault("wrong_type", f"{kind(value)} is neither true nor false; use its norm, np.any or np.all")
-    return True
+    if isinstance(value, Seq | DictValue) and getattr(value, "kind", "") != "iterator":
+        return bool(value.items)
+    use = "; use its norm, np.any or np.all" if isinstance(value, Vec) else ""
+    raise meter.fault("wrong_type", f"{kind(value)} is neither true nor false{use}")
 
 
 def where(meter: Meter, condition: Mask, a: Value, b: Value) -> Number:

@@ -8,19 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from coral.contact.cost_program.assigning import assign, augment, change
-from coral.contact.cost_program.binding import storable
-from coral.contact.cost_program.calls import CHANGERS, leave
+from coral.contact.cost_program.assigning import assign, assign_to, augment
+from coral.contact.cost_program.calls import leave
 from coral.contact.cost_program.expressions import evaluate, make_function
-from coral.contact.cost_program.library import CONSTANTS, IMPORTABLE, MODULES
-from coral.contact.cost_program.loops import leave_loop, next_turn, run_for
+from coral.contact.cost_program.library import MODULE_NAMES
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.scalars import truth
-from coral.contact.cost_program.sums import evaluate_sum
-from coral.contact.cost_program.values import Module, Value
-
-CHANGED_BY = ("append", "extend", "update", "pop", "setdefault", "insert", "remove", "clear", "sort", "reverse", "fill")
-"""Methods that change a list, a dict or an array."""
+from coral.contact.cost_program.values import Module, entries
 
 
 def run_block(machine: Machine, body: list[ast.stmt]) -> bool:
@@ -37,46 +31,12 @@ def run_block(machine: Machine, body: list[ast.stmt]) -> bool:
 
 
 def _expression(machine: Machine, node: Any) -> bool:
-    value = node.value
-    if isinstance(value, ast.Constant):
-        return True
-    if isinstance(value, ast.Call) and isinstance(value.func, ast.Attribute) and value.func.attr in CHANGERS:
-        change(machine, value, value.func)
-        return True
-    if isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and _is_print(machine, value):
-        return True
-    evaluate(machine, value)
-    return True
-
-
-def _is_print(machine: Machine, node: ast.Call) -> bool:
-    """Check for Python's print, which is skipped together with its arguments.
-
-    Raises:
-        CostError: An argument could change something.
-    """
-    if not isinstance(node.func, ast.Name) or node.func.id != "print" or machine.owner("print") is not None:
-        return False
-    for part in ast.walk(node):
-        called = part.func if isinstance(part, ast.Call) and part is not node else None
-        own = isinstance(called, ast.Name) and machine.owner(called.id) is not None
-        method = isinstance(called, ast.Attribute) and called.attr in CHANGED_BY
-        if isinstance(part, ast.Lambda) or own or method:
-            raise machine.meter.fault(
-                "not_allowed",
-                "print is ignored, so it may call neither functions of the program nor what changes a list",
-            )
+    evaluate(machine, node.value)
     return True
 
 
 def _return(machine: Machine, node: Any) -> bool:
-    if node.value is None:
-        leave(machine, None, None)
-    elif machine.frame.entry:
-        value, ledger = evaluate_sum(machine, node.value, "")
-        leave(machine, value, ledger)
-    else:
-        leave(machine, storable(machine, evaluate(machine, node.value)), None)
+    leave(machine, None if node.value is None else evaluate(machine, node.value))
     return False
 
 
@@ -84,16 +44,18 @@ def _if(machine: Machine, node: Any) -> bool:
     met = truth(machine.meter, evaluate(machine, node.test))
     if isinstance(met, bool):
         return run_block(machine, node.body if met else node.orelse)
-    before, outer, exited = machine.snapshot(), machine.meter.mask, machine.exited
+    before, outer, exits = machine.snapshot(), machine.meter.mask, len(machine.frame.exits)
+    machine.conditions += 1
     machine.meter.mask = machine.narrowed(met, outer)
     then_falls = run_block(machine, node.body)
     then_mask, then = machine.meter.mask, machine.snapshot()
     machine.restore(before)
     machine.meter.mask = machine.narrowed(~met, outer)
     else_falls = run_block(machine, node.orelse)
+    machine.conditions -= 1
     if then_falls and else_falls:
         machine.join(met, then)
-        if machine.exited == exited:
+        if len(machine.frame.exits) == exits:
             machine.meter.mask = outer
         else:
             machine.meter.mask = np.logical_or(then_mask, machine.meter.mask)
@@ -102,6 +64,34 @@ def _if(machine: Machine, node: Any) -> bool:
         machine.restore(then)
         machine.meter.mask = then_mask
     return then_falls or else_falls
+
+
+def _for(machine: Machine, node: Any) -> bool:
+    items = entries(machine.meter, evaluate(machine, node.iter))
+    if len(items) > machine.meter.cfg.loop:
+        raise machine.meter.fault("steps", f"a loop has at most {machine.meter.cfg.loop} turns")
+    outer, machine.conditions, falls = machine.conditions, 0, True
+    for item in items:
+        machine.meter.step(node.lineno)
+        assign_to(machine, node.target, item)
+        falls = run_block(machine, node.body)
+        left, machine.left = machine.left, ""
+        if left == "break" or not (falls or left):
+            falls = bool(left)
+            break
+        falls = True
+    machine.conditions = outer
+    return falls
+
+
+def _leave_turn(machine: Machine, node: Any) -> bool:
+    """Run `break` or `continue`."""
+    machine.left = "break" if isinstance(node, ast.Break) else "continue"
+    if machine.conditions:
+        raise machine.meter.fault(
+            "not_fixed", f"`{machine.left}` depends on the state; write an `if` around the rest of the loop instead"
+        )
+    return False
 
 
 def _pass(machine: Machine, node: Any) -> bool:
@@ -124,7 +114,7 @@ def own_names(body: list[ast.stmt]) -> frozenset[str]:
         if isinstance(node, ast.FunctionDef):
             found.add(node.name)
             continue
-        if isinstance(node, ast.Lambda | ast.ListComp | ast.DictComp | ast.GeneratorExp):
+        if isinstance(node, ast.Lambda | ast.ListComp | ast.GeneratorExp):
             continue
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
             found.add(node.id)
@@ -136,19 +126,7 @@ def own_names(body: list[ast.stmt]) -> frozenset[str]:
 
 def _import(machine: Machine, node: Any) -> bool:
     for alias in node.names:
-        machine.frame.variables[alias.asname or alias.name] = Module(IMPORTABLE[alias.name])
-    return True
-
-
-def _import_from(machine: Machine, node: Any) -> bool:
-    if node.module in ("typing", "__future__"):
-        return True
-    for alias in node.names:
-        module = IMPORTABLE[node.module]
-        found: Value = CONSTANTS.get(module, {}).get(alias.name, MODULES.get(module, {}).get(alias.name))
-        if found is None:
-            raise machine.meter.fault("unknown_name", f"{node.module} has no {alias.name!r} here")
-        machine.frame.variables[alias.asname or alias.name] = found
+        machine.frame.variables[alias.asname or alias.name] = Module(MODULE_NAMES[alias.name])
     return True
 
 
@@ -159,11 +137,10 @@ EXECUTORS: dict[type[ast.AST], Callable[[Machine, Any], bool]] = {
     ast.AugAssign: augment,
     ast.Return: _return,
     ast.If: _if,
-    ast.For: run_for,
-    ast.Break: leave_loop,
-    ast.Continue: next_turn,
+    ast.For: _for,
+    ast.Break: _leave_turn,
+    ast.Continue: _leave_turn,
     ast.Pass: _pass,
     ast.FunctionDef: _define,
     ast.Import: _import,
-    ast.ImportFrom: _import_from,
 }

@@ -2,7 +2,7 @@
 
 A number is a Python number, or an array of one number per state, Shape=(K, H), of float64, int64 or bool. A vector is
 a tuple of numbers, never an array with one more axis, so that code written for one state runs on a batch without any
-guess about axes.
+guess about axes. Nothing but a dict can be changed, so a second name for a value never matters.
 """
 
 from __future__ import annotations
@@ -18,54 +18,37 @@ from coral.contact.cost_program.limits import Mask, Meter
 
 Value = object
 Number = bool | int | float | NDArray[np.float64] | NDArray[np.int64] | NDArray[np.bool_]
-Marks = frozenset[int]
-"""Numbers of pieces of memory."""
 NUMBER = (bool, int, float, np.ndarray)
 
 
+@dataclass(frozen=True, eq=False, slots=True)
 class Vec:
-    """A vector, or a matrix as a vector of rows: what NumPy calls an array.
+    """A vector: what NumPy calls an array with one axis."""
 
-    Args:
-        items: Numbers, or vectors of one length.
-        order: "wxyz" or "xyzw" when it is known to be a quaternion.
-        marks: Its memory, None until asked for; see `sharing.py`.
-    """
-
-    __slots__ = ("items", "marks", "order")
-
-    def __init__(self, items: tuple[Value, ...], order: str = "", marks: Marks | None = None) -> None:
-        self.items, self.order, self.marks = items, order, marks
+    items: tuple[Value, ...]
+    """Its numbers."""
 
 
+@dataclass(frozen=True, eq=False, slots=True)
 class Seq:
-    """A list, or another iterable.
+    """A list, or another iterable."""
 
-    Args:
-        items: The entries.
-        kind: "list", "tuple" or "range"; "view" (keys or items) or "values" of a dict; "iterator" or "generator", for
-            one pass.
-        marks: See `Vec`.
-    """
-
-    __slots__ = ("items", "kind", "marks", "used")
-
-    def __init__(self, items: tuple[Value, ...], kind: str = "list", marks: Marks | None = None) -> None:
-        self.items, self.kind, self.marks, self.used = items, kind, marks, False
+    items: tuple[Value, ...]
+    """The entries."""
+    kind: str = "list"
+    """"list", "tuple" or "range"; "iterator" for what Python computes on demand, which is used where it is made."""
 
 
+@dataclass(eq=False, slots=True)
 class DictValue:
-    """A dict with texts or integers as keys.
+    """A dict with texts or integers as keys."""
 
-    Args:
-        items: The entries.
-        marks: See `Vec`.
-    """
-
-    __slots__ = ("items", "marks")
-
-    def __init__(self, items: dict[Value, Value], marks: Marks | None = None) -> None:
-        self.items, self.marks = items, marks
+    items: dict[Value, Value]
+    """The entries."""
+    named: bool = False
+    """Whether a name or a container holds it."""
+    shared: bool = False
+    """Whether a second one does, so that it cannot be changed any more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,22 +69,8 @@ class Poison:
 
 
 @dataclass(frozen=True, eq=False)
-class BodyHandle:
-    """A PyBullet body id, or another handle of the simulator: `hand`, an object, a fixture, or `other`."""
-
-    name: str
-
-
-@dataclass(frozen=True, eq=False)
-class ContactList:
-    """A list of contact points, of which only emptiness is known."""
-
-    touching: Mask
-
-
-@dataclass(frozen=True, eq=False)
 class Module:
-    """The module `np`, `math` or `p`, or a part of one."""
+    """The module `np`, `np.linalg` or `math`."""
 
     name: str
 
@@ -118,8 +87,6 @@ class Builtin:
     """Its name."""
     call: Callable[[Meter, list[Value], dict[str, Value]], Value]
     """The function."""
-    bound: Value = None
-    """The value whose method it is."""
 
 
 @dataclass(eq=False)
@@ -130,10 +97,9 @@ class Scope:
     """Frame of the function around its definition."""
     names: frozenset[str]
     """Its own names."""
-    entry: bool = False
-    """Whether it is the cost function itself, whose sums are kept as named terms."""
     variables: dict[str, Value] = field(default_factory=dict)
-    exits: list[tuple[Mask | None, Value, Value]] = field(default_factory=list)
+    exits: list[tuple[Mask | None, Value]] = field(default_factory=list)
+    """What was returned, and in which states; None for all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,19 +107,11 @@ class Function:
     """A function that the program defines."""
 
     name: str
-    arguments: ast.arguments
+    arguments: list[str]
     body: list[ast.stmt] | ast.expr
     defaults: dict[str, Value]
     frame: Scope
     names: frozenset[str]
-
-
-SEQ_WORDS = {
-    "iterator": "an iterator",
-    "generator": "a generator",
-    "view": "a view of a dict",
-    "values": "a view of a dict",
-}
 
 
 def kind(value: Value) -> str:
@@ -165,9 +123,9 @@ def kind(value: Value) -> str:
     if isinstance(value, int | float):
         return "a number"
     if isinstance(value, Vec):
-        return f"a matrix of {len(value.items)} rows" if is_matrix(value) else f"a vector of {len(value.items)}"
+        return f"a vector of {len(value.items)}"
     if isinstance(value, Seq):
-        return SEQ_WORDS.get(value.kind, f"a {value.kind} of {len(value.items)}")
+        return "an iterator" if value.kind == "iterator" else f"a {value.kind} of {len(value.items)}"
     words = {
         DictValue: "a dict",
         str: "a text",
@@ -175,8 +133,6 @@ def kind(value: Value) -> str:
         Builtin: "a function",
         Module: "a module",
         State: "self",
-        BodyHandle: "a body id",
-        ContactList: "a list of contact points",
         type(None): "None",
         Partial: "a value that is not set in every state",
         Poison: "a value of two kinds",
@@ -184,14 +140,15 @@ def kind(value: Value) -> str:
     return words.get(type(value), "such a value")
 
 
-def is_matrix(value: Value) -> bool:
-    """Check whether the value is a vector of vectors."""
-    return isinstance(value, Vec) and bool(value.items) and isinstance(value.items[0], Vec)
+def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
+    """Return the entries that a loop over the value visits.
 
-
-def depth(value: Value) -> int:
-    """Count the axes of an array; a number has none."""
-    return (2 if is_matrix(value) else 1) if isinstance(value, Vec) else 0
+    Raises:
+        CostError: The value is not iterable.
+    """
+    if isinstance(value, Seq | Vec | DictValue):
+        return tuple(value.items)
+    raise meter.fault("wrong_type", f"{kind(value)} cannot be looped over")
 
 
 def weight(value: Value, cap: int) -> int:

@@ -161,7 +161,6 @@ class CostWorker:
             terms: Terms = {}
             for name in names:
                 terms[name], offset = self._copy_shared(offset, state.shape)
-            cost.lines = {name: ran.lines.get(name, 0) for name in names}
             distances = []
             for line, shapes in ran.distances:
                 parts = []
@@ -314,7 +313,6 @@ class WorkerCost:
         self.schema = dict(schema)
         self.source = given
         self.reads: list[str] = []
-        self.lines: dict[str, int] = {}
 
     def __call__(self, state: Context) -> Terms:
         """Return the terms of every state, each Shape=(K, H).
@@ -343,10 +341,6 @@ class WorkerCost:
         """Return the text of a line."""
         lines = self.source.split("\n")
         return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
-
-    def term_line(self, term: str) -> int:
-        """Return the line that a term of a sum comes from; 0 if unknown."""
-        return self.lines.get(term, 0)
 
 
 def _unnamed_file(size: int) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 from coral.contact.cost.context import Array, Context, Cost
 from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.attraction import DIRECTIONS, STRIDES, Attraction, at_rest, cost_at, descend, total_cost
-from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable, quoted
+from coral.contact.plan.cost_fault import CostCheckCfg, CostFault
 from coral.contact.scene.geometry import from_rotvec, multiply, rotation_of
 
 SPACING_M = 0.004
@@ -51,25 +51,24 @@ def gate_barriers(cost: Cost, values: Mapping[str, Any], attraction: Attraction,
     least = cfg.jump * attraction.span
     if least <= 0.0:
         return []
-    met: dict[str, list[tuple[float, int, Array, Array]]] = {}
+    met: dict[str, list[tuple[float, Array]]] = {}
     for end, reached in zip(attraction.ends, attraction.reached, strict=True):
         wall = _wall_around(cost, dict(values), end, float(reached), least, cfg)
         if wall is not None:
             before, after, rise = wall
             name, _ = nearest_object(values, after)
-            line = _risen_line(cost, values, before, after)
-            met.setdefault(name, []).append((rise, line, before, after))
+            met.setdefault(name, []).append((rise, before))
     faults = []
     for name, walls in met.items():
         if 2 * len(walls) < len(attraction.ends):
             continue
-        rise, line, before, _ = sorted(walls, key=lambda wall: wall[0])[len(walls) // 2]
+        rise, before = sorted(walls, key=lambda wall: wall[0])[len(walls) // 2]
         _, distance = nearest_object(values, before)
         faults.append(
             CostFault(
                 "barrier",
-                line,
-                f"{quoted(cost, line)}the cost leads the hand towards the {name} and jumps up by {rise:.3g} when it is "
+                0,
+                f"the cost leads the hand towards the {name} and jumps up by {rise:.3g} when it is "
                 f"{max(distance, 0.0):.2f} m away, and nothing nearer is cheaper, so the hand stays outside; subtract "
                 "a bonus for what you want there instead",
             )
@@ -128,15 +127,6 @@ def nearest_object(values: Mapping[str, Any], point: Array) -> tuple[str, float]
     return (min(found)[1], min(found)[0]) if found else ("", np.inf)
 
 
-def _risen_line(cost: Cost, values: Mapping[str, Any], before: Array, after: Array) -> int:
-    """Return the line of the term that rises most from one place to another; 0 if unknown."""
-    if not isinstance(cost, Traceable):
-        return 0
-    terms = cost(Context({**values, "ee_pos": np.stack([before, after])[:, None, :]}, (2, 1)))
-    name = max(terms, key=lambda term: float(np.ptp(np.broadcast_to(np.asarray(terms[term]), (2, 1)))))
-    return cost.term_line(name)
-
-
 def touch_barriers(cost: Cost, pool: Context, attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
     """Return faults for costs that begin to count something else once the hand touches what it is led to.
 
@@ -167,22 +157,16 @@ def touch_barriers(cost: Cost, pool: Context, attraction: Attraction, cfg: CostC
         }
         shape = (len(free), 1)
         touching = {**apart, **{name: np.ones(shape) for name in flags}}
-        terms = cost(Context(touching, shape))
-        rise = (total_cost(terms, shape) - total_cost(cost(Context(apart, shape)), shape))[:, 0]
+        rise = (total_cost(cost(Context(touching, shape)), shape) - total_cost(cost(Context(apart, shape)), shape))[
+            :, 0
+        ]
         if np.median(rise) <= max(cfg.jump, 0.5) * attraction.span or np.ptp(rise) <= 1e-9:
             continue
-        before = cost(Context(apart, shape))
-        line = 0
-        if isinstance(cost, Traceable):
-            grown = {
-                name: float(np.median(np.asarray(terms[name]) - np.asarray(before.get(name, 0.0)))) for name in terms
-            }
-            line = cost.term_line(max(grown, key=lambda name: grown[name]))
         faults.append(
             CostFault(
                 "barrier",
-                line,
-                f"{quoted(cost, line)}the cost leads the hand to the {thing} and rises by {np.median(rise):.3g} when "
+                0,
+                f"the cost leads the hand to the {thing} and rises by {np.median(rise):.3g} when "
                 "it touches it, more than the way there gains, so the hand stays away; let what begins there count "
                 "before the touch too, or subtract a larger bonus for it",
             )

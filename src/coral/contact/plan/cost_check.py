@@ -17,7 +17,7 @@ from coral.contact.cost.context import Array, Context, Cost, Derived, Terms
 from coral.contact.cost_program.errors import CostError
 from coral.contact.plan.attraction import at_rest, follow_cost
 from coral.contact.plan.barrier_check import gate_barriers, touch_barriers
-from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable
+from coral.contact.plan.cost_fault import CostCheckCfg, CostFault
 from coral.contact.plan.reach_check import unreachable
 
 STATES = 200
@@ -45,10 +45,10 @@ def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None
         evaluated.append((sample, terms))
     if not evaluated:
         return []
-    faults = _constant_faults(cost, evaluated)
+    faults = _constant_faults(evaluated)
     if faults:
         return faults
-    return [*verify_approach(cost, samples, cfg), *_idle_faults(cost, evaluated)]
+    return [*verify_approach(cost, samples, cfg), *_idle_faults(evaluated)]
 
 
 def verify_approach(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None = None) -> list[CostFault]:
@@ -122,7 +122,7 @@ def _sum(terms: Terms, shape: tuple[int, int]) -> Array:
     return total
 
 
-def _constant_faults(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
+def _constant_faults(evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
     for sample, terms in evaluated:
         rollouts = _sum(terms, sample.shape).sum(axis=1)
         if np.ptp(rollouts) > 1e-9 * (1.0 + np.abs(rollouts).max()):
@@ -137,14 +137,13 @@ def _constant_faults(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list
     ]
 
 
-def _idle_faults(cost: Cost, evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
+def _idle_faults(evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
     """Find terms that never change: no reason to refuse, since a phase may not have begun, but worth reporting."""
     faults = []
     for name in evaluated[0][1]:
         values = [np.asarray(terms[name]) for _, terms in evaluated if name in terms]
         low, high = min(float(v.min()) for v in values), max(float(v.max()) for v in values)
         if high - low <= 1e-12 * (1.0 + abs(high)):
-            line = cost.term_line(name) if isinstance(cost, Traceable) else 0
             text = f"the term {name!r} is {high + 0.0:g} in every sampled state, so it guides nothing yet"
-            faults.append(CostFault("constant", line, text, fatal=False))
+            faults.append(CostFault("constant", 0, text, fatal=False))
     return faults

@@ -51,10 +51,6 @@ class Traceable(Protocol):
         """Return the text of a line."""
         ...
 
-    def term_line(self, term: str) -> int:
-        """Return the line of a term."""
-        ...
-
 
 def quoted(cost: object, line: int) -> str:
     """Return "line N (`text`): " for the start of a reason; "" if the line is unknown."""
