@@ -44,7 +44,7 @@ REFUSED = {
         "a function's own dicts",
     ),
     "values kept": ("d = {'a': 1.0}\nvs = d.values()\nd['a'] = 2.0\nreturn sum(vs)", "wrong_type", "write list(...)"),
-    "method kept": ("d = {'a': 1.0}\ng = d.get\nd['a'] = 2.0\nreturn g('a')", "not_allowed", "is called at once"),
+    "method kept": ("d = {'a': 1.0}\ng = d.values\nd['a'] = 2.0\nreturn sum(g())", "not_allowed", "is called at once"),
     "dict that a loop reads": (
         "d = {'a': 1.0, 'b': 2.0}\nfor k in d:\n    d[k] = 2.0\nreturn d['a']",
         "shared",

@@ -13,8 +13,7 @@ SAME = {
     ),
     "method kept in a variable": "f = self.ee_pos.dot\nreturn f(self.box_pos)",
     "methods of a dict": (
-        "d = {'a': self.time, 'c': 2.0}\n"
-        "return d.get('b', 5.0) + sum(d.values()) + len(list(d.keys())) + sum(v for _, v in d.items())"
+        "d = {'a': self.time, 'c': 2.0}\nreturn sum(d.values()) + len(list(d.keys())) + sum(v for _, v in d.items())"
     ),
     "shadowed builtin": "def max(a, b):\n    return a - b\nreturn max(self.time, 3.0)",
 }
@@ -31,6 +30,7 @@ REFUSED = {
         "end it with a return",
     ),
     "append inside an expression": ("L = []\nreturn L.append(1.0)", "unknown_attribute", "xs = xs + [x]"),
+    "argument of a method of a dict": ("d = {'a': 1.0}\nreturn sum(d.values(2))", "wrong_call", "takes no arguments"),
     "index by argmin": ("return np.argmin(self.ee_pos)", "unknown_attribute", "no 'argmin'"),
     "misspelt method": ("return self.ee_pos.summ()", "unknown_attribute", "did you mean 'sum'?"),
     "module of the paper": ("return p.getLinkState(self.panda)[0][0]", "unknown_name", "write self.NAME_pos"),

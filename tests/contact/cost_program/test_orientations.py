@@ -20,27 +20,18 @@ def wxyz(rotation):
 def test_functions_of_one_orientation_agree_with_scipy(meter):
     v = [0.2, -0.5, 1.1]
     np.testing.assert_allclose(o.quat_rotate(meter, wxyz(A), Vec(tuple(v))).items, A.apply(v))
-    np.testing.assert_allclose(o.quat_euler(meter, wxyz(A)).items, A.as_euler("xyz"))
     for axis in range(3):
         np.testing.assert_allclose(o.quat_axis(meter, wxyz(A), axis).items, A.as_matrix()[:, axis])
 
 
 def test_functions_of_two_orientations_agree_with_scipy(meter):
     assert o.quat_angle(meter, wxyz(A), wxyz(B)) == pytest.approx((B * A.inv()).magnitude())
-    np.testing.assert_allclose(o.quat_multiply(meter, wxyz(A), wxyz(B)).items, wxyz(A * B).items)
-    back = o.quat_multiply(meter, wxyz(A), o.quat_inverse(meter, wxyz(A)))
-    np.testing.assert_allclose(back.items, [1.0, 0.0, 0.0, 0.0], atol=1e-12)
 
 
 def test_both_signs_of_a_quaternion_are_one_orientation(meter):
     opposite = Vec(tuple(-x for x in wxyz(A).items))
     assert o.quat_angle(meter, wxyz(A), opposite) == pytest.approx(0.0, abs=1e-12)
     assert o.quat_angle(meter, Vec((1.0, 0.0, 0.0, 0.0)), Vec((0.0, 1.0, 0.0, 0.0))) == pytest.approx(math.pi)
-
-
-def test_the_euler_angles_of_a_quaternion_do_not_depend_on_its_length(meter):
-    longer = Vec(tuple(3.0 * x for x in wxyz(A).items))
-    np.testing.assert_allclose(o.quat_euler(meter, longer).items, A.as_euler("xyz"))
 
 
 def test_an_axis_and_a_vector_that_are_none_are_refused(meter):

@@ -106,10 +106,10 @@ STYLES = {
                      "effort": np.sum(np.square(self.last_action))}
             return sum(weights[k] * terms[k] for k in weights)
     """,
-    "dict of weights with get": """
+    "dict of two weights": """
         def state_cost(self):
             w = {"reach": 2.0, "lift": 1.0}
-            return w.get("reach", 1.0) * self.time + w.get("spin", 0.5) * self.gripper_opening
+            return w["reach"] * self.time + w["lift"] * self.gripper_opening
     """,
     "named terms returned": """
         def state_cost(self):

@@ -9,8 +9,9 @@ import numpy as np
 
 from coral.contact.cost_program.binding import hold
 from coral.contact.cost_program.library import CONSTANTS, MODULES, VECTOR_METHODS, instead
+from coral.contact.cost_program.limits import Meter
 from coral.contact.cost_program.machine import Machine
-from coral.contact.cost_program.merging import filled, merge
+from coral.contact.cost_program.merging import merge
 from coral.contact.cost_program.state import read_quantity
 from coral.contact.cost_program.values import (
     Builtin,
@@ -18,7 +19,6 @@ from coral.contact.cost_program.values import (
     Function,
     Module,
     Partial,
-    Poison,
     Scope,
     Seq,
     State,
@@ -46,8 +46,13 @@ def attribute(machine: Machine, base: Value, name: str) -> Value:
         method = VECTOR_METHODS[name]
         return Builtin(name, lambda meter, args, named: method.call(meter, [base, *args], named))
     if isinstance(base, DictValue) and name in TABLE_METHODS:
-        table = TABLE_METHODS[name]
-        return Builtin(name, lambda _, args, named: table(machine, base, [*args, *named.values()]))
+
+        def entries(meter: Meter, args: list[Value], named: dict[str, Value]) -> Value:
+            if args or named:
+                raise meter.fault("wrong_call", f"{name} takes no arguments")
+            return Seq(TABLE_METHODS[name](base), "iterator")
+
+        return Builtin(name, entries)
     changes = "; lists, dicts and arrays are not changed: make a new one, as with xs = xs + [x]"
     known = list(VECTOR_METHODS) if isinstance(base, Vec) else list(TABLE_METHODS) * isinstance(base, DictValue)
     hint = changes if name in CHANGERS else f"{nearest(name, known)}; it has {', '.join(known)}" if known else ""
@@ -71,33 +76,10 @@ def _member(machine: Machine, module: Module, name: str) -> Value:
     return table[inside + name]
 
 
-def _get(machine: Machine, table: DictValue, args: list[Value]) -> Value:
-    if not 1 <= len(args) <= 2 or not isinstance(args[0], str | int):
-        raise machine.meter.fault("wrong_call", "get takes a key and a default")
-    default = args[1] if len(args) == 2 else None
-    found = filled(machine.meter, table.items.get(args[0], default), default)
-    if isinstance(found, Poison):
-        raise machine.meter.fault("mixed", f"{args[0]!r} cannot be used: {found.reason}")
-    return found
-
-
-def _items(machine: Machine, table: DictValue, args: list[Value]) -> Value:
-    return Seq(tuple(Seq((key, value), "tuple") for key, value in table.items.items()), "iterator")
-
-
-def _keys(machine: Machine, table: DictValue, args: list[Value]) -> Value:
-    return Seq(tuple(table.items), "iterator")
-
-
-def _values(machine: Machine, table: DictValue, args: list[Value]) -> Value:
-    return Seq(tuple(table.items.values()), "iterator")
-
-
-TABLE_METHODS: dict[str, Callable[[Machine, DictValue, list[Value]], Value]] = {
-    "get": _get,
-    "items": _items,
-    "keys": _keys,
-    "values": _values,
+TABLE_METHODS: dict[str, Callable[[DictValue], tuple[Value, ...]]] = {
+    "items": lambda table: tuple(Seq((key, value), "tuple") for key, value in table.items.items()),
+    "keys": lambda table: tuple(table.items),
+    "values": lambda table: tuple(table.items.values()),
 }
 CHANGERS = ("append", "extend", "insert", "pop", "remove", "clear", "sort", "reverse", "update", "setdefault", "fill")
 """Methods that would change a list, a dict or an array."""

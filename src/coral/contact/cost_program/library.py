@@ -161,9 +161,6 @@ OURS: Table = {
     "quat_angle": Offer(orientations.quat_angle, "v v"),
     "quat_axis": Offer(orientations.quat_axis, "v index"),
     "quat_rotate": Offer(orientations.quat_rotate, "v v"),
-    "quat_multiply": Offer(orientations.quat_multiply, "v v"),
-    "quat_inverse": Offer(orientations.quat_inverse, "v"),
-    "quat_euler": Offer(orientations.quat_euler, "v"),
 }
 PYTHON: Table = {
     "abs": Offer(_abs, "value"),
@@ -240,6 +237,7 @@ _INSTEAD = {
     "np.append np.hstack np.r_": "np.concatenate([a, b])",
     "np.stack np.vstack np.column_stack np.reshape": "a list of vectors: an array has one axis",
     "np.eye np.identity np.outer np.transpose quat_matrix": "quat_rotate(q, v) and quat_axis(q, i), without matrices",
+    "quat_multiply quat_inverse quat_euler": "quat_angle, quat_axis and quat_rotate",
     "np.arange np.linspace": "range(n) and a list",
     "math.fsum np.prod math.prod": "sum(xs), or a product in a loop",
     "np.nan_to_num np.isnan np.isfinite math.isnan math.isfinite": "a guard with max and min",

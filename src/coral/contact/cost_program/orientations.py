@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import binary, components, negative, total
+from coral.contact.cost_program.arithmetic import components, negative, total
 from coral.contact.cost_program.limits import Meter
 from coral.contact.cost_program.scalars import number, pointwise, root, scalar
 from coral.contact.cost_program.values import Value, Vec
@@ -44,31 +44,6 @@ def quat_axis(meter: Meter, q: Value, axis: Value) -> Value:
     if not isinstance(axis, int) or not 0 <= axis <= 2:
         raise meter.fault("wrong_call", "quat_axis takes the axis as 0, 1 or 2")
     return Vec(tuple(row[axis] for row in _matrix(meter, _read(meter, q))))
-
-
-def quat_multiply(meter: Meter, a: Value, b: Value) -> Value:
-    """Compose two rotations: `b` followed by `a`."""
-    return Vec(_product(meter, _read(meter, a), _read(meter, b)))
-
-
-def quat_inverse(meter: Meter, q: Value) -> Value:
-    """Invert a rotation."""
-    return Vec(_conjugate(meter, _read(meter, q)))
-
-
-def quat_euler(meter: Meter, q: Value) -> Value:
-    """Compute roll, pitch and yaw about the world's x, y and z axes, rad."""
-    given = _read(meter, q)
-    length = root(meter, number(meter, total(meter, tuple(scalar(meter, "*", x, x) for x in given))))
-    w, x, y, z = (binary(meter, "/", item, length) for item in given)
-    rows = _matrix(meter, (w, x, y, z))
-    meter.made(6)
-
-    def arctan2(y: Value, x: Value) -> Value:
-        return pointwise(meter, np.arctan2, number(meter, y), number(meter, x))
-
-    sine = pointwise(meter, lambda x: np.clip(x, -1.0, 1.0), number(meter, negative(meter, rows[2][0])))
-    return Vec((arctan2(rows[2][1], rows[2][2]), pointwise(meter, np.arcsin, sine), arctan2(rows[1][0], rows[0][0])))
 
 
 def _conjugate(meter: Meter, q: Quat) -> Quat:
