@@ -44,7 +44,7 @@ PYTHON = {
         ],
     ),
     "contact": ("Costs, conditions, planner", ["coral.contact.cost.context", "coral.contact.cost.stages",
-                "coral.contact.scene.condition", "coral.mppi.knots", "coral.mppi.risk", "coral.mppi.weights"]),
+                "coral.contact.scene.condition", "coral.mppi.knots", "coral.mppi.weights"]),
     "advisor": ("Advisors and plugins", ["coral.advisor.question", "coral.plugins"]),
     "environments": ("Gymnasium environments", ["coral.gym.reef_env", "coral.gym.contact_env"]),
 }  # fmt: skip

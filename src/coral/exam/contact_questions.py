@@ -247,7 +247,7 @@ def _correction(task: str, seed: int) -> ExamItem | None:
 
 def _shared_prompt(seen: Seen, facts: Mapping[str, Any]) -> dict[str, Any]:
     """Return the part of the prompt that all questions about a plan share."""
-    world = PlanningWorld(seen.trial, seen.beliefs, seen.now, PlanningCfg(), np.random.default_rng(0))
+    world = PlanningWorld(seen.trial, seen.beliefs, seen.now, PlanningCfg())
     try:
         return world_prompt(facts, short_task(seen.trial.task), world.schema, ThinkCfg(), exam_limits())
     finally:

@@ -20,9 +20,9 @@ CFG = ControllerCfg(horizon=12, mppi=KnotMppiCfg(samples=24, knots=3))
 REACH = Stage("reach", lambda state: {"reach": np.linalg.norm(state.ee_pos - GOAL, axis=-1)})
 
 
-def controller(cfg=CFG, seed=0, beliefs=None):
+def controller(cfg=CFG, seed=0):
     trial = make_trial()
-    world = PlanningWorld(trial, beliefs or stated_beliefs(trial), seen(trial), PlanningCfg(threads=1))
+    world = PlanningWorld(trial, stated_beliefs(trial), seen(trial), PlanningCfg(threads=1))
     return Controller(world, cfg, np.random.default_rng(seed)), seen(trial)
 
 
@@ -154,13 +154,6 @@ def test_guided_samples_go_part_of_their_way_if_they_may_be_slow(slowest):
     shares = (ends - begin) @ (GOAL - begin) / np.sum((GOAL - begin) ** 2)
     assert shares.max() == pytest.approx(1.0, abs=1e-3)
     assert (shares.min() < 0.5) == (slowest < 1)
-
-
-def test_plans_over_several_beliefs():
-    trial = make_trial()
-    planner, now = controller(beliefs=[stated_beliefs(trial), stated_beliefs(trial)])
-    alone, _ = controller()
-    assert planner.plan(now, REACH, 0).update.costs == pytest.approx(alone.plan(now, REACH, 0).update.costs)
 
 
 def test_stages_follow_each_other_and_fall_back():

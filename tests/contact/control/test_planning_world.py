@@ -9,7 +9,6 @@ from contact_bench import DOWN, body, make_trial, plain, seen
 
 from coral.contact.control.hand_model import set_stiffness
 from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
-from coral.contact.control.uncertainty import UncertaintyCfg
 from coral.contact.scene.trial import PhysicalParameters
 
 CFG = PlanningCfg(threads=1)
@@ -188,19 +187,6 @@ def test_several_beliefs_are_rolled_out_side_by_side():
         assert np.array_equal(both.box_pos[rows], alone.box_pos)
         assert both.box_mass[rows, 0] == pytest.approx(belief["box"].mass_kg)
         assert np.array_equal(both.last_action[rows], alone.last_action)
-
-
-def test_plans_are_rolled_out_under_beliefs_drawn_around_the_believed_one():
-    cfg = replace(CFG, uncertainty=UncertaintyCfg(sets=3))
-    trial = make_trial()
-    planner = PlanningWorld(trial, LIGHT, seen(trial), cfg, np.random.default_rng(1))
-    assert planner.beliefs[0] == LIGHT
-    assert len({one["box"].mass_kg for one in planner.beliefs}) == 3
-    context, sane = planner.rollout(beside(trial), controls(pushes(2)))
-    assert context.shape[0] == len(sane) == 6
-    planner.believe(HEAVY)
-    assert planner.beliefs[0] == HEAVY
-    assert len(planner.beliefs) == 3
 
 
 def test_the_present_is_one_state_however_many_beliefs():

@@ -21,7 +21,6 @@ from coral.contact.scene.geometry import column_of, conjugate, from_rotvec, mult
 from coral.contact.scene.observation import HandTarget, Observation
 from coral.errors import InputError
 from coral.mppi.knots import KnotMppi, KnotMppiCfg
-from coral.mppi.risk import RiskCfg, risk
 from coral.mppi.spline import interpolate
 
 Array = NDArray[np.float64]
@@ -67,8 +66,6 @@ class ControllerCfg:
     off what has to be dragged by friction. The tables were measured with 1."""
     terminal: NonNegative = 1.0
     """Weight of the last state (phi of Eq. 4) relative to the mean over the horizon."""
-    risk: RiskCfg = field(default_factory=RiskCfg)
-    """Risk measure over several beliefs."""
     press_free_n: NonNegative = 10.0
     """Force of the hand on table and fixtures that costs nothing, in stages that keep off these."""
     press_weight: NonNegative = 1.0
@@ -144,9 +141,8 @@ class Controller:
             context, sane = self.world.rollout(now, controls, step, since)
             terms = stage.cost(context)
             rolled[:] = [(context, sane, terms, controls)]
-            each = self._total(terms, context.shape)
-            each[~sane] = np.inf
-            costs = risk(each.reshape(len(self.world.models), -1), self.cfg.risk)
+            costs = self._total(terms, context.shape)
+            costs[~sane] = np.inf
             return costs + self._pressing(context, costs) if stage.keeps_off else costs
 
         guides = stage.guides
@@ -161,8 +157,7 @@ class Controller:
         update = self.mppi.improve(evaluate, propose, lambda knots: self._bound_knots(knots, start))
         context, sane, terms, _ = rolled[0]
         # If every rollout is invalid, the previous plan is kept: it is the first of the samples.
-        each = update.weights if update.ok else np.eye(1, len(update.weights))[0]
-        weights = np.tile(each, len(self.world.models)) / len(self.world.models)
+        weights = update.weights if update.ok else np.eye(1, len(update.weights))[0]
         counted = weights > 0  # the others may contain nan
         targets = self._targets(update.knots, start.quaternion, stage.stiffness_n_m)
         return HandPlan(
@@ -207,7 +202,7 @@ class Controller:
         finite = np.isfinite(costs)
         forces = [np.linalg.norm(context[f"{name}_hand_force"], axis=-1) for name in self.world.fixed_names]
         excess = np.maximum(np.sum(forces, axis=0) - self.cfg.press_free_n, 0.0) / 10.0
-        each = excess.mean(axis=1).reshape(len(self.world.models), -1).mean(axis=0)
+        each = excess.mean(axis=1)
         spread = float(np.std(costs[finite])) if finite.any() else 0.0
         return np.asarray(self.cfg.press_weight * spread * each)
 

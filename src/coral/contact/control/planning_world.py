@@ -23,7 +23,6 @@ from coral.contact.control.hand_model import HandCfg, set_stiffness
 from coral.contact.control.planning_model import MOTION, Index, build_model, pair
 from coral.contact.control.quantities import constants, stage_constants, task_schema_of
 from coral.contact.control.rollouts import FULL, SLEEP, Rollouts, RolloutStart
-from coral.contact.control.uncertainty import UncertaintyCfg, sample_beliefs
 from coral.contact.control.warp_rollouts import WarpRollouts
 from coral.contact.cost.context import Context, Lazy, Quantity, Value
 from coral.contact.scene.geometry import multiply, rotate
@@ -65,8 +64,6 @@ class PlanningCfg:
     """Device of Warp, such as cuda:0 or cpu; empty takes the first GPU, or the CPU if there is none."""
     hand: HandCfg = field(default_factory=HandCfg)
     """The hand's apparent dynamics."""
-    uncertainty: UncertaintyCfg = field(default_factory=UncertaintyCfg)
-    """Further beliefs under which plans are rolled out, for their risk."""
     latency: str = "0"
     """Time that passes in the world while a plan is computed: measured (as long as it takes on this machine),
     fixed:SECONDS, or 0: the world stands still. With latency a plan starts from the state predicted for the moment at
@@ -92,11 +89,9 @@ class PlanningWorld:
 
     Args:
         trial: The trial; its sizes and shapes are known, its masses and frictions are replaced by `beliefs`.
-        beliefs: One belief for each object, or several sets of them for a plan's risk. The first set is the best
-            estimate.
+        beliefs: One belief for each object, or several sets of them, to compare.
         start: The first observation; costs read it as `_init_`.
         cfg: Time steps and approximations.
-        rng: Samples the other beliefs around a single one, if `uncertainty` requires them.
     """
 
     def __init__(
@@ -105,10 +100,8 @@ class PlanningWorld:
         beliefs: Mapping[str, PhysicalParameters] | Sequence[Mapping[str, PhysicalParameters]],
         start: Observation,
         cfg: PlanningCfg,
-        rng: np.random.Generator | None = None,
     ) -> None:
         self.cfg = cfg
-        self._rng = rng or np.random.default_rng(0)
         self._trial, self._start = _as_first_seen(trial, start), start
         self.edges = False
         """Whether the table has edges regardless of their distance."""
@@ -124,7 +117,7 @@ class PlanningWorld:
     def believe(self, beliefs: Mapping[str, PhysicalParameters] | Sequence[Mapping[str, PhysicalParameters]]) -> None:
         """Rebuild the models with new masses and frictions."""
         self.beliefs: list[Mapping[str, PhysicalParameters]] = (
-            sample_beliefs(beliefs, self.cfg.uncertainty, self._rng) if isinstance(beliefs, Mapping) else list(beliefs)
+            [beliefs] if isinstance(beliefs, Mapping) else list(beliefs)
         )
         self.models = self._build(endless=False)
         self._endless: list[mujoco.MjModel] = []

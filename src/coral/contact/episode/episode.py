@@ -474,9 +474,7 @@ class Episode:
         if self.guessed is not None:
             self.now = self.guessed.settle(self.strategist.guess_poses(self.trial, self.now), self.now)
         self._emit_track_changes()
-        self.planner = PlanningWorld(
-            self.trial, prior_beliefs(self.trial), self.now, cfg.planning, np.random.default_rng([self.trial.seed, 6])
-        )
+        self.planner = PlanningWorld(self.trial, prior_beliefs(self.trial), self.now, cfg.planning)
         self.controller = self._make_controller(
             self.planner, cfg.controller, np.random.default_rng([self.trial.seed, 1])
         )

@@ -122,7 +122,7 @@ def _sample(trial: Trial, cfg: EpisodeCfg) -> list[Context]:
         first = world.reset()
     finally:
         world.close()
-    planner = PlanningWorld(trial, stated_beliefs(trial), first, cfg.planning, np.random.default_rng([trial.seed, 6]))
+    planner = PlanningWorld(trial, stated_beliefs(trial), first, cfg.planning)
     try:
         sizes = {name: trial.size(name) for name in trial.objects}
         return sample_states(planner, first, sizes)

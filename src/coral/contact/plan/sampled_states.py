@@ -151,7 +151,7 @@ def best_gain(
     total = np.zeros(states.shape)
     for term in terms.values():
         total = total + term
-    cost = np.where(sane, total.mean(axis=1) + total[:, -1], np.inf).reshape(len(world.models), -1).mean(axis=0)
+    cost = np.where(sane, total.mean(axis=1) + total[:, -1], np.inf)
     still, best = float(cost[-1]), float(cost[:-1].min())
     if not np.isfinite([still, best]).all():  # diverged rollouts carry no information
         return 0.0

@@ -10,7 +10,6 @@ import numpy as np
 
 from coral.advisor.question import Rejection
 from coral.contact.control.planning_world import PlanningWorld
-from coral.contact.control.uncertainty import UncertaintyCfg
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation, Transition
 from coral.contact.scene.trial import Trial
@@ -73,9 +72,7 @@ def correct_beliefs(
         emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
         return False
     believed = dict(world.beliefs[0])
-    finer = PlanningWorld(
-        trial, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s, uncertainty=UncertaintyCfg())
-    )
+    finer = PlanningWorld(trial, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s))
     try:
         replay = HistoryReplay(finer, stretches, cfg.identify.replay)
         found = balances(past.steps, name, trial, cfg.identify.balance) if cfg.identify.by == "balance" else None
