@@ -19,9 +19,12 @@ class Reads:
         self._origins = {}
         self._kept = []
         self._copies = {}
+        self._known = []
+        """All keys of the user's configuration."""
 
     def follow(self, cfg, prefix=""):
         """Take an object, and those in it, for the user's."""
+        self._known += [f"{prefix}{field.name}" for field in dataclasses.fields(cfg)]
         self._own(cfg, {field.name: f"{prefix}{field.name}" for field in dataclasses.fields(cfg)})
         for field in dataclasses.fields(cfg):
             value = object.__getattribute__(cfg, field.name)
@@ -57,9 +60,7 @@ class Reads:
     def _overwrite(self, key, new):
         """Take all keys of a part for overwritten that is neither the user's nor a changed copy of the user's."""
         if id(new) not in self._origins or not dataclasses.is_dataclass(new):
-            # Questions are prepared in a thread of their own, which reads a configuration too.
-            keys = {known for keys in list(self._origins.values()) for known in keys.values()}
-            self.overwritten |= {k for k in keys if k == key or k.startswith(f"{key}.")} - set(self.by_key)
+            self.overwritten |= {k for k in self._known if k == key or k.startswith(f"{key}.")} - set(self.by_key)
 
 
 def classes_of(cfg):

@@ -3,6 +3,7 @@
 import ast
 import importlib
 import importlib.util
+import re
 from collections import defaultdict
 from pathlib import Path
 
@@ -19,9 +20,9 @@ def test_data_goes_one_way():
 def test_no_two_public_classes_share_a_name():
     homes = defaultdict(list)
     for path in sorted((ROOT / "src").rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-                homes[node.name].append(str(path.relative_to(ROOT)))
+        for name in re.findall(r"^ *class ([^\W_]\w*)[(:]", path.read_text(encoding="utf-8"), re.MULTILINE):
+            homes[name].append(str(path.relative_to(ROOT)))
+    assert len(homes) > 500
     assert {name: found for name, found in homes.items() if len(found) > 1} == {}
 
 

@@ -11,6 +11,7 @@ import re
 import subprocess
 from collections.abc import Iterator, Mapping
 from datetime import datetime
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -142,6 +143,7 @@ def provenance() -> dict[str, Any]:
     }
 
 
+@cache
 def _commit() -> str:
     here = Path(__file__).resolve().parent
     try:

@@ -54,9 +54,13 @@ def test_a_wall_counts_as_an_obstacle(told, puddle):
 
 def test_the_list_from_the_cache_is_the_same(told, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    first, second = told("reef", "envs", "--json"), told("reef", "envs", "--json")
+    first, second = told("reef", "envs", "l1", "s2", "--json"), told("reef", "envs", "l1", "s2", "--json")
     assert first == second
-    assert [world["name"] for world in first[1]["worlds"]] == shipped_worlds()
+    assert [world["name"] for world in first[1]["worlds"]] == ["l1", "s2"]
+
+
+def test_without_a_name_all_shipped_reefs_are_listed(told):
+    assert [line.split()[0] for line in told("reef", "envs")[1].splitlines()] == ["name", *shipped_worlds()]
 
 
 @pytest.mark.parametrize("name", ["../../up", "a\0b"])

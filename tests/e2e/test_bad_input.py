@@ -136,7 +136,6 @@ def test_a_fault_in_a_world_is_named(place, world, refused, change, named):
         (("survey",), "'survey'"),
         (("report", "none"), "none"),
         (("report", "{place}"), "{place}.*events.jsonl"),
-        (("reef", "envs", "--preview", "{place}/pond.yaml/x"), "--preview"),
         (("reef", "generate", "--out", "{place}/pond.yaml"), "--out"),
         (("reef", "generate", "--out", "new.yaml", "--polyline", "[[1,2]"), "--polyline"),
         (("reef", "generate", "--out", "new.yaml", "--topology", "Q"), "--topology"),

@@ -1,5 +1,6 @@
 import json
 import re
+import shutil
 
 import pytest
 import yaml
@@ -14,44 +15,47 @@ def page(folder):
     return write_report(folder).read_text("utf-8")
 
 
+@pytest.fixture(scope="module")
+def told(finished, tmp_path_factory):
+    """The page of the finished run as it is."""
+    return page(shutil.copytree(finished, tmp_path_factory.mktemp("told") / "run"))
+
+
 def script_data(html):
     return json.loads(re.search(r"const RUN = (\{.*?\});\n", html, re.S).group(1))
 
 
-def test_a_finished_run_is_told_in_full(fresh):
-    html = page(fresh)
-    assert "covered 2 of 3 oyster clusters" in html
-    assert "1 collision" in html
-    assert "far not reached" in html
-    assert "north ✓" in html
-    assert "The chosen centroid is behind the robot." in html
-    assert "at least 60 %" in html  # the paper's definition beside the number
+def test_a_finished_run_is_told_in_full(told):
+    assert "covered 2 of 3 oyster clusters" in told
+    assert "1 collision" in told
+    assert "far not reached" in told
+    assert "north ✓" in told
+    assert "The chosen centroid is behind the robot." in told
+    assert "at least 60 %" in told  # the paper's definition beside the number
     for word in ("heuristic", "abc123", "test, 2 cores", "time limit", "Complete configuration"):
-        assert word in html
-    assert "interrupted" not in html
-    assert html.count('<details class="decision"') == 3
-    assert html.count('class="decision good"') + html.count('class="decision again"') == 2
-    assert html.count("data:image/webp") == 15  # five questions of three pictures
+        assert word in told
+    assert "interrupted" not in told
+    assert told.count('<details class="decision"') == 3
+    assert told.count('class="decision good"') + told.count('class="decision again"') == 2
+    assert told.count("data:image/webp") == 15  # five questions of three pictures
 
 
-def test_the_page_loads_nothing(fresh):
-    html = page(fresh)
-    assert not re.search(r"https?://", html)
-    assert not re.search(r"@import|<link|<iframe|fetch\(|XMLHttpRequest|url\((?!#)", html)
-    for address in re.findall(r'(?:src|href)="([^"]*)"', html):
+def test_the_page_loads_nothing(told):
+    assert not re.search(r"https?://", told)
+    assert not re.search(r"@import|<link|<iframe|fetch\(|XMLHttpRequest|url\((?!#)", told)
+    for address in re.findall(r'(?:src|href)="([^"]*)"', told):
         assert address.startswith(("data:", "#")) or address == "mission.mp4"
 
 
-def test_the_keys_of_charts_have_their_colours_in_the_dark_too(fresh):
-    inverted = re.search(r"([^{}]*)\{filter:invert\(1\)", page(fresh))[1].split(",")
+def test_the_keys_of_charts_have_their_colours_in_the_dark_too(told):
+    inverted = re.search(r"([^{}]*)\{filter:invert\(1\)", told)[1].split(",")
     assert {".chart", ".plot .key i"} <= set(inverted)
 
 
-def test_text_from_the_run_is_never_markup(fresh):
-    html = page(fresh)
-    assert "<reef>" not in html
-    assert "<the>" not in html
-    assert "made-up &lt;reef&gt;" in html
+def test_text_from_the_run_is_never_markup(told):
+    assert "<reef>" not in told
+    assert "<the>" not in told
+    assert "made-up &lt;reef&gt;" in told
 
 
 def test_a_hostile_answer_cannot_end_the_script(fresh):
@@ -62,8 +66,8 @@ def test_a_hostile_answer_cannot_end_the_script(fresh):
     assert any("</script>" in d["why"] for d in script_data(html)["decisions"])
 
 
-def test_the_slider_has_snapshots_and_positions(fresh):
-    data = script_data(page(fresh))
+def test_the_slider_has_snapshots_and_positions(told):
+    data = script_data(told)
     assert [frame["t"] for frame in data["frames"]] == [2.0 * k for k in range(21)]
     assert all({"map", "seg", "dep"} <= set(frame) for frame in data["frames"])
     assert len({len(data[key]) for key in "txyasck"}) == 1
@@ -145,8 +149,8 @@ def test_a_planted_link_leads_no_report_to_another_file(fresh, tmp_path):
     assert precious.read_text() == "mine"
 
 
-def test_a_picture_shown_twice_is_held_once(fresh):
-    once = page(fresh).count("data:image/webp")
+def test_a_picture_shown_twice_is_held_once(fresh, told):
+    once = told.count("data:image/webp")
     text = (fresh / "events.jsonl").read_text().replace('"10map"', '"00map"')
     (fresh / "events.jsonl").write_text(text)
     html = page(fresh)
@@ -178,9 +182,9 @@ def test_the_headline_tells_the_time_of_the_whole_survey(fresh, changed, said):
     assert said in page(fresh)
 
 
-def test_the_headline_says_when_someone_else_than_the_advisor_decided(fresh):
+def test_the_headline_says_when_someone_else_than_the_advisor_decided(fresh, told):
     metrics = json.loads((fresh / "metrics.json").read_text())
-    assert "The advisor decided" not in page(fresh)
+    assert "The advisor decided" not in told
     answers = {"accepted": 1, "refused": 0, "malformed": 0, "missing": 4}
     metrics |= {"decided_by": {"advisor": 1, "memory": 0, "recording": 0, "fallback": 2}, "answers": answers}
     (fresh / "metrics.json").write_text(json.dumps(metrics))
@@ -206,8 +210,8 @@ def test_a_vehicle_that_was_held_has_its_states_listed(fresh):
     assert "camera &lt;blind&gt;, for 0.4 s" in html
 
 
-def test_what_the_robot_left_is_listed_with_its_reason(fresh):
-    assert "What is left" not in page(fresh)
+def test_what_the_robot_left_is_listed_with_its_reason(fresh, told):
+    assert "What is left" not in told
     append(fresh, event="left", clusters=[{"index": 7, "x": 1.5, "y": 2.0, "why": "seen from afar only"}])
     html = page(fresh)
     assert "7 at (1.5, 2.0) m" in html

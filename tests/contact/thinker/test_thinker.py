@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from experiences import experience
 from recorded import RULES
 
 from coral.advisor.question import AdvisorUnavailable, Reply
@@ -15,6 +16,7 @@ from coral.contact.cost_program import CostError, CostWorker
 from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Memory, MemoryCfg
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process
+from coral.contact.plan.imagined_outcome import ImaginedOutcome
 from coral.contact.scene.observation import HandTarget, Transition
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import PhysicalParameters
@@ -22,6 +24,7 @@ from coral.contact.thinker import thinker as thinking
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.fallback import NoDecision
 from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
+from coral.contact.thinker.recall_run import RecallRun
 from coral.contact.thinker.strategist import NoStrategy, PlanReport
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinker import Thinker
@@ -86,8 +89,10 @@ def test_what_is_given_is_believed_and_not_asked_for(scene):
 def test_what_is_given_of_some_objects_leaves_the_rest_to_the_advisor(scene):
     one = scene("pick-clutter")
     name, other = list(one.sizes)[:2]
-    strategist, told = thinker(one, given={name: PhysicalParameters(2.0, 0.9)})
-    strategist.begin(one.trial, one.now, one.world)
+    advisor = RuleAdvisor({"physical-parameters": RULES["physical-parameters"]}, "parameters-only")
+    strategist, told = thinker(one, advisor, given={name: PhysicalParameters(2.0, 0.9)})
+    with pytest.raises(NoStrategy):
+        strategist.begin(one.trial, one.now, one.world)
     assert one.world.beliefs[0][name] == PhysicalParameters(2.0, 0.9)
     assert one.world.beliefs[0][other].mass_kg < 2.0
     assert decisions(told)[0] == ("beliefs", "advisor")
@@ -203,9 +208,7 @@ def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
 def test_what_succeeded_in_a_shipped_task_is_used_when_the_same_trial_comes_again(scene, tmp_path, task):
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
     one = scene(task)
-    strategist, _ = thinker(one, memory=memory)
-    strategist.begin(one.trial, one.now, one.world)
-    strategist.on_end("success")
+    memory.add(experience(one))
     strategist, told = thinker(one, memory=memory)
     strategist.begin(one.trial, one.now, one.world)
     assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
@@ -269,8 +272,10 @@ def test_repairs_of_what_is_remembered_are_confined_too(remembering):
     strategist.on_end("timeout")
 
 
-def test_what_is_remembered_is_tried_without_regions_too(remembering):
+def test_what_is_remembered_is_tried_without_regions_too(remembering, monkeypatch):
     one, memory = remembering
+    run = RecallRun(ImaginedOutcome(True, 1.0, 1.0, 1.0), 2.5, "")
+    monkeypatch.setattr("coral.contact.thinker.recall.try_recalled", lambda *_: run)
     strategist, told = thinker(one, memory=memory, regions=False, rehearsed=1)
     strategist.begin(one.trial, one.now, one.world)
     assert [fields["outcome"]["succeeded"] for event, fields in told if event == "recall"] == [1]

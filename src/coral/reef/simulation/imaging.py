@@ -187,9 +187,10 @@ def _points(scene: Scene, cell_m: float) -> tuple[NDArray[np.float64], NDArray[n
     for index in range(len(scene.cluster_names)):
         found: dict[tuple[float, float], float] = {}
         members = np.flatnonzero((scene.cluster == index) & (scene.label == Label.OYSTER))
-        for member in members:
+        outlines = scene.outlines(members)
+        for k, member in enumerate(members):
             height = float(scene.center[member, 2])
-            for x, y in rasterise(scene.outlines(np.array([member])), cell_m, 0.0).round(6).tolist():
+            for x, y in rasterise(outlines[k : k + 1], cell_m, 0.0).round(6).tolist():
                 found[x, y] = max(found.get((x, y), -math.inf), height)
         free = {at: z for at, z in found.items() if clearance(hiders, *at) > 0.0} or found
         points += [(x, y, z) for (x, y), z in free.items()]

@@ -35,6 +35,9 @@ class Footprints:
     def __len__(self) -> int:
         return len(self.kind)
 
+    def __getitem__(self, part: slice) -> Footprints:
+        return Footprints(self.kind[part], self.center[part], self.half[part], self.yaw[part])
+
 
 @dataclass(frozen=True)
 class Scene:

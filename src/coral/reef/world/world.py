@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from coral.odd_text import encodable
 from coral.reef.world.structures import Obstacle
 from coral.reef.world.world_check import check_world
 from coral.reef.world.world_model import Cluster, Current, Oyster, ReefWorld, Seabed, Start
-from coral.reef.world.world_names import shipped_worlds, world_file
+from coral.reef.world.world_names import WORLDS_DIR, shipped_worlds, world_file
 from coral.reef.world.world_yaml import read_mapping, to_text
 from coral.validation_errors import input_error
 
@@ -39,6 +40,17 @@ def load_world(name: str | Path) -> ReefWorld:
         InputError: There is no such world, or the file is broken, or no mission is possible in it.
     """
     path = world_file(name)
+    if path.parent == WORLDS_DIR:
+        return _shipped_world(path)
+    return _read_world(path)
+
+
+@cache
+def _shipped_world(path: Path) -> ReefWorld:
+    return _read_world(path)
+
+
+def _read_world(path: Path) -> ReefWorld:
     content = read_mapping(path)
     try:
         world = ReefWorld.model_validate(content)

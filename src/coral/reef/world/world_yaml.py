@@ -57,12 +57,17 @@ def to_text(world: Mapping[str, Any], header: Sequence[str] = ()) -> str:
 
 def _flow(value: Any) -> str:
     """Write a value in YAML flow style on one line, with floats rounded to a thousandth."""
-    return to_yaml(_rounded(value), default_flow_style=True, width=1_000_000).removesuffix("...\n").strip()
-
-
-def _rounded(value: Any) -> Any:
-    if isinstance(value, float):
-        return round(value, 3) + 0.0  # never -0.0
     if isinstance(value, Mapping):
-        return {key: _rounded(item) for key, item in value.items()}
-    return [_rounded(item) for item in value] if isinstance(value, list | tuple) else value
+        return f"{{{', '.join(f'{key}: {_inner(item)}' for key, item in value.items())}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_inner, value))}]"
+    if isinstance(value, float) and abs(value) < 1e9:  # PyYAML takes a hundred times as long
+        return str(round(value, 3) + 0.0)  # never -0.0
+    return to_yaml(value, default_flow_style=True, width=1_000_000).removesuffix("...\n").strip()
+
+
+def _inner(value: Any) -> str:
+    """Write a value between brackets, where a comma in a text needs quotes."""
+    if isinstance(value, str):
+        return to_yaml([value], default_flow_style=True, width=1_000_000).strip()[1:-1]
+    return _flow(value)
