@@ -61,6 +61,7 @@ OURS: dict[str, dict[str, str]] = {
     "coral.advisors": {"ros2": "coral.reef.ros.ros_advisor:make_ros"},
     "ros2": {
         "camera": "coral.reef.ros.ros_camera:RosCamera",
+        "sonar": "coral.reef.ros.ros_sonar:RosSonar",
         "topics": "coral.reef.ros.survey_topics:SurveyTopics",
     },
     "rehearsal": {

@@ -290,6 +290,9 @@ def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Pa
             sonar, parts.where, cfg.simulator.camera.altitude_m
         )
         return simulated
+    if kind == "ros2":
+        ranges: SonarSource = our_part("ros2", "sonar", "--sonar")(place, cfg.simulator.sonar)
+        return ranges
     if kind != "udp":
         return RecordedSonar(Path(flags.sonar))
     interface, _, port = place.rpartition(":")

@@ -87,7 +87,7 @@ def started(command):
 
 
 def test_a_survey_by_topics_alone_begins_and_ends_by_service(tmp_path):
-    words = ["--out", str(tmp_path / "run"), "--no-preflight", "--cfg.record.no-report"]
+    words = ["--out", str(tmp_path / "run"), "--no-preflight", "--cfg.record.no-report", "--sonar", "ros2:/rov/ranges"]
     with vehicle(), operator() as node, started(sail(*words)) as process:
         call(node, "start")
         spin(node, lambda: any(event["event"] == "goal" for event in node.events), 60.0)

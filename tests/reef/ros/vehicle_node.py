@@ -7,11 +7,13 @@ import argparse
 import array
 import math
 
+import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import BatteryState, CameraInfo, Image
+from sensor_msgs.msg import BatteryState, CameraInfo, Image, PointCloud2, PointField
 
+from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg, sonar_attitude
 from coral.reef.rehearsal.simulated_camera import SimulatedCamera
 from coral.reef.rehearsal.simulated_link import SimulatedLink
 from coral.reef.sea.survey_file import SurveyArea
@@ -43,6 +45,10 @@ def main():
         node.create_publisher(Image, "camera/image_raw", 1),
         node.create_publisher(CameraInfo, "camera/camera_info", 1),
     )
+    ranges = node.create_publisher(PointCloud2, "ranges", 1)
+    sonar = Sonar3d15(scene.resting, SonarCfg(), np.random.default_rng(0))
+    mount = sonar_attitude(0.0, 0.0, 0.0, sonar.cfg.pitch_down_deg)
+    fields = [PointField(name=name, offset=4 * k, datatype=7, count=1) for k, name in enumerate("xyz")]
     link.arm()
 
     def hear(twist):
@@ -75,7 +81,17 @@ def main():
         k = [focal, 0.0, width / 2, 0.0, focal, height / 2, 0.0, 0.0, 1.0]
         info.publish(CameraInfo(height=height, width=width, k=k))
 
+    def listen():
+        image = sonar.image(link.true_pose(), cfg.camera.altitude_m)
+        heard = np.isfinite(image.ranges)
+        points = (image.directions()[heard] * image.ranges[heard][:, None] @ mount.T).astype("<f4")
+        message = PointCloud2(height=1, width=len(points), point_step=12, row_step=12 * len(points), fields=fields)
+        message.header.stamp, message.header.frame_id = stamp(), "base_link"
+        message.data = array.array("B", points.tobytes())
+        ranges.publish(message)
+
     node.create_subscription(Twist, "cmd_vel", hear, 1)
+    node.create_timer(0.2, listen)
     node.create_timer(0.05, navigate)
     node.create_timer(0.1, photograph)
     print("ready", flush=True)

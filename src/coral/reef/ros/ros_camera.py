@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import queue
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -13,6 +11,7 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.reef.recordings.ros_images import colours_in
+from coral.reef.ros.newest import Newest
 from coral.reef.sea.picture import Shot
 from coral.reef.vehicle.camera import CameraCfg
 from coral.ros_node import RosNode, ros_type
@@ -21,7 +20,6 @@ FIRST_S, NEXT_S = 10.0, 1.0
 """Longest wait for the first picture, and for any other at a time."""
 OFF_DEG = 3.0
 """A lens that differs by more from the configured one is told."""
-OLD_S = 60.0
 
 
 class RosCamera:
@@ -50,20 +48,17 @@ class RosCamera:
     ) -> None:
         self.name = f"ros2:{topic}"
         self._latency_s, self._fit, self._camera = latency_s, fit, camera
-        self._newest: queue.Queue[tuple[float, Any]] = queue.Queue(1)
         self._lens_fault = ""
         self._ros = ros = node or RosNode("coral_camera", "", "--camera")
+        self._newest = Newest(ros)
         kind = "CompressedImage" if topic.endswith("/compressed") else "Image"
-        ros.node.create_subscription(ros_type(f"sensor_msgs.msg.{kind}"), topic, self._hear, ros.qos("sensor"))
+        ros.node.create_subscription(ros_type(f"sensor_msgs.msg.{kind}"), topic, self._newest.hear, ros.qos("sensor"))
         info = f"{topic.removesuffix('/compressed').rpartition('/')[0]}/camera_info"
         ros.node.create_subscription(ros_type("sensor_msgs.msg.CameraInfo"), info, self._hear_lens, ros.qos("sensor"))
-        try:
-            first = self._newest.get(timeout=FIRST_S)
-        except queue.Empty:
+        first = self._newest.take(FIRST_S)
+        if first is None:
             ros.close()
-            raise InputError(
-                "--camera", "", f"no picture on {topic} in {FIRST_S:g} s", "a topic with pictures"
-            ) from None
+            raise InputError("--camera", "", f"no picture on {topic} in {FIRST_S:g} s", "a topic with pictures")
         try:
             height, width = colours_in(first[1], topic).shape[:2]
             self._shot(*first)
@@ -80,10 +75,10 @@ class RosCamera:
         """
         if self._lens_fault:
             raise ValueError(self._lens_fault)
-        try:
-            return self._shot(*self._newest.get(timeout=NEXT_S))
-        except queue.Empty:
-            raise OSError(f"no picture for {NEXT_S:g} s") from None
+        found = self._newest.take(NEXT_S)
+        if found is None:
+            raise OSError(f"no picture for {NEXT_S:g} s")
+        return self._shot(*found)
 
     def close(self) -> None:
         """End the node."""
@@ -91,21 +86,6 @@ class RosCamera:
 
     def _shot(self, stamp_s: float, message: Any) -> Shot:
         return Shot(stamp_s=stamp_s - self._latency_s, rgb=self._fit(colours_in(message, self.name)))
-
-    def _hear(self, message: Any) -> None:
-        try:
-            stamp_s = self._ros.monotonic(message.header.stamp)
-        except ValueError:
-            stamp_s = time.monotonic() - OLD_S  # of another clock: it counts as old
-        while True:
-            try:
-                self._newest.put_nowait((stamp_s, message))
-                return
-            except queue.Full:
-                try:
-                    self._newest.get_nowait()
-                except queue.Empty:
-                    continue
 
     def _hear_lens(self, message: Any) -> None:
         """Compare the lens that the camera states with the configured one."""

@@ -1,0 +1,153 @@
+"""Ranges that speak ROS 2: a cloud of points, or a depth picture with its CameraInfo, as the map's range images.
+
+TOPIC                     sensor_msgs/PointCloud2, or sensor_msgs/Image or CompressedImage with depths
+(beside it) camera_info   sensor_msgs/CameraInfo, for depths
+/tf, /tf_static           tf2_msgs/TFMessage: where in the vehicle the sensor is, unless its frame is the vehicle's
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from coral.errors import InputError
+from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
+from coral.reef.pilot.checks import UnfitMeasurement
+from coral.reef.recordings.frame_tree import FrameTree, frame_name
+from coral.reef.recordings.point_clouds import points_in, range_image_of
+from coral.reef.recordings.ros_images import values_in
+from coral.reef.recordings.transforms import transform_from
+from coral.reef.ros.newest import Newest
+from coral.reef.sea.sonar_reading import HeardImage
+from coral.ros_node import RosNode, ros_type
+
+FIRST_S, NEXT_S = 10.0, 0.2
+"""Longest wait for somebody who publishes the topic, and for any message."""
+SEEN = 0.8
+"""Share of the configured field of view in which points must have been."""
+BODY = "base_link"
+"""The vehicle's frame (REP-105): x forward, y left, z up."""
+CLOUD, PICTURES = "sensor_msgs.msg.PointCloud2", ("sensor_msgs.msg.Image", "sensor_msgs.msg.CompressedImage")
+
+
+class RosSonar:
+    """Keeps the newest ranges of a topic.
+
+    Args:
+        topic: Name of the topic.
+        sonar: Beams and tilt of the images that the map reckons with.
+        node: Of this program; by default a new one.
+
+    Raises:
+        InputError: There is no ROS 2, or nobody publishes ranges there.
+    """
+
+    def __init__(self, topic: str, sonar: SonarCfg, node: RosNode | None = None) -> None:
+        self._topic, self._sonar = topic, sonar
+        self._tree, self._k, self._without_tree = FrameTree(), (0.0, 0.0, 0.0, 0.0), ""
+        self._widest = np.zeros(2)
+        self._turned = sonar_attitude(0.0, 0.0, 0.0, sonar.pitch_down_deg)
+        self._ros = ros = node or RosNode("coral_sonar", "", "--sonar")
+        self._newest = Newest(ros)
+        kind = self._kind()
+        self.name = f"ros2:{topic} ({kind.rpartition('.')[2]})"
+        create, sensor = ros.node.create_subscription, ros.qos("sensor")
+        if kind != CLOUD:
+            info = f"{topic.removesuffix('/compressedDepth').rpartition('/')[0]}/camera_info"
+            create(ros_type("sensor_msgs.msg.CameraInfo", "--sonar"), info, self._hear_lens, sensor)
+        try:
+            tf = ros_type("tf2_msgs.msg.TFMessage", "--sonar")
+        except InputError as error:
+            self._without_tree = f"; {error.found}"
+        else:
+            create(tf, "/tf_static", self._hear_tree, ros.qos("latched"))
+            create(tf, "/tf", self._hear_tree, sensor)
+        self._points: Callable[[Any], NDArray[np.float64]] = self._cloud if kind == CLOUD else self._depths
+        create(ros_type(kind, "--sonar"), topic, self._newest.hear, sensor)
+
+    def read(self) -> HeardImage | None:
+        """Wait for the next ranges; None when there are none this time.
+
+        Raises:
+            UnfitMeasurement: They cannot be read, or nobody knows where in the vehicle the sensor is.
+        """
+        found = self._newest.take(NEXT_S)
+        if found is None:
+            return None
+        stamp_s, message = found
+        try:
+            points = self._points(message)
+        except InputError as error:
+            raise UnfitMeasurement("unreadable", str(error)) from None
+        frame = frame_name(str(message.header.frame_id))
+        body = next((each for each in (frame, *self._tree.frames()) if each.rpartition("/")[2] == BODY), BODY)
+        mount = np.eye(4) if frame == body else self._tree.first(body, frame)
+        if mount is None:
+            raise UnfitMeasurement("no transform", f"from {body} to {frame!r} on /tf_static{self._without_tree}")
+        points = (points @ mount[:3, :3].T + mount[:3, 3]) @ self._turned
+        self._check_view(points)
+        return HeardImage(stamp_s, range_image_of(points, self._sonar))
+
+    def close(self) -> None:
+        """End the node."""
+        self._ros.close()
+
+    def _check_view(self, points: NDArray[np.float64]) -> None:
+        """Refuse a sensor that does not look as wide as the map reckons: beams that it lacks would count as clear."""
+        sonar, level = self._sonar, np.hypot(points[:, 0], points[:, 1])
+        sides, heights = np.arctan2(points[:, 1], points[:, 0]), np.arctan2(points[:, 2], level)
+        found = [2.0 * float(np.degrees(np.abs(each).max(initial=0.0))) for each in (sides, heights)]
+        self._widest = np.maximum(self._widest, found)
+        wanted = np.array([sonar.hfov_deg, sonar.vfov_deg])
+        if (self._widest < SEEN * wanted).any():
+            told = [f"{each[0]:.0f} by {each[1]:.0f} degrees" for each in (self._widest, wanted)]
+            where = "--cfg.simulator.sonar.hfov-deg and .vfov-deg"
+            raise UnfitMeasurement("narrow", f"points in {told[0]}, the configured sonar has {told[1]}: set {where}")
+
+    def _kind(self) -> str:
+        """Wait for the type of the topic."""
+        end = time.monotonic() + FIRST_S
+        while True:
+            kinds = dict(self._ros.node.get_topic_names_and_types()).get(self._topic, [])
+            found = [name.replace("/", ".") for name in kinds]
+            if found or time.monotonic() > end:
+                break
+            time.sleep(0.1)
+        for kind in found:
+            if kind == CLOUD or kind in PICTURES:
+                return str(kind)
+        self._ros.close()
+        told = f"{', '.join(kinds)} on {self._topic}" if found else f"nobody publishes {self._topic}"
+        raise InputError("--sonar", "", told, "a topic with PointCloud2, or with depth pictures")
+
+    def _cloud(self, message: Any) -> NDArray[np.float64]:
+        return points_in(message, self._topic)
+
+    def _depths(self, message: Any) -> NDArray[np.float64]:
+        """Return the points of a depth picture in its optical frame: 32FC1 in m, 16UC1 in mm (REP-118)."""
+        fx, fy, cx, cy = self._k
+        if min(fx, fy) <= 0.0:
+            raise UnfitMeasurement("no camera_info", f"beside {self._topic}")
+        depths = values_in(message, self._topic, "depth")
+        step = max(1, depths.shape[1] // (2 * self._sonar.width))
+        z = depths[::step, ::step].astype(np.float64) * (1e-3 if depths.dtype.kind == "u" else 1.0)
+        v, u = np.mgrid[: z.shape[0], : z.shape[1]] * float(step)
+        points = np.stack([(u - cx) / fx * z, (v - cy) / fy * z, z], axis=-1)
+        return points[np.isfinite(z) & (z > 0.0)]
+
+    def _hear_lens(self, message: Any) -> None:
+        self._k = (float(message.k[0]), float(message.k[4]), float(message.k[2]), float(message.k[5]))
+
+    def _hear_tree(self, message: Any) -> None:
+        """Take in transforms; the newest one holds."""
+        for each in message.transforms:
+            at, q = each.transform.translation, each.transform.rotation
+            try:
+                step = transform_from((at.x, at.y, at.z), (q.x, q.y, q.z, q.w))
+                self._tree.add(str(each.header.frame_id), str(each.child_frame_id), step, None)
+            except ValueError:
+                continue  # no rotation, or a second parent: what was known stays
