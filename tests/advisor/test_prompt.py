@@ -22,6 +22,7 @@ WORLD = {
     "staged": True,
 }
 CONTEXT = {
+    "sea-floor-kinds": {"distance_m": 2.5, "kinds": ["a car tyre"]},
     "reef-centroid": AHEAD,
     "reef-waypoint": AHEAD,
     "reef-mission": AHEAD
@@ -92,6 +93,7 @@ CONTEXT = {
     },
 }
 MUST_SAY = {
+    "sea-floor-kinds": ["from 2.5 m", "a car tyre"],
     "reef-centroid": [
         "Arrows +X and +Y",
         "Yellow line",

@@ -73,3 +73,22 @@ def test_a_half_of_the_unseen_suite_is_asked_for_instead(told, tmp_path, monkeyp
     code, text, _ = told("advisor", "questions", *words, "--out", tmp_path / "half.zip")
     assert (code, asked) == (0, [("half", "test", 4)])
     assert text.startswith("1 questions (1 cost-function)")
+
+
+def test_a_set_of_missions_in_words(told, monkeypatch, tmp_path):
+    asked = []
+
+    def make(name, half, seed, each):
+        asked.append((name, half, seed, each))
+        return replace(load_set("public", ["object-poses"], 3), name=name)
+
+    monkeypatch.setattr("coral.commands.advisor_questions.make_word_set", make)
+    words = ("--seed", "3", "--words", "test", "--each", "2")
+    code, _, _ = told("advisor", "questions", *words, "--out", tmp_path / "words.zip")
+    assert (code, asked) == (0, [("words", "test", 3, 2)])
+
+
+def test_a_distance_without_kinds_is_refused(told, tmp_path):
+    code, _, err = told("advisor", "questions", "--seed", "3", "--distance-m", "3", "--out", tmp_path / "far.zip")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "--kinds WATER" in err

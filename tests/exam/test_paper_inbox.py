@@ -32,7 +32,7 @@ def answer_all(inbox):
 
 
 def test_answers_from_an_inbox_score_as_those_given_directly(tmp_path):
-    kinds = [kind for kind in ANSWERS if kind not in EPISODES]
+    kinds = [kind for kind in ANSWERS if kind not in (*EPISODES, "reef-mission")]  # the public set has none in words
     items = load_set("public", kinds, 6).items
     assert export(items, tmp_path / "inbox", "public") == 6 * len(kinds)
     answer_all(tmp_path / "inbox")

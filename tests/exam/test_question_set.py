@@ -20,7 +20,7 @@ def entries(name):
 def test_shipped_set_has_all_kinds_from_many_worlds():
     shown = entries("questions.jsonl")
     assert len(shown) >= 300
-    assert {one["kind"] for one in shown} == set(ANSWERS)
+    assert {one["kind"] for one in shown} == set(ANSWERS) - {"reef-mission"}  # of missions in words another set asks
     assert len({one["group"] for one in shown if one["kind"].startswith("reef")}) >= 20
     assert len({one["id"] for one in shown}) == len(shown)
 

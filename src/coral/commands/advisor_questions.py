@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from coral.errors import InputError
-from coral.exam.generation import CONTACT, REEFS, make_set, make_unseen_set
+from coral.exam.generation import CONTACT, REEFS, make_kind_set, make_set, make_unseen_set, make_word_set
 from coral.exam.question_set import QuestionSet, save_set
 
 
@@ -26,6 +26,14 @@ class AdvisorQuestions:
     """Number of reefs to generate besides the ten shipped ones."""
     unseen: Literal["development", "test"] | None = None
     """Instead, one question for a plan of each contact task in this half of the unseen suite."""
+    words: Literal["development", "test"] | None = None
+    """Instead, questions of missions in words of this half, --each missions of each family."""
+    kinds: str | None = None
+    """Instead, --each questions that show every kind of thing to be named, in this water: a Jerlov type or a preset."""
+    distance_m: float | None = None
+    """From which, with --kinds; 2 m by default."""
+    each: int = 3
+    """Missions of each family, with --words; one at which pictures never decide gives no question."""
     share: float = 1.0
     """Share of the usual number of contact questions; below 1, fewer of the shipped reefs too."""
     quiet: bool = False
@@ -37,7 +45,7 @@ class AdvisorQuestions:
         """Make the questions."""
         if not 0.0 < self.share <= 1.0:
             raise InputError("--share", "", self.share, "a number above 0, at most 1")
-        for flag, value in (("--seed", self.seed), ("--reefs", self.reefs)):
+        for flag, value in (("--seed", self.seed), ("--reefs", self.reefs), ("--each", self.each)):
             if value < 0:
                 raise InputError(flag, "", value, "a number of 0 or more")
         if self.out.suffix != ".zip" or self.out.exists():
@@ -53,6 +61,13 @@ class AdvisorQuestions:
         }
 
     def _make(self) -> QuestionSet:
+        if self.kinds is not None:
+            distance_m = 2.0 if self.distance_m is None else self.distance_m
+            return make_kind_set(self.out.stem, self.kinds, distance_m, self.seed, self.each)
+        if self.distance_m is not None:
+            raise InputError("--distance-m", "", self.distance_m, "--kinds WATER beside it")
+        if self.words is not None:
+            return make_word_set(self.out.stem, self.words, self.seed, self.each)
         if self.unseen is not None:
             return make_unseen_set(self.out.stem, self.unseen, self.seed)
         counts = {kind: max(1, round(self.share * count)) for kind, count in CONTACT.items()}

@@ -19,6 +19,7 @@ from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.contact.world_model.parameter_correction import ParametersAnswer
 from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg, ParameterEstimates
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.mission_answer import MissionAnswer
 
 Facts = Mapping[str, Any]
 STEP_M = 6
@@ -42,6 +43,10 @@ class RandomAnswers:
         """Draw a waypoint in whole metres."""
         forward, left = (int(v) for v in self._rng.integers(-STEP_M, STEP_M + 1, 2))
         return WaypointChoice(forward_m=forward, left_m=left)
+
+    def mission(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """Draw a dot of the map."""
+        return MissionAnswer(selected_centroid_index=self._draw([c["index"] for c in facts["centroids"]]))
 
     def estimates(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
         """Draw masses and frictions within the bounds."""
@@ -127,6 +132,10 @@ class ConstantAnswers:
         """Drive straight ahead."""
         return WaypointChoice(forward_m=5, left_m=0)
 
+    def mission(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
+        """Choose the first dot."""
+        return MissionAnswer(selected_centroid_index=min(c["index"] for c in facts["centroids"]))
+
     def estimates(self, facts: Facts, rejections: Sequence[Rejection]) -> BaseModel:
         """Estimate the density of water and a common friction."""
         return ParameterEstimates.model_validate(
@@ -195,6 +204,7 @@ def control(name: str, rng: np.random.Generator) -> RuleAdvisor:
     rules: Mapping[str, Rule] = {
         "reef-centroid": one.centroid,
         "reef-waypoint": one.waypoint,
+        "reef-mission": one.mission,
         "physical-parameters": one.estimates,
         "contact-regions": one.regions,
         "object-poses": one.poses,

@@ -8,8 +8,10 @@ from dataclasses import replace
 from coral.contact.scene.task_file import unseen_tasks
 from coral.exam.contact_questions import contact_items, plan_question
 from coral.exam.item import ExamItem
+from coral.exam.kind_questions import kind_items
 from coral.exam.question_set import QuestionSet
 from coral.exam.reef_questions import reef_items
+from coral.exam.word_questions import word_items
 
 REEFS = ("l1", "l2", "s1", "s2", "k1", "k2", "e1", "e2", "o1", "o2")
 CONTACT: Mapping[str, int] = {
@@ -49,6 +51,17 @@ def make_set(
 def make_unseen_set(name: str, half: str, seed: int) -> QuestionSet:
     """Make a set with one question for a plan of each task in a half of the unseen suite; see `unseen_items`."""
     return QuestionSet(name=name, about={"seed": seed, "unseen": half}, items=tuple(unseen_items(half, seed)))
+
+
+def make_word_set(name: str, half: str, seed: int, each: int) -> QuestionSet:
+    """Make a set of questions of missions in words; see `word_items`."""
+    return QuestionSet(name=name, about={"seed": seed, "words": half}, items=tuple(word_items(half, seed, each)))
+
+
+def make_kind_set(name: str, water: str, distance_m: float, seed: int, each: int) -> QuestionSet:
+    """Make a set of pictures of every kind of thing; see `kind_items`."""
+    items = tuple(kind_items(water, distance_m, seed, each))
+    return QuestionSet(name=name, about={"seed": seed, "kinds": water, "distance_m": distance_m}, items=items)
 
 
 def unseen_items(half: str, seed: int) -> list[ExamItem]:

@@ -16,10 +16,12 @@ from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.contact.world_model.parameter_correction import ParametersAnswer
 from coral.contact.world_model.parameter_estimates import ParameterEstimates
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice
+from coral.reef.decide.mission_answer import MissionAnswer
 
 ANSWERS: Mapping[str, type[BaseModel]] = {
     "reef-centroid": CentroidChoice,
     "reef-waypoint": WaypointChoice,
+    "reef-mission": MissionAnswer,
     "physical-parameters": ParameterEstimates,
     "contact-regions": RegionsAnswer,
     "object-poses": PosesAnswer,

@@ -24,11 +24,13 @@ from coral.exam.contact_score import (
 from coral.exam.item import ExamItem
 from coral.exam.reef_regret import THINKING_S
 from coral.exam.reef_score import score_centroid, score_waypoint
+from coral.exam.word_score import MARKS, NEXT, SKIP, score_mission
 from coral.exam.worth import Worth
 
 SCORES: Mapping[str, Callable[[Mapping[str, Any], Mapping[str, Any], Any], Worth]] = {
     "reef-centroid": score_centroid,
     "reef-waypoint": score_waypoint,
+    "reef-mission": score_mission,
     "physical-parameters": score_estimates,
     "contact-regions": score_regions,
     "object-poses": score_poses,
@@ -42,6 +44,8 @@ WORTH: Mapping[str, str] = {
     "reef-centroid": "1 for the dot from which everything is inspected soonest, by the true map; 0 for one that loses "
     f"{THINKING_S:g} s, the time of another question, or that the verifiers refuse.",
     "reef-waypoint": "The same for a waypoint. At one reached before the next answer can come, the robot waits.",
+    "reef-mission": f"{NEXT:g} for a next dot that an oracle would choose, {SKIP:g} for what is ruled out, {MARKS:g} "
+    "for marks that name things; where nothing else is asked, all for the marks.",
     "physical-parameters": f"By the logarithm of the error: 0 from a factor of {MASS_FACTOR:g} in mass and of "
     f"{FRICTION_FACTOR:g} in friction on; mass counts {MASS_SHARE:.0%}.",
     "contact-regions": "Share of the named places on the side that the task wants touched; 0 if the verifier refuses "
