@@ -80,6 +80,7 @@ OURS: dict[str, dict[str, str]] = {
     },
     "preview": {"one": "coral.view.preview:preview", "sheet": "coral.view.preview:preview_sheet"},
     "live": {"reef": "coral.view.live.live_run:watching_mission", "contact": "coral.view.live.live_run:watching_task"},
+    "lens": {"check": "coral.reef.recordings.lens_check:check_run_lens"},
 }
 """Parts of this package by group and name; groups that are not in `GROUPS` take none of other packages."""
 

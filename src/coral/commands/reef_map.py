@@ -19,6 +19,7 @@ from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.products.survey_products import ProductsCfg
 from coral.reef.recordings.bag_recording import BagTopics
 from coral.reef.recordings.find_recording import find_recording
+from coral.reef.recordings.lens_check import check_lens
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import TABLE
 from coral.reef.recordings.recording import RECORDED
@@ -101,8 +102,9 @@ class ReefMap:
         world = self.recording / SurveyFiles.WORLD
         truth = load_world(world) if is_run(self.recording) and world.is_file() else None
         made = make_products(recording, self.cfg, self.datum or own, self.out, truth)
+        lens = check_lens(recording)
         about = [*recording.remarks, *(() if eyes is None else eyes.about)]
-        return {**made, "pictures_left_out": len(recording.omitted), "eyes": about}
+        return {**made, "pictures_left_out": len(recording.omitted), "eyes": about, "lens": lens}
 
     def _eyes(self) -> RgbPerception | None:
         if self.perception == RECORDED:
@@ -122,6 +124,7 @@ class ReefMap:
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was found, and list the main files."""
         lines = [describe_products(result), *result["eyes"]]
+        lines += [result["lens"]] if result["lens"] else []
         if result["pictures_left_out"]:
             lines.append(f"left out for want of a pose: {many(result['pictures_left_out'], 'picture')}")
         return "\n".join(lines)

@@ -260,7 +260,8 @@ class ReefSail:
             if notice is not None:
                 notice.finished(f"{result['clusters_covered']} clusters covered; {result['end_reason']}")
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
-        return {**result, "decided": decided, "run": str(folder), **render("reef", folder, cfg.record)}
+        lens = "" if self.camera == "simulated" else our_part("lens", "check", "--camera")(folder)
+        return {**result, "decided": decided, "lens": lens, "run": str(folder), **render("reef", folder, cfg.record)}
 
     def _config(self) -> MissionCfg:
         if self.seed < 0:
@@ -377,6 +378,7 @@ class ReefSail:
         ]
         lines += fulfilled(result)
         lines += [f"saved map: {result['alignment']}"] if result.get("alignment") else []
+        lines += [result["lens"]] if result.get("lens") else []
         lines += [f"recording stopped: {result['recording_failure']}"] if result["recording_failure"] else []
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]
         lines += [str(result["decided"])] if result["decided"] else []
