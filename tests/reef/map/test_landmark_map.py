@@ -5,11 +5,19 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.map.landmark_map import LandmarkMap, LandmarkMapCfg
+from coral.reef.map.landmark_map import (
+    ACROSS_SIGMA_M,
+    ACROSS_SIGMA_RADIUS,
+    PARTIAL_SIGMA_M,
+    RADIUS_SIGMA_M,
+    RADIUS_SIGMA_RADIUS,
+    RANGE_SIGMA_M,
+    RANGE_SIGMA_RADIUS,
+    LandmarkMap,
+)
 from coral.reef.map.landmarks import Sighting
 from coral.reef.world.geometry import Pose
 
-CFG = LandmarkMapCfg()
 ODOMETRY = Pose(1.0, 2.0, 0.3)
 
 
@@ -34,9 +42,9 @@ def surveyed():
 def placed(sighting, pose, radius_m):
     """Twin: place in the world, derivative by the odometry's error, covariance. Shapes (2,), (2, 3), (2, 2)."""
     bearing, distance = sighting.centre(radius_m)
-    partial = 0.0 if sighting.whole else CFG.partial_sigma_m
-    along = CFG.range_sigma_m + CFG.range_sigma_radius * radius_m + partial
-    across = CFG.across_sigma_m + CFG.across_sigma_radius * radius_m + partial
+    partial = 0.0 if sighting.whole else PARTIAL_SIGMA_M
+    along = RANGE_SIGMA_M + RANGE_SIGMA_RADIUS * radius_m + partial
+    across = ACROSS_SIGMA_M + ACROSS_SIGMA_RADIUS * radius_m + partial
     c, s = math.cos(pose.theta + bearing), math.sin(pose.theta + bearing)
     turn, dx, dy = np.array([[c, -s], [s, c]]), distance * c, distance * s
     jacobian = np.array([[-1.0, 0.0, dy], [0.0, -1.0, -dx]])
@@ -62,7 +70,7 @@ def test_comparison_equals_its_twin(sighting):
         squared = residual @ np.linalg.solve(covariance, residual)
         density = -0.5 * squared - math.log(2.0 * math.pi * math.sqrt(np.linalg.det(covariance)))
         if sighting.whole:
-            spread = CFG.radius_sigma_m + CFG.radius_sigma_radius * before._radii[k]
+            spread = RADIUS_SIGMA_M + RADIUS_SIGMA_RADIUS * before._radii[k]
             unlike = (radius - before._radii[k]) / spread
             squared += unlike**2
             density -= 0.5 * unlike**2 + math.log(spread * math.sqrt(2.0 * math.pi))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.advisor.question import Rejection
-from coral.config import Fraction, Positive
+from coral.config import Positive
 from coral.reef.decide.answers import CentroidChoice, Expectation, WaypointChoice
 from coral.reef.decide.asked import AskedState
 from coral.reef.decide.outlook import Outlook
@@ -21,30 +21,29 @@ from coral.reef.decide.remaining import Remaining
 from coral.reef.decide.route import Goal
 from coral.reef.map.water import Reach
 
+SEE_M = 3.0
+"""A waypoint shows what lies within this of it."""
+EXPLORED_SHARE = 0.03
+"""Water of which no more than this share is unexplored shows nothing new."""
+END_SHARE = 0.9
+"""A cluster of which less than this has been seen must not be left behind at the end."""
+END_REEF_M = 1.5
+"""Nor unexplored water this near to known oysters."""
+GUESS_M = 8.0
+"""A guess lies within this of a goal that is chosen for it: the camera's range and 2 m."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ProvableCfg:
-    """When a way is finished, and when a survey may end."""
+    """When a way is finished."""
 
     finished: bool = True
     """Whether ways back through finished water are refused. False for lanes that were planned before the dive."""
-    see_m: Positive = 3.0
-    """A waypoint shows what lies within this of it."""
-    explored_share: Fraction = 0.03
-    """Water of which no more than this share is unexplored shows nothing new."""
     tolerance_m: Positive = 0.3
     """A waypoint leads away if it is farther by this from everything that is left: twice the cell of the search."""
-    end_share: Fraction = 0.9
-    """A cluster of which less than this has been seen must not be left behind at the end."""
-    end_reef_m: Positive = 1.5
-    """Nor unexplored water this near to known oysters."""
-    guess_m: Positive = 8.0
-    """A guess lies within this of a goal that is chosen for it: the camera's range and 2 m."""
 
 
-def contradiction(
-    asked: AskedState, answer: CentroidChoice | WaypointChoice, goal: Goal | None, cfg: ProvableCfg
-) -> str:
+def contradiction(asked: AskedState, answer: CentroidChoice | WaypointChoice, goal: Goal | None) -> str:
     """Return how an answer contradicts itself, or ""."""
     dot = answer.selected_centroid_index if isinstance(answer, CentroidChoice) else answer.dot
     if answer.end_survey and (dot is not None or answer.then):
@@ -53,8 +52,8 @@ def contradiction(
         return "It names a dot and a waypoint as well. Name one of both, and null for the other."
     if goal is not None and answer.expect is not None:
         x, y = expected_at(asked, answer.expect, goal)
-        if math.dist((x, y), (goal.x, goal.y)) > cfg.guess_m:
-            return f"What it expects lies more than {cfg.guess_m:g} m from its goal, from where it would not be seen."
+        if math.dist((x, y), (goal.x, goal.y)) > GUESS_M:
+            return f"What it expects lies more than {GUESS_M:g} m from its goal, from where it would not be seen."
     return ""
 
 
@@ -102,21 +101,21 @@ def leads_nowhere(
         return np.zeros(len(xs), bool)
     cells = outlook.belief.map
     at = zip(xs.tolist(), ys.tolist(), strict=True)
-    shows = np.array([cells.unexplored_share(x, y, cfg.see_m) > cfg.explored_share for x, y in at])
+    shows = np.array([cells.unexplored_share(x, y, SEE_M) > EXPLORED_SHARE for x, y in at])
     for track in outlook.unvisited():
-        shows |= np.hypot(xs - track.x, ys - track.y) <= cfg.see_m
+        shows |= np.hypot(xs - track.x, ys - track.y) <= SEE_M
     return np.asarray(~shows & ~remaining.nearer(xs, ys, outlook.arrival.pose[:2], cfg.tolerance_m))
 
 
-def too_early_to_end(asked: AskedState, cfg: ProvableCfg) -> Rejection | None:
+def too_early_to_end(asked: AskedState) -> Rejection | None:
     """Refuse the end of a survey while the map shows oysters to see, or water beside them where there may be more."""
     outlook = asked.outlook
     dots = [
         t.index
         for t in outlook.unvisited()
-        if t.inspected < cfg.end_share and not t.doubtful and math.isfinite(asked.left.path_m(t.x, t.y))
+        if t.inspected < END_SHARE and not t.doubtful and math.isfinite(asked.left.path_m(t.x, t.y))
     ]
-    water = [f for f in asked.left.frontiers if f.reef_m <= cfg.end_reef_m]
+    water = [f for f in asked.left.frontiers if f.reef_m <= END_REEF_M]
     if not dots and not water and outlook.belief.tracks:
         return None
     left = f"dots {', '.join(map(str, sorted(dots)))}" if dots else "unexplored water beside known oysters"

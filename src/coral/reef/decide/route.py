@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Fraction, Positive
+from coral.config import Positive
 from coral.reef.decide.said import SAME_M
 from coral.reef.map.belief import Belief
 from coral.reef.map.chain import Track
@@ -35,6 +35,18 @@ class Goal:
     """What the robot turns to there (m) before the goal is done."""
 
 
+AIM_M = 0.75
+"""The vehicle aims at the middle of what is left to see within this of the part that it comes to first."""
+HOLD_AIM_M = 0.4
+"""The aim stays where it is until it would move by more than this."""
+LOOK_M = 3.0
+"""A waypoint shows the water within this of it..."""
+EXPLORED_SHARE = 0.03
+"""... and is done once no more than this share of it is unexplored, if there was more before."""
+BESIDE_M = 3.0
+"""How near to its aim the vehicle is beside it."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class RouteCfg:
     """How goals are driven to, one after the other."""
@@ -48,20 +60,10 @@ class RouteCfg:
     """A waypoint is done this near to it."""
     pass_m: Positive = 2.0
     """The same while another goal follows: there is no need to go all the way."""
-    aim_m: Positive = 0.75
-    """The vehicle aims at the middle of what is left to see within this of the part that it comes to first."""
-    hold_aim_m: Positive = 0.4
-    """The aim stays where it is until it would move by more than this."""
-    look_m: Positive = 3.0
-    """A waypoint shows the water within this of it..."""
-    explored_share: Fraction = 0.03
-    """... and is done once no more than this share of it is unexplored, if there was more before."""
     short_m: Positive = 1.2
     """The vehicle is done with a cluster about this far before its end: it looks ahead."""
     patience_s: Positive = 6.0
     """What is left of a cluster is given up when this long beside it showed nothing more of it."""
-    beside_m: Positive = 3.0
-    """How near to its aim the vehicle is beside it."""
     expected_latency_s: Positive = 10.0
     """How long an advisor is expected to think before the first answer has shown it; the paper's median (IV-E)."""
     margin_s: Positive = 2.0
@@ -219,7 +221,7 @@ class Route:
         self.belief.goal, self.belief.goal_index = (goal.x, goal.y), goal.index
         track = self.belief.track(goal.index)
         if self.cfg.ahead and track is not None and len(track.left):
-            self.belief.goal = aim(track.left, self.belief.pose, self.cfg.aim_m)
+            self.belief.goal = aim(track.left, self.belief.pose, AIM_M)
 
     def _keep_clear(self) -> None:
         """Tell the belief what is not gone to, and keep a waypoint of no look clear of it."""
@@ -232,7 +234,7 @@ class Route:
         if self.goals and self.goals[0].index is None and self.goals[0].pass_m is None:
             goal = self.goals[0]
             clear = moved_clear((goal.x, goal.y), belief.unchosen, belief.clear_m, belief.pose[:2])
-            if belief.goal is None or math.dist(clear, belief.goal) > self.cfg.hold_aim_m:
+            if belief.goal is None or math.dist(clear, belief.goal) > HOLD_AIM_M:
                 belief.goal = clear
 
     def _done(self, t: float) -> bool:
@@ -250,10 +252,10 @@ class Route:
         if abs(len(track.left) - self._left) > 3:  # cells of oysters
             self._left, self._since = len(track.left), t
         assert belief.goal is not None
-        aimed = aim(track.left, belief.pose, cfg.aim_m)
-        if math.dist(aimed, belief.goal) > cfg.hold_aim_m:
+        aimed = aim(track.left, belief.pose, AIM_M)
+        if math.dist(aimed, belief.goal) > HOLD_AIM_M:
             belief.goal = aimed
-        if math.dist(belief.goal, belief.pose[:2]) > cfg.beside_m:
+        if math.dist(belief.goal, belief.pose[:2]) > BESIDE_M:
             self._since = t
         if t - self._since > cfg.patience_s:
             belief.write_off(track.index)
@@ -263,9 +265,9 @@ class Route:
 
     def _explored(self, goal: Goal) -> bool:
         """Check whether a waypoint that was to explore water has nothing more to show: all of it has been seen."""
-        share = self.belief.map.unexplored_share(goal.x, goal.y, self.cfg.look_m)
+        share = self.belief.map.unexplored_share(goal.x, goal.y, LOOK_M)
         self._unexplored = max(self._unexplored, share)
-        return self.cfg.ahead and self._unexplored > self.cfg.explored_share >= share
+        return self.cfg.ahead and self._unexplored > EXPLORED_SHARE >= share
 
 
 def _near(tracks: Sequence[Track], at: tuple[float, float]) -> bool:

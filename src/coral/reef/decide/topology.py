@@ -23,6 +23,13 @@ from coral.reef.map.costfield import CostField
 from coral.reef.vehicle.delays import delays_from
 from coral.reef.world.geometry import Pose
 
+TOLD_S = 5.0
+"""The price of a choice is reported from here on: less than an answer takes."""
+DOT_WORTH = 0.5
+"""Worth of a cluster, whatever its size; each square metre that is left to see of it adds 1."""
+FAR_M2 = 0.5
+"""What is taken to be left to see of oysters seen from afar: about a small cluster's area."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class TopologyCfg:
@@ -31,14 +38,8 @@ class TopologyCfg:
     enabled: bool = True
     """False is the ablation "w/o topological memory". Departs from the paper: it switches modes by Alg. 2 alone."""
     remaining: RemainingCfg = field(default_factory=RemainingCfg)
-    told_s: float = 5.0
-    """The price of a choice is reported from here on: less than an answer takes."""
     speed_m_s: Positive = 0.5
     yaw_rate_rad_s: Positive = 0.6
-    dot_worth: float = 0.5
-    """Worth of a cluster, whatever its size; each square metre that is left to see of it adds 1."""
-    far_m2: float = 0.5
-    """What is taken to be left to see of oysters seen from afar: about a small cluster's area."""
     frontier_worth: float = 0.1
     """Worth of unexplored water beside the reef, less elsewhere. Little: most of it is seen on the way to clusters."""
     reef_m: Positive = 3.0
@@ -112,7 +113,7 @@ def plan_tour(remaining: Remaining, left: Survey, arrival: Arrival, cfg: Topolog
     if not remaining.places:
         return None
     nodes = [
-        Place(x=p.x, y=p.y, index=p.index, worth=cfg.dot_worth + p.left_m2)
+        Place(x=p.x, y=p.y, index=p.index, worth=DOT_WORTH + p.left_m2)
         if isinstance(p, Dot)
         else Place(x=p.x, y=p.y, index=None, worth=frontier_worth(p.reef_m, p.unexplored, cfg))
         for p in remaining.places

@@ -43,7 +43,7 @@ from coral.reef.decide.questions import (
 from coral.reef.decide.remaining import Dot, what_remains
 from coral.reef.decide.route import Goal, Route, here, passed
 from coral.reef.decide.survey import survey
-from coral.reef.decide.topology import RemainingTour, plan_tour
+from coral.reef.decide.topology import FAR_M2, TOLD_S, RemainingTour, plan_tour
 from coral.reef.decide.trigger import separated
 from coral.reef.decide.verify import verify_waypoint
 from coral.reef.map.belief import Belief
@@ -132,7 +132,7 @@ class TourPlanner:
         kept, goals = arrival.path[: arrival.kept], {goal.index for goal in arrival.goals}
         dots, closed = [], set()
         for track in outlook.unvisited():
-            area = cfg.topology.far_m2 if track.far else len(track.left) * belief.map.cfg.cell_m**2
+            area = FAR_M2 if track.far else len(track.left) * belief.map.cfg.cell_m**2
             if belief.cfg.inspect.enabled:
                 # Only what is passed whatever is answered is taken off: beyond its kept goals the way is open.
                 rest = track.left if track.far else passed(track, kept, 0.9 * belief.inspect_m)
@@ -201,10 +201,10 @@ class TourPlanner:
         cfg, outlook = self.cfg, asked.outlook
         if not cfg.checks:
             return None if goal is None else outside(goal, self.belief)
-        if why := contradiction(asked, answer, goal, cfg.provable):
+        if why := contradiction(asked, answer, goal):
             return Rejection(code="contradiction", reason=f"The answer contradicts itself. {why}")
         if answer.end_survey:
-            return too_early_to_end(asked, cfg.provable)
+            return too_early_to_end(asked)
         if _leaves_rest(answer) and (dots := _dots(asked)):
             left = ", ".join(str(track.index) for track in dots)
             return Rejection(
@@ -294,7 +294,7 @@ class TourPlanner:
         self._advice, self._alone = None, _leaves_rest(answer)
         tour = asked.tour
         price = 0.0 if tour is None else tour.price_s(goal.x, goal.y, goal.index)
-        if tour is not None and math.isfinite(price) and price >= self.cfg.topology.told_s:
+        if tour is not None and math.isfinite(price) and price >= TOLD_S:
             told["later_s"] = round(price, 1)
             self._advice = {"chosen": chosen(answer), "later_s": round(price), "better": tour.best.index}
         expect = getattr(answer, "expect", None)

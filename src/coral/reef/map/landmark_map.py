@@ -3,37 +3,31 @@
 from __future__ import annotations
 
 import math
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import NonNegative, Positive
 from coral.reef.map.landmark_map_kernels import Outline, compare, correct, start
 from coral.reef.map.landmarks import Sighting
 from coral.reef.world.geometry import Pose, wrap
 
-
-@dataclass(frozen=True, kw_only=True)
-class LandmarkMapCfg:
-    """How well a picture shows where a body stands, and how wide it is. The order of the fields counts."""
-
-    range_sigma_m: Positive = 0.1
-    """Standard deviation of the distance to a body's centre, for a thin post (m), ..."""
-    range_sigma_radius: NonNegative = 0.3
-    """... and what is added for each metre of radius: the bodies are not round. Along one mission on s1 it was 0.04 m
-    for round bodies and 0.18 m for those 1.6 times as long as wide, or longer. The last
-    picture's error counts once: with twice as much, wrong matches seemed likely enough to be kept."""
-    across_sigma_m: Positive = 0.05
-    """The same across the line of sight (m)."""
-    across_sigma_radius: NonNegative = 0.15
-    """Added across the line of sight for each metre of radius."""
-    partial_sigma_m: NonNegative = 0.2
-    """Added for a body of which one outline is hidden (m)."""
-    radius_sigma_m: Positive = 0.1
-    """Standard deviation of a measured radius (m), ..."""
-    radius_sigma_radius: NonNegative = 0.4
-    """... and what is added for each metre of radius."""
+RANGE_SIGMA_M, RANGE_SIGMA_RADIUS = 0.1, 0.3
+"""Standard deviation of the distance to a body's centre, for a thin post (m), and what is added for each metre of
+radius: the bodies are not round. Along one mission on s1 it was 0.04 m for round bodies and 0.18 m for those 1.6 times
+as long as wide, or longer. The last picture's error counts once: with twice as much, wrong matches seemed likely enough
+to be kept."""
+ACROSS_SIGMA_M, ACROSS_SIGMA_RADIUS = 0.05, 0.15
+"""The same across the line of sight."""
+PARTIAL_SIGMA_M = 0.2
+"""Added for a body of which one outline is hidden."""
+RADIUS_SIGMA_M, RADIUS_SIGMA_RADIUS = 0.1, 0.4
+"""Standard deviation of a measured radius (m), and what is added for each metre of radius."""
+SIGMAS = (
+    RANGE_SIGMA_M, RANGE_SIGMA_RADIUS, ACROSS_SIGMA_M, ACROSS_SIGMA_RADIUS, PARTIAL_SIGMA_M, RADIUS_SIGMA_M,
+    RADIUS_SIGMA_RADIUS,
+)  # fmt: skip
+"""As the kernels take them."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +51,8 @@ class LandmarkMap:
     the pose by as much as it should.
     """
 
-    def __init__(self, cfg: LandmarkMapCfg | None = None) -> None:
+    def __init__(self) -> None:
         """Set up; the odometry is exact at the start."""
-        self.cfg = cfg or LandmarkMapCfg()
-        self._sigmas = astuple(self.cfg)
         self._state, self._covariance = np.zeros(3), np.zeros((3, 3))
         self._radii, self._hits, self.last_s = np.zeros(0), np.zeros(0), np.zeros(0)
         """Radius of each landmark (m), how often it was seen whole, and when it was seen last (s). Shape=(N,)."""
@@ -114,12 +106,12 @@ class LandmarkMap:
     def compare(self, sighting: Sighting, odometry: Pose, candidate_m: float) -> Comparison:
         """Compare a sighting with the landmarks within `candidate_m` (m) of it."""
         args = (self._state, self._covariance, self._radii)
-        return Comparison(*compare(*args, _floats(odometry), _outline(sighting), self._sigmas, candidate_m))
+        return Comparison(*compare(*args, _floats(odometry), _outline(sighting), SIGMAS, candidate_m))
 
     def corrected(self, landmark: int, sighting: Sighting, odometry: Pose, now_s: float) -> LandmarkMap:
         """Return the map after a sighting of a landmark."""
         radius = sighting.radius_m if sighting.whole else float(self._radii[landmark])
-        args = (self._state, self._covariance, landmark, radius, _floats(odometry), _outline(sighting), self._sigmas)
+        args = (self._state, self._covariance, landmark, radius, _floats(odometry), _outline(sighting), SIGMAS)
         after = self._with(*correct(*args))
         after._radii, after._hits, after.last_s = self._radii.copy(), self._hits.copy(), self.last_s.copy()
         after.last_s[landmark] = now_s
@@ -130,13 +122,13 @@ class LandmarkMap:
 
     def extended(self, sighting: Sighting, odometry: Pose, now_s: float) -> LandmarkMap:
         """Return the map with one more landmark, a body that is seen whole."""
-        after = self._with(*start(self._state, self._covariance, _floats(odometry), _outline(sighting), self._sigmas))
+        after = self._with(*start(self._state, self._covariance, _floats(odometry), _outline(sighting), SIGMAS))
         after._radii, after._hits = np.append(self._radii, sighting.radius_m), np.append(self._hits, 1.0)
         after.last_s = np.append(self.last_s, now_s)
         return after
 
     def _with(self, state: NDArray[np.float64], covariance: NDArray[np.float64]) -> LandmarkMap:
-        other = LandmarkMap(self.cfg)
+        other = LandmarkMap()
         other._state, other._covariance = state, covariance
         return other
 

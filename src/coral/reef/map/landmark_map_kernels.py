@@ -5,7 +5,7 @@ the world. A sighting at z in the body frame gives the residual r = p + R(theta)
 by (error, landmark) is [[-1, 0, dy, -1, 0], [0, -1, -dx, 0, -1]], where (dx, dy) = R(theta) z.
 
 A sighting is the tuple (right, left, near_m, width, radius_m) of `Sighting`, NaN for an outline that is hidden; sigmas
-are the seven values of `LandmarkMapCfg` in their order.
+are the seven values of `landmark_map.SIGMAS`.
 """
 
 from __future__ import annotations

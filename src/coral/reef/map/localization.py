@@ -12,13 +12,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count, NonNegative, Positive
-from coral.reef.map.landmark_map import LandmarkMap, LandmarkMapCfg
+from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.map.landmarks import LandmarkCfg, LandmarkDetector, Sighting
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Frame, Pose
 
 UNUSED, NEW = -2, -1
 """Instead of the number of a landmark: the sighting shows none that is known, and starts one (NEW) or not."""
+ALIKE_M, ALIKE_RAD = 0.2, 0.035
+"""Of two hypotheses the less likely one is dropped if their positions differ by less than this on each axis, and their
+headings, too. A fifth of the distance between obstacles: the next landmark that could be meant lies farther off. With
+0.02 m, variants of one hypothesis took all the room, and a loop closed with the wrong landmark had no rival left."""
+CANDIDATE_M = 3.0
+"""Landmarks farther away than this are not compared."""
+UNKNOWN_PER_M2 = 0.3
+"""Density of obstacles that are no landmarks yet. Generated reefs have 0.12 in all, but one wrong match turns the map
+for good, and an obstacle that is taken for a new one costs little (docs/research/robustness.md)."""
+RADIUS_SPAN_M = 0.6
+"""Radii of unknown obstacles are spread evenly over this: reefs have posts of 0.1 m and rocks of 0.7 m."""
+FRESH_S, APART_M, SAME_M = 60.0, 0.8, 0.4
+"""A landmark seen within this time is known well: a new one is unlikely this near to it (generated reefs keep 1 m
+between obstacles by default), and none is started nearer than the last."""
 MISTAKEN_M = 0.5
 """A picture was taken somewhere else than believed if the hypothesis that has prevailed puts it this far away (m)."""
 
@@ -46,31 +60,11 @@ class LocalizationCfg:
     less_likely: Positive = 20.0
     """A hypothesis is dropped whose logarithm of the likelihood is smaller than the best one's by this: five sightings
     that the other explains and it calls unknown."""
-    alike_m: NonNegative = 0.2
-    """Of two hypotheses the less likely one is dropped if their positions differ by less than this on each axis (m),
-    ... A fifth of the distance between obstacles: the next landmark that could be meant lies farther off. With 0.02,
-    variants of one hypothesis took all the room, and a loop closed with the wrong landmark had no rival left."""
-    alike_rad: NonNegative = 0.035
-    """... and their headings by less than this."""
     gate: Positive = 16.0
     """Largest squared Mahalanobis distance between a sighting and its landmark: 99.9 % of three normal variables."""
-    candidate_m: Positive = 3.0
-    """Landmarks farther away than this are not compared (m)."""
-    unknown_per_m2: Positive = 0.3
-    """Density of obstacles that are no landmarks yet (1/m²). Generated reefs have 0.12 in all, but one wrong match
-    turns the map for good, and an obstacle that is taken for a new one costs little (docs/research/robustness.md)."""
-    radius_span_m: Positive = 0.6
-    """Radii of unknown obstacles are spread evenly over this (m): reefs have posts of 0.1 m and rocks of 0.7 m."""
-    fresh_s: Positive = 60.0
-    """Near landmarks that were seen within this time are known well: where they are, a new one is unlikely."""
-    apart_m: Positive = 0.8
-    """Near means this (m): generated reefs keep 1 m between obstacles by default."""
     beside: Positive = 0.2
-    """Share by which unknown obstacles are rarer there."""
-    same_m: Positive = 0.4
-    """Nearer than this to a landmark seen within `fresh_s` no new one is started (m)."""
+    """Share by which unknown obstacles are rarer near landmarks that are known well."""
     landmarks: LandmarkCfg = field(default_factory=LandmarkCfg)
-    map: LandmarkMapCfg = field(default_factory=LandmarkMapCfg)
 
 
 @dataclass(frozen=True)
@@ -103,7 +97,7 @@ class Localizer:
         self.cfg = cfg = cfg or LocalizationCfg()
         self._detector = LandmarkDetector(camera, cfg.landmarks)
         self._walk = np.array([cfg.drift_xy, cfg.drift_xy, cfg.drift_theta]) ** 2
-        self.hypotheses = [Hypothesis(LandmarkMap(cfg.map))]
+        self.hypotheses = [Hypothesis(LandmarkMap())]
         """The most likely one first."""
         self._last: tuple[Pose, NDArray[np.float64]] | None = None
         """The odometry of the last call, and its covariance."""
@@ -220,16 +214,16 @@ class Localizer:
     def _choices(self, hypothesis: Hypothesis, sighting: Sighting, odometry: Pose) -> list[tuple[float, int]]:
         """Return what a sighting may show, as the score that results and a landmark's number, NEW or UNUSED."""
         cfg, landmarks = self.cfg, hypothesis.map
-        found = landmarks.compare(sighting, odometry, cfg.candidate_m)
+        found = landmarks.compare(sighting, odometry, CANDIDATE_M)
         # A landmark appears once in a picture.
         free = np.flatnonzero((found.squared < cfg.gate) & (landmarks.last_s < self._now_s))
         # The density of a whole body is per metre of radius too: relative to that of unknown obstacles.
-        by_radius = math.log(cfg.radius_span_m) if sighting.whole else 0.0
+        by_radius = math.log(RADIUS_SPAN_M) if sighting.whole else 0.0
         choices = [(hypothesis.score + float(found.log_density[j]) + by_radius, int(j)) for j in free]
-        recent = found.away_m[self._now_s - landmarks.last_s < cfg.fresh_s]
+        recent = found.away_m[self._now_s - landmarks.last_s < FRESH_S]
         nearest = float(recent.min(initial=math.inf))
-        unknown = cfg.unknown_per_m2 * (cfg.beside if nearest < cfg.apart_m else 1.0)
-        new = sighting.whole and nearest >= cfg.same_m
+        unknown = UNKNOWN_PER_M2 * (cfg.beside if nearest < APART_M else 1.0)
+        new = sighting.whole and nearest >= SAME_M
         return [*choices, (hypothesis.score + math.log(unknown), NEW if new else UNUSED)]
 
     def _chosen(self, before: LandmarkMap, choice: int, sighting: Sighting, odometry: Pose) -> LandmarkMap:
@@ -242,7 +236,7 @@ class Localizer:
     def _alike(self, one: LandmarkMap, other: LandmarkMap) -> bool:
         """Check whether two maps give the same pose."""
         x, y, theta = (abs(a - b) for a, b in zip(one.error, other.error, strict=True))
-        return max(x, y) < self.cfg.alike_m and theta < self.cfg.alike_rad
+        return max(x, y) < ALIKE_M and theta < ALIKE_RAD
 
 
 def _steps(past: tuple[Any, ...]) -> Iterator[tuple[int, float, float]]:

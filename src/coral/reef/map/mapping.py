@@ -37,6 +37,12 @@ NEAR_SLACK_M = 1.0
 """Distance that the robot may move before local distances are computed again, if no obstacle has changed."""
 
 
+HINT_CELL_M = 0.5
+"""Edge of a cell of the hints: at 8 to 12 m a row of pixels covers about as much of the seabed."""
+HINT_HITS = 5
+"""Pictures that must show oysters in such a cell, half a second of looking."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class MapCfg:
     """Cell size, ranges and evidence thresholds of the occupancy map."""
@@ -64,10 +70,6 @@ class MapCfg:
     remembered: Annotated[int, Field(ge=4, le=SATURATED - 1)] = 32
     """Pictures of one class at which all counts of a cell are halved: where the position drifts, hundreds of pictures
     of bare floor from long ago must not outvote the obstacle that is now in view."""
-    hint_cell_m: CellSize = 0.5
-    """Edge of a cell of the hints: at 8 to 12 m a row of pixels covers about as much of the seabed."""
-    hint_hits: Count = 5
-    """Pictures that must show oysters in such a cell, half a second of looking."""
     obstacles: Literal["both", "sonar"] = "both"
     """Whose obstacles the vehicle keeps clear of when it has a sonar. The paper's vehicle has its sonar for that, and
     its map takes obstacles from the camera too. sonar: the camera's obstacles count for nothing, as where its depth is
@@ -136,7 +138,7 @@ class OccupancyMap:
         self._neared = np.zeros(shape, np.int32)
         self.unseeable = np.zeros(shape, np.bool_)
         """Cells that could not be seen from near enough, whatever was tried. Shape=(NY, NX)."""
-        coarse = (math.ceil(size_m[1] / cfg.hint_cell_m), math.ceil(size_m[0] / cfg.hint_cell_m))
+        coarse = (math.ceil(size_m[1] / HINT_CELL_M), math.ceil(size_m[0] / HINT_CELL_M))
         self._hints, self._hinted = np.zeros(coarse, np.uint16), np.zeros(coarse, np.int32)
         self._whole: tuple[NDArray[np.bool_], NDArray[np.float32]] | None = None
         self._near = np.full(shape, np.inf, np.float32)
@@ -217,7 +219,7 @@ class OccupancyMap:
             cfg.range_m,
             self.nearest,
             self._neared,
-            cfg.hint_cell_m,
+            HINT_CELL_M,
             self._hints,
             self._hinted,
             self._pictures,
@@ -407,20 +409,20 @@ class OccupancyMap:
     def hints(self) -> list[Hint]:
         """Return the groups of oysters that were seen beyond the map's range, where nothing is explored yet."""
         cfg = self.cfg
-        mask = self._hints >= cfg.hint_hits
+        mask = self._hints >= HINT_HITS
         if not mask.any():
             return []
         iy, ix = np.nonzero(mask)
-        centres = ((np.stack([iy, ix], axis=1) + 0.5) * cfg.hint_cell_m / cfg.cell_m).astype(np.int64)
+        centres = ((np.stack([iy, ix], axis=1) + 0.5) * HINT_CELL_M / cfg.cell_m).astype(np.int64)
         ny, nx = self.explored.shape
         known = self.explored[np.minimum(centres[:, 0], ny - 1), np.minimum(centres[:, 1], nx - 1)]
         mask[iy[known], ix[known]] = False
         count, _, stats, centroids = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
         return [
             Hint(
-                x=float((centroids[k, 0] + 0.5) * cfg.hint_cell_m),
-                y=float((centroids[k, 1] + 0.5) * cfg.hint_cell_m),
-                area_m2=float(stats[k, cv2.CC_STAT_AREA]) * cfg.hint_cell_m**2,
+                x=float((centroids[k, 0] + 0.5) * HINT_CELL_M),
+                y=float((centroids[k, 1] + 0.5) * HINT_CELL_M),
+                area_m2=float(stats[k, cv2.CC_STAT_AREA]) * HINT_CELL_M**2,
             )
             for k in range(1, count)
         ]

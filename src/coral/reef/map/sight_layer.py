@@ -10,33 +10,34 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, Fraction, NonNegative, Positive
+from coral.config import NonNegative, Positive
 from coral.reef.map.sight_layer_kernels import scan, trace
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera
 from coral.reef.world.geometry import Frame, Label, Pose, wrap
+
+NEAR_SHARE = 0.2
+"""An obstacle is where this share of its pixels along a bearing is nearer, or at its foot if that is nearer."""
+ROW_M = 0.5
+"""Floor counts as explored while a row of pixels covers at most this much of it, 4.8 m away with the default
+camera: the smallest cluster is about as wide. Farther away networks take oysters for sea floor."""
+FLOOR_DOUBT = 0.3
+"""Floor with more doubt is not seen: there may be oysters. The limit of `DoubtCfg` for oysters."""
+GAP_PX = 2
+"""A line of sight ends where more rows of floor are missing."""
+BACK_M = 0.15
+BACK_SHARE = 0.1
+"""Water within `back_m` and this share of its distance in front of an obstacle is not marked free."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SightLayerCfg:
     """What a line of sight says of the cells, where obstacles are told by a network's picture alone."""
 
-    near_share: Fraction = 0.2
-    """An obstacle is where this share of its pixels along a bearing is nearer, or at its foot if that is nearer."""
     sharp_pixel_m: Positive = 0.05
     """Looks count fully while a pixel is at most this wide, 2.3 m away with the default camera; then less and less.
     Where oysters have been looked for from this near, looks from farther away no longer count."""
     target_ratio: NonNegative = 0.5
     """A cell seen from that near is no target if fewer pictures show oysters than this share of those with seabed."""
-    row_m: Positive = 0.5
-    """Floor counts as explored while a row of pixels covers at most this much of it, 4.8 m away with the default
-    camera: the smallest cluster is about as wide. Farther away networks take oysters for sea floor."""
-    floor_doubt: Fraction = 0.3
-    """Floor with more doubt is not seen: there may be oysters. The limit of `DoubtCfg` for oysters."""
-    gap_px: Count = 2
-    """A line of sight ends where more rows of floor are missing."""
-    back_m: NonNegative = 0.15
-    back_share: Fraction = 0.1
-    """Water within `back_m` and this share of its distance in front of an obstacle is not marked free."""
     through: Positive = 0.5
     """Weight of a look through a cell; a look that ends there weighs 1."""
     most: Positive = 2.0
@@ -131,9 +132,9 @@ class SightLayer:
         bearing = np.minimum((turn * (bearings / (2.0 * math.pi))).astype(np.int64), bearings - 1)
         labels = frame.labels
         if frame.doubt is not None:
-            labels = np.where(floor & (frame.doubt > cfg.floor_doubt), np.uint8(Label.WATER), labels)
+            labels = np.where(floor & (frame.doubt > FLOOR_DOUBT), np.uint8(Label.WATER), labels)
         focal = self.camera.intrinsics[0]
-        scan(frame.depth, labels, flat, plane, bearing, cfg.near_share, cfg.gap_px, ranges, first, last)
+        scan(frame.depth, labels, flat, plane, bearing, NEAR_SHARE, GAP_PX, ranges, first, last)
         self.counted = (
             at is None or math.dist(at[:2], pose[:2]) >= cfg.step_m or abs(wrap(at.theta - pose.theta)) >= cfg.turn_rad
         )
@@ -150,10 +151,10 @@ class SightLayer:
                 pose.theta,
                 self._cell_m,
                 ranges_m[0],
-                min(ranges_m[1], math.sqrt(cfg.row_m * height * focal)),
+                min(ranges_m[1], math.sqrt(ROW_M * height * focal)),
                 self.sharp_m,
-                cfg.back_m,
-                cfg.back_share,
+                BACK_M,
+                BACK_SHARE,
                 cfg.through,
                 cfg.most,
                 cfg.solid,
