@@ -10,7 +10,7 @@ from recorded import RULES
 from coral.advisor.question import AdvisorUnavailable, Picture, Reply
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, in_process
-from coral.contact.scene.task_file import every_task
+from coral.contact.scene.task_names import every_task, suite_tasks
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.diagnosis import TEXTS
 from coral.contact.thinker.evidence import collect_evidence
@@ -146,10 +146,11 @@ FULL = {
 
 
 @pytest.mark.parametrize("task", every_task())
-def test_prompts_have_fewer_than_3000_tokens(ask, task):
-    """In these prompts a token has 3.1 characters at least, whichever tokenizer counts.
+def test_prompts_have_few_tokens(ask, task):
+    """At most 3000, and 3200 in the long tasks, which state an order of events.
 
-    Repairs with as many characters as here were counted one by one; the program in one is its author's, on top.
+    In these prompts a token has 3.1 characters at least, whichever tokenizer counts. Repairs with as many characters as
+    here were counted one by one; the program in one is its author's, on top.
     """
     advisor = Unplanned()
     one, questions, _ = ask(advisor, task)
@@ -171,8 +172,9 @@ def test_prompts_have_fewer_than_3000_tokens(ask, task):
     for question in advisor.questions:
         (again if "What happened lately" in question.prompt else first).append(len(question.prompt))
     assert len(again) >= 2
-    assert max(first) / 3.1 < 3000
-    assert max(again) < 9660
+    more = 1.07 if task in suite_tasks("long") else 1.0
+    assert max(first) / 3.1 < 3000 * more
+    assert max(again) < 9660 * more
 
 
 def test_what_is_advised_of_an_accepted_plan_is_told_and_shown_in_its_repair(ask):
