@@ -129,7 +129,6 @@ def cost_rows(samples: int, horizon: int, repeats: int, alone: int) -> dict[str,
         found = {
             "samples": samples,
             "horizon": horizon,
-            "terms": len(here),
             "batch_ms": batch,
             "confined_ms": waited(lambda: confined(state), repeats),
             "one_by_one_ms": each,
@@ -168,7 +167,7 @@ def main() -> None:
     if args.json:
         print(json.dumps({"cost": cost, "beliefs": beliefs}))
         return
-    print(f"| a cost of {cost['terms']} terms, {args.samples} x {args.horizon} states | ms |\n|---|---:|")
+    print(f"| a cost, {args.samples} x {args.horizon} states | ms |\n|---|---:|")
     print(f"| in this process | {cost['batch_ms']:.1f} |\n| in the confined process | {cost['confined_ms']:.1f} |")
     print(f"| state by state | {cost['one_by_one_ms']:.0f} |\n")
     print(

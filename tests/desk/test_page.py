@@ -205,7 +205,9 @@ def test_nested_answers_have_a_form_and_a_text(visit, ask):
     page.get_by_label("Mass").fill("0")
     page.get_by_label("none (null)").check()
     page.get_by_role("button", name="Submit").click()
-    expect(page.locator(".nested .field.bad .fault")).to_have_text("must be more than 0, not 0")
+    expect(page.locator(".nested .field.bad .fault")).to_have_text(
+        "does not fit: 0 is less than or equal to the minimum of 0"
+    )
     page.get_by_role("button", name="Edit as JSON").click()
     text = page.get_by_label("Answer as JSON")
     assert json.loads(text.input_value()) == {
