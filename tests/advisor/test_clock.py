@@ -357,3 +357,10 @@ def test_on_the_wall_clock_what_is_prepared_is_there_when_it_is_ready():
         clock.advance()
     assert task.result() is True
     clock.close()
+
+
+def test_a_restarted_wall_clock_counts_anew():
+    clock = WallClock()
+    clock._start_s -= 100.0
+    clock.restart()
+    assert clock.now() < 50.0

@@ -37,7 +37,15 @@ def test_answers_that_were_refused_then_are_left_out():
         [ask(advisor, "push-pick-board", "parameter-repair") for advisor in [RecordedAdvisor()] for _ in range(2)]
 
 
-@pytest.mark.parametrize(("task", "facts"), [("pull-cart", {}), ("pick-box", {"contact_strategy": False})])
+def test_the_variants_unified_and_unguided_have_recordings_of_their_own():
+    guided = ask(RecordedAdvisor(), "pick-box")
+    unguided = RecordedAdvisor()
+    assert ask(unguided, "pick-box", "physical-parameters") == ask(RecordedAdvisor(), "pick-box", "physical-parameters")
+    assert ask(unguided, "pick-box", contact_strategy=False) != guided
+    assert set(ask(RecordedAdvisor(), "pick-box", "unified")) >= {"parameters", "stages"}
+
+
+@pytest.mark.parametrize(("task", "facts"), [("pull-cart", {}), ("open-door", {"contact_strategy": False})])
 def test_what_nobody_answered_is_not_answered(task, facts):
     with pytest.raises(AdvisorUnavailable, match="nobody answered"):
         ask(RecordedAdvisor(), task, **facts)

@@ -311,7 +311,7 @@ def _outcome(future: Future[Any]) -> tuple[Any, BaseException | None]:
 
 
 class WallClock:
-    """Wall seconds since creation: for a real vehicle, and for programs that may wait.
+    """Wall seconds since creation or `restart`: for a real vehicle, and for programs that may wait.
 
     With `start` and `advance` it is used like `SimulatedClock`, from a control loop that keeps its own period and is
     never blocked. Its `reply` also works inside any other running event loop (`asyncio.run(consult(...))`).
@@ -331,8 +331,13 @@ class WallClock:
         """Always 0: nothing waits for a reply."""
 
     def now(self) -> float:
-        """Return wall seconds since this clock was made."""
+        """Return wall seconds since this clock was made or restarted."""
         return time.monotonic() - self._start_s
+
+    def restart(self) -> None:
+        """Count from now: the mission that it serves begins. Before the first question only."""
+        assert self._stepped is None
+        self._start_s = time.monotonic()
 
     @property
     def pending(self) -> bool:

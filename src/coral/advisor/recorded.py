@@ -15,16 +15,16 @@ from coral.advisor.setting import Setting
 from coral.errors import InputError
 
 A = TypeVar("A", bound=BaseModel)
-CONTACT = "contact-"
-"""Beginning of the names of shipped recordings of contact tasks."""
+CONTACT, UNIFIED, UNGUIDED = "contact-", "unified-", "unguided-"
+"""Beginnings of the names of shipped recordings of contact tasks; the last two are of the variants of these names."""
 
 
 class RecordedAdvisor:
     """Answers with what a vision-language model answered at the desk for the task that the question names.
 
     A plan is a program over quantities, so one recording serves every trial of its task, whatever its poses, sizes and
-    masses; a repair is given where one is asked for. There is nothing for a task that nobody answered, or for questions
-    without contact strategies, which ask for other plans.
+    masses; a repair is given where one is asked for. One question for everything, and plans without a contact strategy,
+    have recordings of their own. There is nothing for a task that nobody answered.
     """
 
     latency = "recorded"
@@ -33,6 +33,7 @@ class RecordedAdvisor:
 
     def __init__(self) -> None:
         self._recordings: dict[str, ReplayAdvisor] = {}
+        self._asked = CONTACT
 
     async def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Reply[A]:
         """Give the next recorded answer of the question's kind.
@@ -41,11 +42,16 @@ class RecordedAdvisor:
             AdvisorUnavailable: With code "not-recorded": there is none, or none is left.
         """
         task = str(question.facts.get("task", ""))
-        if not is_recorded(task) or not question.facts.get("contact_strategy", True):
+        if question.kind == "unified":
+            self._asked = UNIFIED
+        elif not question.facts.get("contact_strategy", True):
+            self._asked = UNGUIDED
+        name = f"{self._asked}{task}"
+        if name not in shipped_recordings():
             raise AdvisorUnavailable("not-recorded", f"nobody answered {task!r} yet", final=True, latency_s=0.0)
-        if task not in self._recordings:
-            self._recordings[task] = ReplayAdvisor(f"{CONTACT}{task}", in_order=True, accepted=True)
-        return await self._recordings[task].answer(question, rejections)
+        if name not in self._recordings:
+            self._recordings[name] = ReplayAdvisor(name, in_order=True, accepted=True)
+        return await self._recordings[name].answer(question, rejections)
 
 
 def is_recorded(task: str) -> bool:

@@ -9,6 +9,8 @@ SAME = {
     "array of floats by its type": "v = np.array([0, 1], dtype=float)\nreturn v[1] / 3 + self.time",
     "asarray of an array": "return np.asarray(self.ee_pos)[1] + np.array(self.ee_pos.copy())[2]",
     "concatenate": "m = np.concatenate([self.ee_vel, np.zeros(2), [1.0]])\nreturn np.sum(m) + m[5]",
+    "append a number": "v = np.append(self.ee_pos[:2], 0.12)\nreturn np.sum(v) + v[2]",
+    "append a vector": "v = np.append(self.ee_pos, self.ee_vel)\nreturn np.sum(v) + v[5]",
     "ones": "return np.dot(np.ones(3), self.ee_pos)",
     "whole numbers": "v = np.array([3, 2])\nreturn v[0] // v[1] + self.time",
 }

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from voyage import WORLD, Voyage
 
+from coral.advisor.clock import WallClock
 from coral.reef.decide.mission_answer import Mark, MissionAnswer
 from coral.reef.drive.pd import PdController
 from coral.reef.eyes.perception import CameraAttitude
@@ -62,6 +63,14 @@ def test_the_age_of_pictures_is_told(tmp_path):
     voyage = Voyage(tmp_path / "run", time_limit_s=3.0)
     voyage.camera.late_s = 0.08  # eyes take their time
     assert voyage.run()["picture_age_ms_median"] == pytest.approx(80.0, abs=0.1)
+
+
+def test_time_of_answers_counts_from_the_surveys_beginning(tmp_path):
+    voyage = Voyage(tmp_path / "run", time_limit_s=1.0)
+    voyage.mission.clock = WallClock()
+    voyage.mission.clock._start_s -= 100.0
+    voyage.run()
+    assert voyage.mission.clock.now() < 50.0
 
 
 def test_the_same_seed_gives_the_same_voyage(surveyed, tmp_path):

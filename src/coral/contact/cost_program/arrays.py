@@ -85,3 +85,9 @@ def concatenated(meter: Meter, arrays: Value) -> Value:
     if not isinstance(arrays, Seq) or not arrays.items:
         raise meter.fault("wrong_call", f"this takes a list of arrays, not {kind(arrays)}")
     return as_vector(meter, Seq(tuple(x for part in arrays.items for x in components(meter, part))))
+
+
+def appended(meter: Meter, a: Value, values: Value) -> Value:
+    """Put a number or a vector at the end of a vector."""
+    more = as_vector(meter, values)
+    return concatenated(meter, Seq((a, more if isinstance(more, Vec) else Seq((more,)))))

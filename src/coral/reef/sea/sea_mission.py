@@ -298,6 +298,8 @@ class SeaMission:
         self.safety.accept(report)
         self._tell_texts(report)
         self.vehicle.began_s = self.ticks.start()
+        if isinstance(self.clock, WallClock):
+            self.clock.restart()
 
     def _seek_place(self, words: Iterable[tuple[Word, str]]) -> None:
         """Keep looking for the vehicle's place on the saved map; take that map over on the operator's word."""
