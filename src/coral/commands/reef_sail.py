@@ -37,7 +37,7 @@ from coral.plugins import our_part
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_camera, with_sonar
+from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_camera, with_camera_latency, with_sonar
 from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import CheckLine, Equipment, blocking
@@ -274,7 +274,7 @@ class ReefSail:
             name = parse_fault(fault).name
             if FAULTS[name].needs_sonar and self.sonar == "none":
                 raise InputError("--fault", "", name, "a fault of a sensor that the vehicle has: add --sonar")
-        cfg = with_sonar(cfg, self.sonar != "none")
+        cfg = with_camera_latency(with_sonar(cfg, self.sonar != "none"), self.camera_latency)
         cfg = dataclasses.replace(cfg, perception=self.perception or cfg.perception)
         if self.lens is not None and self.camera == "simulated":
             raise InputError(

@@ -1,5 +1,6 @@
 import dataclasses
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -277,7 +278,7 @@ def seen_post(x=8.0):
     return view
 
 
-@pytest.mark.parametrize("whose", ["both", "sonar"])
+@pytest.mark.parametrize("whose", ["auto", "both", "sonar"])
 def test_the_sonars_obstacles_are_a_layer_of_their_own(whose):
     grid, pose = OccupancyMap((10.0, 10.0), CAMERA, MapCfg(obstacles=whose), SMALL), Pose(4.0, 5.0, 0.0)
     for _ in range(3):
@@ -286,9 +287,22 @@ def test_the_sonars_obstacles_are_a_layer_of_their_own(whose):
     heard = int(5.0 / 0.05), int((4.0 + 2.0 * math.cos(math.radians(15.0))) / 0.05)
     assert grid.obstacle[heard]
     assert grid.layer.obstacle.sum() == 1
-    assert (grid.obstacle.sum() > 1) == (whose == "both")
+    assert (grid.obstacle.sum() > 1) == (whose != "sonar")
+    assert grid.sonar_alone == (whose == "sonar")
     grid.integrate(seen_post(), pose)  # the camera cannot see it, and says nothing about it
     assert grid.obstacle[heard]
+
+
+@pytest.mark.parametrize("whose", ["auto", "both"])
+def test_beside_a_sonar_obstacles_of_estimated_depth_do_not_count(whose):
+    grid, pose = OccupancyMap((10.0, 10.0), CAMERA, MapCfg(obstacles=whose), SMALL), Pose(4.0, 5.0, 0.0)
+    view = seen_post()
+    view = replace(view, doubt=np.zeros(view.labels.shape, np.float32))
+    for _ in range(3):
+        grid.integrate(view, pose)
+        grid.hear(ahead(), pose)
+    assert grid.sonar_alone == (whose == "auto")
+    assert (grid.obstacle.sum() > 1) == (whose == "both")
 
 
 def test_closed_off_cells_stay_obstacles_whatever_the_sonar_hears():

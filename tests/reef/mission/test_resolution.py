@@ -2,7 +2,7 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.resolution import PERSON_DEADLINE_S, resolve_mission
+from coral.reef.mission.resolution import PERSON_DEADLINE_S, resolve_mission, with_camera_latency
 
 
 def test_variant_preset_and_fallback_are_applied(pond):
@@ -21,6 +21,13 @@ def test_what_the_user_set_wins_over_the_preset(pond):
 def test_a_person_gets_more_time(pond):
     budget = resolve_mission(MissionCfg(), pond, asks_people=True)[0].pilot.budget
     assert budget.deadline_s == PERSON_DEADLINE_S
+
+
+def test_pictures_that_are_late_by_nature_may_be_older():
+    before = MissionCfg().pilot.guard
+    after = with_camera_latency(MissionCfg(), 0.2).pilot.guard
+    assert after.frame_timeout_s == pytest.approx(before.frame_timeout_s + 0.2)
+    assert after.sonar_timeout_s == before.sonar_timeout_s
 
 
 @pytest.mark.parametrize(

@@ -282,7 +282,7 @@ def test_a_start_needs_the_camera():
 
 def test_where_only_the_sonar_finds_obstacles_nothing_moves_without_it():
     for alone in (False, True):
-        watch = listening(sonar_alone=alone)
+        watch = listening(sonar_alone=lambda: alone)
         for k in range(20):
             watch.check(good(k / 10, sonar=echo(k / 10, 4.0 + 0.01 * k)))
         late = [watch.check(good(k / 10)) for k in range(20, 30)]
@@ -316,7 +316,7 @@ def test_the_vehicle_brakes_before_camera_and_sonar_are_lost():
 
 
 def test_where_the_sonar_alone_finds_obstacles_the_vehicle_brakes_for_it():
-    watch = SensorGuard(CAMERA, (20.0, 20.0), sonar=SONAR, sonar_alone=True)
+    watch = SensorGuard(CAMERA, (20.0, 20.0), sonar=SONAR, sonar_alone=lambda: True)
     late = [watch.check(good(k / 10, sonar=echo(min(k / 10, 0.5), 4.0 + 0.01 * k))).overdue for k in range(9)]
     assert late == [False] * 8 + [True]
 

@@ -70,10 +70,10 @@ class MapCfg:
     remembered: Annotated[int, Field(ge=4, le=SATURATED - 1)] = 32
     """Pictures of one class at which all counts of a cell are halved: where the position drifts, hundreds of pictures
     of bare floor from long ago must not outvote the obstacle that is now in view."""
-    obstacles: Literal["both", "sonar"] = "both"
+    obstacles: Literal["auto", "both", "sonar"] = "auto"
     """Whose obstacles the vehicle keeps clear of when it has a sonar. The paper's vehicle has its sonar for that, and
-    its map takes obstacles from the camera too. sonar: the camera's obstacles count for nothing, as where its depth is
-    only estimated. Without a sonar it is the camera's."""
+    its map takes obstacles from the camera too. auto: both, but the sonar's alone where eyes only estimate depth, whose
+    obstacles have long shadows. Without a sonar it is the camera's."""
     sonar: SonarLayerCfg = field(default_factory=SonarLayerCfg)
     sight: SightLayerCfg = field(default_factory=SightLayerCfg)
     """Of eyes that doubt, on a vehicle without a sonar."""
@@ -131,6 +131,7 @@ class OccupancyMap:
         """Obstacles of doubtful pictures; None before the first one, and with a sonar."""
         self._seen_obstacle = self.obstacle if self.layer is None else np.zeros(shape, np.bool_)
         self._closed = np.zeros(shape, np.bool_)
+        self._estimated = False
         self.version = 0
         """Grows whenever an obstacle cell appears or goes."""
         self.nearest = np.full(shape, np.inf, np.float32)
@@ -179,6 +180,7 @@ class OccupancyMap:
         cfg = self.cfg
         self._pictures += 1
         changed, counts, obstacle_range_m, sharp_m = False, True, cfg.obstacle_range_m, 0.0
+        self._estimated |= frame.doubt is not None
         doubted = frame.doubt is not None and self.layer is None
         if doubted:
             if self.sight is None:
@@ -269,6 +271,12 @@ class OccupancyMap:
             self.version += 1
             self._combine(self._window(pose, max(self.cfg.sonar.range_m, self.cfg.sonar.clear_m)))
 
+    @property
+    def sonar_alone(self) -> bool:
+        """Whether only the sonar's obstacles count."""
+        trusted = self.cfg.obstacles == "both" or (self.cfg.obstacles == "auto" and not self._estimated)
+        return self.layer is not None and not trusted
+
     def _combine(self, window: Box) -> None:
         """Put together the obstacles of camera and sonar within a window."""
         layer = self.layer or self.sight
@@ -276,7 +284,7 @@ class OccupancyMap:
             return
         at = slice(*window[:2]), slice(*window[2:])
         self.obstacle[at] = layer.obstacle[at] | self._closed[at]
-        if self.cfg.obstacles == "both" or layer is self.sight:
+        if not self.sonar_alone:
             self.obstacle[at] |= self._seen_obstacle[at]
         self.target[at] &= ~self.obstacle[at]
 

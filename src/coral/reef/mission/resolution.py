@@ -49,6 +49,12 @@ def resolve_mission(
     return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget)), world
 
 
+def with_camera_latency(cfg: MissionCfg, latency_s: float) -> MissionCfg:
+    """Return the configuration of a vehicle whose pictures take so long to arrive: they may be that much older."""
+    guard = dataclasses.replace(cfg.pilot.guard, frame_timeout_s=cfg.pilot.guard.frame_timeout_s + latency_s)
+    return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, guard=guard))
+
+
 def with_sonar(cfg: MissionCfg, there: bool = True) -> MissionCfg:
     """Return the configuration of a vehicle that has the sonar, or has not."""
     sonar = dataclasses.replace(cfg.simulator.sonar, enabled=there)

@@ -44,8 +44,8 @@ class GuardCfg:
     cruise speed then stands within 1 s of its last pose."""
     velocity_timeout_s: Positive = 0.45
     frame_timeout_s: Positive = 0.35
-    """Age at which the camera is lost: three pictures at 10 Hz. A camera whose pictures take 0.2 s to arrive and to be
-    labelled needs that much more."""
+    """Age at which the camera is lost, beyond the time that its pictures take to arrive (`coral reef sail
+    --camera-latency`): three pictures at 10 Hz."""
     sonar_timeout_s: Positive = 0.35
     """Age at which the sonar is lost: at 5 Hz, one image may be missing. A vehicle without a camera, which drives at
     half speed, then stands within 1 s of the loss."""
@@ -149,7 +149,7 @@ class SensorGuard:
         cfg: GuardCfg | None = None,
         sonar: SonarCfg | None = None,
         *,
-        sonar_alone: bool = False,
+        sonar_alone: Callable[[], bool] = lambda: False,
     ) -> None:
         """Set up.
 
@@ -158,7 +158,7 @@ class SensorGuard:
             size_m: Size of the survey area (m), whose corner is the origin.
             cfg: Limits.
             sonar: The sonar; None without one: its images are then not looked at.
-            sonar_alone: Whether only the sonar finds obstacles: then nothing moves without it.
+            sonar_alone: Tells whether only the sonar finds obstacles: then nothing moves without it.
         """
         self.cfg, self._camera, self._size_m = cfg or GuardCfg(), camera, size_m
         self._sonar, self._sonar_alone = sonar, sonar_alone
@@ -369,13 +369,13 @@ class SensorGuard:
     def _overdue(self) -> bool:
         """Check whether all that shows obstacles is nearly as old as it may be."""
         eyes: tuple[Input, ...] = ("camera",) if self._sonar is None else ("camera", "sonar")
-        eyes = ("sonar",) if self._sonar is not None and self._sonar_alone else eyes
+        eyes = ("sonar",) if self._sonar is not None and self._sonar_alone() else eyes
         return all(self._age(name) > self._timeouts[name] - self.cfg.hesitate_s + TINY_S for name in eyes)
 
     def _lost(self) -> str:
         """Name the needed inputs without a good measurement within their time."""
         needed = [name for name in NEEDED if name != "camera" or not self._sonar_stands_in]
-        if self._sonar is not None and (self._sonar_alone or self._missing(("camera",))) and "sonar" not in needed:
+        if self._sonar is not None and (self._sonar_alone() or self._missing(("camera",))) and "sonar" not in needed:
             needed.append("sonar")
         return self._missing(needed)
 

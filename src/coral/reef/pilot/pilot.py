@@ -90,7 +90,7 @@ class Pilot:
             belief.map.size_m,
             self.cfg.guard,
             None if layer is None else layer.sonar,
-            sonar_alone=belief.map.cfg.obstacles == "sonar",
+            sonar_alone=lambda: belief.map.sonar_alone,
         )
         self.safety = SafetyWatch(guard, emit)
         """Checks the sensors; its `states` say what the vehicle is doing, and why."""
