@@ -282,7 +282,7 @@ def test_a_start_needs_the_camera():
 
 def test_where_only_the_sonar_finds_obstacles_nothing_moves_without_it():
     for alone in (False, True):
-        watch = listening(sonar_alone=lambda: alone)
+        watch = listening(sonar_alone=lambda alone=alone: alone)
         for k in range(20):
             watch.check(good(k / 10, sonar=echo(k / 10, 4.0 + 0.01 * k)))
         late = [watch.check(good(k / 10)) for k in range(20, 30)]
