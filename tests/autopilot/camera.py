@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import signal
 import socket
 import sys
 import tempfile
@@ -201,6 +202,7 @@ def main() -> None:
         if heard is not None:
             line.sendto(encode_packet(SonarPing(heard.image, time.time())), ("127.0.0.1", said.sonar))
 
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     print(f"pictures at {server.address}; Ctrl-C ends them", file=sys.stderr, flush=True)
     with repeating(picture), repeating(ping if said.sonar else lambda: time.sleep(1.0)), suppress(KeyboardInterrupt):
         threading.Event().wait()
