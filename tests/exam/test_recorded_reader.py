@@ -57,12 +57,13 @@ def test_every_recorded_answer_still_parses_to_what_it_was():
             read[entry["kind"]] += 1
     assert read == {
         "reef-centroid": 47,
+        "unified": 7,
         "reef-waypoint": 57,
         "physical-parameters": 39,
-        "cost-function": 39,
+        "cost-function": 45,
         "contact-regions": 8,
-        "parameter-repair": 3,
-        "cost-repair": 1,
+        "parameter-repair": 14,
+        "cost-repair": 10,
         "no reply was waited for": 3,
     }
 
@@ -83,7 +84,7 @@ def test_reasons_for_refusals_are_those_of_today():
     sources = [*(ROOT / "src/coral/reef").rglob("*.py"), *(ROOT / "src/coral/contact").rglob("*.py")]
     today = "".join(path.read_text(encoding="utf-8") for path in sources)
     codes = {entry["code"] for name in NAMES for entry in attempts(name) if entry["verdict"] == "rejected"}
-    assert codes == {"visited", "behind-robot", "deviation", "too-close", "replay"}
+    assert codes == {"visited", "behind-robot", "deviation", "too-close", "replay", "wrong_type"}
     assert [code for code in codes if f'"{code}"' not in today] == []
 
 

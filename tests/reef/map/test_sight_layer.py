@@ -164,7 +164,8 @@ def test_closed_off_cells_stay_obstacles_whatever_is_looked_through():
 
 
 def test_exact_pictures_and_those_beside_a_sonar_need_no_second_place():
-    exact, sonar = OccupancyMap((10.0, 10.0), CAMERA), OccupancyMap((10.0, 10.0), CAMERA, sonar=SMALL)
+    exact = OccupancyMap((10.0, 10.0), CAMERA)
+    sonar = OccupancyMap((10.0, 10.0), CAMERA, MapCfg(obstacles="both"), SMALL)
     pose = Pose(3.5, 5.0, 0.0)
     picture = seen(pose, POST)
     for _ in range(3):
