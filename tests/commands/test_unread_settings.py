@@ -20,7 +20,7 @@ from reef.sea import voyage
 SMALL = "--quiet --cfg.latency fixed:0.2 --cfg.simulator.camera.width 64 --cfg.simulator.camera.height 48"
 MISSIONS = (
     f"{SMALL} --cfg.time-limit-s 8 --sonar --cfg.simulator.sonar.width 48 --cfg.simulator.sonar.height 16 "
-    "--cfg.simulator.vehicle.model six_dof --cfg.simulator.navigation.source dvl-imu --cfg.simulator.pictures "
+    "--cfg.simulator.vehicle.model six_dof --cfg.simulator.pictures "
     "--cfg.record.frames",
     f"{SMALL} --cfg.time-limit-s 8 --cfg.driver pd --cfg.record.no-report --cfg.record.no-pictures "
     "--cfg.simulator.noise.drift-xy 0.01 --cfg.simulator.noise.oyster-missed 0.1 --cfg.simulator.noise.visibility-m 4 "
@@ -50,7 +50,6 @@ RARE = {
     "planner.route": "decide/route.py",
     "planner.verify.enabled": "decide/planner.py",
     "planner.verify": "decide/verify.py",
-    "simulator.navigation.dvl": "simulation/doppler_log.py",
 }
 """What a few seconds of a survey may not come to, and the file that reads it."""
 
@@ -105,7 +104,7 @@ def test_a_campaign_refuses_what_it_overwrites(tmp_path):
 OF_THE_COMMAND = (
     *("decider", "record", "time_limit_s", "latency", "perception", "depth", "pilot.fallback"),
     *("simulator.pictures", "simulator.painter", "simulator.water", "simulator.water_depth_m", "simulator.contact"),
-    *("simulator.sonar", "simulator.noise", "simulator.navigation", "pilot.guard"),
+    *("simulator.sonar", "simulator.noise", "pilot.guard"),
 )
 """What `coral reef sail` reads before and after the survey, and when it opens the camera and the sonar."""
 

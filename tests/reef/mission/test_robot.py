@@ -1,5 +1,7 @@
 """A vehicle with its sensors and its pilot, in a small pool with one post."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from given_eyes import FlatEyes
@@ -16,8 +18,6 @@ from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.robot import Robot
 from coral.reef.pilot.pilot import Pilot
-from coral.reef.simulation.doppler_log import DvlCfg
-from coral.reef.simulation.simulated_navigation import NavigationCfg
 from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.vehicle.camera import CameraCfg
@@ -100,8 +100,16 @@ def test_another_map_brings_another_pilot_and_keeps_the_state(robot):
     assert one.pilot.safety.states is states
 
 
-def test_dead_reckoning_reaches_guard_and_localizer_with_its_covariance(robot):
-    one = robot(navigation=NavigationCfg(source="dvl-imu"))
+def test_a_covariance_and_an_old_velocity_reach_guard_and_localizer(robot, monkeypatch):
+    one = robot()
+    observe = one.vehicle.observe
+
+    def doubtful(t):
+        seen = observe(t)
+        old = dataclasses.replace(seen.velocity, t=t - 0.2)
+        return dataclasses.replace(seen, covariance=np.diag([1e-4, 1e-4, 1e-5]) * (1.0 + t), velocity=old)
+
+    monkeypatch.setattr(one.vehicle, "observe", doubtful)
     for k in range(20):
         one.sense(0.1 * k)
         one.localize(0.1 if k else 0.0)
@@ -110,7 +118,7 @@ def test_dead_reckoning_reaches_guard_and_localizer_with_its_covariance(robot):
     assert np.array_equal(one.seen.covariance, one.observed.covariance)
     assert one.localizer.active
     assert one.localizer.sigma[0] > 0.0
-    assert one.seen.velocity.t == pytest.approx(0.1 * 19)
+    assert one.seen.velocity.t == pytest.approx(0.1 * 17)
 
 
 def test_a_corrected_pose_takes_what_is_around_the_robot_along(robot, monkeypatch):
@@ -121,15 +129,6 @@ def test_a_corrected_pose_takes_what_is_around_the_robot_along(robot, monkeypatc
     one.sense(0.0)
     one.localize(0.0)
     assert told == [(one.reading.frame_pose, corrected)]
-
-
-def test_a_velocity_without_bottom_lock_keeps_its_old_stamp(robot):
-    lost = NavigationCfg(source="dvl-imu", dvl=DvlCfg(range_m=0.5))  # the floor is 1 m away
-    one = robot(navigation=lost)
-    for k in range(4):
-        one.sense(0.1 * k)
-    assert one.seen.velocity.t == pytest.approx(0.0)
-    assert one.seen.pose.t == pytest.approx(0.3)
 
 
 def test_a_picture_is_kept_with_the_height_that_was_measured(robot):

@@ -326,11 +326,3 @@ def test_the_covariance_of_the_last_pose_is_passed_on():
     assert watch.check(good(0.0)).covariance is None
     assert np.array_equal(watch.check(good(0.1, covariance=told)).covariance, told)
     assert np.array_equal(watch.check(good(0.2, pose=None, covariance=2 * told)).covariance, told)
-
-
-@pytest.mark.parametrize(("sigma", "reason"), [(0.2, "uncertain"), (math.nan, "not finite"), ("much", "wrong type")])
-def test_an_attitude_that_is_too_uncertain_is_refused(sigma, reason):
-    doubtful = Attitude(roll=0.0, pitch=0.0, depth_m=1.0, tilt_std_rad=sigma)
-    assert refusals(guard().check(good(0.0, attitude=Stamped(0.0, doubtful)))) == [("attitude", reason)]
-    sure = dataclasses.replace(doubtful, tilt_std_rad=0.01)
-    assert refusals(guard().check(good(0.0, attitude=Stamped(0.0, sure)))) == []

@@ -9,24 +9,23 @@ from collections import deque
 
 import numpy as np
 
-from coral.reef.simulation.doppler_log import DvlCfg, SimulatedDvl
 from coral.reef.world.geometry import wrap
 
 MEAN_S = 0.5
 """The true velocity is the mean over so long: true positions come in steps of a centimetre."""
-ALWAYS_LOCKED = DvlCfg(cycle_s=0.0, outage_rate_hz=0.0)
+NOISE_M_S = 0.005
 
 
 class ServedA50:
-    """Ten velocities and five positions a second, with the errors of the simulated log; `mode` is what it does.
+    """Ten velocities and five positions a second, with noise; `mode` is what it does.
 
     speaking: as it should. quiet: sends nothing more. lost: says that its velocities are not valid.
     """
 
-    def __init__(self, where, cfg=ALWAYS_LOCKED, clock=time.monotonic):
+    def __init__(self, where, clock=time.monotonic):
         """`where()` returns a time (s) and the true pose, or None."""
         self.where, self.clock, self.mode = where, clock, "speaking"
-        self.log = SimulatedDvl(cfg, np.random.default_rng(5))
+        self.rng = np.random.default_rng(5)
         self.track = deque(maxlen=100)
         self.server = socket.create_server(("127.0.0.1", 0))
         self.port = self.server.getsockname()[1]
@@ -53,18 +52,19 @@ class ServedA50:
         while self.track and found[0] - self.track[0][0] > MEAN_S:
             self.track.popleft()
         self.track.append(found)
-        ping, now = self.log.measure(self.velocity(), 1.0, 0.1), 1e6 * self.clock()
+        forward, left = np.array(self.velocity()) + self.rng.normal(0.0, NOISE_M_S, 2)
+        now = 1e6 * self.clock()
         velocity = {"type": "velocity", "format": "json_v3.1", "velocity_valid": False, "status": 0}
-        if ping is not None and self.mode != "lost":
-            variance = ping.std_m_s**2
+        if self.mode != "lost":
+            variance = NOISE_M_S**2
             velocity |= {
                 "velocity_valid": True,
-                "vx": ping.forward_m_s,
-                "vy": -ping.left_m_s,
+                "vx": forward,
+                "vy": -left,
                 "vz": 0.0,
-                "fom": ping.std_m_s,
+                "fom": NOISE_M_S,
                 "covariance": [[variance, 0, 0], [0, variance, 0], [0, 0, variance]],
-                "altitude": ping.altitude_m,
+                "altitude": 1.0,
                 "time_of_validity": now - 50_000,
                 "time_of_transmission": now,
             }

@@ -22,8 +22,7 @@ from coral.reef.sea.map_alignment import AlignmentCfg
 from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.survey_alignment import ResumeCfg, SavedMap
 from coral.reef.sea.survey_file import SurveyArea
-from coral.reef.simulation.noise import SensorNoiseCfg
-from coral.reef.simulation.simulated_navigation import DriftingNavigation
+from coral.reef.simulation.noise import PoseDrift, SensorNoiseCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld
 from coral.runs import read_events, read_rows
@@ -175,9 +174,9 @@ def test_the_localizer_corrects_a_drifting_position(tmp_path):
     """The same drift with and without it; the guard and the map get the corrected poses."""
 
     def errors(known):
-        navigation = DriftingNavigation(SensorNoiseCfg(drift_xy=0.06, drift_theta=0.004), np.random.default_rng(5))
+        drift = PoseDrift(SensorNoiseCfg(drift_xy=0.06, drift_theta=0.004), np.random.default_rng(5))
         folder = tmp_path / f"{known.drift_xy}"
-        result = Voyage(folder, time_limit_s=30.0, cfg=MissionCfg(localization=known), navigation=navigation).run()
+        result = Voyage(folder, time_limit_s=30.0, cfg=MissionCfg(localization=known), drift=drift).run()
         return result["position_error_m"], result["odometry_error_m"]
 
     left_alone = errors(LocalizationCfg())

@@ -100,7 +100,7 @@ class Voyage:
         put_in=None,
         saved=None,
         cfg=None,
-        navigation=None,
+        drift=None,
         world=WORLD,
         rules=REEF_RULES,
         **safety,
@@ -112,9 +112,7 @@ class Voyage:
         small = dataclasses.replace(sim.sonar, width=96, height=32)
         mission = dataclasses.replace(mission, simulator=dataclasses.replace(sim, sonar=small))
         self.area = area or SurveyArea.of_world(world)
-        self.link = SimulatedLink(
-            mission.simulator.vehicle, put_in or self.area.start, navigation=navigation, clock=self.clock
-        )
+        self.link = SimulatedLink(mission.simulator.vehicle, put_in or self.area.start, drift=drift, clock=self.clock)
         self.camera = FakeCamera(self.link, self.clock, mission.simulator.camera, world)
         self.sonar = SentSonar(self.link, self.clock, small) if sonar else None
         crew = Crew(

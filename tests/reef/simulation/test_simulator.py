@@ -9,9 +9,7 @@ import pytest
 from coral.errors import InputError
 from coral.reef.map.belief import Belief
 from coral.reef.map.mapping import OccupancyMap
-from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.simulation.noise import SensorNoiseCfg
-from coral.reef.simulation.simulated_navigation import NavigationCfg
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.vehicle import VehicleCfg
@@ -136,30 +134,3 @@ def test_the_depth_of_the_water_is_the_worlds_or_the_configured_one():
     assert simulator(there).sense(0.0).attitude.depth_m == pytest.approx(4.0)
     shallow = simulator(there.model_copy(update={"water_depth_m": 1.5})).sense(0.0).attitude
     assert (shallow.depth_m, shallow.altitude_m) == (pytest.approx(0.5), 1.0)
-
-
-def test_with_sensors_of_its_own_the_vehicle_knows_where_it_is_only_nearly_and_says_how_nearly():
-    there = world(disc(10.0, 10.0))
-    sensors = NavigationCfg(source="dvl-imu")
-    plain, sensing = simulator(there), simulator(there, navigation=sensors)
-    for k in range(50):
-        exact, found = plain.sense(0.1 if k else 0.0), sensing.sense(0.1 if k else 0.0)
-        plain.act((0.6, 0.2), 0.1)
-        sensing.act((0.6, 0.2), 0.1)
-    assert plain.pose == sensing.pose
-    assert np.array_equal(exact.frame.depth, found.frame.depth)
-    assert (exact.covariance, exact.pose) != (None, found.pose)
-    error = np.array(found.pose[:2]) - exact.pose[:2]
-    assert 0.0 < np.linalg.norm(error) < 4.0 * np.sqrt(found.covariance[0, 0] + found.covariance[1, 1])
-    assert found.velocity[:2] == pytest.approx(exact.velocity[:2], abs=0.05)
-    assert found.velocity != exact.velocity
-    assert found.attitude.altitude_m == pytest.approx(1.0, abs=0.05)
-
-
-def test_a_sonar_hears_the_same_with_either_navigation():
-    there, sonar = world(disc(7.0, 5.0)), SonarCfg(enabled=True, width=16, height=8)
-    images = [
-        simulator(there, sonar=sonar, navigation=NavigationCfg(source=source)).sense(0.0).sonar
-        for source in ("drift", "dvl-imu")
-    ]
-    assert np.array_equal(images[0].ranges, images[1].ranges)

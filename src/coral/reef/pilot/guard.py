@@ -68,8 +68,6 @@ class GuardCfg:
     """Largest standard deviation of a position, where it is known: the size of a cluster."""
     max_tilt_rad: Positive = 0.8
     """Largest roll and pitch of a vehicle that holds itself level."""
-    max_tilt_sigma_rad: Positive = 0.1
-    """Largest standard deviation of both, where it is known: 0.4 m on the map at the obstacle sensing range of 4 m."""
     min_seen: Fraction = 0.01
     """Share of the pixels that must have a return. The camera looks down and always sees the seabed before it."""
     frozen_m: Positive = 0.05
@@ -321,11 +319,6 @@ class SensorGuard:
             raise UnfitMeasurement("wrong type", f"{type(found).__name__}, not an Attitude")
         roll, pitch, depth_m = finite_numbers((found.roll, found.pitch, found.depth_m), 3)
         checks.check_attitude(roll, pitch, depth_m, self.cfg.max_tilt_rad)
-        if found.tilt_std_rad is not None:
-            sigma = finite_numbers((found.tilt_std_rad,), 1)[0]
-            if sigma > self.cfg.max_tilt_sigma_rad:
-                most = self.cfg.max_tilt_sigma_rad
-                raise UnfitMeasurement("uncertain", f"by {sigma:.2f} rad, where {most:g} rad is the most")
         return found
 
     def _attitude_at(self, t: float) -> Attitude | None:

@@ -7,12 +7,8 @@ import threading
 import time
 from collections.abc import Callable
 
-import numpy as np
-
 from coral.reef.sea.link import LinkRefused, StatusText, VehicleReport
-from coral.reef.simulation.noise import SensorNoiseCfg
-from coral.reef.simulation.simulated_navigation import DriftingNavigation, Navigation, NavigationFix
-from coral.reef.vehicle.sensing import Attitude
+from coral.reef.simulation.noise import PoseDrift
 from coral.reef.vehicle.vehicle import Clearance, VehicleCfg, VehicleDynamics, VehicleState
 from coral.reef.world.geometry import Pose, wrap
 
@@ -38,7 +34,7 @@ class SimulatedLink:
         start: Pose = Pose(0.0, 0.0, 0.0),  # noqa: B008
         *,
         depth_m: float = 1.0,
-        navigation: Navigation | None = None,
+        drift: PoseDrift | None = None,
         altitude_m: float = 1.0,
         current: tuple[float, float] = (0.0, 0.0),
         contact: Clearance | None = None,
@@ -50,15 +46,15 @@ class SimulatedLink:
             cfg: The vehicle.
             start: Its pose in the world.
             depth_m: Its depth.
-            navigation: What it knows of its pose, velocity and attitude; by default the truth.
-            altitude_m: Its height above the sea floor at the start, which navigation may measure.
+            drift: Drift of the pose that it reports; by default it reports the truth.
+            altitude_m: Its height above the sea floor at the start.
             current: Water velocity in the world frame (m/s).
             contact: Signed distance (m) from a point to the nearest obstacle, which stops the hull.
             clock: Monotonic time (s).
         """
         self._vehicle = VehicleDynamics(cfg, VehicleState(*start))
         self._depth_m, self._current, self._contact, self._clock = depth_m, current, contact, clock
-        self._navigation = navigation or DriftingNavigation(SensorNoiseCfg(), np.random.default_rng(0))
+        self._drift = drift
         self._floor_m = depth_m + altitude_m
         self._lock = threading.RLock()
         self._began = self._now = clock()
@@ -68,7 +64,7 @@ class SimulatedLink:
         self._turned = 0.0
         self._texts: list[StatusText] = []
         self._closed = False
-        self._fix = self._navigate(0.0)
+        self._pose = self._odometry(0.0)
 
     def true_pose(self) -> Pose:
         """Return where the vehicle is now. Only cameras and judges may know it."""
@@ -80,23 +76,24 @@ class SimulatedLink:
         """Return the state now."""
         with self._lock:
             self._advance()
-            now, fix = self._now, self._fix
+            now, depth_m = self._now, self._depth_m
+            _, _, _, u, v, r = self._vehicle.state
+            _, roll, pitch = self._vehicle.attitude
             texts, self._texts = tuple(self._texts), []
             charge = max(0.0, 1.0 - (now - self._began) / ENDURANCE_S)
             return VehicleReport(
-                pose=fix.pose,
+                pose=self._pose,
                 pose_stamp_s=now,
                 has_position=True,
-                covariance=fix.covariance,
-                roll_rad=fix.attitude.roll,
-                pitch_rad=fix.attitude.pitch,
-                yaw_rad=fix.pose.theta,
+                roll_rad=roll,
+                pitch_rad=pitch,
+                yaw_rad=self._pose.theta,
                 attitude_stamp_s=now,
-                depth_m=fix.attitude.depth_m,
+                depth_m=depth_m,
                 depth_stamp_s=now,
-                altitude_m=fix.attitude.altitude_m,
-                velocity=fix.velocity,
-                velocity_stamp_s=now - fix.velocity_age_s,
+                altitude_m=self._floor_m - depth_m,
+                velocity=(u, v, r),
+                velocity_stamp_s=now,
                 mode=self._mode,
                 armed=self._armed,
                 battery_v=EMPTY_V + charge * (FULL_V - EMPTY_V),
@@ -158,12 +155,9 @@ class SimulatedLink:
             if self._armed and self._mode == "SURFACE":
                 self._depth_m = max(0.0, self._depth_m - ASCENT_M_S * STEP_S)
             self._now += STEP_S
-            self._fix = self._navigate(STEP_S)
+            self._pose = self._odometry(STEP_S)
 
-    def _navigate(self, dt: float) -> NavigationFix:
-        """Measure pose, velocity and attitude, `dt` seconds after the last time."""
-        x, y, theta, u, v, r = self._vehicle.state
-        _, roll, pitch = self._vehicle.attitude
-        altitude_m = self._floor_m - self._depth_m
-        attitude = Attitude(roll=roll, pitch=pitch, depth_m=self._depth_m, altitude_m=altitude_m)
-        return self._navigation.step(Pose(x, y, theta), (u, v, r), attitude, dt)
+    def _odometry(self, dt: float) -> Pose:
+        """Return the pose that it reports, `dt` seconds after the last time."""
+        pose = Pose(*self._vehicle.state[:3])
+        return pose if self._drift is None else self._drift.step(pose, dt)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from coral.reef.simulation.simulator import ReefSimulator
-from coral.reef.vehicle.sensing import Stamped, VehicleObservation
+from coral.reef.vehicle.sensing import VehicleObservation
 
 
 class SimulatedVehicle:
@@ -33,11 +32,7 @@ class SimulatedVehicle:
         """Measure everything at time `t` (s), one period after the last time."""
         sensed = self.simulator.sense(self._period_s if self._begun else 0.0)
         self._begun = True
-        seen = VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude, sensed.sonar)
-        if sensed.covariance is None:
-            return seen
-        measured = Stamped(t - sensed.velocity_age_s, sensed.velocity)
-        return replace(seen, covariance=sensed.covariance, velocity=measured)
+        return VehicleObservation.at(t, sensed.pose, sensed.velocity, sensed.frame, sensed.attitude, sensed.sonar)
 
     def command(self, command: tuple[float, float]) -> None:
         """Drive at (m/s, rad/s) for one period."""

@@ -16,8 +16,7 @@ from coral.reef.simulation.coverage import CoverageCfg, CoverageMeter
 from coral.reef.simulation.daylight import PainterCfg
 from coral.reef.simulation.frame_painter import FramePainter, make_painter
 from coral.reef.simulation.imaging import ImagingCfg, ImagingMeter
-from coral.reef.simulation.noise import SensorNoise, SensorNoiseCfg
-from coral.reef.simulation.simulated_navigation import NavigationCfg, make_navigation
+from coral.reef.simulation.noise import PoseDrift, SensorNoise, SensorNoiseCfg
 from coral.reef.simulation.stills import Stills
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.collision import ContactCounter, clearance
@@ -40,10 +39,9 @@ class SimulatorCfg:
     coverage: CoverageCfg = field(default_factory=CoverageCfg)
     imaging: ImagingCfg = field(default_factory=ImagingCfg)
     sonar: SonarCfg = field(default_factory=SonarCfg)
-    navigation: NavigationCfg = field(default_factory=NavigationCfg)
     water_depth_m: Positive = 5.0
-    """Depth of the water where the world's file does not say it; only the depth sensor reads it. Oyster reefs lie in
-    shallow water: this is the upper end of their usual depth. No paper gives it."""
+    """Depth of the water where the world's file does not say it; only the vehicle's depth follows from it. Oyster
+    reefs lie in shallow water: this is the upper end of their usual depth. No paper gives it."""
     contact: Literal["solid", "ghost"] = "solid"
     """solid: obstacles stop the hull. ghost: contacts count, but the vehicle passes through."""
     pictures: bool = False
@@ -75,13 +73,9 @@ class Sensed:
     velocity: tuple[float, float, float]
     """Ground-relative surge, sway (m/s) and yaw rate (rad/s) in the body frame."""
     attitude: Attitude
-    """Roll, pitch, depth and altitude; without error unless navigation has sensors."""
+    """Roll, pitch, depth and altitude, without error."""
     sonar: RangeImage | None = None
     """The sonar's image, if one is due; None without a sonar."""
-    covariance: NDArray[np.float64] | None = None
-    """Of the pose (x, y, theta), in m and rad; None: unknown. Shape=(3, 3)."""
-    velocity_age_s: float = 0.0
-    """Time since the velocity was measured (s)."""
 
 
 class ReefSimulator:
@@ -117,7 +111,7 @@ class ReefSimulator:
             self._sonar = Sonar3d15(self.scene.resting, cfg.sonar, rng.spawn(1)[0], surface_z=surface_z)
         self._since_ping_s = math.inf
         begin = start or Pose(world.start.x, world.start.y, world.start.theta)
-        self._navigation = make_navigation(cfg.navigation, cfg.noise, begin, rng)
+        self._drift = PoseDrift(cfg.noise, rng)
         self._footprints = self.scene.footprints()
         self._contacts = ContactCounter(self._footprints, cfg.vehicle.hull_radius_m)
         self.coverage = CoverageMeter(self.scene, seen_through_water(cfg))
@@ -161,16 +155,8 @@ class ReefSimulator:
         altitude = self.cfg.camera.altitude_m if height is None else height
         attitude = Attitude(roll=roll, pitch=pitch, depth_m=self.water_depth_m - altitude, altitude_m=altitude)
         sonar = self._ping(attitude, altitude, dt)
-        fix = self._navigation.step(self.pose, (u, v, r), attitude, dt)
-        return Sensed(
-            frame=frame,
-            pose=fix.pose,
-            velocity=fix.velocity,
-            attitude=fix.attitude,
-            sonar=sonar,
-            covariance=fix.covariance,
-            velocity_age_s=fix.velocity_age_s,
-        )
+        odometry = self._drift.step(self.pose, dt)
+        return Sensed(frame=frame, pose=odometry, velocity=(u, v, r), attitude=attitude, sonar=sonar)
 
     def _ping(self, attitude: Attitude, altitude_m: float, dt: float) -> RangeImage | None:
         """Take an image of the sonar, `dt` seconds after the last call, if one is due."""

@@ -38,10 +38,6 @@ class Attitude:
     """Depth below the surface (m)."""
     altitude_m: float | None = None
     """Height above the sea floor (m), as an altimeter or a Doppler log measures it; None: unknown."""
-    tilt_std_rad: float | None = None
-    """Standard deviation of roll and pitch (rad); None: unknown."""
-    depth_std_m: float | None = None
-    """Standard deviation of the depth (m); None: unknown."""
 
 
 @dataclass(frozen=True, kw_only=True)
