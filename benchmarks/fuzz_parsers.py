@@ -56,20 +56,6 @@ geofence: {metres: [[1, 1], [21, 1], [21, 21], [1, 21]]}
 keep_out:
   - {name: pier, degrees: [[54.33, 10.1802], [54.33, 10.1803], [54.33003, 10.1803], [54.33003, 10.1802]]}
 """
-PLY = b"""ply
-format ascii 1.0
-element vertex 3
-property float x
-property float y
-property float z
-element face 1
-property list uchar int vertex_indices
-end_header
-0 0 0
-1 0 0
-0 1 0
-3 0 1 2
-"""
 PROBLEM = b"""(define (problem P) (:domain robosuite) (:language Pick the soup)
  (:regions (a (:target floor) (:ranges ((-0.1 -0.2 0.1 0.2)))))
  (:fixtures floor - floor) (:objects soup_1 - soup basket_1 - basket) (:obj_of_interest soup_1 basket_1)
@@ -100,11 +86,10 @@ def parsers() -> dict[str, Parser]:
     from coral.contact.cost_program import CostError, LimitsCfg
     from coral.contact.cost_program.parse import parse as parse_cost
     from coral.contact.libero.problem import read_problem
-    from coral.contact.perception.mesh_file import read_mesh
     from coral.contact.plan.cost_file import read_cost_file
     from coral.contact.plan.cost_plan import PlanAnswer
     from coral.contact.policy.wire import WireError, decode, encode
-    from coral.contact.real_scenes.bop_records import read_cameras, read_shared_camera, read_truth
+    from coral.contact.real_scenes.bop_records import read_cameras, read_shared_camera
     from coral.contact.scene.task_file import load_task_file
     from coral.desk.inbox import Inbox
     from coral.reef.decide.answers import CentroidChoice
@@ -123,7 +108,6 @@ def parsers() -> dict[str, Parser]:
     camera = example_camera()
     matrix, zero = [1, 0, 0, 0, 1, 0, 0, 0, 1], [0.0, 0.0, 500.0]
     lens = {"cam_K": [600, 0, 320, 0, 600, 240, 0, 0, 1], "depth_scale": 1.0, "cam_R_w2c": matrix, "cam_t_w2c": zero}
-    truth = {"0": [{"cam_R_m2c": matrix, "cam_t_m2c": zero, "obj_id": 1}]}
     shared = {"fx": 600, "fy": 600, "cx": 320, "cy": 240, "depth_scale": 1.0, "width": 640, "height": 480}
     recording = b"\n".join((HOME / "advisor/recordings/reef-e1.jsonl").read_bytes().splitlines()[:2]) + b"\n"
     cost = b"""def state_cost(self):
@@ -135,9 +119,6 @@ def parsers() -> dict[str, Parser]:
     event = b'{"t": 1.0, "kind": "decision", "goal": [1.0, 2.0], "source": "advisor"}\n'
     chosen = b'```json\n{"selected_centroid_index": 3, "then": [1, 2], "reason": "near"}\n```'
     focal = b"width: 640\nheight: 480\nfx: 400.0\nfy: 400.0\ncx: 320.0\ncy: 240.0\n"
-    loop = b"outer loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
-    facet = b"solid a\nfacet normal 0 0 1\n" + loop + b"endfacet\nendsolid a\n"
-    stl = bytes(80) + (1).to_bytes(4, "little") + np.arange(12, dtype="<f4").tobytes() + bytes(2)
     question = {"id": "1-pick", "kind": "pick", "prompt": "Which?", "images": [], "rejections": [], "facts": {}}
     question["answer_schema"] = CentroidChoice.model_json_schema()
 
@@ -186,10 +167,6 @@ def parsers() -> dict[str, Parser]:
             lambda path: parse_cost(path.read_bytes().decode("utf-8", "replace"), LimitsCfg()), (cost,), (CostError,)
         ),
         "problem": Parser(read_problem, (PROBLEM,), suffix=".bddl"),
-        "mesh ply": Parser(read_mesh, (PLY,), suffix=".ply"),
-        "mesh obj": Parser(read_mesh, (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2//2 3\n",), suffix=".obj"),
-        "mesh stl": Parser(read_mesh, (stl, facet), suffix=".stl"),
-        "bop truth": Parser(read_truth, (json.dumps(truth).encode(),), suffix=".json"),
         "bop cameras": Parser(read_cameras, (json.dumps({"0": lens}).encode(),), suffix=".json"),
         "bop camera": Parser(read_shared_camera, (json.dumps(shared).encode(),), suffix=".json"),
         "policy message": Parser(

@@ -39,8 +39,11 @@ def test_the_numbers_are_the_seed_s(capsys):
         (["--rate-hz", "0"], "--rate-hz"),
         (["--seed", "-1"], "--seed"),
         (["no-such-task"], "no-such-task"),
+        (["--export", "folder"], "--export"),
+        (["flip-box", "--export", "{full}"], "new or empty"),
     ],
 )
-def test_bad_flags_are_named(flags, named, capsys):
-    assert main(["contact", "track", *flags]) == 2
+def test_bad_flags_are_named(flags, named, tmp_path, capsys):
+    (tmp_path / "mine.txt").write_text("mine")
+    assert main(["contact", "track", *(flag.format(full=tmp_path) for flag in flags)]) == 2
     assert named in capsys.readouterr().err

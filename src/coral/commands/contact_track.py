@@ -1,4 +1,4 @@
-"""`coral contact track`: accuracy and speed of the tracker on the tasks' motions, or on recorded scenes."""
+"""`coral contact track`: accuracy and speed of the tracker on the tasks' motions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from coral.contact.perception.depth_noise import Sensor
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
-from coral.contact.real_scenes.masks.mask_registry import mask_help
 from coral.errors import InputError
 from coral.flags import Argument, Option
 
@@ -18,19 +17,17 @@ if TYPE_CHECKING:
     from coral.contact.perception.object_model import ObjectModel
     from coral.contact.perception.tracker import PoseTracker
 
-MASKS_HELP = f"What segments recorded scenes instead of their true masks: {mask_help()}."
-
 
 @dataclass(frozen=True, kw_only=True)
 class ContactTrack:
     """Track the objects of tasks through synthetic motions seen by a depth camera, and print the errors.
 
     The objects move as in the task, with a two-finger hand in the way; then they are taken out of view, and covered by
-    the hand, for a second each. Folders are recorded scenes in the format of BOP, with true poses.
+    the hand, for a second each.
     """
 
-    tasks: Annotated[tuple[str, ...], Argument(metavar="[TASK|FOLDER ...]")] = ()
-    """Names or task files, all shipped tasks by default; or folders with scene_gt.json."""
+    tasks: Annotated[tuple[str, ...], Argument(metavar="[TASK ...]")] = ()
+    """Names or task files, all shipped tasks by default."""
     tracker: Annotated[str, Option(help=f"The tracker: {tracker_help()}.")] = "model"
     seed: int = 0
     """Seed of the trials and of the noise."""
@@ -44,24 +41,16 @@ class ContactTrack:
     """Which camera's noise: of short-range structured light, or of a stereo camera such as the D435."""
     losses: bool = True
     """Also measure loss and recovery."""
-    masks: Annotated[str | None, Option(metavar="MASKS", help=MASKS_HELP)] = None
-    models: Path | None = None
-    """Folder of the models of recorded scenes (obj_000001.ply ...); by default `models_eval` or `models` in the scene's
-    folder or above it."""
-    every: int = 1
-    """Use only every n-th picture of recorded scenes; with 2 or more, no pose is followed from picture to picture."""
-    results: Path | None = None
-    """Write the poses that were found afresh into this file, in BOP's format of results (one scene)."""
     export: Path | None = None
-    """Write the pictures of one task's motion into this folder, as a recorded scene, and measure nothing."""
+    """Write the pictures of one task's motion into this folder, for --camera recording:FOLDER, and measure nothing."""
     json: bool = False
     """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the measurements."""
-        from coral.commands.track_recording import export_motion, track_recording
         from coral.contact.perception.camera import RgbdCameraCfg
         from coral.contact.perception.depth_noise import SENSORS, DepthNoise
+        from coral.contact.real_scenes.bop_writing import record_motion
         from coral.contact.real_scenes.tracking_accuracy import AccuracyCfg, measure_accuracy
         from coral.contact.real_scenes.tracking_loss import measure_loss
         from coral.contact.scene.task_file import shipped_tasks
@@ -81,37 +70,17 @@ class ContactTrack:
             noise=DepthNoise(SENSORS[self.sensor]) if self.noise else None,
             colours="best" if choice.wants_colours else "none",
         )
-        if self.every < 1:
-            raise InputError("--every", "", self.every, "1 or more")
-        folders = [Path(name) for name in self.tasks if Path(name).is_dir()]
-        if self.results is not None and len(folders) != 1:
-            raise InputError("--results", "", f"{len(folders)} recorded scenes", "one")
         if self.export is not None:
-            if len(self.tasks) != 1 or folders:
-                raise InputError("--export", "", f"{len(self.tasks)} tasks or folders", "one task")
-            count = export_motion(sample_trial(load_task(self.tasks[0]), self.seed), cfg, self.export)
+            if len(self.tasks) != 1:
+                raise InputError("--export", "", f"{len(self.tasks)} tasks", "one task")
+            count = record_motion(sample_trial(load_task(self.tasks[0]), self.seed), cfg, self.export)
             return {"exported": str(self.export), "pictures": count}
-        if self.masks is not None and not folders:
-            raise InputError("--masks", "", self.masks, "a recorded scene: motions of tasks have true masks")
         choice.check()
 
         def make(model: ObjectModel) -> PoseTracker:
             return choice.make(model, None)
 
-        recorded = [
-            row
-            for folder in folders
-            for row in track_recording(
-                folder,
-                self.models,
-                make,
-                every=self.every,
-                results=self.results,
-                masks=self.masks,
-            )
-        ]
-        names = [name for name in self.tasks if not Path(name).is_dir()] if self.tasks else shipped_tasks()
-        trials = [sample_trial(load_task(name), self.seed) for name in names]
+        trials = [sample_trial(load_task(name), self.seed) for name in self.tasks or shipped_tasks()]
         tracked = [dataclasses.asdict(row) for trial in trials for row in measure_accuracy(trial, make, cfg)]
         lost = [
             dataclasses.asdict(measure_loss(trial, make, cfg, how))
@@ -126,20 +95,13 @@ class ContactTrack:
             "noise": self.noise,
             "tracked": tracked,
             "lost": lost,
-            "recorded": recorded,
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Return the tables."""
-        from coral.commands.track_recording import describe_recordings
-
         if "exported" in result:
             return f"{result['pictures']} pictures: {result['exported']}"
-        recorded = describe_recordings(result["recorded"]) if result["recorded"] else []
-        if not result["tracked"]:
-            return "\n".join(recorded)
         lines = [
-            *([*recorded, ""] if recorded else []),
             "Errors modulo symmetry, but for ADD, over all pictures: median and what 95 % stay below.",
             "",
             f"{'task':<16} {'object':<10} {'seen':>5} {'mm':>5} {'95 %':>6} {'deg':>5} {'95 %':>6} {'ADD':>6} "

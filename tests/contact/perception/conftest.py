@@ -2,8 +2,11 @@
 
 import itertools
 
+import mujoco
 import numpy as np
 import pytest
+
+from coral.contact.perception.object_model import from_body
 
 
 def lathe(profile, sides=32):
@@ -41,11 +44,10 @@ def mug_triangles(handle=True):
 
 
 @pytest.fixture(scope="session")
-def mug_obj(tmp_path_factory):
-    path = tmp_path_factory.mktemp("mesh") / "mug.obj"
-    lines = []
-    for k, triangle in enumerate(mug_triangles()):
-        lines += [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in triangle]
-        lines.append(f"f {3 * k + 1} {3 * k + 2} {3 * k + 3}")
-    path.write_text("\n".join(lines))
-    return path
+def mug():
+    triangles = mug_triangles()
+    faces = np.arange(3 * len(triangles)).reshape(-1, 3)
+    spec = mujoco.MjSpec()
+    spec.add_mesh(name="mug", uservert=triangles.ravel().tolist(), userface=faces.ravel().tolist())
+    spec.worldbody.add_body(name="mug").add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="mug")
+    return from_body(spec.compile(), "mug")

@@ -3,18 +3,11 @@ import numpy as np
 import pytest
 
 from coral.contact.perception.camera import RgbdCameraCfg
-from coral.contact.perception.object_model import from_body, from_mesh, from_primitives, from_trial
+from coral.contact.perception.object_model import from_body, from_primitives, from_trial
 from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.perception.surface_kernels import distance
 from coral.contact.real_scenes.posed_scene import PosedScene
 from coral.errors import InputError
-
-
-def test_millimetres_are_suspected(tmp_path):
-    path = tmp_path / "mm.obj"
-    path.write_text("v 0 0 0\nv 100 0 0\nv 0 100 0\nf 1 2 3\n")
-    with pytest.raises(InputError, match=r"0\.001 for mm"):
-        from_mesh("thing", path)
 
 
 def test_points_lie_on_the_surface_and_not_inside_another_part():
@@ -45,14 +38,15 @@ def test_surfaces_have_their_area_and_face_outward(kind, size, area):
     assert ((cross * t.mean(1)).sum(1) > 0).all()
 
 
-def test_a_body_s_mesh_keeps_the_file_s_frame(mug_obj):
-    scene = mujoco.MjModel.from_xml_string(
-        f'<mujoco><asset><mesh name="m" file="{mug_obj}"/></asset><worldbody><body name="mug">'
-        '<geom type="mesh" mesh="m"/></body></worldbody></mujoco>'
-    )
-    np.testing.assert_allclose(from_body(scene, "mug").pivot, from_mesh("mug", mug_obj).pivot, atol=1e-4)
+def test_a_body_s_mesh_keeps_its_frame(mug):
+    corners = np.concatenate(mug.triangles)
+    np.testing.assert_allclose((corners.min(0), corners.max(0))[0][2], -0.05, atol=1e-4)
+    np.testing.assert_allclose(mug.pivot, [(0.074 - 0.04) / 2, 0.0, 0.0], atol=1e-3)
+
+
+def test_a_body_that_is_not_there_is_named():
     with pytest.raises(InputError, match="cup"):
-        from_body(scene, "cup")
+        from_body(mujoco.MjModel.from_xml_string("<mujoco/>"), "cup")
 
 
 def test_the_size_of_a_box_is_its_diagonal_and_its_pivot_its_middle():

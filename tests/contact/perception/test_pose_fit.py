@@ -7,7 +7,6 @@ from drawn_object import BOARD, BOX, CAN, LENS, picture, tilted
 from coral.contact.perception import align_kernels as kernels
 from coral.contact.perception.agreement_kernels import RESIDUAL
 from coral.contact.perception.image_patch import crop_patch
-from coral.contact.perception.object_model import from_mesh
 from coral.contact.perception.pose_fit import align_pose, count_agreement, shift_onto_mask
 from coral.contact.perception.registration import misfit
 from coral.contact.scene.geometry import rotation_about
@@ -75,8 +74,7 @@ def test_what_the_robot_hides_does_not_push():
     assert turn < 0.01
 
 
-def test_hollow_things_do_not_slip(mug_obj):
-    mug = from_mesh("mug", mug_obj)
+def test_hollow_things_do_not_slip(mug):
     truth = tilted((2.2, 0.3, 0.2))
     start = truth.copy()
     start[:3, 3] += [0.008, -0.006, 0.01]

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coral.contact.perception.object_model import from_mesh, from_primitives
+from coral.contact.perception.object_model import from_primitives
 from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.perception.symmetry import Symmetry, of_kind
 from coral.contact.scene.geometry import rotation_about, rotation_angle, spread_rotations
@@ -40,11 +40,10 @@ def test_declared_groups_have_their_orders():
         of_kind("pyramid", np.ones(3))
 
 
-def test_a_mug_has_none(mug_obj):
-    model = from_mesh("mug", mug_obj)
-    assert len(model.symmetry.rotations) == 1
-    assert model.symmetry.axis is None
-    assert model.diameter == pytest.approx(0.13, abs=0.005)
+def test_a_mug_has_none(mug):
+    assert len(mug.symmetry.rotations) == 1
+    assert mug.symmetry.axis is None
+    assert mug.diameter == pytest.approx(0.13, abs=0.005)
 
 
 @given(st.integers(0, 99), st.integers(0, 99), st.sampled_from(["box", "square-box", "cube", "cylinder", "sphere"]))

@@ -9,7 +9,6 @@ from stub_foundationpose import serving
 from coral.cli import main
 from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.model_tracker import ModelTracker, TrackerCfg
-from coral.contact.perception.object_model import from_mesh
 from coral.contact.perception.tracker import TrackerFailed
 from coral.contact.perception.tracker_registry import TRACKERS, TrackerCfgs, choose_tracker
 from coral.errors import InputError
@@ -19,10 +18,10 @@ def configured(**server):
     return TrackerCfgs(foundationpose=FoundationPoseCfg(**server))
 
 
-def test_the_embedded_one_gets_its_configuration_and_wants_no_colours(mug_obj):
+def test_the_embedded_one_gets_its_configuration_and_wants_no_colours(mug):
     cfg, expected = TrackerCfg(steps=3), np.diag([-1.0, -1.0, 1.0, 1.0])
     choice = choose_tracker("model", TrackerCfgs(tracker=cfg))
-    tracker = choice.make(from_mesh("mug", mug_obj), expected)
+    tracker = choice.make(mug, expected)
     assert isinstance(tracker, ModelTracker)
     assert (tracker.cfg, choice.name, choice.wants_colours) == (cfg, "model", False)
     np.testing.assert_array_equal(tracker._reference, expected)
@@ -30,7 +29,7 @@ def test_the_embedded_one_gets_its_configuration_and_wants_no_colours(mug_obj):
     tracker.close()
 
 
-def test_a_server_s_address_is_in_the_word_or_in_the_configuration(mug_obj):
+def test_a_server_s_address_is_in_the_word_or_in_the_configuration(mug):
     with serving() as server:
         for choice in (
             choose_tracker(f"foundationpose:{server.url}", configured(track_steps=7)),
@@ -38,7 +37,7 @@ def test_a_server_s_address_is_in_the_word_or_in_the_configuration(mug_obj):
         ):
             assert (choice.name, choice.wants_colours) == ("foundationpose", True)
             choice.check()
-            tracker = choice.make(from_mesh("mug", mug_obj), None)
+            tracker = choice.make(mug, None)
             assert (tracker.cfg.url, tracker.cfg.track_steps) == (server.url, 7)
 
 

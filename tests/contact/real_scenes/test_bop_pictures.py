@@ -14,9 +14,7 @@ def folder(trial, tmp_path):
     return tmp_path / "scene"
 
 
-def test_pictures_are_read_without_masks_and_true_poses(folder):
-    shutil.rmtree(folder / "mask_visib")
-    (folder / "scene_gt.json").unlink()
+def test_pictures_are_read_as_a_camera_delivers_them(folder):
     pictures = BopPictures(folder)
     frame = pictures.read_frame(1, colours=True)
     assert pictures.indices == [0, 1]
@@ -27,11 +25,11 @@ def test_pictures_are_read_without_masks_and_true_poses(folder):
 
 
 def test_colours_are_read_in_the_order_in_which_they_were_written(trial, tmp_path):
-    _, frames, _ = write_scene(tmp_path / "scene", trial, colours="shaded")
+    frames = write_scene(tmp_path / "scene", trial, colours="shaded")
     assert np.array_equal(BopPictures(tmp_path / "scene").read_frame(0, colours=True).rgb, frames[0].rgb)
 
 
 def test_colours_of_another_size_than_depth_are_refused(folder):
-    shutil.copy(folder / "mask_visib/000000_000000.png", folder / "rgb/000000.png")
+    shutil.copy(folder / "depth/000000.png", folder / "rgb/000000.png")
     with pytest.raises(InputError, match="rgb: 000000: found an array"):
         BopPictures(folder).read_frame(0, colours=True)

@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception import solids as kinds
-from coral.contact.perception.mesh_file import read_mesh
-from coral.contact.perception.ray_solids import SolidPart, from_mujoco, from_parts, from_triangles
+from coral.contact.perception.ray_solids import SolidPart, from_mujoco, from_parts
 from coral.contact.perception.solids import Solids
 from coral.contact.perception.surface_kernels import distance
 from coral.contact.perception.symmetry import Symmetry, of_kind, of_shape
@@ -54,30 +52,6 @@ class ObjectModel:
 def from_primitives(name: str, parts: Sequence[SolidPart], symmetry: Symmetry | None = None) -> ObjectModel:
     """Model an object of primitive parts; its symmetry is computed if none is given."""
     return _model(name, from_parts(parts), symmetry)
-
-
-def from_mesh(name: str, path: Path, *, scale: float = 1.0, symmetry: Symmetry | None = None) -> ObjectModel:
-    """Model an object from an STL, OBJ or PLY file; its symmetry is computed if none is given.
-
-    Args:
-        name: Name in pictures.
-        path: The file.
-        scale: Metres per unit of the file.
-        symmetry: Rotations that map the object onto itself.
-
-    Raises:
-        InputError: The file cannot be read, or the object is not between 5 mm and 5 m wide.
-    """
-    triangles = read_mesh(path, scale)
-    extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
-    if not 0.005 <= extent <= 5.0:
-        raise InputError(str(path), "", f"an object {extent:g} m wide", "0.005 to 5 m (set its scale: 0.001 for mm)")
-    return from_surface(name, triangles, symmetry)
-
-
-def from_surface(name: str, triangles: Array, symmetry: Symmetry | None = None) -> ObjectModel:
-    """Model an object from its triangles, Shape=(M, 3, 3) m; its symmetry is computed if none is given."""
-    return _model(name, from_triangles(triangles), symmetry)
 
 
 def from_body(

@@ -1,4 +1,4 @@
-"""Conversion of primitive parts, mesh files and geoms of a MuJoCo model to `Solids`."""
+"""Conversion of primitive parts and geoms of a MuJoCo model to `Solids`."""
 
 from __future__ import annotations
 
@@ -60,19 +60,6 @@ def from_parts(parts: Iterable[SolidPart]) -> Solids:
         nothing,
         nothing,
         np.zeros((0, 3, 3)),
-    )
-
-
-def from_triangles(triangles: Array) -> Solids:
-    """Convert one mesh. `triangles` is Shape=(M, 3, 3) m."""
-    return Solids(
-        np.array([kinds.MESH]),
-        np.zeros((1, 3)),
-        np.eye(3)[None],
-        np.abs(triangles).max((0, 1))[None],
-        np.zeros(1, np.int64),
-        np.array([len(triangles)]),
-        np.ascontiguousarray(triangles, float),
     )
 
 

@@ -1,5 +1,4 @@
-"""Real scenes: cameras, masks, calibration, recordings of objects with known poses, and how well they are tracked.
+"""Real scenes: cameras, masks, calibration, recordings, and how well a tracker follows known motions.
 
-A wing. Its commands need `coral.view` for the page on which objects are clicked, and `coral.contact.franka` to send
-poses to an arm.
+A wing. Its commands need `coral.contact.franka` to send poses to an arm.
 """

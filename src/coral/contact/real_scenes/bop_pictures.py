@@ -1,4 +1,4 @@
-"""The pictures and cameras of a recording in the format of BOP (Hodan et al., 2018), without masks and true poses."""
+"""The pictures and cameras of a recording in the format of BOP (Hodan et al., 2018)."""
 
 from __future__ import annotations
 
@@ -50,11 +50,6 @@ class BopPictures:
         }
         return sorted(found if self._shared is not None else found & set(self._cameras))
 
-    @property
-    def has_depth(self) -> bool:
-        """Return whether depth was recorded."""
-        return (self.folder / BopFiles.DEPTH).is_dir()
-
     def camera(self, picture: int) -> PictureCamera:
         """Return the camera of a picture.
 
@@ -64,7 +59,7 @@ class BopPictures:
         found = self._cameras.get(picture, self._shared)
         if found is None:
             where = str(self.folder / BopFiles.CAMERAS)
-            raise InputError(where, str(picture), "missing", "a camera of each picture of scene_gt.json")
+            raise InputError(where, str(picture), "missing", "a camera of each picture")
         return found
 
     def read_frame(self, picture: int, *, colours: bool = False) -> RgbdFrame:
@@ -78,13 +73,13 @@ class BopPictures:
             InputError: A file is missing or broken.
         """
         camera, stem = self.camera(picture), f"{picture:06d}"
-        raw = self.read(BopFiles.DEPTH, stem)
+        raw = self._read(BopFiles.DEPTH, stem)
         if raw.ndim != 2:
             raise InputError(str(self.folder / BopFiles.DEPTH), stem, f"{raw.shape[2]} channels", "one channel")
         depth = (raw * (MM * camera.depth_scale_mm)).astype(np.float32)
         rgb = None
         if colours and self._path(BopFiles.COLOURS, stem) is not None:
-            bgr = self.read(BopFiles.COLOURS, stem)
+            bgr = self._read(BopFiles.COLOURS, stem)
             if bgr.shape != (*depth.shape, 3) or bgr.dtype != np.uint8:
                 expected = f"{depth.shape[1]} x {depth.shape[0]} pixels with three colours, as its depth"
                 raise InputError(str(self.folder / BopFiles.COLOURS), stem, f"an array of shape {bgr.shape}", expected)
@@ -93,19 +88,7 @@ class BopPictures:
         nothing = np.zeros(depth.shape, np.uint8)
         return RgbdFrame(depth, nothing, (), camera.lens, camera.T_world_camera, time_s, rgb)
 
-    def size(self, picture: int) -> tuple[int, int]:
-        """Return height and width of a picture, from its colours or its depth.
-
-        Raises:
-            InputError: There is neither.
-        """
-        for kind in (BopFiles.COLOURS, "gray", BopFiles.DEPTH):
-            if self._path(kind, f"{picture:06d}") is not None:
-                height, width = self.read(kind, f"{picture:06d}").shape[:2]
-                return int(height), int(width)
-        raise InputError(str(self.folder), "", f"no picture {picture:06d}", "pictures in rgb, gray or depth")
-
-    def read(self, kind: str, stem: str) -> NDArray[Any]:
+    def _read(self, kind: str, stem: str) -> NDArray[Any]:
         """Read a picture file.
 
         Args:

@@ -1,4 +1,4 @@
-"""Reads the JSON files of a recorded scene in the format of BOP (Hodan et al., 2018): true poses, cameras, symmetries.
+"""Reads the cameras of recorded pictures in the format of BOP (Hodan et al., 2018).
 
 Lengths are millimetres there, and metres here.
 """
@@ -12,9 +12,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.perception.symmetry import Symmetry
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
-from coral.errors import MALFORMED, InputError
+from coral.errors import InputError
 from coral.foreign_file import read_json
 
 Array = NDArray[np.float64]
@@ -22,10 +21,8 @@ MM = 0.001
 
 
 class BopFiles:
-    """Files in the folder of a recorded scene."""
+    """Files in the folder of a recording."""
 
-    TRUTH: Final = "scene_gt.json"
-    """True poses: `cam_R_m2c`, `cam_t_m2c` (mm) and `obj_id` of each object in each picture."""
     CAMERAS: Final = "scene_camera.json"
     """`cam_K` and `depth_scale` of each picture; `cam_R_w2c`, `cam_t_w2c` if the camera moves."""
     SHARED_CAMERA: Final = "camera.json"
@@ -34,23 +31,6 @@ class BopFiles:
     """Depth of each picture, 16 bits: `000000.png` and so on."""
     COLOURS: Final = "rgb"
     """Its colours, if there are any."""
-    MASKS: Final = "mask_visib"
-    """Visible mask of each object of a picture, in the order of `scene_gt.json`: `000000_000000.png` and so on."""
-    MODELS: Final = "models"
-    """Surfaces in mm: `obj_000001.ply` (.obj, .stl) and so on; also as `models_eval`, in a folder above, or with
-    `--models`."""
-    INFO: Final = "models_info.json"
-    """Symmetries, beside the surfaces; without it, those of the shape."""
-
-
-@dataclass(frozen=True)
-class PlacedObject:
-    """An object in a picture, where it truly is."""
-
-    number: int
-    """The number of its model."""
-    T_camera_object: Array
-    """Shape=(4, 4)."""
 
 
 @dataclass(frozen=True)
@@ -65,22 +45,6 @@ class PictureCamera:
     """Shape=(4, 4); if the recording states no pose of the camera, its frame is the world's."""
     time_s: float | None = None
     """Time of the picture, which BOP does not have; None where the recording does not tell it."""
-
-
-def read_truth(path: Path) -> dict[int, tuple[PlacedObject, ...]]:
-    """Read `scene_gt.json`: the objects of each picture.
-
-    Raises:
-        InputError: The file is missing or broken.
-    """
-    found = {}
-    for key, entries in _read_object(path).items():
-        if not isinstance(entries, list):
-            raise InputError(str(path), key, type(entries).__name__, "a list of poses")
-        found[_index(key, path)] = tuple(_pose(entry, path, key) for entry in entries)
-    if not any(found.values()):
-        raise InputError(str(path), "", "no pose", "poses of at least one picture")
-    return found
 
 
 def read_cameras(path: Path) -> dict[int, PictureCamera]:
@@ -103,33 +67,9 @@ def read_shared_camera(path: Path) -> PictureCamera:
     return PictureCamera(_checked_lens(lens, path, ""), _depth_scale(found, path, ""), np.eye(4))
 
 
-def read_symmetry(path: Path, number: int, middle: Array) -> Symmetry | None:
-    """Read the symmetry that `models_info.json` declares for an object; None if there is no entry.
-
-    Args:
-        path: The file.
-        number: The object's number.
-        middle: Shape=(3,) m, the fixed point of finite rotations.
-
-    Raises:
-        InputError: The file is missing or broken.
-    """
-    entry = _read_object(path).get(str(number))
-    if entry is None:
-        return None
-    try:
-        discrete = [np.reshape(one, (4, 4)).astype(float)[:3, :3] for one in entry.get("symmetries_discrete", ())]
-        for one in entry.get("symmetries_continuous", ())[:1]:
-            axis, offset = np.asarray(one["axis"], float), np.asarray(one["offset"], float)
-            return Symmetry(np.array([np.eye(3), *discrete]), axis / np.linalg.norm(axis), MM * offset)
-        return Symmetry(np.array([np.eye(3), *discrete]), None, middle)
-    except MALFORMED as error:
-        raise InputError(str(path), str(number), f"a broken symmetry ({error})", "symmetries as in BOP") from None
-
-
 def _read_object(path: Path) -> dict[str, Any]:
     if not path.exists() and (others := sorted(one.name for one in path.parent.glob(f"{path.stem}_*.json"))):
-        expected = f"the files of one camera under their plain names: {path.name}, depth, rgb, mask_visib"
+        expected = f"the files of one camera under their plain names: {path.name}, depth, rgb"
         raise InputError(str(path), "", f"{', '.join(others)} instead, of one camera among several", expected)
     found = read_json(path, "a JSON file of BOP")
     if not isinstance(found, dict):
@@ -162,14 +102,6 @@ def _rigid(entry: Any, kind: str, path: Path, key: str) -> Array:
     if np.abs(turn - nearest).max() > 0.02 or np.linalg.det(nearest) < 0:
         raise InputError(str(path), f"{key}.cam_R_{kind}", "no rotation", "a rotation matrix, row by row")
     return pose_matrix(nearest, MM * _numbers(entry, f"cam_t_{kind}", 3, path, key))
-
-
-def _pose(entry: Any, path: Path, key: str) -> PlacedObject:
-    pose = _rigid(entry, "m2c", path, key)
-    number = entry.get("obj_id")
-    if type(number) is not int or not 0 <= number < 10**6:
-        raise InputError(str(path), f"{key}.obj_id", repr(number)[:40], "the number of a model")
-    return PlacedObject(number, pose)
 
 
 def _camera(entry: Any, path: Path, key: str) -> PictureCamera:

@@ -171,17 +171,6 @@ def visible_share(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_],
     return float((tally[AGREE] + tally[WRONG]) / max(1.0, tally[DRAWN]))
 
 
-def measured_share(model: ObjectModel, frame: RgbdFrame, truth: Array) -> float:
-    """Compute the share of the object, at its true pose, whose depth was measured: its visible share without a mask."""
-    cfg, everything = ConfidenceCfg(), frame.depth > 0
-    if not everything.any():
-        return 0.0
-    pose = inverse_transform(frame.T_world_camera) @ truth
-    patch = patch_around(frame, everything, model, [pose], cfg, frame.depth.size)
-    tally = count_agreement(patch, model, pose, cfg.margin_m)
-    return float(tally[AGREE] / max(1.0, tally[DRAWN]))
-
-
 def pose_error(model: ObjectModel, estimate: Array, truth: Array) -> tuple[float, float]:
     """Compute the error in millimetres and degrees, modulo symmetry."""
     shift, turn = model.symmetry.difference(estimate, truth)

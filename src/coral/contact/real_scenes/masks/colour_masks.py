@@ -16,13 +16,10 @@ from coral.config import Fraction, merge, read_yaml
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.masks.mask_shape import clean_mask, hue_saturation_value
 from coral.errors import InputError
-from coral.file_writer import write_whole
-from coral.yaml_file import to_yaml
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Degrees = Annotated[float, Field(ge=-360, le=360, allow_inf_nan=False)]
-FILE = "colours.yaml"
 HUE_DEG, SATURATION = 12.0, 0.07
 """How far the colours of a picture are from the paint: light changes value, and hardly hue and saturation."""
 GREY = 0.08
@@ -113,12 +110,3 @@ def read_colours(path: Path) -> dict[str, ColourRegion]:
             raise InputError(str(path), f"objects.{name}", type(region).__name__, "hue_deg, saturation, value")
         regions[str(name)] = merge(ColourRegion(), region, f"{path}: objects.{name}")
     return regions
-
-
-def write_colours(path: Path, regions: Mapping[str, ColourRegion]) -> None:
-    """Write a file of colours."""
-    objects = {
-        name: {"hue_deg": [*one.hue_deg], "saturation": [*one.saturation], "value": [*one.value]}
-        for name, one in regions.items()
-    }
-    write_whole(path, to_yaml({"objects": objects}))
