@@ -40,7 +40,6 @@ COMMANDS = {
     "contact export": ("coral.commands.contact_export:ContactExport", "write runs as a data set for learners"),
     "contact track": ("coral.commands.contact_track:ContactTrack", "measure the accuracy of the tracker"),
     "contact poses": ("coral.commands.contact_poses:ContactPoses", "track a task's objects in a camera's pictures"),
-    "contact click": ("coral.commands.contact_click:ContactClick", "click the objects in a camera's first picture"),
     "contact calibrate": ("coral.commands.contact_calibrate:ContactCalibrate", "find where a camera stands"),
     "memory list": ("coral.commands.memory:MemoryList", "list remembered successes of contact tasks"),
     "memory show": ("coral.commands.memory:MemoryShow", "show one of them, with its programs"),

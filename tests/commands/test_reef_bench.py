@@ -68,7 +68,6 @@ def test_a_bench_leaves_data_tables_figure_and_runs(finished):
         assert "coral reef bench --variants full,lawnmower" in (out / f"tables.{form}").read_text()
     named = {value.rstrip("/") for name, value in vars(CampaignFiles).items() if name.isupper()}
     assert {path.name for path in out.iterdir() if not path.name.startswith(".")} <= named
-    assert (out / "trajectories.png").read_bytes().startswith(b"\x89PNG")
     assert {path.name for path in next((out / "runs").glob("*full_heuristic*")).iterdir()} == {
         "attempts.jsonl",
         "config.yaml",

@@ -20,7 +20,7 @@ from reef.sea import voyage
 SMALL = "--quiet --cfg.latency fixed:0.2 --cfg.simulator.camera.width 64 --cfg.simulator.camera.height 48"
 MISSIONS = (
     f"{SMALL} --cfg.time-limit-s 8 --sonar --cfg.simulator.sonar.width 48 --cfg.simulator.sonar.height 16 "
-    "--cfg.simulator.vehicle.model six_dof --cfg.simulator.pictures "
+    "--cfg.simulator.vehicle.model six_dof --cfg.simulator.pictures --cfg.localization.drift-xy 0.01 "
     "--cfg.record.frames",
     f"{SMALL} --cfg.time-limit-s 8 --cfg.driver pd --cfg.record.no-report --cfg.record.no-pictures "
     "--cfg.simulator.noise.drift-xy 0.01 --cfg.simulator.noise.oyster-missed 0.1 --cfg.simulator.noise.visibility-m 4 "
@@ -37,6 +37,7 @@ RARE = {
     "map.sight.target_ratio": "map/mapping.py",
     "map.sight": "map/sight_layer.py",
     "pilot.action_s": "pilot/pilot.py",
+    "pilot.guard.max_sigma_m": "pilot/guard.py",
     "pilot.blind_speed_m_s": "pilot/pilot.py",
     "pilot.look_round": "pilot/look_round.py",
     "pilot.monitor.max_replans": "drive/monitor.py",

@@ -29,10 +29,10 @@ def ablations(rows: Sequence[Row], command: str) -> list[Table]:
     """
     done = [row for row in rows if row["status"] == "done" and row["advisor"] != NO_ADVISOR and row["variant"] in NAMES]
     keys = dict.fromkeys((str(row["world"]), str(row["evaluation_world"]), str(row["advisor"])) for row in done)
-    return [table for key in keys if (table := _table(chosen(done, *key), *key, command)) is not None]
+    return [table for key in keys if (table := _table(_chosen(done, *key), *key, command)) is not None]
 
 
-def chosen(rows: Sequence[Row], task: str, place: str, advisor: str) -> dict[str, list[Row]]:
+def _chosen(rows: Sequence[Row], task: str, place: str, advisor: str) -> dict[str, list[Row]]:
     """Select finished trials by variant, of the seeds that all variants have: a paired comparison."""
     own = [
         row

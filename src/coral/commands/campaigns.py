@@ -42,7 +42,7 @@ class CampaignFlags:
     mix: bool = False
     """Accept results of other code or another configuration in the same folder."""
     collect: bool = False
-    """Run nothing: make the data set, the tables and the figures from the recorded episodes."""
+    """Run nothing: make the data set and the tables from the recorded episodes."""
     json: bool = False
     """Print one JSON object on standard output; progress stays on standard error."""
     quiet: bool = False
@@ -68,7 +68,7 @@ class Results:
 
 
 Collect = Callable[[Store, Summary | None], dict[str, Any]]
-"""Makes data set, tables and figures of a folder's records; returns the bench's result."""
+"""Makes data set and tables of a folder's records; returns the bench's result."""
 
 
 def check_jobs(jobs: int) -> None:

@@ -19,10 +19,9 @@ from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.campaign.bench import digest
 from coral.campaign.campaign import Summary
 from coral.campaign.campaign_files import CampaignFiles
-from coral.campaign.contact_ablation import NAMES, ablations, chosen
+from coral.campaign.contact_ablation import ablations
 from coral.campaign.contact_tables import contact_tables
-from coral.campaign.dataset import Row
-from coral.campaign.spec import Spec, called, grid, parse_names, parse_seeds
+from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store
 from coral.campaign.version import code_version
 from coral.commands.campaigns import (
@@ -172,7 +171,7 @@ class ContactBench(CampaignFlags):
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the tables and list the files."""
-        files = ("data", "tables", "memory", "figures")
+        files = ("data", "tables", "memory")
         return describe_campaign(self.out, result, "episode", files, ("Table 1, success", "Against"))
 
     def _advisor(self, name: str) -> Advisor:
@@ -244,7 +243,6 @@ class ContactBench(CampaignFlags):
         return {
             **write_tables(store, results, tables, "Contact tasks", summary),
             "memory": self._export_memories(store),
-            "figures": self._draw(store, results.rows),
         }
 
     def _export_memories(self, store: Store) -> str:
@@ -262,36 +260,6 @@ class ContactBench(CampaignFlags):
         path = self.out / CampaignFiles.MEMORY
         write_whole(path, (json_text.dumps({"format": FORMAT, "experiences": found}, indent=1) + "\n").encode())
         return str(path)
-
-    def _draw(self, store: Store, rows: Sequence[Row]) -> list[str]:
-        """Draw Fig. 5 for every task that ran both with and without a contact strategy."""
-        from coral.view.contact.ablation import draw_ablation
-
-        folders = {
-            (spec.world, spec.variant, spec.advisor, spec.seed, str(dict(spec.overrides)["world"])): store.run_folder(
-                spec
-            )
-            for spec in store.specs()
-        }
-        keys = dict.fromkeys(
-            (str(row["world"]), str(row["evaluation_world"]), str(row["advisor"]))
-            for row in rows
-            if row["status"] == "done" and row["variant"] in NAMES
-        )
-        figures = []
-        for number, (task, place, advisor) in enumerate(keys):
-            trials = chosen(rows, task, place, advisor)
-            runs = {
-                NAMES[variant]: [folders[task, variant, advisor, int(row["seed"]), place] for row in own]
-                for variant, own in trials.items()
-            }
-            if len(runs) < 2 or not all(runs.values()):
-                continue
-            one = f"{Path(task).stem}-{number}" if number else Path(task).stem
-            path = self.out / CampaignFiles.ABLATION.replace("TASK", one)
-            draw_ablation(runs, path, f"{Path(task).stem}, world {place}, advisor {called(advisor)}")
-            figures.append(str(path))
-        return figures
 
     def _command(self) -> str:
         """Return the command that makes this campaign, without flags that do not change its results."""

@@ -14,11 +14,10 @@ from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor, rules_alone
 from coral.campaign.bench import digest
 from coral.campaign.campaign import Summary
-from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.inspection_table import BASELINES
 from coral.campaign.presets import KEY as PRESET
 from coral.campaign.presets import with_presets
-from coral.campaign.reef_tables import REFERENCE, TABLE_I, TABLE_II, reef_tables
+from coral.campaign.reef_tables import TABLE_I, TABLE_II, reef_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store
 from coral.campaign.sweep import parse_sweeps
@@ -163,7 +162,7 @@ class ReefBench(CampaignFlags):
         """Describe the tables and where everything is."""
         several = len(parse_names(self.variants, "--variants")) > 1
         shown = SHOWN if several else SHOWN_OF_ONE
-        return describe_campaign(self.out, result, "mission", ("data", "tables", "figure"), shown)
+        return describe_campaign(self.out, result, "mission", ("data", "tables"), shown)
 
     def _worlds(self) -> dict[str, ReefWorld]:
         return {name: find_world(name) for name in expand_names(parse_names(self.worlds, "--worlds"))}
@@ -235,40 +234,7 @@ class ReefBench(CampaignFlags):
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
         results = read_results(store, "mission", "coral reef bench")
         tables = word_tables(results.rows, half_of) or reef_tables(results.rows, results.about, results.command)
-        return {
-            **write_tables(store, results, tables, "Reef survey", summary),
-            "figure": self._draw(store, results.done),
-        }
-
-    def _draw(self, store: Store, done: Sequence[Mapping[str, Any]]) -> str:
-        """Draw the trajectories of the first seed and advisor in every world: the paper's variants, or the first 4."""
-        specs = [Spec.from_json(record["spec"]) for record in done]
-        if not specs:
-            return ""
-        seed = min(spec.seed for spec in specs)
-        advisor = next((spec.advisor for spec in specs if spec.advisor != NO_ADVISOR), NO_ADVISOR)
-        overrides = min((spec.overrides for spec in specs), key=len)  # the nominal setting if present
-        there = list(dict.fromkeys(spec.variant for spec in specs))
-        variants = [name for name in TABLE_I if name in there]
-        variants = variants if len(variants) > 1 else there[:4]
-        variants.sort(key=lambda name: name == REFERENCE)  # drawn last, on top
-        runs: dict[str, dict[str, Path]] = {}
-        for variant in variants:
-            for spec in specs:
-                if (
-                    (spec.variant, spec.seed) == (variant, seed)
-                    and spec.advisor in (advisor, NO_ADVISOR)
-                    and spec.overrides == overrides
-                    and store.run_folder(spec).is_dir()
-                ):
-                    runs.setdefault(Path(spec.world).stem, {})[variant] = store.run_folder(spec)
-        if not runs:
-            return ""
-        from coral.campaign.overlay import draw_overlay
-
-        path = self.out / CampaignFiles.TRAJECTORIES
-        draw_overlay(runs, path, seed=seed, advisor=advisor)
-        return str(path)
+        return write_tables(store, results, tables, "Reef survey", summary)
 
     def _command(self) -> str:
         """Return the command that makes this campaign, without flags that do not change its results."""

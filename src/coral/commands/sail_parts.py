@@ -28,7 +28,6 @@ from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWatchedByDvl, LinkWithDvl
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import CameraSource, LatestShot
-from coral.reef.sea.recorded_sonar import RecordedSonar
 from coral.reef.sea.sea_mission import SeaMission
 from coral.reef.sea.sonar_reading import LatestHeard, SonarSource
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
@@ -36,8 +35,7 @@ from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
 from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.sea.video_camera import Fit, VideoCamera
 from coral.reef.simulation.frame_painter import make_painter
-from coral.reef.simulation.noise import SensorNoise
-from coral.reef.simulation.simulated_navigation import make_navigation
+from coral.reef.simulation.noise import PoseDrift, SensorNoise
 from coral.reef.simulation.simulator import make_stills
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.generated import find_world
@@ -211,7 +209,7 @@ def _simulated(flags: SailFlags, area: SurveyArea, world: ReefWorld | None, cfg:
         sim.vehicle,
         area.start,
         depth_m=depth_m,
-        navigation=make_navigation(sim.navigation, sim.noise, area.start, np.random.default_rng([flags.seed, 4])),
+        drift=PoseDrift(sim.noise, np.random.default_rng([flags.seed, 4])),
         altitude_m=sim.camera.altitude_m,
         current=(world.current.x_m_s, world.current.y_m_s),
         contact=(lambda x, y: clearance(outlines, x, y)) if cfg.simulator.contact == "solid" else None,
@@ -293,11 +291,10 @@ def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Pa
     if kind == "ros2":
         ranges: SonarSource = our_part("ros2", "sonar", "--sonar")(place, cfg.simulator.sonar)
         return ranges
-    if kind != "udp":
-        return RecordedSonar(Path(flags.sonar))
     interface, _, port = place.rpartition(":")
-    if port and not (port.isdigit() and int(port) < 65536):
-        raise InputError("--sonar", "", repr(flags.sonar), "udp, udp:PORT or udp:ADDRESS:PORT of this computer")
+    if kind != "udp" or (port and not (port.isdigit() and int(port) < 65536)):
+        expected = "udp, udp:PORT or udp:ADDRESS:PORT of this computer, ros2:TOPIC, simulated or none"
+        raise InputError("--sonar", "", repr(flags.sonar), expected)
     return UdpSonar(int(port) if port else SONAR_PORT, interface or "0.0.0.0")
 
 
