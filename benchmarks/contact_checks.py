@@ -1,7 +1,7 @@
 """How often the check of costs accepts costs that are known to be good.
 
     python benchmarks/contact_checks.py --trials 100 --kinds prompt,example,listing,expert
-    python benchmarks/contact_checks.py --trials 100 --kinds prompt,example,expert --tasks unseen
+    python benchmarks/contact_checks.py --trials 100 --kinds prompt,example --tasks unseen
     python benchmarks/contact_checks.py --kinds bad       # costs that have to be refused
     python benchmarks/contact_checks.py                   # ten trials of the six tasks, all good kinds
 
@@ -179,7 +179,7 @@ def _written_by_persons(opening: Opening, task: str, wanted: dict[str, bool]) ->
     if wanted["listing"] and task == "push-pick-board":
         yield "listing", CostProgram(BOARD, opening.schema)
     if wanted["expert"]:
-        forms: tuple[Kind, ...] = ("expert", "expert-fsm") if task in TASKS else ("expert-fsm",)
+        forms: tuple[Kind, ...] = ("expert", "expert-fsm") if task in TASKS else ()
         for form in forms:
             for stage in expert(opening.trial.task, form).stages:
                 yield form, _Written(stage.name, stage.cost)

@@ -32,12 +32,6 @@ Signed = Annotated[float, Field(allow_inf_nan=False)]
 def whole_steps(period_s: float, step_s: float, where: str, field: str) -> int:
     """Return the number of steps in a period.
 
-    Args:
-        period_s: The period.
-        step_s: One step.
-        where: File or flag of the step, for the error.
-        field: Path of the step in it.
-
     Raises:
         InputError: The number is not whole.
     """

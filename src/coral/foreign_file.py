@@ -40,10 +40,6 @@ class NotRegularError(OSError):
 def open_regular(path: Path, *, follow: bool = True) -> BinaryIO:
     """Open a regular file for reading.
 
-    Args:
-        path: Path of the file.
-        follow: Whether it may be a link.
-
     Raises:
         NotRegularError: It is a pipe, a device or a socket.
         OSError: It cannot be read.

@@ -66,10 +66,6 @@ class OnnxFile:
 def open_onnx(path: Path, where: str = "--perception") -> OnnxFile:
     """Open a network.
 
-    Args:
-        path: The file.
-        where: Flag that named it, for errors about the installation.
-
     Raises:
         InputError: onnxruntime is not installed, or the file cannot be used.
     """
@@ -101,10 +97,6 @@ def open_onnx(path: Path, where: str = "--perception") -> OnnxFile:
 
 def open_picture_network(path: Path, where: str = "--perception") -> OnnxFile:
     """Open a network whose only input is a picture.
-
-    Args:
-        path: The file.
-        where: Flag that named it, for errors about the installation.
 
     Raises:
         InputError: onnxruntime is not installed, or the file cannot be used.

@@ -99,10 +99,6 @@ def has_plugin(group: str, name: str) -> bool:
 def load_plugin(point: EntryPoint, where: str) -> Any:
     """Import what an entry point names.
 
-    Args:
-        point: The entry point.
-        where: Flag or argument that asked for it, for the error.
-
     Raises:
         InputError: It cannot be imported, or it belongs to a wing that is not installed.
     """
@@ -131,13 +127,6 @@ def our_part(group: str, name: str, where: str) -> Any:
 
 def named_plugin(group: str, name: str, where: str, field: str = "", ours: Sequence[str] = ()) -> Any:
     """Import the part of this name.
-
-    Args:
-        group: The group.
-        name: The name.
-        where: Flag, file or argument that named it, for the error.
-        field: Field in it.
-        ours: Further names that come with the package, which the error lists too.
 
     Raises:
         InputError: There is none of this name, or it cannot be imported.

@@ -31,10 +31,6 @@ class RunWriter:
     def __init__(self, folder: Path, columns: tuple[str, ...]) -> None:
         """Create `folder`, which must not contain anything yet.
 
-        Args:
-            folder: The run folder.
-            columns: Header of trajectory.csv.
-
         Raises:
             InputError: The folder is not empty, or cannot be written.
         """

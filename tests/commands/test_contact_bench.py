@@ -21,8 +21,6 @@ def answer(capsys):
 def test_suites_have_a_name():
     assert "pick-box" in named_tasks("all")
     assert set(named_tasks("unseen")) == {*named_tasks("unseen:development"), *named_tasks("unseen:test")}
-    assert named_tasks("unseen:test~2") == tuple(f"{name}~2" for name in named_tasks("unseen:test"))
-    assert "pick-box~1" in named_tasks("all~1")
     assert named_tasks("pick-box,a.yaml") == ("pick-box", "a.yaml")
     with pytest.raises(InputError, match="one of development, test"):
         named_tasks("unseen:none")

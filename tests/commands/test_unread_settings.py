@@ -20,7 +20,7 @@ from reef.sea import voyage
 SMALL = "--quiet --cfg.latency fixed:0.2 --cfg.simulator.camera.width 64 --cfg.simulator.camera.height 48"
 MISSIONS = (
     f"{SMALL} --cfg.time-limit-s 8 --sonar --cfg.simulator.sonar.width 48 --cfg.simulator.sonar.height 16 "
-    "--cfg.simulator.vehicle.model six_dof --cfg.simulator.pictures --cfg.localization.drift-xy 0.01 "
+    "--cfg.simulator.pictures --cfg.localization.drift-xy 0.01 "
     "--cfg.record.frames",
     f"{SMALL} --cfg.time-limit-s 8 --cfg.driver pd --cfg.record.no-report --cfg.record.no-pictures "
     "--cfg.simulator.noise.drift-xy 0.01 --cfg.simulator.noise.oyster-missed 0.1 --cfg.simulator.noise.visibility-m 4 "
@@ -111,7 +111,7 @@ OF_THE_COMMAND = (
 
 
 def test_a_survey_in_real_time_refuses_what_it_does_not_read(tmp_path, monkeypatch):
-    small = {"camera": {"width": 64, "height": 48}, "vehicle": {"model": "six_dof"}, "sonar": {"enabled": True}}
+    small = {"camera": {"width": 64, "height": 48}, "sonar": {"enabled": True}}
     cfg = merge(MissionCfg(), {"simulator": small, "localization": {"drift_xy": 0.01}}, "here")
     monkeypatch.setattr(voyage, "MissionCfg", lambda **values: cfg)
     with watched(cfg) as reads:

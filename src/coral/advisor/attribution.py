@@ -66,13 +66,7 @@ class Attribution:
         return replace(self, decided_by={**self.decided_by, source: self.decided_by[source] + 1})
 
     def heard(self, verdict: Verdict, cost: Spent, seconds: float) -> Attribution:
-        """Count one more question by its verdict.
-
-        Args:
-            verdict: Verdict of the attempt.
-            cost: Cost of the attempt.
-            seconds: Time from question to verdict, on the clock of the world.
-        """
+        """Count one more question by its verdict."""
         fate = _FATE.get(verdict)
         return replace(
             self,

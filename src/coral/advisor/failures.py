@@ -40,13 +40,7 @@ class Failure:
 
 
 def diagnose(error: BaseException, who: str, limit_bytes: int) -> Failure:
-    """Name the failure behind an exception of `CLIENT_ERRORS`.
-
-    Args:
-        error: The exception.
-        who: Name of the advisor, for the message.
-        limit_bytes: The size limit of replies.
-    """
+    """Name the failure behind an exception of `CLIENT_ERRORS`."""
     who += _address_hint(who)
     said = scrub(str(error))[:300]
     if caused_by(error, ReplyTooLarge):

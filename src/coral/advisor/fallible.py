@@ -66,13 +66,7 @@ class FallibleAdvisor:
     """
 
     def __init__(self, inner: Advisor, cfg: FallibleCfg, rng: np.random.Generator) -> None:
-        """Wrap an advisor.
-
-        Args:
-            inner: The wrapped advisor.
-            cfg: Error rates.
-            rng: Chooses the answers to spoil and their errors. Same seed, same errors.
-        """
+        """Wrap an advisor."""
         self.inner, self._cfg, self._rng = inner, cfg, rng
         self._previous: dict[str, dict[str, Any]] = {}
         self.name = f"fallible:{sum(dataclasses.astuple(cfg)):g}:{inner.name}"

@@ -62,12 +62,6 @@ def preflight(advisor: Any, *, pictures: bool, where: str = "--advisor", quiet: 
     Without a model nothing happens. It retries at most once, whatever the configuration allows later; its tokens do not
     count for the run.
 
-    Args:
-        advisor: The advisor of the run.
-        pictures: Whether questions of the run have pictures.
-        where: Flag to name in an error message.
-        quiet: Whether to print nothing about the wait.
-
     Raises:
         InputError: The model cannot be used: its address does not respond, does not know it, or refuses its key, its
             reply is not an answer, or it does not see the picture.

@@ -31,10 +31,6 @@ def table(rows: Sequence[Mapping[str, Any]], *without: str) -> str:
     """Show rows with the same keys as a table: a header and a line for each, the cells between bars.
 
     In JSON every row repeats its keys, and a row of numbers has three times as many tokens.
-
-    Args:
-        rows: The rows.
-        without: Columns to leave out.
     """
     keys = [key for key in dict.fromkeys(key for row in rows for key in row) if key not in without]
     lines = [" | ".join(keys), *(" | ".join(_cell(row.get(key)) for key in keys) for row in rows)]

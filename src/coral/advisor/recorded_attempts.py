@@ -100,11 +100,6 @@ def shipped_recordings() -> list[str]:
 def repeat(entry: Attempted, question: Question[A], file: Path) -> Reply[A]:
     """Return a recorded reply as the answer to a question.
 
-    Args:
-        entry: The attempt.
-        question: What is asked now.
-        file: Of the recording, for messages.
-
     Raises:
         BadAnswer, AdvisorUnavailable: As recorded, or with code "not-recorded" if the answer no longer validates.
     """

@@ -138,21 +138,13 @@ def innermost(spec: str) -> tuple[AdvisorEntry | None, str]:
 
 
 def rules_alone(advisor: str) -> bool:
-    """Check whether only rules answer, corrupted or not: no model, no person, no recording of either.
-
-    Args:
-        advisor: As on the command line.
-    """
+    """Check whether only rules answer, corrupted or not: no model, no person, no recording of either."""
     entry, _ = innermost(advisor)
     return entry is not None and entry.rules
 
 
 def asks_person(advisor: str) -> bool:
-    """Check whether a person may answer, corrupted or not.
-
-    Args:
-        advisor: As on the command line.
-    """
+    """Check whether a person may answer, corrupted or not."""
     entry, _ = innermost(advisor)
     return entry is not None and entry.person
 

@@ -73,14 +73,7 @@ class SloppyAdvisor:
     """
 
     def __init__(self, inner: Advisor, rates: Rates, rng: np.random.Generator, mistakes: Sequence[Mistake]) -> None:
-        """Wrap an advisor.
-
-        Args:
-            inner: The wrapped advisor.
-            rates: Rates of the mistakes.
-            rng: Chooses the wrong answers and their errors. Same seed, same errors.
-            mistakes: Mistakes of the application.
-        """
+        """Wrap an advisor."""
         self.inner, self._rates, self._rng, self._mistakes = inner, rates, rng, tuple(mistakes)
         self._past: dict[str, deque[Earlier]] = {}
         self.name = f"sloppy:{rates}:{inner.name}"

@@ -51,7 +51,6 @@ from coral.contact.scene.task import Task
 from coral.contact.scene.task_file import shipped_tasks, suite_tasks
 from coral.contact.scene.task_names import SUITES
 from coral.contact.scene.trial import sample_trial
-from coral.contact.scene.variation import split_variation
 from coral.contact.tasks import load_task
 from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.thinking_clock import thinking_latency
@@ -112,7 +111,7 @@ class ContactBench(CampaignFlags):
     """Served policies to compare, NAME=ws://HOST:PORT, separated by commas."""
     tasks: str = "all"
     """Shipped tasks or task files, separated by commas; all: the six of the paper; unseen or long: that suite, or
-    unseen:development or unseen:test for half of it. With ~2 after a name, its second generated variation."""
+    unseen:development or unseen:test for half of it."""
     worlds: str = "panda"
     """Evaluation worlds, separated by commas: panda, hand."""
     seeds: str = "0-9"
@@ -272,17 +271,15 @@ class ContactBench(CampaignFlags):
 
 
 def named_tasks(text: str) -> tuple[str, ...]:
-    """Return the tasks that `--tasks` names; `all~2` and `unseen:test~2` are the second variations of a whole suite.
+    """Return the tasks that `--tasks` names.
 
     Raises:
         InputError: A suite has no such half.
     """
-    suite, number = split_variation(text)
-    which, _, half = suite.partition(":")
+    which, _, half = text.partition(":")
     if "," in text or which not in ("all", *SUITES) or (which == "all" and half):
         return parse_names(text, "--tasks")
-    names = shipped_tasks() if which == "all" else suite_tasks(which, half)
-    return tuple(f"{name}~{number}" for name in names) if number else names
+    return shipped_tasks() if which == "all" else suite_tasks(which, half)
 
 
 def _task_digest(task: Task) -> str:

@@ -3,7 +3,6 @@
 import json
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from experiences import experience
 from recorded import RULES
@@ -35,7 +34,7 @@ def choose(one, memory, outcomes=(), **cfg):
     told, tried, left = [], [], list(outcomes)
     questions = Questions(Asker(RuleAdvisor(RULES)), one.trial, one.world, think, in_process, lambda *_, **__: None)
     questions.update_facts(one.now)
-    recall = Recall(questions, one.trial, one.world, think, np.random.default_rng(0), in_process)
+    recall = Recall(questions, one.trial, one.world, think, in_process)
 
     def try_it(plan, first):
         tried.append(plan)
@@ -126,17 +125,6 @@ def test_without_runs_the_first_that_passes_is_followed(scene, memory):
     chosen, told, tried = choose(scene("pick-box", 2), memory, rehearsed=0)
     assert (chosen.match.stored.id, len(told), tried) == (2, 1, [])
     assert (told[0]["refused"], told[0]["outcome"]) == ("", None)
-
-
-def test_regions_on_a_wrong_face_do_not_refuse_a_plan_whose_run_succeeds(scene, memory, monkeypatch):
-    """Guided there, the first stage gains nothing in a second; the other samples still find the way."""
-    monkeypatch.setattr("coral.contact.thinker.recall.best_gain", lambda *_: -3.0)
-    one = scene("pick-box", 0)
-    memory.add(experience(one))
-    assert choose(one, memory, [(GOOD, "")])[0] is not None
-    chosen, told, _ = choose(one, memory, rehearsed=0)
-    assert chosen is None
-    assert told[0]["refused"] == "rolled out, it lowers the cost by -300 %"
 
 
 def test_a_plan_that_cannot_be_used_is_refused_with_the_reason(scene, memory):

@@ -279,13 +279,7 @@ def test_what_is_remembered_is_tried_without_regions_too(remembering, monkeypatc
     strategist, told = thinker(one, memory=memory, regions=False, rehearsed=1)
     strategist.begin(one.trial, one.now, one.world)
     assert [fields["outcome"]["succeeded"] for event, fields in told if event == "recall"] == [1]
-    assert [0.05 < fields["gain"] < 1 for event, fields in told if event == "recall"] == [True]
     assert strategist.counts.memory_hit
-    strategist.on_end("timeout")
-    strategist, told = thinker(one, memory=memory, regions=False, least_gain=0.999)
-    strategist.begin(one.trial, one.now, one.world)
-    assert ["rolled out" in fields["refused"] for event, fields in told if event == "recall"] == [True]
-    assert not strategist.counts.memory_hit
     strategist.on_end("timeout")
 
 

@@ -21,8 +21,8 @@ from coral.reef.pilot.pilot import Pilot
 from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
 from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.sensing import Attitude, Stamped
 from coral.reef.vehicle.states import PilotState
-from coral.reef.vehicle.vehicle import VehicleCfg
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
@@ -132,15 +132,12 @@ def test_a_corrected_pose_takes_what_is_around_the_robot_along(robot, monkeypatc
 
 
 def test_a_picture_is_kept_with_the_height_that_was_measured(robot):
-    floating = robot(vehicle=VehicleCfg(model="six_dof"))
-    for k in range(3):
-        floating.sense(0.1 * k)
-        floating.localize(0.1)
-        floating.think()
-        floating.act()
-    floating.sense(0.3)
-    floating.localize(0.1)
-    assert floating.taken_at.height_m == floating.vehicle.simulator.camera_attitude.height != 1.0
+    one = robot()
+    one.sense(0.0)
+    attitude = Attitude(roll=0.1, pitch=-0.2, depth_m=3.0, altitude_m=1.3)
+    one.seen = dataclasses.replace(one.seen, attitude=Stamped(0.0, attitude))
+    one.localize(0.0)
+    assert (one.taken_at.height_m, one.taken_at.roll, one.taken_at.pitch) == (1.3, 0.1, -0.2)
 
 
 def test_eyes_are_told_what_the_sonar_hears_in_the_picture(robot):

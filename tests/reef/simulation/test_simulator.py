@@ -1,6 +1,5 @@
 """The simulated reef: what the vehicle touches, what it senses, and what is judged."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -11,8 +10,10 @@ from coral.reef.map.belief import Belief
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.simulation.noise import SensorNoiseCfg
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
-from coral.reef.vehicle.camera import CameraCfg
-from coral.reef.vehicle.vehicle import VehicleCfg
+from coral.reef.vehicle.camera import Camera, CameraCfg
+from coral.reef.vehicle.sensing import Attitude
+from coral.reef.world.geometry import Pose
+from coral.reef.world.scene import Scene
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 POST = Obstacle(shape="cylinder", x=6.0, y=5.0, z=0.8, size=(0.2, 0.2, 0.8))
@@ -79,11 +80,6 @@ def test_in_murky_water_a_mission_is_not_covered_by_what_it_could_not_see():
     assert shares == {None: (1.0, 1.0), 3.0: (0.0, 0.0)}
 
 
-def test_a_vehicle_that_tips_sees_where_it_looks():
-    six = dataclasses.replace(VehicleCfg(), model="six_dof")
-    assert simulator(world(disc(2.5, 1.0), start=(1.0, 1.0, 0.0)), vehicle=six).imaging.inspected == 1.0
-
-
 def test_colour_pictures_are_taken_when_asked_for():
     there = world(disc(7.0, 5.0))
     assert simulator(there).sense(0.1).frame.rgb is None
@@ -114,15 +110,12 @@ def test_the_water_of_pictures_follows_the_visibility_or_is_named():
 
 
 def test_a_rolling_and_pitching_vehicle_maps_oysters_where_they_are():
-    camera = CameraCfg()
+    camera, pose = CameraCfg(), Pose(5.0, 5.0, 0.0)
     there = world(disc(7.0, 5.6, r=0.15), disc(7.2, 4.2, r=0.15, name="d"))
-    sim = simulator(there, vehicle=VehicleCfg(model="six_dof"), camera=camera)
-    belief = Belief(OccupancyMap(there.size_m, camera))
+    eye, belief = Camera(Scene.from_world(there), camera), Belief(OccupancyMap(there.size_m, camera))
     for roll, pitch in ((0.3, 0.0), (-0.25, 0.1), (0.1, -0.15), (0.0, 0.2)):
-        sim.vehicle._full[3:5] = roll, pitch
-        sensed = sim.sense(0.1)
-        assert (sensed.attitude.roll, sensed.attitude.pitch) == pytest.approx((roll, pitch))
-        belief.update(sensed.frame, sensed.pose, sensed.attitude)
+        attitude = Attitude(roll=roll, pitch=pitch, depth_m=4.0)
+        belief.update(eye.render(pose, roll=roll, pitch=pitch), pose, attitude)
     found = (np.argwhere(belief.map.target)[:, ::-1] + 0.5) * 0.05
     nearest = np.min([np.hypot(*(found - at).T) for at in ((7.0, 5.6), (7.2, 4.2))], axis=0)
     assert len(found) > 20

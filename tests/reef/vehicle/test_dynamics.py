@@ -8,71 +8,39 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from coral.reef.vehicle.dynamics import (
-    BLUEROV2_HEAVY,
     THRUST_MAX_N,
     Thrusters,
     planar,
-    six_dof,
     thrust_n,
 )
 from coral.reef.vehicle.dynamics_kernels import (
-    coriolis_force,
-    limit_six,
     limit_wrench,
     planar_acceleration,
     planar_rk4,
-    rotation,
-    six_acceleration,
-    six_rk4,
 )
 
 A = planar(Thrusters())
-A6 = six_dof(Thrusters())
 settings.register_profile("kernels", deadline=None)  # the first call compiles
 settings.load_profile("kernels")
 speeds = st.floats(-1.0, 1.0)
 STILL = np.zeros(2)
 
 
-def numpy_acceleration(nu, tau, p):
-    """Twin of `six_acceleration` without restoring forces, with full 6x6 matrices as in Fossen's book."""
-    rigid = np.array([p.mass_kg] * 3 + list(p.inertia_kg_m2))
-    mass = np.diag(rigid + np.array(p.added_mass))
-
-    def skew(a):
-        return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
-
-    momentum = mass @ nu
-    coriolis = np.zeros((6, 6))
-    coriolis[:3, 3:] = -skew(momentum[:3])
-    coriolis[3:, :3] = -skew(momentum[:3])
-    coriolis[3:, 3:] = -skew(momentum[3:])
-    drag = np.diag(np.array(p.linear_drag) + np.array(p.quadratic_drag) * np.abs(nu))
+def numpy_acceleration(nu, tau):
+    """Twin of `planar_acceleration` with the full 3x3 matrices of Fossen's book."""
+    (u, v, _), mass = nu, np.diag([A.m11, A.m22, A.m66])
+    coriolis = np.array([[0, 0, -A.m22 * v], [0, 0, A.m11 * u], [A.m22 * v, -A.m11 * u, 0]])
+    drag = np.diag(np.array([A.du, A.dv, A.dr]) + np.array([A.duu, A.dvv, A.drr]) * np.abs(nu))
     return np.linalg.solve(mass, tau - coriolis @ nu - drag @ nu)
 
 
-@given(st.lists(speeds, min_size=6, max_size=6), st.lists(st.floats(-50, 50), min_size=6, max_size=6))
-def test_six_dof_matches_the_matrix_form(nu, tau):
-    nu, tau = np.array(nu), np.array(tau)
-    weightless = A6._replace(weight_n=0.0, buoyancy_n=0.0)
-    found = six_acceleration(nu, np.zeros(3), tau, weightless)
-    assert found == pytest.approx(numpy_acceleration(nu, tau, BLUEROV2_HEAVY), abs=1e-9)
-
-
-@given(speeds, speeds, speeds, st.floats(-80, 80), st.floats(-80, 80), st.floats(-20, 20))
-def test_planar_is_six_dof_restricted(u, v, r, fx, fy, n):
-    full = six_acceleration(np.array([u, v, 0, 0, 0, r]), np.zeros(3), np.array([fx, fy, 0, 0, 0, n]), A6)
-    assert planar_acceleration(u, v, r, fx, fy, n, A) == pytest.approx(full[[0, 1, 5]], abs=1e-12)
+@given(st.lists(speeds, min_size=3, max_size=3), st.lists(st.floats(-50, 50), min_size=3, max_size=3))
+def test_the_model_matches_the_matrix_form(nu, tau):
+    assert planar_acceleration(*nu, *tau, A) == pytest.approx(numpy_acceleration(np.array(nu), np.array(tau)), abs=1e-9)
 
 
 def test_planar_masses_match_hand_values():
     assert (A.m11, A.m22, A.m66) == pytest.approx((19.86, 20.62, 0.592))
-
-
-@given(st.lists(speeds, min_size=6, max_size=6))
-def test_coriolis_does_no_work(nu):
-    nu = np.array(nu)
-    assert float(nu @ coriolis_force(nu, A6.inertia)) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_steady_speed_at_full_thrust():
@@ -110,11 +78,6 @@ def test_yaw_is_served_before_surge():
     fx, _, n = limit_wrench(1e6, 0.0, 12.0, A)
     assert n == pytest.approx(12.0)
     assert 0.0 < fx < 86.0
-
-
-def test_vertical_thrusters_cancel_the_tipping_of_the_horizontal_ones():
-    made = limit_six(np.array([60.0, 5.0, 3.0, 0.0, 0.0, 1.0]), A6)
-    assert made == pytest.approx([60.0, 5.0, 3.0, 0.0, 0.0, 1.0])
 
 
 def kinetic_energy(s):
@@ -173,20 +136,3 @@ def test_a_passive_vehicle_drifts_with_the_current():
     ground = np.array([c * s[3] - si * s[4], si * s[3] + c * s[4]]) + water
     assert ground == pytest.approx(water, abs=2e-3)
     assert np.hypot(*(s[:2] - start[:2])) > 50.0
-
-
-def test_buoyancy_rights_a_tipped_vehicle():
-    s = np.zeros(18)
-    s[3], s[4] = 0.3, -0.2
-    for _ in range(6000):
-        six_rk4(s, np.zeros(6), STILL, 0.0287, 0.01, A6)
-    assert np.abs(s[3:5]).max() < 0.03
-    assert s[2] < 0.0  # it is 1 N heavy: it sinks
-
-
-def test_rotation_is_z_y_x():
-    assert rotation(0.0, 0.0, math.pi / 2) @ [1, 0, 0] == pytest.approx([0, 1, 0])
-    assert rotation(0.0, math.pi / 2, 0.0) @ [1, 0, 0] == pytest.approx([0, 0, -1])
-    assert rotation(math.pi / 2, 0.0, 0.0) @ [0, 1, 0] == pytest.approx([0, 0, 1])
-    turn = rotation(0.3, -0.4, 2.0)
-    assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-12)

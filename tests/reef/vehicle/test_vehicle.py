@@ -16,10 +16,9 @@ def drive(cfg, command, seconds=6.0, current=(0.0, 0.0), **keys):
     return vehicle
 
 
-@pytest.mark.parametrize("model", ["planar", "six_dof"])
 @pytest.mark.parametrize("command", [(0.6, 0.0), (0.3, 0.6), (0.0, -0.6), (-0.2, 0.2)])
-def test_velocity_loop_reaches_its_set_point(model, command):
-    s = drive(VehicleCfg(model=model), command).state
+def test_velocity_loop_reaches_its_set_point(command):
+    s = drive(VehicleCfg(), command).state
     assert (s.u, s.v, s.r) == pytest.approx((command[0], 0.0, command[1]), abs=1e-3)
 
 
@@ -29,7 +28,7 @@ def test_commands_are_limited():
 
 
 def test_unknown_model_is_named():
-    with pytest.raises(InputError, match="planar, six_dof or kinematic"):
+    with pytest.raises(InputError, match="planar or kinematic"):
         VehicleDynamics(VehicleCfg(model="submarine"))  # type: ignore[arg-type]
 
 
@@ -76,14 +75,6 @@ def test_the_default_step_is_converged():
         ends.append(np.array(vehicle.state))
     assert np.abs(ends[0] - ends[2])[:2].max() < 1e-4
     assert np.abs(ends[1] - ends[2])[:2].max() < 1e-5
-
-
-def test_six_dof_stays_level_and_close_to_planar():
-    a, b = (drive(VehicleCfg(model=m), (0.6, 0.3), seconds=5.0) for m in ("planar", "six_dof"))
-    assert b.state[:3] == pytest.approx(a.state[:3], abs=5e-3)
-    z, roll, pitch = b.attitude
-    assert abs(z - 1.0) < 0.01
-    assert max(abs(roll), abs(pitch)) < 0.01
 
 
 def test_contact_stops_the_hull_at_the_surface_and_lets_it_slide():

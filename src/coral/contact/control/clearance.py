@@ -76,11 +76,6 @@ def clearances(trial: Trial) -> dict[str, Derived]:
 def clearance(first: Sequence[Piece], second: Sequence[Piece], state: Context) -> Array:
     """Compute the shortest distance (m) between two things, 0 where they touch.
 
-    Args:
-        first: Pieces of one thing.
-        second: Pieces of the other.
-        state: A batch of states.
-
     Returns:
         Shape=(K, H), or one that broadcasts to it.
     """

@@ -24,11 +24,7 @@ class HandController(Protocol):
     """
 
     def reset(self, now: Observation) -> None:
-        """Forget the plan: the hand stands still. Called before the first plan.
-
-        Args:
-            now: The first observation.
-        """
+        """Forget the plan: the hand stands still. Called before the first plan."""
         ...
 
     def plan(

@@ -28,14 +28,7 @@ none."""
 
 
 def build_model(trial: Trial, hand: HandCfg, physics_dt_s: float, endless: bool = False) -> mujoco.MjModel:
-    """Compile the reduced model with the hand's default stiffness.
-
-    Args:
-        trial: The trial under the beliefs.
-        hand: The hand.
-        physics_dt_s: Step of the physics.
-        endless: Whether the table is an infinite plane.
-    """
+    """Compile the reduced model with the hand's default stiffness."""
     spec = reduced(trial, hand, physics_dt_s)
     if endless:
         table = spec.geom("table")

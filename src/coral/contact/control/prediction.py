@@ -25,14 +25,7 @@ def state_after(world: PlanningWorld, now: Observation, targets: Sequence[HandTa
 
 
 def states_under(world: PlanningWorld, now: Observation, targets: Sequence[HandTarget], step: int) -> Context | None:
-    """Return the state after each control step in which the hand follows a target, Shape=(1, n); None if it diverges.
-
-    Args:
-        world: The planning world.
-        now: The measured state.
-        targets: One for each control step, n of them, all of one stiffness.
-        step: Control steps since the episode began.
-    """
+    """Return the state after each control step of following targets, Shape=(1, n); None if it diverges."""
     controls = ControlSequences(
         np.array([target.position for target in targets])[None],
         np.array([target.quaternion for target in targets])[None],

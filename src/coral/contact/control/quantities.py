@@ -45,11 +45,7 @@ def constants(
 
 
 def stage_constants(began: Observation) -> dict[str, Array]:
-    """Return the values constant in a stage: where hand and objects were when it began.
-
-    Args:
-        began: The observation with which it began.
-    """
+    """Return the values constant in a stage: where hand and objects were when it began."""
     found: dict[str, Array] = {"ee_stage_pos": began.tool.position[None, None]}
     for name, body in began.objects.items():
         found[f"{name}_stage_pos"] = body.position[None, None]

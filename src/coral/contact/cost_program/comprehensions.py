@@ -15,11 +15,6 @@ from coral.contact.cost_program.values import Scope, Seq, Value, bounded, entrie
 def comprehend(machine: Machine, node: Any, evaluate: Callable[[Machine, ast.expr], Value]) -> Value:
     """Evaluate a comprehension.
 
-    Args:
-        machine: The evaluation.
-        node: The comprehension of a list or a generator.
-        evaluate: Evaluates an expression.
-
     Raises:
         CostError: It cannot be evaluated, or which entries it has depends on the state.
     """

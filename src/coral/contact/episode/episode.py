@@ -211,12 +211,7 @@ class Episode:
             self.emit("weight", stage=stage, term=term, factor=round(factor, 4), by="operator")
 
     def _take(self, plan: HandPlan, most: int) -> None:
-        """Execute a plan's first steps; if planning takes time, those of the plan before until this one is ready.
-
-        Args:
-            plan: The plan.
-            most: Upper bound on the configured number of steps.
-        """
+        """Execute a plan's first steps; if planning takes time, those of the plan before until this one is ready."""
         if self.latency.charged:
             self._await(plan)
             return
@@ -278,9 +273,6 @@ class Episode:
         """Continue the episode while an advisor answers; return False if it ended meanwhile.
 
         Before the first strategy nothing moves, and the time is only counted.
-
-        Args:
-            seconds: Simulated time, rounded up to whole control steps once the robot moves.
         """
         if not self._begun:
             self._before_s += seconds

@@ -18,8 +18,7 @@ EVENTS = {
     "regions": f"Contact `regions`, by object and stage; {_ASKED}.",
     "candidates": "Points of `regions` that cannot be touched, and why.",
     "recall": "A remembered plan was tried: `id`, `similarity`, `distance`, `embedder`, times `used` and `helped`, "
-    "`gain` of its first stage, `outcome` of the imagined run and its time (`rehearsed_s`), why it was `refused`; "
-    "`decided`, `source`.",
+    "`outcome` of the imagined run and its time (`rehearsed_s`), why it was `refused`; `decided`, `source`.",
     "remembered": "The success was stored: `id`, `file`.",
     "strategy": "A strategy is followed: `name`, `stages`, `beliefs`.",
     "stage": "A `stage` begins: `index`, and the one `before`.",

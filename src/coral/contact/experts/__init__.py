@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Strategy
-from coral.contact.experts import board, drag, drawer, flip, lid, pick, place, push, swing, wall
+from coral.contact.experts import board, flip, pick, place, push, wall
 from coral.contact.scene.task import Task
 from coral.errors import InputError
 
@@ -31,23 +30,12 @@ _FSM: Mapping[str, Callable[[Task], Strategy]] = {
     "push-force": push.fsm,
     "flip-box": flip.fsm,
     "flip-wall": wall.fsm,
-    "open-drawer": drawer.opening,
-    "close-drawer": drawer.closing,
-    "close-lid": lid.fsm,
     "push-gently": push.fsm,
     "push-past-glass": push.fsm,
     "topple-gently": flip.fsm,
-    "slide-to-stop": drag.fsm,
-    "drag-card-out": drag.fsm,
-    "pull-from-under-block": drag.fsm,
-    "wipe-stroke": drag.fsm,
-    "wipe-to-and-fro": drag.fsm,
-    "turn-lever": partial(swing.fsm, to_deg=82, way=1),
-    "pivot-bar": partial(swing.fsm, to_deg=90, way=1),
-    "open-door": partial(swing.fsm, to_deg=-160, way=-1),
     "scoop-box": wall.fsm,
 }
-"""State machines of the paper's tasks and of the unseen suite; its other tasks are to pick or to place."""
+"""State machines of the paper's tasks, and of tasks of the unseen suite that are done alike."""
 
 
 def expert(task: Task, kind: Kind) -> Strategy:

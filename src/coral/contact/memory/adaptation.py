@@ -22,11 +22,6 @@ def adapt(experience: Experience, facts: SceneFacts, goals: GoalMatch) -> tuple[
 
     Names follow the goals. Regions are stretched with their objects. Cost terms about things that are not here, such as
     a term that leaves a neighbour alone, are dropped.
-
-    Args:
-        experience: The remembered success.
-        facts: The scene.
-        goals: How its goals correspond to those of the scene.
     """
     names, absent = _counterparts(experience, facts, goals)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator
 
 from coral.config import Count, Signed
 from coral.contact.memory.embedding import DEFAULT, Embedder, Vector, embedder_of
@@ -52,12 +52,6 @@ class Experience(BaseModel):
     """Believed mass (kg) and friction of each object at the end."""
     provenance: dict[str, Any]
     """Origin of the success: world, seed, variant, advisor, run, metrics."""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _of_an_earlier_version(cls, given: Any) -> Any:
-        # Versions before stored which lengths they took for sizes.
-        return {key: one for key, one in given.items() if key != "expressions"} if isinstance(given, dict) else given
 
     @field_validator("goals")
     @classmethod

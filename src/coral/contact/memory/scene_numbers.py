@@ -42,9 +42,6 @@ class ScaleLimits:
 def scene_numbers(facts: SceneFacts) -> dict[str, float]:
     """Return the numbers of a scene by name; things are numbered in the order in which the goals name them.
 
-    Args:
-        facts: The scene.
-
     Returns:
         For thing k: `objectk.size.0` to `.2` (m), `.up` (its axis nearest to vertical), `.z` (m), `.mass_kg`,
         `.friction`, `.joint`; `place.NAME.0` to `.2` (m) of places and fixtures, and `place.NAME.low.0` and `.high.0`

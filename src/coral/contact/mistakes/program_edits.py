@@ -40,13 +40,7 @@ def drop_term(code: str, rng: np.random.Generator) -> str | None:
 
 
 def shift_place(code: str, rng: np.random.Generator, off_m: tuple[float, float]) -> str | None:
-    """Shift a place by some centimetres along one axis: a vector of numbers, or a height in a comparison.
-
-    Args:
-        code: The program.
-        rng: Chooses place and direction.
-        off_m: Smallest and largest shift.
-    """
+    """Shift a place by some centimetres along one axis: a vector of numbers, or a height in a comparison."""
     tree = _parse(code)
     if tree is None:
         return None

@@ -40,14 +40,7 @@ TURNS: tuple[Array, ...] = tuple(
 
 
 def gate_barriers(cost: Cost, values: Mapping[str, Any], attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
-    """Return faults for penalties that begin near an object and keep the hand away from it (the second pitfall).
-
-    Args:
-        cost: The cost.
-        values: Quantities of the state in which the stage begins.
-        attraction: Where the cost leads the hand there.
-        cfg: Thresholds.
-    """
+    """Return faults for penalties that begin near an object and keep the hand away from it (the second pitfall)."""
     least = cfg.jump * attraction.span
     if least <= 0.0:
         return []

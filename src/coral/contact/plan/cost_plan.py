@@ -116,12 +116,7 @@ class PlanAnswer(BaseModel):
         return [stage.name for stage in self.each()]
 
     def text(self, numbered: bool = False) -> str:
-        """Return all programs as text.
-
-        Args:
-            numbered: Whether for a prompt: the lines of each program numbered, as faults count them, and all that its
-                author set.
-        """
+        """Return all programs as text."""
 
         def shown(code: str) -> str:
             lines = code.strip().split("\n")
@@ -276,10 +271,6 @@ def presses_by_design(cost: Cost, schema: Schema) -> bool:
     """Check whether a cost says itself what the hand is to do to table or fixtures.
 
     The planner keeps the hand from pressing on them otherwise.
-
-    Args:
-        cost: A compiled program.
-        schema: The quantities of the state.
     """
     fixed = {name.removesuffix("_hand_contact") for name in schema if name.endswith("_hand_contact")}
     fixed -= set(objects_of(schema))

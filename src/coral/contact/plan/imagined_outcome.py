@@ -103,10 +103,6 @@ def imagined_truths(trial: Trial, moment: ImaginedMoment) -> list[Truth]:
     the believed mass and friction. A world averages over all its physics steps (2 ms). So here a blow is either missed
     or counts as if it lasted for the whole control step, contacts chatter more, and a peak within a control step is
     unknown. Contacts between other things have no force.
-
-    Args:
-        trial: The trial as the robot perceives it.
-        moment: A moment of the run.
     """
     states = moment.after
     return [] if states is None else [_truth_at(trial, moment, states, k) for k in range(states.shape[1])]

@@ -59,12 +59,6 @@ def imagine(
     """Follow a plan in the planning world, under the best belief.
 
     The run ends after `most_s`, when no rollout is valid, or when a cost cannot be evaluated.
-
-    Args:
-        world: The planning world with its beliefs.
-        strategy: The plan.
-        now: The present state.
-        cfg: Length and effort.
     """
     cfg = cfg or ImaginedRunCfg()
     controller = Controller(world, cfg.controller, np.random.default_rng(SEED))

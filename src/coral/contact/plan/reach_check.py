@@ -21,14 +21,7 @@ TABLE = "table"
 
 
 def unreachable(cost: Cost, values: Mapping[str, Any], attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
-    """Return a note for each body inside which the cost leads the hand (the first pitfall).
-
-    Args:
-        cost: The cost.
-        values: Quantities of the state in which the stage begins.
-        attraction: Where the cost leads the hand there.
-        cfg: Thresholds.
-    """
+    """Return a note for each body inside which the cost leads the hand (the first pitfall)."""
     found: dict[str, list[float]] = {}
     inside = [containing_body(values, end, cfg) for end in attraction.ends]
     for body, depth in inside:

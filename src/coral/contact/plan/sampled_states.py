@@ -1,4 +1,4 @@
-"""States sampled by rollouts in the planning world: for checking costs, and for the gain that a cost allows."""
+"""States sampled by rollouts in the planning world: for checking costs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.control.planning_world import ControlSequences, PlanningWorld
 from coral.contact.cost.context import Context
-from coral.contact.cost.stages import Stage
 from coral.contact.plan.contact_regions import PAD_M, tool_quaternion
 from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, rotation_of, to_rotvec
 from coral.contact.scene.observation import BodyState, Observation
@@ -19,8 +18,6 @@ Array = NDArray[np.float64]
 ABOVE_M = 0.06
 COMMON_SEED = 20_260
 """Seed of the random paths on which every program is checked."""
-HALF_TURN = np.array([0.0, 0.0, 0.0, 1.0])
-"""Half a turn about the palm's axis."""
 DOWNWARD = np.array([0.0, 0.0, -1.0])
 
 
@@ -102,57 +99,3 @@ def _interpolate_path(start: Array, path: list[Array], share: Array) -> Array:
 def _interpolate_rotation(start: Array, end: Array, share: Array) -> Array:
     turn = to_rotvec(multiply(conjugate(start), end))
     return multiply(start, from_rotvec(np.minimum(1, 3 * share)[:, None] * turn))
-
-
-def best_gain(
-    world: PlanningWorld,
-    stage: Stage,
-    now: Observation,
-    sizes: Mapping[str, Array],
-    rng: np.random.Generator,
-    horizon: int = 50,
-    count: int = 24,
-) -> float:
-    """Return the share by which the best rolled-out path lowers a stage's cost, compared with standing still.
-
-    Args:
-        world: The planning world.
-        stage: Its guides give the paths; without guides they are those of `sample_states`.
-        now: First state of the rollouts.
-        sizes: Full extents of the objects, m.
-        rng: Samples the paths if there are no guides, else unused.
-        horizon: Control steps.
-        count: Number of random paths if there are no guides.
-    """
-    present = world.present(now)
-    start = now.tool
-    paths: list[ToolPath] = []
-    for guide in stage.guides:
-        turn = np.asarray(guide.quaternion(present) if guide.quaternion else start.quaternion)
-        opening = now.opening_m if guide.opening_m is None else guide.opening_m
-        # Try both finger orders: they touch alike, but a cost may prefer one of them.
-        paths += [
-            ([point], orientation, float(opening))
-            for orientation in (turn, multiply(turn, HALF_TURN))
-            for point in guide.points(present)
-        ]
-    if not stage.guides:
-        paths = _sample_paths(now, sizes, rng, count)
-    paths.append(([start.position], start.quaternion, now.opening_m))
-    share = np.linspace(0, 1, horizon)
-    controls = ControlSequences(
-        np.stack([_interpolate_path(start.position, path[0], np.minimum(1, 1.5 * share)) for path in paths]),
-        np.stack([_interpolate_rotation(start.quaternion, path[1], share) for path in paths]),
-        np.stack([now.opening_m + (path[2] - now.opening_m) * np.minimum(1, 2 * share) for path in paths]),
-        stage.stiffness_n_m,
-    )
-    states, sane = world.rollout(now, controls)
-    terms = stage.cost(states)
-    total = np.zeros(states.shape)
-    for term in terms.values():
-        total = total + term
-    cost = np.where(sane, total.mean(axis=1) + total[:, -1], np.inf)
-    still, best = float(cost[-1]), float(cost[:-1].min())
-    if not np.isfinite([still, best]).all():  # diverged rollouts carry no information
-        return 0.0
-    return (still - best) / max(abs(still), 1e-9)

@@ -109,13 +109,7 @@ class StageEnd:
 
 
 def stage_ends(plan: PlanAnswer, schema: Schema, load: Loader = in_process) -> dict[str, StageEnd]:
-    """Return the ends of a plan's stages by name; without the last stage, which nothing ends, and those without parts.
-
-    Args:
-        plan: A plan whose programs have been loaded before: their nesting is bounded.
-        schema: The quantities of the state.
-        load: Loads programs.
-    """
+    """Return the ends of a plan's stages by name, without those that have no parts and the last, which nothing ends."""
     found = {}
     for stage in plan.each()[:-1]:
         parts = parts_of(stage.done, schema)

@@ -14,12 +14,7 @@ KNOWN = ("_seen", "_size", "_mass", "_friction")
 
 
 def objects_read(program: Cost, schema: Schema) -> tuple[str, ...]:
-    """Return the objects whose state a program reads; a program that does not declare what it reads waits for nothing.
-
-    Args:
-        program: A compiled program.
-        schema: The quantities of the state.
-    """
+    """Return the objects whose state a program reads; one that does not declare what it reads waits for nothing."""
     reads = program.reads if isinstance(program, ReadingCost) else []
     state = [name for name in reads if not name.endswith(KNOWN)]
     return tuple(thing for thing in objects_of(schema) if any(f"_{thing}_" in f"_{name}_" for name in state))
@@ -31,12 +26,7 @@ def unseen_of(state: Context, objects: Sequence[str]) -> list[str]:
 
 
 def waiting_cost(cost: Callable[[Context], Terms], objects: Sequence[str]) -> Callable[[Context], Terms]:
-    """Return a cost that keeps the hand where its stage began while an object that it reads was never seen.
-
-    Args:
-        cost: The cost.
-        objects: The objects that it reads.
-    """
+    """Return a cost that keeps the hand where its stage began while an object that it reads was never seen."""
     if not objects:
         return cost
 

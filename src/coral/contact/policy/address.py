@@ -26,11 +26,6 @@ class Address:
 def parse_address(text: str, taken: Collection[str] = (), where: str = "--policy") -> Address:
     """Parse an address.
 
-    Args:
-        text: Text of the flag.
-        taken: Names already in use.
-        where: The flag, for errors.
-
     Raises:
         InputError: It is not an address.
     """

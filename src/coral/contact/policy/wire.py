@@ -28,9 +28,6 @@ class WireError(ValueError):
 def encode(message: Mapping[str, Any]) -> bytes:
     """Encode a message as bytes.
 
-    Args:
-        message: Texts, numbers, maps, lists and arrays.
-
     Raises:
         WireError: It contains an array of objects, or another value that cannot be sent.
     """

@@ -76,11 +76,6 @@ class BaseCondition(BaseModel):
     def check(self, task: TaskLike, where: str, field: str) -> None:
         """Check that all names in the condition exist.
 
-        Args:
-            task: The task of the condition.
-            where: The file.
-            field: Path of the condition in the file.
-
         Raises:
             InputError: A name does not exist.
         """

@@ -23,11 +23,7 @@ THINGS = re.compile(r"\b(mat|mark|line|edge|goal|spot|place|post|stop|wall|shelf
 
 
 def unmatched_words(task: Task) -> list[str]:
-    """Return what an instruction names and neither scene nor conditions have, in words for the author of the task.
-
-    Args:
-        task: The task.
-    """
+    """Return what an instruction names and neither scene nor conditions have, in words for the author of the task."""
     words = task.instruction.lower()
     shown = _colours(task)
     found = [

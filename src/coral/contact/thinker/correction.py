@@ -46,18 +46,6 @@ def correct_beliefs(
 ) -> bool:
     """Correct the believed mass and friction of an object, if there is enough to replay.
 
-    Args:
-        asker: The advisor.
-        name: The object.
-        now: The latest observation.
-        past: The history to fit to.
-        trial: The trial as the robot knows it.
-        world: The planning world, whose beliefs are corrected.
-        facts: Facts of the scene.
-        cfg: Thresholds.
-        rng: Random numbers of the fit.
-        emit: Event sink.
-
     Returns:
         Whether the beliefs were corrected; an advisor may also keep them.
     """

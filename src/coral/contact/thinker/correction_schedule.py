@@ -22,12 +22,7 @@ class CorrectionSchedule:
     _seen: int = 0
 
     def due(self, steps: Sequence[Transition], last: bool = False) -> str | None:
-        """Return the object to correct now, or None.
-
-        Args:
-            steps: The whole history.
-            last: Whether the episode is over.
-        """
+        """Return the object to correct now, or None."""
         if not self.every_s or not steps or self.done >= self.most - (not last):
             return None
         now = steps[-1].after.time_s

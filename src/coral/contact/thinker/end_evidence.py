@@ -93,11 +93,7 @@ class EndEvidence:
         return self._is_placed and bool(self.unmet) and all(part.part.unit == TRUTH for part in self.unmet)
 
     def recedes(self, by_m: float) -> bool:
-        """Return whether all the lengths that do not hold are farther from holding than when the stage began.
-
-        Args:
-            by_m: By how much, at least.
-        """
+        """Return whether all the lengths that do not hold are farther from holding than when the stage began."""
         lengths = [part for part in self.unmet if part.part.unit == "m"]
         others = all(part.part.unit == "m" or part.is_near for part in self.unmet)
         return bool(lengths) and others and all(part.missing > part.first_missing + by_m for part in lengths)

@@ -26,13 +26,6 @@ def recent(
 
     A row is one control step: metres, newtons, world frame, quaternions (w, x, y, z). Its `touches` name what the
     fingers ("left", "right") and the palm ("hand") touch, as measured; a `cost` of None is unknown.
-
-    Args:
-        steps: Control steps.
-        costs: Costs of plans, each after the time of the plan.
-        name: The object to report.
-        most: Maximum number of rows.
-        notes: Notes about the plans, each after the time of the plan.
     """
     if not steps:
         return []
@@ -72,13 +65,7 @@ def _touches_at(notes: Sequence[PlanNote], time_s: float) -> list[str]:
 
 
 def recent_terms(notes: Sequence[PlanNote], most: int = 2, largest: int = 4) -> list[dict[str, Any]]:
-    """Show which terms held the cost up over time.
-
-    Args:
-        notes: Notes about the plans.
-        most: Maximum number of rows.
-        largest: Maximum number of terms in a row, the largest ones.
-    """
+    """Show which terms held the cost up over time."""
     if not notes:
         return []
     rows = []

@@ -27,12 +27,7 @@ Line = tuple[str, str, str]
 
 
 def interface_text(schema: Schema, told: Collection[str] = ()) -> str:
-    """Describe the names and functions that a cost may use.
-
-    Args:
-        schema: The quantities of the task.
-        told: Names that the prompt tells elsewhere.
-    """
+    """Describe the names and functions that a cost may use."""
     objects = objects_of(schema)
     fixed = ["table", *(key.removesuffix("_size") for key in schema if _is_fixed(key, schema, objects))]
     groups: dict[Pattern, list[tuple[str, str, str]]] = {}

@@ -317,13 +317,7 @@ class Questions:
 
 
 def regions_prompt(shown: Mapping[str, Any], plan: PlanAnswer, cfg: RegionCfg) -> dict[str, Any]:
-    """Return the placeholders of the question where the stages of a plan touch.
-
-    Args:
-        shown: What all questions about a plan share.
-        plan: The plan.
-        cfg: Bounds of regions.
-    """
+    """Return the placeholders of the question where the stages of a plan touch."""
     return {**shown, "plan": plan.outline(), "limits": region_limits(cfg)}
 
 

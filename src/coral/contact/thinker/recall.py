@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
 
-import numpy as np
-
 from coral.advisor.question import Rejection
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
@@ -16,7 +14,6 @@ from coral.contact.memory.memory import Match, Memory
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, make_strategy
 from coral.contact.plan.imagined_outcome import ImaginedOutcome
-from coral.contact.plan.sampled_states import best_gain
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import Trial
@@ -38,8 +35,6 @@ class RecalledPlan:
     regions: RegionsAnswer
     refusal: Rejection | None = None
     """Why it is not followed."""
-    gain: float = 0.0
-    """Share by which the best rolled-out motion lowers the cost of its first stage."""
     outcome: ImaginedOutcome | None = None
     """How far it came in its imagined run; None if there was none."""
     imagined_s: float = 0.0
@@ -56,7 +51,6 @@ class Recall:
         trial: The trial as perceived.
         world: The planning world.
         cfg: Configuration of the outer loop.
-        rng: Samples the motions of the check.
         load: Loads programs into the confined process.
     """
 
@@ -66,11 +60,10 @@ class Recall:
         trial: Trial,
         world: PlanningWorld,
         cfg: ThinkCfg,
-        rng: np.random.Generator,
         load: Loader,
     ) -> None:
         self._questions, self._trial, self._world = questions, trial, world
-        self._cfg, self._rng, self._load = cfg, rng, load
+        self._cfg, self._load = cfg, load
 
     def choose(self, memory: Memory, first: Observation, emit: Callable[..., None]) -> RecalledPlan | None:
         """Return the plan to follow; None if no remembered plan may be followed. Report each as a `recall` event.
@@ -115,8 +108,7 @@ class Recall:
             embedder=memory.embedder.name,
             used=stored.used,
             helped=stored.helped,
-            gain=round(one.gain, 4),
-            rehearsed_s=one.imagined_s,  # the key is older than the word
+            rehearsed_s=one.imagined_s,
             outcome=None if one.outcome is None else {key: round(v, 3) for key, v in asdict(one.outcome).items()},
             refused=refused,
             **({"decided": "plan", "source": "memory"} if chosen else {}),
@@ -126,17 +118,13 @@ class Recall:
         refusal = self._questions.check_plan(one.plan, first, self._load)
         if refusal is None and self._cfg.regions:
             refusal = self._questions.check_regions(one.regions, one.plan)
-        gain, strategy = 0.0, None
+        strategy = None
         if refusal is None:
             try:
                 strategy = self._strategy(one)
-                gain = best_gain(self._world, strategy.stages[0], first, self._questions.sizes, self._rng)
             except CostError as error:
                 refusal = Rejection(code=error.code, reason=str(error))
-        # Where regions lead nowhere, samples that they do not guide may still get there: a whole run tells more.
-        if refusal is None and not self._cfg.memory.rehearsed and gain < self._cfg.least_gain:
-            refusal = Rejection(code="imagined-run", reason=f"rolled out, it lowers the cost by {100 * gain:.0f} %")
-        return replace(one, refusal=refusal, gain=gain, strategy=strategy)
+        return replace(one, refusal=refusal, strategy=strategy)
 
     def _try(self, one: RecalledPlan, first: Observation) -> RecalledPlan:
         assert one.strategy is not None

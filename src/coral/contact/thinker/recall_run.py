@@ -46,14 +46,6 @@ def try_recalled(
     back twice, one of several stages that never leaves its first, and one of a single stage that never meets a
     condition of success more than at the beginning. Less is no evidence against a plan: under wrong masses and
     frictions, or with so few samples, a good one may end without success in imagination.
-
-    Args:
-        world: The planning world with its beliefs.
-        trial: The trial as the robot perceives it.
-        strategy: The plan.
-        names: Its stages in order.
-        first: The first observation.
-        cfg: When the outer loop calls a plan stuck.
     """
     judge, monitor = ImaginedJudge(trial, names), ProgressMonitor(cfg, tuple(names))
     length, end_s = ImaginedRunCfg(most_s=trial.task.time_limit_s, controller=CONTROLLER), first.time_s

@@ -70,10 +70,6 @@ def fit_prompt(kind: str, values: Mapping[str, Any]) -> dict[str, Any]:
     """Leave out rows of the history until the prompt is short enough, or until the fewest rows are left.
 
     The first and the last row tell what changed, so the middle ones go first.
-
-    Args:
-        kind: Kind of question.
-        values: Values of its placeholders.
     """
     fitted = {**values, **{key: list(values[key]) for key, _ in SHORTENED}}
     for key, least in SHORTENED:

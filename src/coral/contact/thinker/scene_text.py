@@ -40,11 +40,7 @@ HAND = (
 
 
 def planner_text(limits: PlannerLimits) -> str:
-    """Describe what the planner of this run can do: horizon, speeds, force, workspace.
-
-    Args:
-        limits: Its limits.
-    """
+    """Describe what the planner of this run can do: horizon, speeds, force, workspace."""
     bounds = ", ".join(f"{axis} {a:g} to {b:g}" for axis, a, b in zip("xyz", limits.low_m, limits.high_m, strict=True))
     late = f"; a plan takes {limits.late_s:.3g} s, in which the hand follows the one before" if limits.late_s else ""
     kept = (
@@ -66,15 +62,7 @@ def planner_text(limits: PlannerLimits) -> str:
 def world_prompt(
     facts: SceneFacts | Mapping[str, Any], task: Task, schema: Schema, cfg: ThinkCfg, limits: PlannerLimits
 ) -> dict[str, Any]:
-    """Return the placeholders that all questions about a plan share.
-
-    Args:
-        facts: The scene as last observed.
-        task: The task file.
-        schema: The quantities of the state.
-        cfg: Which parts of the method are enabled.
-        limits: What the planner of this run can do.
-    """
+    """Return the placeholders that all questions about a plan share."""
     shown = {"task": facts["instruction"], "hand": "", "planner": "", "contact_strategy": cfg.strategy, "staged": False}
     if cfg.prompt == "paper":
         return {**shown, "scene": poses_text(facts), "interface": interface_text(schema)}
@@ -90,11 +78,7 @@ def world_prompt(
 
 
 def poses_text(facts: SceneFacts | Mapping[str, Any]) -> str:
-    """Give poses and parameters alone, as the paper's prompts do (A.8); its objects have labels too (A.7).
-
-    Args:
-        facts: The scene as last observed.
-    """
+    """Give poses and parameters alone, as the paper's prompts do (A.8); its objects have labels too (A.7)."""
     objects = facts["objects"]
     poses = {"hand": facts["hand"]["pose"]} | {name: item["pose"] for name, item in objects.items()}
     poses |= dict.fromkeys(_unseen(facts), "not seen yet")
@@ -111,11 +95,7 @@ def poses_text(facts: SceneFacts | Mapping[str, Any]) -> str:
 
 
 def scene_text(facts: SceneFacts | Mapping[str, Any]) -> str:
-    """Describe the scene: axes, table, objects, fixtures, places, numbers, hand.
-
-    Args:
-        facts: The scene as last observed.
-    """
+    """Describe the scene: axes, table, objects, fixtures, places, numbers, hand."""
     table, hand = facts["table"], facts["hand"]
     lines = [
         AXES,
@@ -153,13 +133,7 @@ def scene_text(facts: SceneFacts | Mapping[str, Any]) -> str:
 
 
 def success_text(facts: SceneFacts | Mapping[str, Any], hold_s: float, time_limit_s: float) -> list[str]:
-    """Describe the conditions of success, a line each.
-
-    Args:
-        facts: The scene as last observed.
-        hold_s: How long all conditions have to hold.
-        time_limit_s: Time for the task.
-    """
+    """Describe the conditions of success, a line each."""
     lines = [f"Success, within {time_limit_s:g} s: all of these at once, for {hold_s:g} s:"]
     told: set[str] = set()
     before: Mapping[str, Any] = {}
@@ -182,23 +156,14 @@ def _unseen(facts: SceneFacts | Mapping[str, Any]) -> list[str]:
 
 
 def told_in_scene(facts: SceneFacts | Mapping[str, Any]) -> set[str]:
-    """Return the names that a cost may use and `scene_text` tells with their values, or that all have their only value.
-
-    Args:
-        facts: The scene as last observed.
-    """
+    """Return the names that a cost may use and `scene_text` tells with their values, or that have an only value."""
     fixed = {f"{name}_{what}" for name in facts["fixtures"] for what in ("pos", "size")}
     seen = {f"{name}_seen" for name in facts["objects"]} if not _unseen(facts) else set()
     return {"table_min", "table_max"} | seen | fixed | {f"{name}_pos" for name in facts["places"]} | {*facts["numbers"]}
 
 
 def condition_text(goal: Mapping[str, Any], brief: bool = False) -> str:
-    """Describe a condition of success: its kind, all its values, and what it asks for.
-
-    Args:
-        goal: The condition as facts have it.
-        brief: Whether to leave out what its kind asks for.
-    """
+    """Describe a condition of success: its kind, all its values, and what it asks for."""
     values = ", ".join(f"{key} {_value(value)}" for key, value in goal.items() if key != "kind" and value is not None)
     return f"{goal['kind']} ({values}): {'' if brief else _meaning(goal)}".rstrip(": ")
 

@@ -107,12 +107,6 @@ class Strategist(Protocol):
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Return the first strategy; may set the planning world's beliefs.
 
-        Args:
-            trial: The trial as the robot knows it: true shapes, observed poses, prior beliefs about masses and
-                frictions.
-            first: The first observation.
-            world: The planning world.
-
         Raises:
             NoStrategy: There is no strategy.
             NoDecision: The advisor did not decide, and the policy lets nothing else decide. All methods that ask raise
@@ -130,13 +124,7 @@ class Strategist(Protocol):
         ...
 
     def on_cost_error(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
-        """Handle a cost that could not be evaluated; return a new strategy, or None to give up.
-
-        Args:
-            error: The failure, with its line.
-            stage: Name of the stage whose cost failed.
-            now: The latest observation.
-        """
+        """Handle a cost that could not be evaluated; return a new strategy, or None to give up."""
         ...
 
     def on_end(self, reason: str) -> None:

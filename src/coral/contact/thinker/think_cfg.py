@@ -44,9 +44,6 @@ class ThinkCfg:
     """Whether to ask one question for everything (the paper's unified VLM)."""
     tracking: bool = True
     """Whether objects are tracked. Off (`no-tracking`): the advisor is asked for their poses once."""
-    least_gain: float = 0.05
-    """Without imagined runs (`memory.rehearsed` 0), a remembered plan is used if its best guided motion of a second
-    lowers the cost of its first stage by at least this share."""
     correct_every_s: NonNegative = 0.0
     """Simulated time between corrections of the world model while not stuck; 0 corrects only when stuck."""
     corrections: Count = 5
@@ -77,12 +74,7 @@ class ThinkCfg:
 
 
 def decision_budget(cfg: BudgetCfg, advisor: str) -> BudgetCfg:
-    """Return attempts and time of one decision.
-
-    Args:
-        cfg: The configured budget.
-        advisor: The advisor as on the command line.
-    """
+    """Return attempts and time of one decision."""
     return cfg.within(DESK_S if asks_person(advisor) else MODEL_S)
 
 

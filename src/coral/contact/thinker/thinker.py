@@ -246,7 +246,7 @@ class Thinker:
         if self.memory is None:
             return None
         # A memory may come from anyone and contain model-written code: none of it runs in this process.
-        recall = Recall(self._questions, self._trial, self._world, self.cfg, self._rng, self._worker.load)
+        recall = Recall(self._questions, self._trial, self._world, self.cfg, self._worker.load)
         chosen = recall.choose(self.memory, first, self._emit)
         if chosen is None:
             return None

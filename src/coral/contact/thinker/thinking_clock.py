@@ -83,12 +83,7 @@ class ThinkingClock:
         self._kind, self._wall_end_s = "", math.inf
 
     def begin(self, kind: str, wall_s: float) -> None:
-        """Begin a decision.
-
-        Args:
-            kind: Kind of its questions.
-            wall_s: Its limit of wall time.
-        """
+        """Begin a decision."""
         self._kind, self._wall_end_s = kind, time.monotonic() + wall_s
 
     def now(self) -> float:

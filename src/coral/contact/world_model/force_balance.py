@@ -74,14 +74,7 @@ class Balance:
 
 
 def balances(steps: Sequence[Transition], name: str, trial: Trial, cfg: BalanceCfg) -> Balance:
-    """Find the windows of a history in which the forces balance; they overlap.
-
-    Args:
-        steps: The history.
-        name: Name of the object.
-        trial: The trial as the robot knows it.
-        cfg: Which windows count.
-    """
+    """Find the windows of a history in which the forces balance; they overlap."""
     if len(steps) <= cfg.steps + 2 * cfg.reach:
         return Balance(np.zeros((0, 3)), np.zeros((0, 2)))
     force = np.array([step.after.wrench[:3] for step in steps])

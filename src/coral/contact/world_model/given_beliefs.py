@@ -15,12 +15,6 @@ def parse_beliefs(
 ) -> dict[str, PhysicalParameters]:
     """Parse the beliefs about a task's objects.
 
-    Args:
-        text: Text of the flag.
-        task: The task, for its objects.
-        where: The flag, for errors.
-        cfg: Bounds.
-
     Raises:
         InputError: The form is wrong, an object is unknown or repeated, or a value is out of bounds.
     """

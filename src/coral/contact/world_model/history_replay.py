@@ -54,12 +54,7 @@ class HistoryReplay:
         self.world.edges = True
 
     def parts(self, beliefs: Sequence[Mapping[str, PhysicalParameters]], name: str) -> Array:
-        """Compute root mean square errors in their units, Shape=(beliefs, windows, kinds); inf if a replay diverges.
-
-        Args:
-            beliefs: Complete beliefs about all objects.
-            name: The object whose error is computed.
-        """
+        """Compute root mean square errors in their units, Shape=(beliefs, windows, kinds); inf if a replay diverges."""
         self.world.believe(list(beliefs))
         for model in self.world.models:
             # A replay can afford more than planning: contacts that neither creep nor chatter, and no sleeping of

@@ -103,13 +103,6 @@ def identify(
 
     Minimise over (log m, log mu), within bounds, the mean squared replay error of every second window (a grid, then
     the cross-entropy method). The fit is accepted on the other windows, so that it must hold for unseen ones.
-
-    Args:
-        replay: Replay of the history, two windows or more.
-        name: Name of the object.
-        believed: Present beliefs about all objects.
-        cfg: Settings of the fit.
-        rng: Draws the refinements.
     """
     seen = [True] * len(replay.windows) if len(replay.windows) < 4 else [k % 2 == 0 for k in range(len(replay.windows))]
     held = [True] * len(seen) if all(seen) else [not one for one in seen]
@@ -160,13 +153,6 @@ def fit_by_replay(
 
     Slow pushes determine only the product of mass and friction; fitted freely, a block of 1 kg became one of 4.6 kg
     that slides on ice. Belief and fit are treated as normal in the logarithms; the mean of their product is proposed.
-
-    Args:
-        replay: Replay of the history, two windows or more.
-        name: Name of the object.
-        believed: Present beliefs about all objects.
-        cfg: Settings of the fit.
-        rng: Draws the refinements.
     """
     return shrink_to_belief(identify(replay, name, believed, cfg, rng), replay, believed, cfg)
 
@@ -174,15 +160,7 @@ def fit_by_replay(
 def fit_by_balance(
     found: Balance, replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters], cfg: IdentifyCfg
 ) -> Fit:
-    """Fit by the balance of forces, shrunk as in `fit_by_replay`; the replay decides whether it is better.
-
-    Args:
-        found: One window or more.
-        replay: Replay of the history.
-        name: Name of the object.
-        believed: Present beliefs about all objects.
-        cfg: Settings of the fit.
-    """
+    """Fit by the balance of forces, shrunk as in `fit_by_replay`; the replay decides whether it is better."""
     after, covariance = solve_balance(found, np.log([cfg.mass_kg, cfg.friction]), cfg.balance)
     one = np.ones(2)
     sd = [float(np.sqrt(v)) for v in (covariance[0, 0], covariance[1, 1], one @ covariance @ one)]

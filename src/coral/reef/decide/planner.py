@@ -84,12 +84,7 @@ class HighLevelPlanner(Protocol):
         ...
 
     def ask(self, outlook: Outlook, rejections: Sequence[Rejection] = ()) -> AskedState:
-        """Make a question. It reads nothing but its arguments, so it may run on another thread.
-
-        Args:
-            outlook: What the robot knows.
-            rejections: Why the answers so far were refused.
-        """
+        """Make a question. It reads nothing but its arguments, so it may run on another thread."""
         ...
 
     def verify(self, asked: AskedState, answer: Answer) -> Rejection | None:

@@ -93,12 +93,7 @@ class Belief:
         return True
 
     def correct(self, before: Pose, after: Pose) -> None:
-        """Take in a correction of the robot's pose: once it has moved far in all, what is around the robot moves along.
-
-        Args:
-            before: The pose without the correction.
-            after: The pose with it.
-        """
+        """Take in a correction of the pose: once it has moved far in all, what is around the robot moves along."""
         drawn = before if self._drawn is None else moved(self._drawn[0], self._drawn[1], before)
         if is_jump(drawn, after):
             self.map.carry(drawn, after)
@@ -211,12 +206,7 @@ class Belief:
         return np.asarray((np.stack([columns, rows], axis=1) + 0.5) * self.map.cfg.cell_m, np.float64)
 
     def unvisited(self, *, doubtful: bool = False) -> list[Track]:
-        """Return the clusters still to be visited, without those whose goals failed too often.
-
-        Args:
-            doubtful: Whether doubtful ones are among them. They are left out until nothing else is left: looks on the
-                way confirm or outvote most of them.
-        """
+        """Return the clusters still to be visited, without those whose goals failed too often."""
         return [
             t
             for t in self.tracks

@@ -339,12 +339,7 @@ class OccupancyMap:
         self.version += 1
 
     def look_again(self, first: int, end: int) -> None:
-        """Take back from how near cells were seen in some pictures: they were taken from somewhere else.
-
-        Args:
-            first: The first of them, counted back from the last one.
-            end: The one after the last of them.
-        """
+        """Take back from how near cells were seen in some pictures: they were taken from somewhere else."""
         begin, stop = max(self._pictures - first, 1), self._pictures - end
         self.nearest[(self._neared >= begin) & (self._neared < stop)] = np.inf
 

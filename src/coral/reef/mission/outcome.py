@@ -61,13 +61,7 @@ DEFINITIONS = {
 
 
 def outcome_metrics(folder: Path, events: Iterable[Mapping[str, Any]], rows: Sequence[Row]) -> dict[str, Any]:
-    """Compute the judge's metrics. Those whose input was not recorded are None.
-
-    Args:
-        folder: Run folder.
-        events: All events, in order.
-        rows: Rows of the trajectory.
-    """
+    """Compute the judge's metrics. Those whose input was not recorded are None."""
     t, imaged, inspected, reef_m = _judged(folder / SurveyFiles.JUDGE)
     judged: Mapping[str, Any] = next((e for e in reversed(list(events)) if e["event"] == "judged"), {})
     times = {f"time_to_{100 * s:.0f}_s": time_to(t, inspected, s) for s in SHARES}

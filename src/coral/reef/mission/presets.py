@@ -162,12 +162,6 @@ def apply_preset(
 ) -> tuple[MissionCfg, ReefWorld]:
     """Put a mission into the water of a preset; `clear` returns the very same objects.
 
-    Args:
-        name: Of the preset.
-        cfg: Of the mission.
-        world: As it was loaded.
-        keep: Keys of the configuration that the user has set: they win over the preset.
-
     Raises:
         InputError: There is no such preset.
     """

@@ -120,11 +120,6 @@ def told_verdict(text: str, answer: str | None, judge: WordJudge | None, contact
 def with_instruction(cfg: MissionCfg, words: str, text: MissionText | None = None) -> MissionCfg:
     """Return the configuration of a mission in words of one's own.
 
-    Args:
-        cfg: Configuration so far.
-        words: The instruction.
-        text: Mission of the world, whose time stays.
-
     Raises:
         InputError: The instruction is empty or too long.
     """

@@ -28,12 +28,7 @@ def what_is_left(belief: Belief) -> list[dict[str, Any]]:
 
 
 def chain_of(belief: Belief, closed: Collection[int] = ()) -> list[dict[str, Any]]:
-    """Return the chain of clusters as events tell it: label, place (m), whether it is done, inspected share.
-
-    Args:
-        belief: What the robot knows.
-        closed: Labels of the clusters that will be done on arrival, whatever is answered.
-    """
+    """Return the chain of clusters as events tell it: label, place (m), whether it is done, inspected share."""
     return [
         {
             "index": track.index,

@@ -37,11 +37,7 @@ class LookRound:
         self._to_turn, self._heading = 0.0, 0.0
 
     def step(self, nothing_left: Callable[[Belief], bool]) -> Step | None:
-        """Take the next step where doubt alone leaves nothing to explore; None where the map is sure of it.
-
-        Args:
-            nothing_left: Tells it of a belief.
-        """
+        """Take the next step where doubt alone leaves nothing to explore; None where the map is sure of it."""
         belief, place = self.belief, self._place
         if place is None or math.dist(place[:2], belief.pose[:2]) >= self.cfg.apart_m:
             self._place, self._next = belief.pose, "turn"

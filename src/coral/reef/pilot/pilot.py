@@ -149,10 +149,6 @@ class Pilot:
 
         A question that is open is withdrawn, and the next one, which carries the new words, asked at once.
 
-        Args:
-            words: The new instruction.
-            by: Who changed it, for the record.
-
         Returns:
             Whether there is an instruction to change.
 

@@ -78,15 +78,14 @@ class SimulatedLink:
             self._advance()
             now, depth_m = self._now, self._depth_m
             _, _, _, u, v, r = self._vehicle.state
-            _, roll, pitch = self._vehicle.attitude
             texts, self._texts = tuple(self._texts), []
             charge = max(0.0, 1.0 - (now - self._began) / ENDURANCE_S)
             return VehicleReport(
                 pose=self._pose,
                 pose_stamp_s=now,
                 has_position=True,
-                roll_rad=roll,
-                pitch_rad=pitch,
+                roll_rad=0.0,
+                pitch_rad=0.0,
                 yaw_rad=self._pose.theta,
                 attitude_stamp_s=now,
                 depth_m=depth_m,

@@ -87,24 +87,13 @@ class ImagingMeter:
         """Best level of every point so far. Shape=(M,)."""
         self._count = np.zeros((3, len(self.names)), np.int64)
 
-    def update(self, pose: Pose, altitude: float | None = None, *, roll: float = 0.0, pitch: float = 0.0) -> None:
-        """Count the picture taken from a true body pose. The arguments are those of `T_world_camera`."""
-        self.look(pose, self.level, self._count, altitude, roll=roll, pitch=pitch)
+    def update(self, pose: Pose) -> None:
+        """Count the picture taken from a true body pose."""
+        self.look(pose, self.level, self._count)
 
-    def look(
-        self,
-        pose: Pose,
-        level: NDArray[np.uint8],
-        count: NDArray[np.int64],
-        altitude: float | None = None,
-        *,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-    ) -> None:
+    def look(self, pose: Pose, level: NDArray[np.uint8], count: NDArray[np.int64]) -> None:
         """Count a picture in the caller's `level`, Shape=(M,), and `count`, Shape=(3, n_clusters), in place."""
-        transform = T_world_camera(
-            pose, self.camera, seabed_z=self._seabed_z, altitude=altitude, roll=roll, pitch=pitch
-        )
+        transform = T_world_camera(pose, self.camera, seabed_z=self._seabed_z)
         imaging_kernels.image(
             transform[:3, 3].copy(),
             np.ascontiguousarray(transform[:3, :3]),
@@ -131,7 +120,7 @@ class ImagingMeter:
         every: int = 1,
         target: float = math.inf,
     ) -> int | None:
-        """Count the pictures of a drive without roll or pitch until a share is inspected.
+        """Count the pictures of a drive until a share is inspected.
 
         Args:
             poses: Shape=(K, 3), x, y, theta of the body.

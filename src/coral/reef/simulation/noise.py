@@ -71,13 +71,7 @@ class SensorNoise:
     """Adds noise to camera pictures. With all errors off it returns the same frame and draws no random numbers."""
 
     def __init__(self, cfg: SensorNoiseCfg, rng: np.random.Generator, camera: CameraCfg | None = None) -> None:
-        """Store the settings and the generator.
-
-        Args:
-            cfg: Errors to apply.
-            rng: Source of all randomness.
-            camera: Camera that takes the pictures. Its rays turn depth into range, for the visibility.
-        """
+        """Store the settings and the generator."""
         self.cfg = cfg
         self._rng = rng
         camera = camera or CameraCfg()

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Positive
-from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
 from coral.reef.simulation.coverage import CoverageCfg, CoverageMeter
 from coral.reef.simulation.daylight import PainterCfg
@@ -139,26 +138,23 @@ class ReefSimulator:
 
     def sense(self, dt: float) -> Sensed:
         """Take a picture and read the navigation sensors `dt` seconds after the last time."""
-        height, roll, pitch = self._attitude()
         u, v, r = (float(x) for x in self.vehicle.state[3:6])
         self._time_s += dt
-        exact = self._camera.render(self.pose, height, roll=roll, pitch=pitch, t=self._time_s)
+        exact = self._camera.render(self.pose, t=self._time_s)
         frame = self._noise.apply(exact)
         self.taken = self.pose, exact
         if self._stills is not None:
-            frame = self._stills.of(frame, self.pose, self._time_s, height=height, roll=roll, pitch=pitch)
+            frame = self._stills.of(frame, self.pose, self._time_s)
         if self._painter is not None:
-            rgb = self._painter.paint(
-                exact, self.pose, height=height, roll=roll, pitch=pitch, t=self._time_s, velocity=(u, v, r)
-            )
+            rgb = self._painter.paint(exact, self.pose, t=self._time_s, velocity=(u, v, r))
             frame = replace(frame, rgb=rgb)
-        altitude = self.cfg.camera.altitude_m if height is None else height
-        attitude = Attitude(roll=roll, pitch=pitch, depth_m=self.water_depth_m - altitude, altitude_m=altitude)
-        sonar = self._ping(attitude, altitude, dt)
+        altitude = self.cfg.camera.altitude_m
+        attitude = Attitude(roll=0.0, pitch=0.0, depth_m=self.water_depth_m - altitude, altitude_m=altitude)
+        sonar = self._ping(altitude, dt)
         odometry = self._drift.step(self.pose, dt)
         return Sensed(frame=frame, pose=odometry, velocity=(u, v, r), attitude=attitude, sonar=sonar)
 
-    def _ping(self, attitude: Attitude, altitude_m: float, dt: float) -> RangeImage | None:
+    def _ping(self, altitude_m: float, dt: float) -> RangeImage | None:
         """Take an image of the sonar, `dt` seconds after the last call, if one is due."""
         if self._sonar is None:
             return None
@@ -166,7 +162,7 @@ class ReefSimulator:
         if self._since_ping_s < 1.0 / self.cfg.sonar.rate_hz - 1e-9:
             return None
         self._since_ping_s = 0.0
-        return self._sonar.image(self.pose, altitude_m, roll=attitude.roll, pitch=attitude.pitch)
+        return self._sonar.image(self.pose, altitude_m)
 
     @property
     def water(self) -> WaterType | None:
@@ -175,18 +171,6 @@ class ReefSimulator:
 
     def _clearance(self, x: float, y: float) -> float:
         return clearance(self._footprints, x, y)
-
-    @property
-    def camera_attitude(self) -> CameraAttitude:
-        """Height, roll and pitch of the camera, as the vehicle measures them: without error."""
-        return CameraAttitude(*self._attitude())
-
-    def _attitude(self) -> tuple[float | None, float, float]:
-        """Return the camera's height above the seabed (m; None: as configured), roll and pitch (rad)."""
-        if self.cfg.vehicle.model != "six_dof":
-            return None, 0.0, 0.0
-        z, roll, pitch = self.vehicle.attitude
-        return z - self.world.seabed.z_m, roll, pitch
 
     def act(self, command: tuple[float, float], dt: float) -> list[tuple[float, float, int]]:
         """Drive for `dt` seconds. Return new contacts with obstacles as (x, y, index of the obstacle)."""
@@ -202,8 +186,7 @@ class ReefSimulator:
     def _judge(self) -> None:
         """Count the area in view now."""
         self.coverage.update(self.pose)
-        height, roll, pitch = self._attitude()
-        self.imaging.update(self.pose, height, roll=roll, pitch=pitch)
+        self.imaging.update(self.pose)
 
 
 def seen_through_water(cfg: SimulatorCfg) -> CoverageCfg:

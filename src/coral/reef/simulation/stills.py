@@ -38,26 +38,21 @@ class Stills:
 
     def make_ready(self) -> Stills:
         """Make the painter and take a first still, before time matters; seconds."""
-        self._take(Pose(0.0, 0.0, 0.0), 0.0, None, 0.0, 0.0)
+        self._take(Pose(0.0, 0.0, 0.0), 0.0)
         return self
 
-    def of(
-        self, frame: Frame, pose: Pose, t: float, *, height: float | None = None, roll: float = 0.0, pitch: float = 0.0
-    ) -> Frame:
+    def of(self, frame: Frame, pose: Pose, t: float) -> Frame:
         """Return a picture that can be asked for its still. Deterministic in place and time, so it need not be at once.
 
         Args:
             frame: The picture.
             pose: Where it was taken.
             t: When (s).
-            height: Of the camera (m); None: as it is mounted.
-            roll: Of the body (rad).
-            pitch: Of the body (rad).
         """
-        return replace(frame, still=partial(self._take, pose, t, height, roll, pitch))
+        return replace(frame, still=partial(self._take, pose, t))
 
-    def _take(self, pose: Pose, t: float, height: float | None, roll: float, pitch: float) -> NDArray[np.uint8]:
+    def _take(self, pose: Pose, t: float) -> NDArray[np.uint8]:
         if self._painter is None:
             self._painter = self._make()
-        frame = Camera(self._scene, self._camera).render(pose, height, roll=roll, pitch=pitch, t=t)
-        return self._painter.paint(frame, pose, height=height, roll=roll, pitch=pitch, t=t)
+        frame = Camera(self._scene, self._camera).render(pose, t=t)
+        return self._painter.paint(frame, pose, t=t)

@@ -1,7 +1,7 @@
-"""Fossen's equations of motion for the BlueROV2: planar and six degrees of freedom, RK4 (numba).
+"""Fossen's equations of motion for the BlueROV2: surge, sway and yaw, RK4 (numba).
 
 Velocities in this file are relative to the water. In a steady irrotational current Fossen's
-M nu' + C(nu) nu + D(nu) nu + g = tau holds for the relative velocity (added mass and drag both act on it), so only the
+M nu' + C(nu) nu + D(nu) nu = tau holds for the relative velocity (added mass and drag both act on it), so only the
 position equation needs the current.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from coral.reef.vehicle.dynamics import Planar, SixDof
+from coral.reef.vehicle.dynamics import Planar
 
 Array = NDArray[np.float64]
 
@@ -194,126 +194,3 @@ def planar_drive(
         for j in range(trace.shape[1]):
             planar_step(s, asked, current, lag_s, h, model)
             trace[i, j, 0], trace[i, j, 1] = s[0], s[1]
-
-
-@njit(cache=True)
-def limit_six(wrench: Array, model: SixDof) -> Array:
-    """Limit a wrench to what the eight thrusters can produce. Shape=(6,).
-
-    The horizontal thrusters follow `limit_wrench`. They lie below the centre of gravity, so their forces tip the
-    vehicle. The vertical ones counter this: pitch first, then roll, then heave.
-    """
-    force, moment, z = model.horizontal[0], model.horizontal[1], model.horizontal[2]
-    n = clip(wrench[5] / moment, model.thrust_max)
-    left = model.thrust_max - abs(n)
-    fy = clip(wrench[1] / force, left)
-    fx = clip(wrench[0] / force, left - abs(fy)) * force
-    fy *= force
-    # Moment r x F of a horizontal force at height z: (-z Fy, z Fx).
-    tip_roll, tip_pitch = -z * fy, z * fx
-    pitch = clip((wrench[4] - tip_pitch) / model.vertical[2], model.thrust_max)
-    left = model.thrust_max - abs(pitch)
-    roll = clip((wrench[3] - tip_roll) / model.vertical[1], left)
-    heave = clip(wrench[2] / model.vertical[0], left - abs(roll))
-    return np.array(
-        [
-            fx,
-            fy,
-            heave * model.vertical[0],
-            roll * model.vertical[1] + tip_roll,
-            pitch * model.vertical[2] + tip_pitch,
-            n * moment,
-        ]
-    )
-
-
-@njit(cache=True)
-def rotation(roll: float, pitch: float, yaw: float) -> Array:
-    """Return the body-to-world rotation of z-y-x angles. Shape=(3, 3)."""
-    cr, sr, cp, sp, cy, sy = (
-        math.cos(roll),
-        math.sin(roll),
-        math.cos(pitch),
-        math.sin(pitch),
-        math.cos(yaw),
-        math.sin(yaw),
-    )
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-
-
-@njit(cache=True)
-def _cross(a: Array, b: Array) -> Array:
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
-
-
-@njit(cache=True)
-def coriolis_force(nu: Array, inertia: Array) -> Array:
-    """Compute C(nu) nu for a diagonal mass matrix (Kirchhoff's equations). It does no work. Shape=(6,)."""
-    v, w = nu[:3], nu[3:]
-    momentum, spin = inertia[:3] * v, inertia[3:] * w
-    out = np.empty(6)
-    out[:3] = _cross(w, momentum)
-    out[3:] = _cross(v, momentum) + _cross(w, spin)
-    return out
-
-
-@njit(cache=True)
-def restoring_force(roll: float, pitch: float, model: SixDof) -> Array:
-    """Compute weight and buoyancy as a body wrench; buoyancy acts `cb_above_cg_m` above the origin. Shape=(6,)."""
-    up = np.array([-math.sin(pitch), math.cos(pitch) * math.sin(roll), math.cos(pitch) * math.cos(roll)])
-    out = np.empty(6)
-    out[:3] = (model.buoyancy_n - model.weight_n) * up
-    out[3:] = _cross(np.array([0.0, 0.0, model.cb_above_cg_m]), model.buoyancy_n * up)
-    return out
-
-
-@njit(cache=True)
-def six_acceleration(nu: Array, attitude: Array, wrench: Array, model: SixDof) -> Array:
-    """Compute the acceleration from water-relative velocity nu, (roll, pitch, yaw) and wrench. Shape=(6,)."""
-    drag = (model.linear_drag + model.quadratic_drag * np.abs(nu)) * nu
-    force = wrench - coriolis_force(nu, model.inertia) - drag + restoring_force(attitude[0], attitude[1], model)
-    return force / model.inertia
-
-
-@njit(cache=True)
-def _six_rate(s: Array, asked: Array, current: Array, lag_s: float, model: SixDof) -> Array:
-    out = np.empty(18)
-    turn = rotation(s[3], s[4], s[5])
-    for i in range(3):
-        out[i] = turn[i, 0] * s[6] + turn[i, 1] * s[7] + turn[i, 2] * s[8]
-    out[0] += current[0]
-    out[1] += current[1]
-    p, q, r = s[9], s[10], s[11]
-    sr, cr, tp = math.sin(s[3]), math.cos(s[3]), math.tan(s[4])
-    out[3] = p + sr * tp * q + cr * tp * r
-    out[4] = cr * q - sr * r
-    out[5] = (sr * q + cr * r) / math.cos(s[4])
-    out[6:12] = six_acceleration(s[6:12], s[3:6], s[12:18], model)
-    out[12:18] = (asked - s[12:18]) / lag_s
-    return out
-
-
-@njit(cache=True)
-def six_rk4(s: Array, asked: Array, current: Array, lag_s: float, h: float, model: SixDof) -> None:
-    """Advance the six-degree-of-freedom model by one RK4 step, in place.
-
-    Args:
-        s: Shape=(18,), position (3), roll, pitch, yaw, water-relative body velocity (6), present wrench (6). The z-y-x
-            angles are singular at a pitch of 90 degrees, which the righting moment does not allow.
-        asked: Shape=(6,), commanded wrench, within the thrusters' limits, constant over the step.
-        current: Shape=(2,), horizontal water velocity in the world (m/s).
-        lag_s: Time constant of the thrust (s).
-        h: Step (s).
-        model: Constants of the vehicle.
-    """
-    k1 = _six_rate(s, asked, current, lag_s, model)
-    k2 = _six_rate(s + 0.5 * h * k1, asked, current, lag_s, model)
-    k3 = _six_rate(s + 0.5 * h * k2, asked, current, lag_s, model)
-    k4 = _six_rate(s + h * k3, asked, current, lag_s, model)
-    s += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)

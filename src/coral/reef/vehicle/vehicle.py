@@ -12,15 +12,8 @@ from numpy.typing import NDArray
 
 from coral.config import Positive, TimeStep
 from coral.errors import InputError
-from coral.reef.vehicle.dynamics import THRUST_MAX_N, Thrusters, planar, six_dof
-from coral.reef.vehicle.dynamics_kernels import (
-    limit_six,
-    planar_drive,
-    planar_step,
-    rotation,
-    six_rk4,
-    velocity_loop,
-)
+from coral.reef.vehicle.dynamics import THRUST_MAX_N, Thrusters, planar
+from coral.reef.vehicle.dynamics_kernels import planar_drive, planar_step, velocity_loop
 from coral.reef.vehicle.tour_kernels import advance
 from coral.reef.world.geometry import Pose
 
@@ -42,7 +35,7 @@ class VehicleState(NamedTuple):
 class VehicleCfg:
     """BlueROV2 Heavy and its velocity loop. The limits lie inside the thrusters' envelope."""
 
-    model: Literal["planar", "six_dof", "kinematic"] = "planar"
+    model: Literal["planar", "kinematic"] = "planar"
     """kinematic: the vehicle moves exactly as commanded, without inertia, drag or current; for bounds, not missions."""
     thrusters: Thrusters = field(default_factory=Thrusters)
     thrust_max_n: Positive = THRUST_MAX_N
@@ -60,8 +53,6 @@ class VehicleCfg:
     observer_rate_1_s: float = 4.0
     """Rate at which the loop learns a force that its model does not explain, such as the current's drag. It integrates
     the model's error, not the tracking error, so nothing winds up when the set point steps or a thruster saturates."""
-    z_m: float = 1.0
-    """Set point of the depth controller, z in the world frame (six_dof only)."""
 
 
 class VehicleDynamics:
@@ -74,19 +65,14 @@ class VehicleDynamics:
     def __init__(self, cfg: VehicleCfg | None = None, state: VehicleState | Pose | None = None) -> None:
         self.cfg = cfg = cfg or VehicleCfg()
         self.model = planar(cfg.thrusters, cfg.thrust_max_n)
-        self._six = six_dof(cfg.thrusters, cfg.thrust_max_n) if cfg.model == "six_dof" else None
-        if cfg.model not in ("planar", "six_dof", "kinematic"):
-            raise InputError("vehicle", "model", cfg.model, "planar, six_dof or kinematic")
-        self._depth_integral = 0.0
+        if cfg.model not in ("planar", "kinematic"):
+            raise InputError("vehicle", "model", cfg.model, "planar or kinematic")
         self.reset(state or VehicleState(0.0, 0.0, 0.0))
 
     def reset(self, state: VehicleState | Pose) -> None:
         """Set the state, with thrusters at rest. A pose alone means zero velocity."""
         self._s = np.array([*state[:3], *(state[3:] or (0.0, 0.0, 0.0)), 0.0, 0.0, 0.0], dtype=np.float64)
         self._memory = np.array([0.0] * 3 + [math.nan] * 6)
-        self._depth_integral = 0.0
-        self._full = np.zeros(18)
-        self._full[2] = self.cfg.z_m
 
     @property
     def state(self) -> VehicleState:
@@ -97,11 +83,6 @@ class VehicleDynamics:
     def wrench(self) -> NDArray[np.float64]:
         """Wrench that the thrusters produce now (N, N, N m). Shape=(3,)."""
         return self._s[6:].copy()
-
-    @property
-    def attitude(self) -> tuple[float, float, float]:
-        """Height (m), roll and pitch (rad); constant for the planar model."""
-        return float(self._full[2]), float(self._full[3]), float(self._full[4])
 
     def step(
         self,
@@ -136,23 +117,18 @@ class VehicleDynamics:
         period = dt / loops
         loop = (v_cmd, omega, cfg.tracking_rate_1_s, cfg.yaw_tracking_rate_1_s, period,
                 -math.expm1(-cfg.observer_rate_1_s * period), self.model)  # fmt: skip
-        if self._six is None:
-            before, memory = self._s.copy(), self._memory.copy()
-            planar_drive(self._s, self._memory, *loop, water, cfg.thrusters.lag_s, h, trace)
-            if contact is None or self._stays_clear(contact, before, trace):
-                return trace.reshape(-1, 2)
-            self._s, self._memory = before, memory
+        before, memory = self._s.copy(), self._memory.copy()
+        planar_drive(self._s, self._memory, *loop, water, cfg.thrusters.lag_s, h, trace)
+        if contact is None or self._stays_clear(contact, before, trace):
+            return trace.reshape(-1, 2)
+        self._s, self._memory = before, memory
         asked = np.empty(3)
         for i in range(loops):
             velocity_loop(self._s, self._memory, *loop, asked)
             for j in range(subs):
-                if self._six is None:
-                    planar_step(self._s, asked, water, cfg.thrusters.lag_s, h, self.model)
-                else:
-                    self._step_six(asked, water, h)
+                planar_step(self._s, asked, water, cfg.thrusters.lag_s, h, self.model)
                 trace[i, j] = self._s[:2]
-                if contact is not None:
-                    self._resolve(contact)
+                self._resolve(contact)
         return trace.reshape(-1, 2)
 
     def _glide(self, v: float, omega: float, count: int, h: float, contact: Clearance | None) -> NDArray[np.float64]:
@@ -171,33 +147,6 @@ class VehicleDynamics:
         x, y = before[:2].tolist()
         moved = math.sqrt(float(((trace - before[:2]) ** 2).sum(axis=-1).max()))
         return clearance(x, y) > self.cfg.hull_radius_m + moved + 1e-6
-
-    def _step_six(self, asked: NDArray[np.float64], water: NDArray[np.float64], h: float) -> None:
-        s = self._s
-        c, si = math.cos(s[2]), math.sin(s[2])
-        relative = s[3:6] - (c * water[0] + si * water[1], -si * water[0] + c * water[1], 0.0)
-        relative = self._integrate_six(asked, relative, water, h)
-        c, si = math.cos(s[2]), math.sin(s[2])
-        s[2] = math.pi - (math.pi - s[2]) % (2 * math.pi)
-        s[3:6] = relative + np.array([c * water[0] + si * water[1], -si * water[0] + c * water[1], 0.0])
-
-    def _integrate_six(
-        self, asked: NDArray[np.float64], relative: NDArray[np.float64], water: NDArray[np.float64], h: float
-    ) -> NDArray[np.float64]:
-        """Apply the planar wrench to the full model, with control of depth, roll and pitch."""
-        s, six = self._full, self._six
-        assert six is not None
-        s[[0, 1, 5]] = self._s[:3]
-        s[[6, 7, 11]] = relative
-        rate = self.cfg.tracking_rate_1_s
-        climb = float(rotation(s[3], s[4], s[5])[2] @ s[6:9])
-        self._depth_integral += (self.cfg.z_m - s[2]) * h
-        lift = six.inertia[2] * (2.0 * (self.cfg.z_m - s[2]) - 3.0 * climb + 0.5 * self._depth_integral)
-        level = six.inertia[3:5] * (-4.0 * rate * s[3:5] - 4.0 * s[9:11])
-        request = np.array([asked[0], asked[1], lift, level[0], level[1], asked[2]])
-        six_rk4(s, limit_six(request, six), water, self.cfg.thrusters.lag_s, h, six)
-        self._s[:3], self._s[6:] = s[[0, 1, 5]], s[[12, 13, 17]]
-        return s[[6, 7, 11]]
 
     def _resolve(self, clearance: Clearance) -> None:
         """Put a hull that has entered an obstacle back on its surface."""

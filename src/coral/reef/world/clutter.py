@@ -89,11 +89,6 @@ class Clutter:
     def field(self, count: int, radius_m: float, name: str) -> None:
         """Place the dense field ahead of the start, most obstacles as close to a neighbour as the passage allows.
 
-        Args:
-            count: Number of obstacles.
-            radius_m: Radius of the half disc that they lie in.
-            name: Name of the setting, for the error message.
-
         Raises:
             InputError: Fewer than half of them fit.
         """

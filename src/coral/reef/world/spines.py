@@ -61,11 +61,6 @@ def topology_lines(
 ) -> list[Line]:
     """Spine of a topology in a world of some size: the line from the start first, then those that branch off it.
 
-    Args:
-        topology: Its name.
-        size_m: Of the world.
-        rng: Draws the lines of those topologies that have no fixed ones.
-
     Returns:
         Polylines, each Shape=(K, 2), metres.
     """

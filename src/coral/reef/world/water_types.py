@@ -80,10 +80,6 @@ and 3 m."""
 def find_water(name: str, where: str = "water") -> WaterType:
     """Return a water type by its name, `jerlov-3C` or `3C`, or by the name of a preset.
 
-    Args:
-        name: Upper or lower case.
-        where: Flag or key that it comes from, for the error.
-
     Raises:
         InputError: There is none of this name.
     """

@@ -63,11 +63,6 @@ def _read_world(path: Path) -> ReefWorld:
 def save_world(world: ReefWorld, path: Path, comment: str = "") -> None:
     """Write a world as YAML: one oyster or obstacle per line, rounded to millimetres and milliradians.
 
-    Args:
-        world: World to write.
-        path: File to write. It is replaced as a whole, so no reader finds half a file.
-        comment: Lines of the comment at the head of the file.
-
     Raises:
         InputError: The file cannot be written.
     """

@@ -18,10 +18,6 @@ HIGHEST_OYSTER_M = 2.0
 def check_world(world: ReefWorld, where: str) -> None:
     """Check a world and report its first fault.
 
-    Args:
-        world: World to check.
-        where: File of the world, for the message.
-
     Raises:
         InputError: The size or the number of objects is out of range; an object or the start lies outside; the start
             is closer to an obstacle than the hull's radius; two clusters share a name; a hull of 0.3 m radius cannot

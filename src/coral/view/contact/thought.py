@@ -195,13 +195,9 @@ def _poses(event: Record) -> ThoughtPart:
 
 def _recall(event: Record) -> ThoughtPart:
     known = f"It is similar by {float(event['similarity']):.2f} and differs by {float(event['distance']):.2f}"
-    gain = f"the best rollout lowers the cost by {100 * float(event['gain']):.0f} %"
-    if "lengths" in event:
-        known += f"; its lengths are {event['lengths']}"
-    outcome = event.get("outcome")
+    outcome, ran = event.get("outcome"), ""
     if outcome:
-        span = f" for {float(event['rehearsed_s']):.0f} s" if "rehearsed_s" in event else ""
-        gain += f"; in an imagined run{span} it " + (
+        ran = f"; in an imagined run for {float(event['rehearsed_s']):.0f} s it " + (
             "succeeded"
             if outcome["succeeded"]
             else f"came through {100 * float(outcome['stages']):.0f} % of its stages"
@@ -213,7 +209,7 @@ def _recall(event: Record) -> ThoughtPart:
     return ThoughtPart(
         title=f"Memory {event['id']} was used",
         state="good",
-        text=f"{known}; {gain}. No question about a plan was needed.",
+        text=f"{known}{ran}. No question about a plan was needed.",
     )
 
 
