@@ -42,9 +42,6 @@ def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> tuple[Model, 
         model: Name of the model there.
         url: Base URL of a local server; "" otherwise.
         cfg: Time-outs and size limit.
-
-    Returns:
-        The model, and its connection pool, which the caller closes.
     """
     from coral.advisor.wire import http_client
 

@@ -89,9 +89,6 @@ def render(kind: str, context: Mapping[str, Any] | None = None, /, **more: Any) 
         context: Values of the template's placeholders.
         more: Further values, by name.
 
-    Returns:
-        Text and version.
-
     Raises:
         InputError: There is no such kind, or a placeholder has no value.
     """

@@ -96,9 +96,6 @@ def run_mission(
         preflight: Whether to ask a model one small question first.
         observers: Watch the mission after every control tick.
 
-    Returns:
-        The result.
-
     Raises:
         InputError: An argument is wrong; the text is the one that the command line prints.
     """

@@ -123,9 +123,6 @@ def run_task(
         preflight: Whether to ask a model one small question first.
         observers: Watch the episode after every plan.
 
-    Returns:
-        The result.
-
     Raises:
         InputError: An argument is wrong; the text is the one that the command line prints.
         RunError: The Panda is asked for and robosuite is not installed.

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from coral.config import Count, Fraction, NonNegative, Positive
-from coral.mppi.spline import Kind, shift
+from coral.config import Fraction, NonNegative, Positive
+from coral.mppi.spline import shift
 from coral.mppi.weights import effective_sample_size, softmax_weights
 
 Array = NDArray[np.float64]
@@ -28,8 +28,6 @@ class KnotMppiCfg:
     """lambda (paper, section 4), relative to the spread of the costs, so that it means the same for every cost."""
     knots: Annotated[int, Field(ge=2, le=1000)] = 6
     """Number of sampled values over the horizon; the sequence is interpolated between them."""
-    spline: Kind = "linear"
-    """Interpolation between knots."""
     ramp: tuple[NonNegative, NonNegative] = (0.4, 1.4)
     """Factor on the noise at the first and at the last knot: near actions are refined, far ones explored."""
     fine: Fraction = 1.0
@@ -40,10 +38,6 @@ class KnotMppiCfg:
     perturbed: Annotated[float, Field(gt=0, le=1)] = 0.5
     """Probability with which a fine sample perturbs a group of axes (at least one): an improvement in one group is not
     lost in the noise of the others."""
-    iterations: Count = 1
-    """Sample-and-average iterations per plan."""
-    shrink: Positive = 0.6
-    """Factor on the noise from one iteration to the next."""
     spread_quantile: Positive = 0.5
     """Costs above this quantile are excluded from the spread: one extreme rollout must not flatten the others."""
 
@@ -55,7 +49,7 @@ class Update:
     knots: Array
     """Weighted mean of the samples, Shape=(n, nu)."""
     sampled: Array
-    """Samples of the last iteration, Shape=(K, n, nu); the first is the previous plan."""
+    """Samples, Shape=(K, n, nu); the first is the previous plan."""
     costs: Array
     """Costs of the samples, Shape=(K,); inf for invalid rollouts."""
     weights: Array
@@ -69,7 +63,7 @@ class Update:
 class KnotMppi:
     """Minimise over knots theta_1 .. theta_n the cost S(u(theta)) of the control sequence that they span.
 
-    S may be any function of rollouts, contacts included; no gradient is needed. Each iteration samples
+    S may be any function of rollouts, contacts included; no gradient is needed. Each plan samples
     theta_k ~ N(theta, sigma^2), evaluates S_k, and updates theta <- sum_k w_k theta_k with w = softmax(-S / lambda)
     (Eqs. 4-6). `advance` shifts theta in time for the next plan.
 
@@ -87,11 +81,11 @@ class KnotMppi:
         self._groups = (self.sigma.size,) if groups is None else tuple(groups)
         self.knots = np.zeros((cfg.knots, self.sigma.size))
 
-    def sample(self, scale: float = 1.0) -> Array:
+    def sample(self) -> Array:
         """Sample perturbed plans, Shape=(K, n, nu); the first is the plan itself."""
         cfg = self.cfg
         ramp = np.linspace(*cfg.ramp, cfg.knots)[:, None]
-        noise = self._rng.standard_normal((cfg.samples, *self.knots.shape)) * (scale * ramp * self.sigma)
+        noise = self._rng.standard_normal((cfg.samples, *self.knots.shape)) * (ramp * self.sigma)
         fine = round(cfg.fine * cfg.samples)
         noise[:fine] *= np.exp(self._rng.uniform(np.log(cfg.finest), 0.0, (fine, 1, 1)))
         noise[:fine] *= self._choose_axes(fine)[:, None, :]
@@ -111,32 +105,28 @@ class KnotMppi:
         proposals: Callable[[Array], Array] | None = None,
         bound: Callable[[Array], Array] = lambda knots: knots,
     ) -> Update:
-        """Improve the plan: sample, evaluate, average, `iterations` times.
+        """Improve the plan: sample, evaluate, average.
 
         Args:
             evaluate: Costs, Shape=(K,), of knots, Shape=(K, n, nu); inf or nan for invalid samples.
             proposals: Replaces some of the samples, for example by motions to contact points.
             bound: Projects sequences onto the admissible set.
         """
-        cfg, update = self.cfg, None
-        for iteration in range(cfg.iterations):
-            sampled = self.sample(cfg.shrink**iteration)
-            if proposals is not None:
-                sampled = proposals(sampled)
-            sampled = bound(sampled)
-            costs = np.asarray(evaluate(sampled), dtype=float)
-            costs = np.where(np.isfinite(costs), costs, np.inf)
-            weights = softmax_weights(costs, cfg.temperature * spread(costs, cfg.spread_quantile))
-            ok = bool(weights.any())
-            if ok:
-                self.knots = np.tensordot(weights, sampled, axes=1)
-            update = Update(self.knots.copy(), sampled, costs, weights, effective_sample_size(weights), ok)
-        assert update is not None
-        return update
+        cfg, sampled = self.cfg, self.sample()
+        if proposals is not None:
+            sampled = proposals(sampled)
+        sampled = bound(sampled)
+        costs = np.asarray(evaluate(sampled), dtype=float)
+        costs = np.where(np.isfinite(costs), costs, np.inf)
+        weights = softmax_weights(costs, cfg.temperature * spread(costs, cfg.spread_quantile))
+        ok = bool(weights.any())
+        if ok:
+            self.knots = np.tensordot(weights, sampled, axes=1)
+        return Update(self.knots.copy(), sampled, costs, weights, effective_sample_size(weights), ok)
 
     def advance(self, by: float, span: float) -> None:
         """Shift the plan by `by` in time: the warm start of the next one."""
-        self.knots = shift(self.knots, by, span, self.cfg.spline)
+        self.knots = shift(self.knots, by, span)
 
 
 def spread(costs: Array, quantile: float = 1.0) -> float:

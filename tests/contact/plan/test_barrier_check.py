@@ -9,9 +9,7 @@ from coral.contact.cost_program import CostProgram
 from coral.contact.plan.attraction import at_rest, follow_cost
 from coral.contact.plan.barrier_check import gate_barriers, nearest_object, touch_barriers
 from coral.contact.plan.cost_check import pooled
-from coral.contact.plan.cost_fault import CostCheckCfg
 
-CFG = CostCheckCfg()
 GATE = """
     def state_cost(self):
         d = norm(self.ee_pos - self.box_pos)
@@ -51,12 +49,12 @@ def program(source, **change):
 
 def gates(source, **change):
     cost, values = program(source, **change), at_rest(states())
-    return gate_barriers(cost, values, follow_cost(cost, values), CFG)
+    return gate_barriers(cost, values, follow_cost(cost, values))
 
 
 def touches(**change):
     cost, pool = program(TOUCH, **change), states()
-    return touch_barriers(cost, pool, follow_cost(cost, at_rest(pool)), CFG)
+    return touch_barriers(cost, pool, follow_cost(cost, at_rest(pool)))
 
 
 @pytest.mark.parametrize("penalty", ["0.5", "3.0", "100.0"])
@@ -137,5 +135,5 @@ def test_a_plain_wall_around_the_object_is_found_in_the_scenes_of_tasks(scene, t
     source = f"def state_cost(self):\n    d = norm(self.ee_pos - self.{name}_pos)\n    return 5.0 * d"
     wall = CostProgram(f"{source} + (4.0 if d < {gate} else 0.0)", one.world.schema)
     free = CostProgram(source, one.world.schema)
-    assert [fault.code for fault in gate_barriers(wall, values, follow_cost(wall, values), CFG)] == ["barrier"]
-    assert gate_barriers(free, values, follow_cost(free, values), CFG) == []
+    assert [fault.code for fault in gate_barriers(wall, values, follow_cost(wall, values))] == ["barrier"]
+    assert gate_barriers(free, values, follow_cost(free, values)) == []

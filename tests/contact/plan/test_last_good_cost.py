@@ -34,43 +34,30 @@ def program(source, name):
 
 
 def test_without_a_cost_there_is_nothing_to_plan_with(sample):
-    cost = LastGoodCost()
-    assert (cost.name, cost.current) == ("none", None)
+    cost = LastGoodCost(failed=lambda bad, error: None)
+    assert cost.name == "none"
     with pytest.raises(CostError, match="no cost"):
         cost(sample)
 
 
-def test_a_cost_with_a_fatal_fault_is_not_used(sample):
-    cost = LastGoodCost()
-    assert cost.propose(program(GOOD, "good"), [sample]) == []
-    assert cost.propose(program(BARRIER, "barrier"), [sample])[0].fatal
-    assert cost.name == "good"
-
-
-def test_the_plan_goes_on_with_the_last_good_cost(sample, at_zero):
-    told = []
-    cost = LastGoodCost(program(GOOD, "good"), failed=lambda bad, error: told.append((bad.name, error.code)))
-    assert cost.propose(program(FRAGILE, "fragile"), [sample]) == []
-    assert cost.name == "fragile"
-    assert list(cost(at_zero)) == ["reach"]
-    assert (cost.name, told) == ("good", [("fragile", "division_by_zero")])
-
-
 def test_the_only_cost_stays_in_use_and_its_error_is_raised(sample, at_zero):
-    cost = LastGoodCost(program(FRAGILE, "fragile"))
+    cost = LastGoodCost(failed=lambda bad, error: None)
+    stage = cost.following(program(FRAGILE, "fragile"))
     with pytest.raises(CostError) as failure:
-        cost(at_zero)
+        stage(at_zero)
     assert failure.value.code == "division_by_zero"
     assert cost.name == "fragile"
-    assert np.isfinite(next(iter(cost(sample).values()))).all()
+    assert np.isfinite(next(iter(stage(sample).values()))).all()
 
 
-def test_a_stage_whose_cost_failed_does_not_return_to_it(sample, at_zero):
-    cost = LastGoodCost(program(GOOD, "good"))
+def test_a_stage_whose_cost_failed_goes_on_with_the_last_good_one(sample, at_zero):
+    told = []
+    cost = LastGoodCost(failed=lambda bad, error: told.append((bad.name, error.code)))
+    cost.following(program(GOOD, "good"))(sample)
     stage = cost.following(program(FRAGILE, "fragile"))
     assert cost.name == "good"
     stage(sample)
     assert cost.name == "fragile"
-    stage(at_zero)
+    assert list(stage(at_zero)) == ["reach"]
     assert list(stage(sample)) == ["reach"]
-    assert len(cost.failures) == 1
+    assert (cost.name, told) == ("good", [("fragile", "division_by_zero")])

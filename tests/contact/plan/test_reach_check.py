@@ -5,10 +5,7 @@ from hand_rollouts import rolled_out
 
 from coral.contact.cost_program import CostProgram
 from coral.contact.plan.attraction import at_rest, follow_cost
-from coral.contact.plan.cost_fault import CostCheckCfg
 from coral.contact.plan.reach_check import containing_body, unreachable
-
-CFG = CostCheckCfg()
 
 
 def resting(thick=0.012, **more):
@@ -20,7 +17,7 @@ def resting(thick=0.012, **more):
 def notes(expression, **scene):
     values = resting(**scene)
     cost = CostProgram(f"def state_cost(self):\n    return {expression}", SCHEMA)
-    return unreachable(cost, values, follow_cost(cost, values), CFG)
+    return unreachable(cost, values, follow_cost(cost, values))
 
 
 def test_a_place_inside_what_the_fingers_cannot_straddle_is_noted_and_not_refused():
@@ -56,5 +53,5 @@ def test_the_body_in_the_way_is_named(point, body, depth):
         "wall_pos": np.array([[[0.6, 0.2, 0.1]]]),
         "wall_size": np.array([[[0.1, 0.4, 0.2]]]),
     }
-    found, deep = containing_body(resting(**scene), np.array(point), CFG)
+    found, deep = containing_body(resting(**scene), np.array(point))
     assert (found, round(deep, 6)) == (body, depth)

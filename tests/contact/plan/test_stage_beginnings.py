@@ -5,8 +5,7 @@ import pytest
 
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, make_strategy
-from coral.contact.plan.imagined_run import ImaginedRunCfg
-from coral.contact.plan.stage_beginnings import stage_beginnings
+from coral.contact.plan.imagined_run import ImaginedRunCfg, stage_beginnings
 from coral.mppi.knots import KnotMppiCfg
 
 UP = "def state_cost(self):\n    return abs(self.ee_pos[2] - 0.35)"

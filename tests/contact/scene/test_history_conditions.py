@@ -186,12 +186,6 @@ def test_peak_force(window_s, forces, peaks, holds):
     assert said[-1] is holds
 
 
-@pytest.mark.parametrize(("speeds", "holds"), [((0.1, 0.2, 0.1), True), ((0.1, 0.21, 0.1), False)])
-def test_speed_limit(speeds, holds):
-    judge = watch(kind="speed-limit", speed_m_s=0.2)
-    assert shown(judge, *((0.1 * k, body(velocity=(v, 0, 0))) for k, v in enumerate(speeds))) is holds
-
-
 @pytest.mark.parametrize(("angles", "holds"), [((0, 14, 0), True), ((0, 16, 0), False)])
 def test_kept_level(angles, holds):
     judge = watch(kind="kept-level")
@@ -251,7 +245,7 @@ def test_an_object_that_slides_on_after_a_push_was_slid_only_for_a_moment():
 def test_only_conditions_that_cannot_be_mended_break_for_good():
     kinds = [*BaseCondition.__subclasses__()]
     good = {one.model_fields["kind"].default for one in kinds if one.breaks_for_good}
-    assert good >= {"peak-force", "speed-limit", "kept-level", "kept-touching", "never-touched"}
+    assert good >= {"peak-force", "kept-level", "kept-touching", "never-touched"}
     assert not good & {"slid", "steady-force", "touched-while-turning", "at", "lifted", "still"}
     assert {one.model_fields["kind"].default for one in kinds if one.reads_forces} >= {"peak-force", "steady-force"}
 

@@ -206,20 +206,6 @@ def test_pointing(rpy, options, holds):
     assert watch(kind="pointing", **options)(truth(0, body(rpy_deg=rpy))) is holds
 
 
-@pytest.mark.parametrize(
-    ("rpy", "contacts", "holds"),
-    [
-        ((0, 30, 0), (touch("box", "wall"),), True),
-        ((0, 150, 0), (touch("box", "wall"),), True),
-        ((0, 30, 0), (), False),
-        ((0, 5, 0), (touch("box", "wall"),), False),
-        ((0, 90, 0), (touch("box", "wall"),), False),
-    ],
-)
-def test_leaning(rpy, contacts, holds):
-    assert watch(kind="leaning", thing="wall")(truth(0, body(rpy_deg=rpy), *contacts)) is holds
-
-
 @pytest.mark.parametrize(("rpy", "holds"), [((0, 0, 90), True), ((14, 0, 0), True), ((80, 0, 0), False)])
 def test_what_was_tipped_over_was_disturbed(rpy, holds):
     assert watch(kind="undisturbed")(truth(0, body(rpy_deg=rpy))) is holds

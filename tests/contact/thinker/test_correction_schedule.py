@@ -1,6 +1,6 @@
 from histories import history, sliding
 
-from coral.contact.thinker.correction_schedule import CorrectionSchedule
+from coral.contact.thinker.correction import CorrectionSchedule
 
 MOVED = history(100, period_s=0.1, box=sliding(1.0))
 """Ten seconds in which the box slides."""

@@ -64,9 +64,8 @@ def test_one_that_falls_back_twice_is_refused(scene):
 def test_one_that_breaks_something_for_good_is_refused(scene, monkeypatch):
     one = scene("push-force")
     monkeypatch.setattr(
-        "coral.contact.plan.imagined_outcome.ImaginedJudge._broken", lambda *_: ("speed-limit of block",)
+        "coral.contact.plan.imagined_outcome.ImaginedJudge._broken", lambda *_: ("kept-level of block",)
     )
     assert (
-        tried(one, {"name": "all", "code": UP}).refusal
-        == "in an imagined run, it breaks for good: speed-limit of block"
+        tried(one, {"name": "all", "code": UP}).refusal == "in an imagined run, it breaks for good: kept-level of block"
     )

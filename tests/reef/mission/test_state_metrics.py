@@ -2,7 +2,7 @@
 
 import pytest
 
-from coral.reef.mission.state_metrics import clusters_left, seconds_in_states
+from coral.reef.mission.metrics import clusters_left, seconds_in_states
 
 
 def state(t, name):

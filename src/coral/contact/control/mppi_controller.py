@@ -234,10 +234,8 @@ class Controller:
         knots = knots.copy()
         before = np.tile(np.concatenate([start.position, np.zeros(3), [start.opening_m]]), (len(knots), 1))
         span = self.span_s / (knots.shape[1] - 1)
-        # A constant value applies from the start: kept at the present target, the hand would never leave it.
-        first = 0 if cfg.mppi.spline == "hold" else 1
-        knots[:, :first] = before[:, None]
-        for k in range(first, knots.shape[1]):
+        knots[:, :1] = before[:, None]
+        for k in range(1, knots.shape[1]):
             for part, speed in zip(
                 (slice(0, 3), slice(3, 6), slice(6, 7)), (cfg.speed_m_s, cfg.turn_rad_s, cfg.opening_m_s), strict=True
             ):
@@ -298,7 +296,7 @@ class Controller:
         return sampled
 
     def _controls(self, knots: Array, centre: Array, stiffness: float) -> ControlSequences:
-        values = interpolate(knots, self._times, self.span_s, self.cfg.mppi.spline)
+        values = interpolate(knots, self._times, self.span_s)
         return ControlSequences(
             values[..., :3], multiply(centre, from_rotvec(values[..., 3:6])), values[..., 6], stiffness
         )

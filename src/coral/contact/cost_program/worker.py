@@ -60,9 +60,6 @@ class CostWorker:
     """A persistent process that loads and evaluates cost programs.
 
     It starts at the first use, and again after a kill. Use it as a context manager, or close it.
-
-    Args:
-        cfg: Limits and waiting times.
     """
 
     def __init__(self, cfg: WorkerCfg | None = None) -> None:
@@ -298,15 +295,7 @@ class CostWorker:
 
 
 class WorkerCost:
-    """A cost program loaded in a worker. It satisfies `coral.contact.cost.context.Cost`.
-
-    Args:
-        worker: Its process.
-        number: Its number there.
-        given: The text as it was given.
-        schema: The quantities that the state has.
-        name: Name for reports.
-    """
+    """A cost program loaded in a worker. It satisfies `coral.contact.cost.context.Cost`."""
 
     def __init__(self, worker: CostWorker, number: int, given: str, schema: Schema, name: str) -> None:
         self.worker, self.number, self.given, self.name = worker, number, given, name

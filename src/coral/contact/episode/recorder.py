@@ -68,13 +68,7 @@ def columns(objects: Sequence[str]) -> tuple[str, ...]:
 
 
 class EpisodeRecorder:
-    """Appends the rows of an episode, the states of its simulator and its contacts.
-
-    Args:
-        writer: The run folder.
-        cfg: Contents of the run folder.
-        objects: Names of the movable objects.
-    """
+    """Appends the rows of an episode, the states of its simulator and its contacts."""
 
     def __init__(self, writer: RunWriter, cfg: EpisodeRecordCfg, objects: Sequence[str]) -> None:
         self._writer, self._cfg, self._objects = writer, cfg, tuple(objects)

@@ -69,12 +69,7 @@ def make_referee(
 
 
 class TruthReferee:
-    """Judges by the true state of a simulation.
-
-    Args:
-        world: The simulated world.
-        trial: The trial.
-    """
+    """Judges by the true state of a simulation."""
 
     name: JudgedBy = "truth"
 
@@ -100,9 +95,6 @@ class PerceptionReferee:
 
     Poses do not tell who touches whom. Leaving out the conditions that read contacts would let other states pass (a box
     that was never lifted is upright and still), so a task with such a condition is refused.
-
-    Args:
-        trial: The trial.
 
     Raises:
         InputError: A condition of the task reads contacts.
@@ -135,11 +127,7 @@ class PerceptionReferee:
 
 
 class OperatorReferee:
-    """Leaves the verdict to a person.
-
-    Args:
-        operator_verdict: Asks the operator.
-    """
+    """Leaves the verdict to a person."""
 
     name: JudgedBy = "operator"
 

@@ -96,11 +96,7 @@ def _without_terms_of(program: str, absent: Sequence[str]) -> str:
 
 
 class _WithoutTerms(ast.NodeTransformer):
-    """Drops assignments and entries of a mapping that read an absent thing; what else reads it remains, and is refused.
-
-    Args:
-        reads: Matches the quantities of absent things.
-    """
+    """Drops assignments and entries that read an absent thing; what else reads it remains, and is refused."""
 
     def __init__(self, reads: re.Pattern[str]) -> None:
         self._reads = reads

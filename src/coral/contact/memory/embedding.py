@@ -31,11 +31,7 @@ class Embedder(Protocol):
 
 
 class HashedConcepts:
-    """The concepts of a text's words (`wording.py`), hashed into bins: a small lexicon, no weights file.
-
-    Args:
-        size: Number of bins.
-    """
+    """The concepts of a text's words (`wording.py`), hashed into bins: a small lexicon, no weights file."""
 
     name = "hashed-concepts"
 

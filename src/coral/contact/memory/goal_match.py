@@ -12,7 +12,7 @@ Goal = Mapping[str, Any]
 
 IGNORED = frozenset({"undisturbed"})
 """Kinds that say nothing about how to act."""
-MANNER = frozenset({"upright", "still", "peak-force", "speed-limit", "kept-level", "kept-near"})
+MANNER = frozenset({"upright", "still", "peak-force", "kept-level", "kept-near"})
 """Kinds that restrict how the others are reached. A plan without them may still do."""
 STRICT = frozenset({"never-touched", "kept-touching"})
 """Kinds that, if asked for, must have been asked for when the plan succeeded; otherwise they are no obstacle."""

@@ -14,11 +14,17 @@ import numpy as np
 from coral.contact.cost.context import Array, Context, Cost
 from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.attraction import DIRECTIONS, STRIDES, Attraction, at_rest, cost_at, descend, total_cost
-from coral.contact.plan.cost_fault import CostCheckCfg, CostFault
+from coral.contact.plan.cost_fault import CostFault
 from coral.contact.scene.geometry import from_rotvec, multiply, rotation_of
 
 SPACING_M = 0.004
 """Distance between the examined places on a ray."""
+JUMP = 0.05
+"""Rise of the cost at one place that counts as a barrier, relative to its fall on the way there."""
+NEAR_M = 0.3
+"""A barrier around an object lies at most this far from its surface: a hand begins some 0.2 m away."""
+BEYOND_M = 0.12
+"""The planner finds its way through a barrier if something within this distance is cheaper."""
 EDGE_M = 0.016
 """A barrier begins within this distance of where the descent ended."""
 FINE_M = 1e-4
@@ -39,14 +45,14 @@ TURNS: tuple[Array, ...] = tuple(
 """Orientations of the hand: the palm down and level, at several headings."""
 
 
-def gate_barriers(cost: Cost, values: Mapping[str, Any], attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
+def gate_barriers(cost: Cost, values: Mapping[str, Any], attraction: Attraction) -> list[CostFault]:
     """Return faults for penalties that begin near an object and keep the hand away from it (the second pitfall)."""
-    least = cfg.jump * attraction.span
+    least = JUMP * attraction.span
     if least <= 0.0:
         return []
     met: dict[str, list[tuple[float, Array]]] = {}
     for end, reached in zip(attraction.ends, attraction.reached, strict=True):
-        wall = _wall_around(cost, dict(values), end, float(reached), least, cfg)
+        wall = _wall_around(cost, dict(values), end, float(reached), least)
         if wall is not None:
             before, after, rise = wall
             name, _ = nearest_object(values, after)
@@ -70,10 +76,10 @@ def gate_barriers(cost: Cost, values: Mapping[str, Any], attraction: Attraction,
 
 
 def _wall_around(
-    cost: Cost, values: dict[str, Any], end: Array, reached: float, least: float, cfg: CostCheckCfg
+    cost: Cost, values: dict[str, Any], end: Array, reached: float, least: float
 ) -> tuple[Array, Array, float] | None:
     """Return the places before and after a jump of the cost next to the end of a descent, and the rise; or None."""
-    away = SPACING_M * np.arange(1, round(cfg.beyond_m / SPACING_M) + 1)
+    away = SPACING_M * np.arange(1, round(BEYOND_M / SPACING_M) + 1)
     rays = end + away[None, :, None] * DIRECTIONS[:, None, :]
     found = cost_at(cost, values, rays.reshape(-1, 3)).reshape(rays.shape[:2])
     path = np.concatenate([np.full((len(found), 1), reached), found], axis=1)
@@ -84,7 +90,7 @@ def _wall_around(
         return None
     for ray, step in np.argwhere(rises >= least):
         begin = end + step * SPACING_M * DIRECTIONS[ray]
-        if nearest_object(values, begin)[1] > cfg.near_m or not _goes_to_object(values, begin, DIRECTIONS[ray]):
+        if nearest_object(values, begin)[1] > NEAR_M or not _goes_to_object(values, begin, DIRECTIONS[ray]):
             continue
         fine = begin + np.arange(0.0, SPACING_M + FINE_M, FINE_M)[:, None] * DIRECTIONS[ray]
         change = np.diff(cost_at(cost, values, fine))
@@ -120,7 +126,7 @@ def nearest_object(values: Mapping[str, Any], point: Array) -> tuple[str, float]
     return (min(found)[1], min(found)[0]) if found else ("", np.inf)
 
 
-def touch_barriers(cost: Cost, pool: Context, attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
+def touch_barriers(cost: Cost, pool: Context, attraction: Attraction) -> list[CostFault]:
     """Return faults for costs that begin to count something else once the hand touches what it is led to.
 
     A constant penalty on the touch is none: a stage may forbid it.
@@ -129,7 +135,6 @@ def touch_barriers(cost: Cost, pool: Context, attraction: Attraction, cfg: CostC
         cost: The cost.
         pool: Various states, Shape=(n, 1).
         attraction: Where the cost leads the hand in the state in which the stage begins.
-        cfg: Thresholds.
     """
     faults = []
     values: dict[str, Any] = {name: pool.source(name) for name in pool.names()}
@@ -153,7 +158,7 @@ def touch_barriers(cost: Cost, pool: Context, attraction: Attraction, cfg: CostC
         rise = (total_cost(cost(Context(touching, shape)), shape) - total_cost(cost(Context(apart, shape)), shape))[
             :, 0
         ]
-        if np.median(rise) <= max(cfg.jump, 0.5) * attraction.span or np.ptp(rise) <= 1e-9:
+        if np.median(rise) <= max(JUMP, 0.5) * attraction.span or np.ptp(rise) <= 1e-9:
             continue
         faults.append(
             CostFault(

@@ -17,21 +17,20 @@ from coral.contact.cost.context import Array, Context, Cost, Derived, Terms
 from coral.contact.cost_program.errors import CostError
 from coral.contact.plan.attraction import at_rest, follow_cost
 from coral.contact.plan.barrier_check import gate_barriers, touch_barriers
-from coral.contact.plan.cost_fault import CostCheckCfg, CostFault
+from coral.contact.plan.cost_fault import CostFault
 from coral.contact.plan.reach_check import unreachable
 
 STATES = 200
 """Number of sampled states in which a touch is tried."""
 
 
-def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None = None) -> list[CostFault]:
+def verify_cost(cost: Cost, samples: Sequence[Context]) -> list[CostFault]:
     """Return the faults of a cost; it may be used if none of them is fatal.
 
     Args:
         cost: The cost.
         samples: Batches of rolled-out states, varied enough to contain both good and bad rollouts; their first state is
             the one in which the stage begins.
-        cfg: Thresholds.
     """
     evaluated: list[tuple[Context, Terms]] = []
     for sample in samples:
@@ -48,21 +47,20 @@ def verify_cost(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None
     faults = _constant_faults(evaluated)
     if faults:
         return faults
-    return [*verify_approach(cost, samples, cfg), *_idle_faults(evaluated)]
+    return [*verify_approach(cost, samples), *_idle_faults(evaluated)]
 
 
-def verify_approach(cost: Cost, samples: Sequence[Context], cfg: CostCheckCfg | None = None) -> list[CostFault]:
+def verify_approach(cost: Cost, samples: Sequence[Context]) -> list[CostFault]:
     """Return the faults of the way on which a cost leads the hand; see `verify_cost`."""
-    cfg = cfg or CostCheckCfg()
     if any("ee_pos" not in sample for sample in samples):
         return []
     values = at_rest(samples[0])
     try:
         attraction = follow_cost(cost, values)
         return [
-            *gate_barriers(cost, values, attraction, cfg),
-            *touch_barriers(cost, pooled(samples, STATES), attraction, cfg),
-            *unreachable(cost, values, attraction, cfg),
+            *gate_barriers(cost, values, attraction),
+            *touch_barriers(cost, pooled(samples, STATES), attraction),
+            *unreachable(cost, values, attraction),
         ]
     except CostError as error:
         if error.code == "not_finite":  # at a place where no sampled motion has been

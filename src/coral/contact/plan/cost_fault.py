@@ -23,22 +23,6 @@ class CostFault:
     """Whether the fault forbids using the cost."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class CostCheckCfg:
-    """Thresholds of the checks."""
-
-    reach_m: float = 0.015
-    """Depth in a solid from which a place counts as out of reach; a fingertip is about as thick."""
-    opening_m: float = 0.08
-    """Widest opening of the fingers (Panda hand); they can straddle a narrower object."""
-    jump: float = 0.05
-    """Rise of the cost at one place that counts as a barrier, relative to its fall on the way there."""
-    near_m: float = 0.3
-    """A barrier around an object lies at most this far from its surface: a hand begins some 0.2 m away."""
-    beyond_m: float = 0.12
-    """The planner finds its way through a barrier if something within this distance is cheaper."""
-
-
 @runtime_checkable
 class Traceable(Protocol):
     """A cost that reports the distances it computes."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -77,3 +77,26 @@ def imagine(
         yield ImaginedMoment(now, stage.name, progress.stage.name, plan, after)
         now = now if after is None else observation_of(after, now)
         latest = plan.targets[cfg.replan_steps - 1]
+
+
+def stage_beginnings(
+    world: PlanningWorld, strategy: Strategy, now: Observation, wanted: Sequence[str], cfg: ImaginedRunCfg | None = None
+) -> dict[str, Observation]:
+    """Return the states in which stages begin when the plan is followed in the planning world.
+
+    Args:
+        world: The planning world with its beliefs.
+        strategy: The plan.
+        now: The present state.
+        wanted: Names of the stages; the run ends once all have begun.
+        cfg: Length and effort.
+
+    Returns:
+        By name, the state in which a stage first begins; stages that are not reached are missing.
+    """
+    found = {strategy.begin or strategy.stages[0].name: now}
+    for moment in imagine(world, strategy, now, cfg):
+        found.setdefault(moment.next_stage, moment.now)
+        if all(name in found for name in wanted):
+            break
+    return found

@@ -10,7 +10,7 @@ from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.cost.context import Context, Schema
 from coral.contact.cost_program import CostError
 from coral.contact.plan.cost_check import verify_cost
-from coral.contact.plan.cost_fault import CostCheckCfg, CostFault
+from coral.contact.plan.cost_fault import CostFault
 from coral.contact.plan.cost_plan import (
     Compiled,
     Loader,
@@ -53,7 +53,6 @@ def judge_plan(
     schema: Schema,
     samples: Sequence[Context],
     load: Loader = in_process,
-    cfg: CostCheckCfg | None = None,
     beginnings: Beginnings | None = None,
 ) -> PlanVerdict:
     """Judge a plan: its stages, its programs, and their values on rolled-out states.
@@ -63,7 +62,6 @@ def judge_plan(
         schema: The quantities of the state.
         samples: Rolled-out batches, the first state of which is the present one.
         load: Loads programs.
-        cfg: Thresholds of the check of costs.
         beginnings: Finds the states in which later stages begin; asked only if a later stage looks wrong in the present
             state. Without it, later stages are judged by what holds in every state.
     """
@@ -74,7 +72,7 @@ def judge_plan(
     first = answer.begin or answer.names[0]
     for made in compiled:
         name = made.answer.name
-        faults = [*verify_cost(made.cost, samples, cfg), *_condition_faults(made, samples)]
+        faults = [*verify_cost(made.cost, samples), *_condition_faults(made, samples)]
         if name == first:
             found += [StageFault(name, fault) for fault in faults]
             continue
@@ -89,7 +87,7 @@ def judge_plan(
             if name in unsure and states.get(name):
                 found += [
                     StageFault(name, fault)
-                    for fault in verify_cost(made.cost, states[name], cfg)
+                    for fault in verify_cost(made.cost, states[name])
                     if fault.code in OF_THE_PLACE
                 ]
     return _verdict(answer, found)
@@ -100,10 +98,9 @@ def verify_plan(
     schema: Schema,
     samples: Sequence[Context],
     load: Loader = in_process,
-    cfg: CostCheckCfg | None = None,
 ) -> Rejection | None:
     """Return why a plan cannot be used, or None; see `judge_plan`."""
-    return judge_plan(answer, schema, samples, load, cfg).refusal
+    return judge_plan(answer, schema, samples, load).refusal
 
 
 def structure_faults(answer: PlanAnswer) -> list[CostFault]:

@@ -14,16 +14,20 @@ import numpy as np
 from coral.contact.cost.context import Array, Context, Cost
 from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.attraction import Attraction
-from coral.contact.plan.cost_fault import CostCheckCfg, CostFault, Traceable, quoted
+from coral.contact.plan.cost_fault import CostFault, Traceable, quoted
 from coral.contact.scene.geometry import rotation_of
 
+REACH_M = 0.015
+"""Depth in a solid from which a place counts as out of reach; a fingertip is about as thick."""
+OPENING_M = 0.08
+"""Widest opening of the fingers (Panda hand); they can straddle a narrower object."""
 TABLE = "table"
 
 
-def unreachable(cost: Cost, values: Mapping[str, Any], attraction: Attraction, cfg: CostCheckCfg) -> list[CostFault]:
+def unreachable(cost: Cost, values: Mapping[str, Any], attraction: Attraction) -> list[CostFault]:
     """Return a note for each body inside which the cost leads the hand (the first pitfall)."""
     found: dict[str, list[float]] = {}
-    inside = [containing_body(values, end, cfg) for end in attraction.ends]
+    inside = [containing_body(values, end) for end in attraction.ends]
     for body, depth in inside:
         if body:
             found.setdefault(body, []).append(depth)
@@ -38,26 +42,25 @@ def unreachable(cost: Cost, values: Mapping[str, Any], attraction: Attraction, c
                 line,
                 f"{quoted(cost, line)}the cost leads the hand to a place {np.median(depths):.3f} m inside the {body}, "
                 f"which it cannot enter: it will press against the surface and stop there; aim at the surface, and "
-                f"let no condition wait for the hand to come nearer than {np.median(depths) + cfg.reach_m:.2f} m",
+                f"let no condition wait for the hand to come nearer than {np.median(depths) + REACH_M:.2f} m",
                 fatal=False,
             )
         )
     return notes
 
 
-def containing_body(values: Mapping[str, Any], point: Array, cfg: CostCheckCfg) -> tuple[str, float]:
+def containing_body(values: Mapping[str, Any], point: Array) -> tuple[str, float]:
     """Return the body that keeps the fingertips from a point, and how deep the point lies in it; "" if none does.
 
     Args:
         values: Quantities of one state.
         point: Shape=(3,) m, in the world.
-        cfg: Thresholds; an object that the open fingers can straddle is no obstacle.
     """
-    deepest, name = cfg.reach_m, ""
+    deepest, name = REACH_M, ""
     movable = objects_of(values)
     for thing in (item.removesuffix("_size") for item in values if item.endswith("_size")):
         size, centre = values[f"{thing}_size"][0, 0], values[f"{thing}_pos"][0, 0]
-        if thing in movable and size.min() < cfg.opening_m:
+        if thing in movable and size.min() < OPENING_M:
             continue
         turn = rotation_of(values[f"{thing}_quat"][0, 0]) if f"{thing}_quat" in values else np.eye(3)
         depth = float((size / 2 - np.abs(turn.T @ (point - centre))).min())

@@ -48,12 +48,7 @@ class PolicyError(RuntimeError):
 
 
 class PolicyClient:
-    """A connection to a policy server, renewed when it breaks.
-
-    Args:
-        url: ws://HOST:PORT or wss://HOST:PORT.
-        cfg: Deadlines and limits.
-    """
+    """A connection to a policy server, renewed when it breaks."""
 
     def __init__(self, url: str, cfg: ClientCfg) -> None:
         self.url, self.cfg = url, cfg

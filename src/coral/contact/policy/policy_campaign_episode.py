@@ -76,9 +76,6 @@ def run_served_policy(
         observers: Watch the episode.
         taken: Names that the policy may not have.
 
-    Returns:
-        Metrics and timing, and the run folder.
-
     Raises:
         InputError: The address is none.
         RunError: There is no policy server.

@@ -151,26 +151,6 @@ def _step_s(recent: list[tuple[float, float]]) -> float:
     return recent[-1][0] - recent[-2][0] if len(recent) > 1 else np.inf
 
 
-class SpeedLimit(BaseCondition):
-    """The object never moved faster than `speed_m_s`."""
-
-    needs_poses_only: ClassVar[bool] = True
-    breaks_for_good: ClassVar[bool] = True
-    kind: Literal["speed-limit"] = "speed-limit"
-    speed_m_s: float = Field(gt=0, le=10, strict=True)
-
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        exceeded = False
-
-        def holds(truth: Truth) -> bool:
-            nonlocal exceeded
-            exceeded = exceeded or bool(np.linalg.norm(truth.objects[self.object].velocity) > self.speed_m_s)
-            return not exceeded
-
-        return holds
-
-
 class KeptLevel(BaseCondition):
     """The object's `axis` never left its initial direction by more than `tolerance_deg`."""
 

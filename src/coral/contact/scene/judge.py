@@ -22,11 +22,7 @@ PRESSED_M = 0.005
 
 
 class Judge:
-    """Judges one episode.
-
-    Args:
-        trial: The trial.
-    """
+    """Judges one episode."""
 
     def __init__(self, trial: Trial) -> None:
         self._trial = trial

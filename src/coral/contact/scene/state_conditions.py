@@ -8,7 +8,6 @@ import numpy as np
 from pydantic import AfterValidator, Field
 
 from coral.contact.scene.condition import (
-    AngleBand,
     Axis,
     BaseCondition,
     Metre,
@@ -267,26 +266,6 @@ class Pointing(BaseCondition):
         wanted = np.asarray(self.direction) / np.linalg.norm(self.direction)
         off = degrees_between(wanted, axis_of(truth.objects[self.object].quaternion, self.axis))
         return min(off, 180 - off) if self.either_way else off
-
-
-class Leaning(BaseCondition):
-    """The object touches `thing`, and its `axis` is tilted from the vertical by an angle within `between_deg`."""
-
-    kind: Literal["leaning"] = "leaning"
-    thing: str
-    axis: Axis = "z"
-    between_deg: AngleBand = (10.0, 60.0)
-
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        low, high = self.between_deg
-        up = np.array([0.0, 0.0, 1.0])
-
-        def holds(truth: Truth) -> bool:
-            off = degrees_between(up, axis_of(truth.objects[self.object].quaternion, self.axis))
-            return low <= min(off, 180 - off) <= high and touches(truth, self.object, self.thing)
-
-        return holds
 
 
 class Upright(BaseCondition):

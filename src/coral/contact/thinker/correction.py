@@ -15,8 +15,8 @@ from coral.contact.scene.observation import Observation, Transition
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.think_cfg import ThinkCfg
-from coral.contact.world_model.force_balance import balances
-from coral.contact.world_model.history import windows
+from coral.contact.world_model.force_balance import LEAST, balances
+from coral.contact.world_model.history import most_informative_object, windows
 from coral.contact.world_model.history_replay import HistoryReplay, compare_motions
 from coral.contact.world_model.identification import fit_by_balance, fit_by_replay, replay_errors
 from coral.contact.world_model.parameter_correction import ParametersAnswer, verify_parameters
@@ -63,8 +63,8 @@ def correct_beliefs(
     finer = PlanningWorld(trial, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s))
     try:
         replay = HistoryReplay(finer, stretches, cfg.identify.replay)
-        found = balances(past.steps, name, trial, cfg.identify.balance) if cfg.identify.by == "balance" else None
-        if found is None or len(found) < cfg.identify.balance.least:
+        found = balances(past.steps, name, trial) if cfg.identify.by == "balance" else None
+        if found is None or len(found) < LEAST:
             fit = fit_by_replay(replay, name, believed, cfg.identify, rng)
         else:
             fit = fit_by_balance(found, replay, name, believed, cfg.identify)
@@ -132,3 +132,28 @@ def correct_beliefs(
         refused=[rejection.reason for rejection in outcome.rejections],
     )
     return outcome.answer is not None and not kept_values
+
+
+@dataclass
+class CorrectionSchedule:
+    """Decides when to correct and for which object, and counts the corrections of an episode."""
+
+    every_s: float
+    """Simulated time between two corrections; 0 disables them."""
+    most: int
+    """Maximum number per episode. One is kept for the end: objects are lifted last, and that reveals their weight."""
+    done: int = 0
+    _since: float = 0.0
+    _seen: int = 0
+
+    def due(self, steps: Sequence[Transition], last: bool = False) -> str | None:
+        """Return the object to correct now, or None."""
+        if not self.every_s or not steps or self.done >= self.most - (not last):
+            return None
+        now = steps[-1].after.time_s
+        if now - self._since < self.every_s - 1e-9 and not last:
+            return None
+        name = most_informative_object(steps[self._seen :])
+        if name is not None:
+            self.done, self._since, self._seen = self.done + 1, now, len(steps)
+        return name

@@ -17,10 +17,10 @@ from coral.contact.cost.context import Context
 from coral.contact.perception.scene_labels import PictureLabels
 from coral.contact.plan.contact_regions import RegionCfg, RegionsAnswer, region_limits
 from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, make_strategy
+from coral.contact.plan.imagined_run import stage_beginnings
 from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.sampled_states import sample_states
-from coral.contact.plan.stage_beginnings import stage_beginnings
 from coral.contact.plan.touchable_points import Scenery, candidates_of
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.observation import Observation

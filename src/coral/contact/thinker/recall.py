@@ -44,15 +44,7 @@ class RecalledPlan:
 
 
 class Recall:
-    """Chooses among remembered plans at the start of an episode.
-
-    Args:
-        questions: Facts of the scene and the checks of answers.
-        trial: The trial as perceived.
-        world: The planning world.
-        cfg: Configuration of the outer loop.
-        load: Loads programs into the confined process.
-    """
+    """Chooses among remembered plans at the start of an episode."""
 
     def __init__(
         self,

@@ -133,11 +133,7 @@ class Strategist(Protocol):
 
 
 class FixedStrategist:
-    """Follows one given strategy to the end, with its author's beliefs about masses and frictions.
-
-    Args:
-        strategy: The strategy.
-    """
+    """Follows one given strategy to the end, with its author's beliefs about masses and frictions."""
 
     counts = StrategistCounts()
     guesses_poses = False

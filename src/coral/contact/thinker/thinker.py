@@ -27,8 +27,7 @@ from coral.contact.plan.stage_end import stage_ends
 from coral.contact.scene.observation import BodyState, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
 from coral.contact.thinker.asker import Asker, EpisodeOver
-from coral.contact.thinker.correction import TouchHistory, correct_beliefs
-from coral.contact.thinker.correction_schedule import CorrectionSchedule
+from coral.contact.thinker.correction import CorrectionSchedule, TouchHistory, correct_beliefs
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose
 from coral.contact.thinker.evidence import collect_evidence
 from coral.contact.thinker.history_rows import recent

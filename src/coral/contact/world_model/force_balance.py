@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, NonNegative, Positive
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.observation import Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
@@ -27,37 +26,33 @@ FINGER_M = np.array([0.010, 0.012, 0.008])
 """Half width of a finger, its thickness, and its extent beyond the tool."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class BalanceCfg:
-    """Which time windows count, and their weight."""
-
-    steps: Count = 2
-    """Steps per window. A pushed object chatters: it is pushed in one step and slides by itself in the next, so push
-    and friction balance only over two. Longer windows miss the start and end of a slide."""
-    reach: Count = 3
-    """Speeds are differences of positions this many steps before and after: a tracker's own speeds lag."""
-    slid_m: Positive = 0.005
-    """An object that moved less than this within that reach was not dragged."""
-    turned_rad: Positive = 0.1
-    """An object that turned by more was rotated, not dragged: friction then acts in all directions."""
-    touch_n: Positive = 0.1
-    """A window without this much force in any step is ignored."""
-    flat_m: Positive = 0.008
-    """An object whose lowest point is observed within this distance of the table lies on it."""
-    lifted_m: Positive = 0.012
-    """An object whose lowest point is observed above this height is held up."""
-    clear_m: NonNegative = 0.003
-    strike_n: Positive = 3.0
-    """A finger closer to the table may strike it: steps with more force are left out then."""
-    force_n: Positive = 0.1
-    force_share: Positive = 0.05
-    """Standard deviation of a correct balance's residual: a constant, and a share of the force."""
-    inertia_share: Positive = 0.3
-    """Share of mass times acceleration in the residual."""
-    model: NonNegative = 0.03
-    """Relative error of the model, which no number of windows reduces."""
-    least: Count = 2
-    """Minimum number of windows for a result."""
+STEPS = 2
+"""Steps per window. A pushed object chatters: it is pushed in one step and slides by itself in the next, so push
+and friction balance only over two. Longer windows miss the start and end of a slide."""
+REACH = 3
+"""Speeds are differences of positions this many steps before and after: a tracker's own speeds lag."""
+SLID_M = 0.005
+"""An object that moved less than this within that reach was not dragged."""
+TURNED_RAD = 0.1
+"""An object that turned by more was rotated, not dragged: friction then acts in all directions."""
+TOUCH_N = 0.1
+"""A window without this much force in any step is ignored."""
+FLAT_M = 0.008
+"""An object whose lowest point is observed within this distance of the table lies on it."""
+LIFTED_M = 0.012
+"""An object whose lowest point is observed above this height is held up."""
+CLEAR_M = 0.003
+STRIKE_N = 3.0
+"""A finger closer to the table may strike it: steps with more force are left out then."""
+FORCE_N = 0.1
+FORCE_SHARE = 0.05
+"""Standard deviation of a correct balance's residual: a constant, and a share of the force."""
+INERTIA_SHARE = 0.3
+"""Share of mass times acceleration in the residual."""
+MODEL = 0.03
+"""Relative error of the model, which no number of windows reduces."""
+LEAST = 2
+"""Minimum number of windows for a result."""
 
 
 @dataclass(frozen=True)
@@ -73,9 +68,9 @@ class Balance:
         return len(self.dragged) + len(self.held)
 
 
-def balances(steps: Sequence[Transition], name: str, trial: Trial, cfg: BalanceCfg) -> Balance:
+def balances(steps: Sequence[Transition], name: str, trial: Trial) -> Balance:
     """Find the windows of a history in which the forces balance; they overlap."""
-    if len(steps) <= cfg.steps + 2 * cfg.reach:
+    if len(steps) <= STEPS + 2 * REACH:
         return Balance(np.zeros((0, 3)), np.zeros((0, 2)))
     force = np.array([step.after.wrench[:3] for step in steps])
     place = np.array([step.after.objects[name].position for step in steps])
@@ -84,24 +79,24 @@ def balances(steps: Sequence[Transition], name: str, trial: Trial, cfg: BalanceC
     lift = np.array([step.after.tool.velocity[2] for step in steps])
     clear = np.array([finger_clearance(trial, step) for step in steps])
     step_s = float(np.median(np.diff([step.after.time_s for step in steps])))
-    r, n = cfg.reach, cfg.steps
+    r, n = REACH, STEPS
     way, turned = np.zeros_like(place), np.ones(len(steps))
     way[r:-r] = place[2 * r :] - place[: -2 * r]
     turned[r:-r] = (turn[2 * r :] * turn[: -2 * r]).sum(axis=1)
     slides = (
-        (np.linalg.norm(way[:, :2], axis=1) > cfg.slid_m)
-        & (turned > np.cos(cfg.turned_rad))
-        & (lowest < cfg.flat_m)
-        & ((clear >= cfg.clear_m) | (np.abs(force[:, 2]) < cfg.strike_n))
+        (np.linalg.norm(way[:, :2], axis=1) > SLID_M)
+        & (turned > np.cos(TURNED_RAD))
+        & (lowest < FLAT_M)
+        & ((clear >= CLEAR_M) | (np.abs(force[:, 2]) < STRIKE_N))
     )
-    touches = np.linalg.norm(force, axis=1) > cfg.touch_n
+    touches = np.linalg.norm(force, axis=1) > TOUCH_N
     dragged, held = [], []
     for first in range(1, len(steps) - n + 1):
         part = slice(first, first + n)
         if not touches[part].any():
             continue
         mean = force[part].mean(axis=0)
-        if (lowest[part] > cfg.lifted_m).all():
+        if (lowest[part] > LIFTED_M).all():
             held.append((-mean[2], GRAVITY_M_S2 + (lift[first + n - 1] - lift[first - 1]) / (n * step_s)))
         elif first > r and slides[part].all():
             along = way[part, :2].mean(axis=0)
@@ -122,7 +117,7 @@ def finger_clearance(trial: Trial, step: Transition) -> float:
     return float(np.where(over, corners[:, 2], np.inf).min())
 
 
-def solve_balance(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[PhysicalParameters, Array]:
+def solve_balance(found: Balance, bounds: Array) -> tuple[PhysicalParameters, Array]:
     """Compute the most likely mass and friction, and the covariance of their logarithms, Shape=(2, 2).
 
     Errors follow a Cauchy distribution: contacts with other things are measured too, and are large.
@@ -130,34 +125,33 @@ def solve_balance(found: Balance, bounds: Array, cfg: BalanceCfg) -> tuple[Physi
     Args:
         found: The windows.
         bounds: Shape=(2, 2), bounds of log mass and log friction.
-        cfg: Errors of the windows.
     """
     axes = [np.linspace(low, high, 160) for low, high in bounds]
     theta = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
-    cost = np.log1p(np.square(_residuals(theta, found, cfg))).sum(axis=1)
+    cost = np.log1p(np.square(_residuals(theta, found))).sum(axis=1)
     best = theta[int(np.argmin(cost))]
-    left, step = _residuals(best[None], found, cfg)[0], 1e-3
-    slope = np.stack([(_residuals((best + step * unit)[None], found, cfg)[0] - left) / step for unit in np.eye(2)])
-    # Windows overlap: `cfg.steps` of them carry the information of one.
-    information = (slope / (1.0 + np.square(left))) @ slope.T / cfg.steps
-    covariance = np.linalg.inv(information + 0.01 * np.eye(2)) + cfg.model**2 * np.eye(2)
+    left, step = _residuals(best[None], found)[0], 1e-3
+    slope = np.stack([(_residuals((best + step * unit)[None], found)[0] - left) / step for unit in np.eye(2)])
+    # Windows overlap: `STEPS` of them carry the information of one.
+    information = (slope / (1.0 + np.square(left))) @ slope.T / STEPS
+    covariance = np.linalg.inv(information + 0.01 * np.eye(2)) + MODEL**2 * np.eye(2)
     return PhysicalParameters(float(np.exp(best[0])), float(np.exp(best[1]))), covariance
 
 
-def balance_error(found: Balance, beliefs: Sequence[PhysicalParameters], cfg: BalanceCfg) -> Array:
+def balance_error(found: Balance, beliefs: Sequence[PhysicalParameters]) -> Array:
     """Compute the mean of log(1 + r^2) over the windows, r the residual in standard deviations, Shape=(beliefs,)."""
     theta = np.log([[one.mass_kg, one.friction] for one in beliefs])
-    return np.asarray(np.log1p(np.square(_residuals(theta, found, cfg))).mean(axis=1))
+    return np.asarray(np.log1p(np.square(_residuals(theta, found))).mean(axis=1))
 
 
-def _residuals(theta: Array, found: Balance, cfg: BalanceCfg) -> Array:
+def _residuals(theta: Array, found: Balance) -> Array:
     """Compute the residual of each balance in standard deviations, Shape=(beliefs, windows)."""
     mass, friction = (np.exp(theta[:, k, None]) for k in (0, 1))
     push, press, gain = found.dragged.T
     weight, pull = found.held.T
 
     def deviation(force: Array, gain: Array) -> Array:
-        return np.asarray(cfg.force_n + cfg.force_share * np.abs(force) + cfg.inertia_share * mass * np.abs(gain))
+        return np.asarray(FORCE_N + FORCE_SHARE * np.abs(force) + INERTIA_SHARE * mass * np.abs(gain))
 
     rubbed = (push - friction * (mass * GRAVITY_M_S2 + press) - mass * gain) / deviation(push, gain)
     weighed = (weight - mass * pull) / deviation(weight, pull - GRAVITY_M_S2)

@@ -41,13 +41,7 @@ class ReplayCfg:
 
 
 class HistoryReplay:
-    """Replays windows of a history under many beliefs at once.
-
-    Args:
-        world: A planning world used by nothing else: its beliefs are changed.
-        windows: The windows to replay.
-        cfg: Units of the error.
-    """
+    """Replays windows of a history under many beliefs at once."""
 
     def __init__(self, world: PlanningWorld, windows: Sequence[Window], cfg: ReplayCfg | None = None) -> None:
         self.world, self.windows, self.cfg = world, list(windows), cfg or ReplayCfg()

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from coral.config import Count, Fraction, Positive
 from coral.contact.scene.trial import PhysicalParameters
-from coral.contact.world_model.force_balance import Balance, BalanceCfg, balance_error, solve_balance
+from coral.contact.world_model.force_balance import Balance, balance_error, solve_balance
 from coral.contact.world_model.history_replay import HistoryReplay, ReplayCfg
 from coral.words import many
 
@@ -53,8 +53,6 @@ class IdentifyCfg:
     by: Literal["replay", "balance"] = "replay"
     """Source of corrections: "replay", the fit of replayed commands; "balance", the balance of forces on dragged or
     lifted objects, or the fit if there is none."""
-    balance: BalanceCfg = field(default_factory=BalanceCfg)
-    """Windows of the balance."""
 
 
 @dataclass(frozen=True)
@@ -161,7 +159,7 @@ def fit_by_balance(
     found: Balance, replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters], cfg: IdentifyCfg
 ) -> Fit:
     """Fit by the balance of forces, shrunk as in `fit_by_replay`; the replay decides whether it is better."""
-    after, covariance = solve_balance(found, np.log([cfg.mass_kg, cfg.friction]), cfg.balance)
+    after, covariance = solve_balance(found, np.log([cfg.mass_kg, cfg.friction]))
     one = np.ones(2)
     sd = [float(np.sqrt(v)) for v in (covariance[0, 0], covariance[1, 1], one @ covariance @ one)]
     fit = Fit(name, believed[name], after, np.inf, np.inf, False, sd[0], sd[1], sd[2], len(replay.windows))
@@ -222,7 +220,7 @@ def replay_errors(
     before, after = compare(replay, name, believed, proposed)
     if found is None or not len(found):
         return before, after
-    more = balance_error(found, [believed[name], proposed[name]], cfg.balance)
+    more = balance_error(found, [believed[name], proposed[name]])
     return before + float(more[0]), after + float(more[1])
 
 

@@ -32,13 +32,7 @@ def add_hand_force_sensors(spec: mujoco.MjSpec, hand: str, trial: Trial) -> None
 
 
 class HandForces:
-    """Collects the sensors' readings over a control step.
-
-    Args:
-        model: A model with the sensors.
-        data: Its state.
-        trial: The trial.
-    """
+    """Collects the sensors' readings over a control step."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, trial: Trial) -> None:
         self._data = data

@@ -68,33 +68,15 @@ Wanted = Callable[[TriggerMoment], bool]
 MakeTrigger = Callable[[TriggerCfg], Trigger]
 
 
-class FunctionTrigger:
+class FunctionTrigger(SmartTrigger):
     """Asks when a function says so, and as `SmartTrigger` does when the robot is stuck, blocked or has no goal.
 
     The cooldown and the rule of one open question at a time hold for the function too.
     """
 
     def __init__(self, wanted: Wanted, cfg: TriggerCfg | None = None) -> None:
+        super().__init__(replace(cfg or TriggerCfg(), always=False))
         self._wanted = wanted
-        self._inner = SmartTrigger(replace(cfg or TriggerCfg(), always=False))
-        self._asked_at = float("-inf")
-
-    def planner(self, ok: bool) -> None:
-        """See `Trigger.planner`."""
-        self._inner.planner(ok)
-
-    def deviation(self) -> None:
-        """See `Trigger.deviation`."""
-        self._inner.deviation()
-
-    def asked(self, t: float, *, waits: bool = True) -> None:
-        """See `Trigger.asked`."""
-        self._asked_at = t
-        self._inner.asked(t, waits=waits)
-
-    def new_goal(self) -> None:
-        """See `Trigger.new_goal`."""
-        self._inner.new_goal()
 
     def update(
         self,
@@ -107,8 +89,8 @@ class FunctionTrigger:
         soon: bool | None = None,
     ) -> Firing | None:
         """See `Trigger.update`; the function's wish has the cause "own"."""
-        now = TriggerMoment(t=t, x=x, y=y, speed=speed, target=target, soon=soon, since_asked_s=t - self._asked_at)
-        firing = self._inner.update(t, x, y, speed, target, pending, bool(self._wanted(now)))
+        now = TriggerMoment(t=t, x=x, y=y, speed=speed, target=target, soon=soon, since_asked_s=t - self._last_query)
+        firing = super().update(t, x, y, speed, target, pending, bool(self._wanted(now)))
         return replace(firing, cause="own") if firing is not None and firing.cause == "distance" else firing
 
 

@@ -129,9 +129,6 @@ def label_regions(target: NDArray[np.bool_], window: Box, cell_m: float, cfg: Ch
         window: Where to look.
         cell_m: Edge of a cell (m).
         cfg: Width of the gaps that are closed.
-
-    Returns:
-        Each region with the rectangle that it lies in.
     """
     width = closing_width(cell_m, cfg)
     s0, s1, t0, t1 = grown(window, width, target.shape)

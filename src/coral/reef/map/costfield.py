@@ -191,11 +191,6 @@ class CostField:
         """Return the cost-to-go (m) at a world point."""
         return float(lookup(self.value, self.cell_m, x, y)[0])
 
-    def descent(self, x: float, y: float) -> float:
-        """Return the world direction (rad) in which the cost-to-go falls fastest."""
-        _, gx, gy = lookup(self.value, self.cell_m, x, y)
-        return math.atan2(-gy, -gx)
-
     def reaches(self, x: float, y: float, within_m: float = 0.0) -> bool:
         """Check whether a path leads to the goal from some cell within `within_m` of a point."""
         if self.reached is None:

@@ -111,9 +111,6 @@ def count(
 
     An echo outweighs a beam that passes the same cell: a cell is partly filled. At `remembered` images of a kind, both
     counts of a cell are halved.
-
-    Returns:
-        Number of obstacle cells that changed.
     """
     changed = 0
     for iy in range(window[0], window[1]):

@@ -197,9 +197,6 @@ def explore(
         cell_m: Edge of a grid cell (m).
         tangent_half: tan(hfov / 2).
         column_reach: Shape=(W,), farthest return per image column (m).
-
-    Returns:
-        Number of newly explored cells.
     """
     ny, nx = explored.shape
     width = column_reach.shape[0]

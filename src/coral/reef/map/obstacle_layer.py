@@ -90,9 +90,6 @@ class ObstacleLayer:
             roll: About body x (rad).
             pitch: About body y (rad); positive lowers the nose.
             depth_m: Depth of the body below the surface (m).
-
-        Returns:
-            Whether an obstacle cell appeared or went.
         """
         cfg = self.cfg
         geometry = image.ranges.shape, image.hfov_deg, image.vfov_deg

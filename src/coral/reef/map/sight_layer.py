@@ -115,9 +115,6 @@ class SightLayer:
             explored: Shape=(NY, NX), updated in place.
             roll: As in `T_world_camera` (rad).
             pitch: The same.
-
-        Returns:
-            Whether an obstacle cell appeared or went.
         """
         cfg, at = self.cfg, self._last
         lines = sight_lines(self.camera, roll, pitch) if roll or pitch else self._lines

@@ -141,9 +141,6 @@ def trace(
         picture: Number of this picture, 1 or more.
         explored: Shape=(NY, NX), updated in place.
         obstacle: Shape=(NY, NX), updated in place.
-
-    Returns:
-        Number of obstacle cells that appeared or went.
     """
     ny, nx = odds.shape
     step, changed = 2.0 * math.pi / len(ranges), 0

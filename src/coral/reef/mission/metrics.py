@@ -11,7 +11,6 @@ from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
 from coral.advisor.attribution import attribution_of
 from coral.errors import InputError
 from coral.reef.mission import outcome
-from coral.reef.mission.state_metrics import clusters_left, seconds_in_states
 from coral.reef.pilot import timeliness
 from coral.run_files import RunFiles
 from coral.runs import read_events, read_rows
@@ -159,3 +158,28 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "seconds_in_state": seconds_in_states(events, t),
         "clusters_left": clusters_left(events),
     }
+
+
+def seconds_in_states(events: Sequence[Mapping[str, Any]], end_s: float) -> dict[str, float]:
+    """Return the time (s) in each state; empty if no states were recorded.
+
+    Args:
+        events: All events, in order; the vehicle begins ready, at time 0.
+        end_s: End of the run (s).
+    """
+    changes = [event for event in events if event["event"] == "state"]
+    if not changes:
+        return {}
+    total: dict[str, float] = {}
+    state, since = "ready", 0.0
+    for change in changes:
+        total[state] = total.get(state, 0.0) + float(change["t"]) - since
+        state, since = str(change["state"]), float(change["t"])
+    total[state] = total.get(state, 0.0) + max(end_s - since, 0.0)
+    return {state: round(seconds, 3) for state, seconds in total.items() if round(seconds, 3) > 0.0}
+
+
+def clusters_left(events: Sequence[Mapping[str, Any]]) -> int | None:
+    """Return the number of known clusters that were not finished; None where it was not recorded."""
+    told = [event for event in events if event["event"] == "left"]
+    return len(told[-1]["clusters"]) if told else None

@@ -18,12 +18,7 @@ SURFACE_M = 0.5
 
 
 class UnfitMeasurement(ValueError):
-    """A measurement that must not be used.
-
-    Args:
-        reason: Name of what is wrong.
-        detail: Its numbers, in words.
-    """
+    """A measurement that must not be used."""
 
     def __init__(self, reason: str, detail: str = "") -> None:
         super().__init__(reason, detail)

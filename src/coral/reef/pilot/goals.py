@@ -88,11 +88,7 @@ class Goals:
         self._emit("held", source="fallback", decision=number, reason=reason)
 
     def end(self, decided: Decided, asked: AskedState, t: float) -> bool:
-        """End the survey with an answer; a mission in words ends where the robot was to be when it was needed.
-
-        Returns:
-            Whether the robot has to drive there first.
-        """
+        """End the survey with an answer; a mission in words ends where the robot was to be when it was needed."""
         answer, arrival = decided.answer, asked.outlook.arrival
         said = {"answer": answer.answer, **self._heard(asked, answer)} if hasattr(answer, "answer") else {}
         drives = bool(said) and arrival.in_s > 0.0

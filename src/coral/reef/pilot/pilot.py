@@ -149,9 +149,6 @@ class Pilot:
 
         A question that is open is withdrawn, and the next one, which carries the new words, asked at once.
 
-        Returns:
-            Whether there is an instruction to change.
-
         Raises:
             InputError: It is empty or too long.
         """

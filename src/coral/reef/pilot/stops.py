@@ -82,9 +82,6 @@ def order_stops(distance: NDArray[np.float64]) -> list[int]:
 
     Args:
         distance: Shape=(N + 1, N), distance (m) from the start (row 0) and from stop k (row k + 1) to every stop.
-
-    Returns:
-        Indices of the stops, in order.
     """
     left, order, at = set(range(distance.shape[1])), list[int](), 0
     while left:
