@@ -14,6 +14,7 @@ EXCEPTIONS = {
     "contact/cost_program/sandbox.py": "the confined process: a request of its parent; its own memory in /proc",
     "contact/libero/object_model.py": "text of read_text; expat itself bounds what entities expand to",
     "contact/perception/foundationpose_server.py": "runs alone on another machine, without this package; has its bound",
+    "contact/franka/shared_block.py": "no file: memory of processes that this program started, as their pipes are",
     "contact/franka/double_scene.py": "no file: XML that MuJoCo has just written",
     "exam/question_set.py": "writes a zip file into a scratch path of scratch_for",
     "interface/result.py": "copies the caller's own run to a new or empty folder",

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from arms import DOWN, START, TOOL
+from arms import arm_state
 from episodes import make_trial
 
 from coral.cli import main
@@ -16,18 +16,14 @@ from coral.commands.franka_robot import (
 )
 from coral.commands.robot_flags import RobotFlags
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.franka.stream import Phase, StopCause
-from coral.contact.franka.stream_record import StreamReport
+from coral.contact.franka.stream import StreamReport
 from coral.contact.scene.observation import BodyState
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import RunError
 
 ARM = RobotFlags(world="franka", robot="10.0.0.1", dry_run=False, yes=False, quiet=True)
 BOX = BodyState(np.array([0.1, 0.0, 0.03]), np.array([1.0, 0, 0, 0]))
-REPORT = StreamReport(
-    1, Phase.WATCHING, StopCause.NONE, 7.0, BodyState(TOOL, DOWN), 0.08, np.zeros(6), START, np.zeros(7),
-    np.zeros(6), np.zeros(6), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, {"box": BOX}, {"box": 0.01},
-)  # fmt: skip
+REPORT = StreamReport(state=arm_state(7.0), objects={"box": BOX}, ages_s={"box": 0.01})
 
 
 def test_a_missing_robot_is_one_line_and_exit_code_2(capsys):
@@ -86,7 +82,7 @@ class FakeStream:
 
 
 def test_the_list_is_shown_once_all_is_in_order(capsys):
-    blind = dataclasses.replace(REPORT, objects={}, ages_s={"box": np.inf})
+    blind = dataclasses.replace(REPORT, objects={}, ages_s={})
     go_through(FakeStream(blind, blind, REPORT), FrankaCfg(), ("box",), sleep=lambda seconds: None)
     shown = capsys.readouterr().err
     assert "NO " not in shown
@@ -94,7 +90,7 @@ def test_the_list_is_shown_once_all_is_in_order(capsys):
 
 
 def test_an_arm_that_is_not_in_order_does_not_move(capsys):
-    blind = dataclasses.replace(REPORT, objects={}, ages_s={"box": np.inf})
+    blind = dataclasses.replace(REPORT, objects={}, ages_s={})
     with pytest.raises(RunError, match="the arm does not move: box is seen within reach: last pose never"):
         go_through(FakeStream(blind), FrankaCfg(), ("box",), sleep=lambda seconds: None)
     assert "NO   box is seen" in capsys.readouterr().err

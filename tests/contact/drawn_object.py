@@ -1,20 +1,17 @@
 """Pictures of one object before a wall, drawn by the ray caster."""
 
 import numpy as np
+from solid_object import solid
 
 from coral.contact.perception.camera import RgbdCameraCfg
-from coral.contact.perception.object_model import from_primitives
-from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.perception.raycast_kernels import render
 from coral.contact.scene.geometry import rotation_from_vector
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 
 LENS = RgbdCameraCfg(width=160, height=120).lens
-BOX = from_primitives("box", [SolidPart("box", (0.06, 0.04, 0.03))])
-BOARD = from_primitives(
-    "board", [SolidPart("box", (0.15, 0.1, 0.006)), SolidPart("box", (0.05, 0.045, 0.006), (0.2, 0, 0))]
-)
-CAN = from_primitives("can", [SolidPart("cylinder", (0.033, 0.06))])
+BOX = solid(("box", (0.06, 0.04, 0.03)))
+BOARD = solid(("box", (0.15, 0.1, 0.006)), ("box", (0.05, 0.045, 0.006), (0.2, 0, 0)))
+CAN = solid(("cylinder", (0.033, 0.06)))
 
 
 def picture(model, T, background=1.5):

@@ -1,18 +1,17 @@
 """Pictures of one painted box on a table, seen from above at an angle."""
 
 import numpy as np
+from solid_object import solid
 
 from coral.contact.perception.camera import RgbdFrame, look_at
-from coral.contact.perception.object_model import from_primitives
-from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.real_scenes.object_drawing import draw_depth
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 
 LENS = np.array([120.0, 120.0, 47.5, 35.5])
 SHAPE = (72, 96)
 PLACED = look_at((-0.4, 0.0, 0.4), (0.0, 0.0, 0.03))
-BOX = from_primitives("box", [SolidPart("box", (0.04, 0.03, 0.03))])
-TABLE = from_primitives("table", [SolidPart("box", (0.4, 0.4, 0.05))])
+BOX = solid(("box", (0.04, 0.03, 0.03)))
+TABLE = solid(("box", (0.4, 0.4, 0.05)))
 PAINT, WOOD = (200, 60, 40), (210, 200, 185)
 
 

@@ -14,8 +14,8 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.franka.double import Double, cfg_for_double
 from coral.contact.franka.preflight import preflight_arm, preflight_text
 from coral.contact.franka.ros_arm import PREFIX, RosArm
-from coral.contact.franka.stream_record import StreamReport
-from coral.contact.franka.world import FrankaDoubleWorld, FrankaWorld, StreamHandle
+from coral.contact.franka.stream_process import MakeArm, StreamProcess
+from coral.contact.franka.world import FrankaDoubleWorld, FrankaWorld
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import InputError, RunError
@@ -23,7 +23,6 @@ from coral.ros_node import ros_type
 
 if TYPE_CHECKING:
     from coral.contact.franka.camera_process import CameraProcess
-    from coral.contact.franka.stream_process import MakeArm
 
 WORD = "move"
 DRY_RUN_S = 3.0
@@ -65,8 +64,6 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
         InputError: The extra is missing, or nothing answers at the address.
         RunError: A line of the list is not in order, or the operator did not say the word.
     """
-    from coral.contact.franka.stream_process import StreamProcess
-
     assert flags.robot is not None
     arm, names = cfg.franka, tuple(item.name for item in trial.task.objects)
     make_arm = _arm_maker(flags, names)
@@ -80,9 +77,7 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
             double = Double(trial, arm)
         stream = StreamProcess(make_arm, double.address if double else flags.robot, arm, trial)
         if flags.camera is not None:
-            camera = _start_camera(trial, cfg, flags, (arm.poses_host, stream.poses_port))
-            if double is not None:
-                double.send_state_to(camera.state_address)
+            camera = _start_camera(trial, cfg, flags, (arm.poses_host, stream.poses_port), double)
         elif double is not None:
             double.send_poses_to(arm.poses_host, stream.poses_port)
         go_through(stream, arm, names)
@@ -93,15 +88,9 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
             if part is not None:
                 part.close()
         raise
+    kind = FrankaWorld if double is None else FrankaDoubleWorld
     period_s = cfg.planning.step_s
-    handle: StreamHandle = stream
-    if camera is not None:
-        from coral.contact.franka.camera_stream import CameraStream
-
-        handle = CameraStream(stream, camera, arm.base_m)
-    if double is not None:
-        return FrankaDoubleWorld(handle, arm, period_s, names, double, dry_run=flags.dry_run, show=show)
-    return FrankaWorld(handle, arm, period_s, names, dry_run=flags.dry_run, show=show)
+    return kind(stream, arm, period_s, names, double=double, camera=camera, dry_run=flags.dry_run, show=show)
 
 
 def _arm_maker(flags: RobotFlags, names: tuple[str, ...]) -> MakeArm:
@@ -115,17 +104,21 @@ def _arm_maker(flags: RobotFlags, names: tuple[str, ...]) -> MakeArm:
     return FrankyArm
 
 
-def _start_camera(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, poses_to: tuple[str, int]) -> CameraProcess:
+def _start_camera(
+    trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, poses_to: tuple[str, int], double: Double | None
+) -> CameraProcess:
     from coral.contact.franka.camera_process import CameraJob, CameraProcess
 
     assert flags.camera is not None
     host = "127.0.0.1" if poses_to[0] in ("", "0.0.0.0") else poses_to[0]
-    job = CameraJob(trial, flags.camera, flags.masks or "colour", flags.camera_pose, cfg.tracked, (host, poses_to[1]))
-    return CameraProcess(job)
+    masks, state = flags.masks or "colour", None if double is None else double.state
+    return CameraProcess(
+        CameraJob(trial, flags.camera, masks, flags.camera_pose, cfg.tracked, (host, poses_to[1]), state)
+    )
 
 
 def go_through(
-    stream: StreamHandle, arm: FrankaCfg, names: tuple[str, ...], sleep: Callable[[float], None] = time.sleep
+    stream: StreamProcess, arm: FrankaCfg, names: tuple[str, ...], sleep: Callable[[float], None] = time.sleep
 ) -> None:
     """Show the preflight list once all is in order, or when it does not come into order.
 
@@ -134,8 +127,7 @@ def go_through(
     """
     waited = 0.0
     while True:
-        report: StreamReport = stream.report()
-        checks = preflight_arm(report, arm, names)
+        checks = preflight_arm(stream.report(), arm, names)
         wrong = [check for check in checks if not check.good]
         if not wrong or waited >= _SEEN_WITHIN_S:
             break

@@ -46,24 +46,11 @@ def world_over_ros(trial, arm, speed, step_s=0.02):
     """Yield a world behind ROS 2, and the node that plays the robot."""
     with robot(trial, arm, speed) as (double, node):
         stream = StreamProcess(partial(RosArm, objects=tuple(trial.objects)), f"ros2:{NAMESPACE}", arm, trial)
-        world = FrankaDoubleWorld(stream, arm, step_s, list(trial.objects), double)
+        world = FrankaDoubleWorld(stream, arm, step_s, list(trial.objects), double=double)
         try:
             yield world, node
         finally:
             world.close()
-
-
-class LastReport:
-    """Keeps the stream's newest report; an observer of the episode."""
-
-    def __init__(self, stream):
-        self.stream, self.report = stream, stream.report()
-
-    def tick(self, run):
-        self.report = self.stream.report()
-
-    def stop_requested(self):
-        return ""
 
 
 def attempt(name, seed, speed=0.25, samples=40):
@@ -77,19 +64,12 @@ def attempt(name, seed, speed=0.25, samples=40):
     with tempfile.TemporaryDirectory() as folder, world_over_ros(trial, arm, speed, cfg.planning.step_s) as (world, _):
         setup = AdvisorSetup(advisor="none", seed=seed, world="franka", folder=Path(folder), think=cfg.think)
         strategist = make_strategist("expert-fsm", task, setup)
-        last = LastReport(world.stream)
-        result = Episode(trial, world, strategist, cfg, Path(folder) / "run", variant="expert-fsm").run([last])
+        result = Episode(trial, world, strategist, cfg, Path(folder) / "run", variant="expert-fsm").run()
     told = {
         key: result.get(key)
         for key in ("success", "end_reason", "end_detail", "sim_time_s", "wall_time_s", "peak_hand_force_n")
     }
-    return {
-        "task": name,
-        "seed": seed,
-        **told,
-        "late_p99_ms": last.report.late_p99_ms,
-        "late_max_ms": last.report.late_max_ms,
-    }
+    return {"task": name, "seed": seed, **told}
 
 
 def main():

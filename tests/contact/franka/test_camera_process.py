@@ -79,7 +79,6 @@ def test_a_lost_object_is_not_sent(job, poses, monkeypatch):
     assert poses.poses["box"].position[0] == pytest.approx(0.25)
     assert poses.oldest(1.0)[0] == "can"
     assert poses.oldest(1.0)[1] == float("inf")
-    assert process.state_address is None
 
 
 def test_a_tracker_that_fails_says_why(job, monkeypatch):

@@ -10,11 +10,9 @@ from coral.contact.franka.object_poses import (
     PARSED,
     ObjectPoses,
     parse_poses,
-    parse_state,
     poses_datagram,
-    state_datagram,
 )
-from coral.contact.scene.observation import BodyState, Truth
+from coral.contact.scene.observation import BodyState
 from coral.errors import InputError
 
 UPRIGHT = np.array([1.0, 0, 0, 0])
@@ -102,19 +100,6 @@ def test_a_malformed_datagram_is_counted_and_ignored(poses, data):
 def test_a_port_in_use_is_refused_by_its_name(poses):
     with pytest.raises(InputError, match=r"franka.poses_port.*expected a free port"):
         ObjectPoses(("box",), "127.0.0.1", poses.port)
-
-
-def test_a_state_for_a_simulated_camera_is_read_as_it_was_sent():
-    state = Truth(1.5, BodyState(np.array([0, 0, 0.3]), UPRIGHT), 0.04, {"box": BodyState(np.ones(3), UPRIGHT)}, ())
-    found = parse_state(state_datagram(state))
-    assert (found.time_s, found.opening_m) == (1.5, 0.04)
-    assert found.tool.position == pytest.approx([0, 0, 0.3])
-    assert found.objects["box"].position == pytest.approx([1, 1, 1])
-
-
-@pytest.mark.parametrize("data", [b"", b"{}", b"\xff", poses_datagram({"box": BodyState(np.zeros(3), UPRIGHT)})])
-def test_what_is_no_state_is_none(data):
-    assert parse_state(data) is None
 
 
 def test_a_flood_of_large_datagrams_is_not_read_through(poses, monkeypatch):

@@ -4,19 +4,15 @@ import dataclasses
 
 import numpy as np
 import pytest
-from arms import DOWN, START, TOOL
+from arms import arm_state
 
 from coral.contact.franka.preflight import preflight_arm, preflight_text
-from coral.contact.franka.stream import Phase, StopCause
-from coral.contact.franka.stream_record import StreamReport
+from coral.contact.franka.stream import StreamReport
 from coral.contact.scene.observation import BodyState
 from coral.contact.worlds.franka_cfg import FrankaCfg
 
 BOX = BodyState(np.array([0.1, 0.0, 0.03]), np.array([1.0, 0, 0, 0]))
-GOOD = StreamReport(
-    1, Phase.WATCHING, StopCause.NONE, 7.0, BodyState(TOOL, DOWN), 0.08, np.zeros(6), START, np.zeros(7),
-    np.zeros(6), np.zeros(6), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, {"box": BOX}, {"box": 0.01},
-)  # fmt: skip
+GOOD = StreamReport(state=arm_state(7.0), objects={"box": BOX}, ages_s={"box": 0.01})
 
 
 def wrong(**changes):
@@ -31,11 +27,11 @@ def test_all_is_in_order():
 @pytest.mark.parametrize(
     ("changes", "name"),
     [
-        ({"time_s": -1.0}, "the arm sends its state"),
-        ({"speeds": np.full(7, 0.1)}, "the arm is at rest"),
-        ({"joints": np.array([0.0, -1.75, 0.0, -2.3, 0.0, 2.2, 0.7])}, "within all limits"),
+        ({"state": None}, "the arm sends its state"),
+        ({"state": arm_state(7.0, joint_speeds=np.full(7, 0.1))}, "the arm is at rest"),
+        ({"state": arm_state(7.0, joints=np.array([0.0, -1.75, 0.0, -2.3, 0.0, 2.2, 0.7]))}, "within all limits"),
         ({"wrench": np.array([0.0, 0, 31.0, 0, 0, 0])}, "nothing pulls at the hand"),
-        ({"objects": {}, "ages_s": {"box": np.inf}}, "box is seen within reach"),
+        ({"objects": {}, "ages_s": {}}, "box is seen within reach"),
         ({"ages_s": {"box": 1.0}}, "box is seen within reach"),
         ({"objects": {"box": dataclasses.replace(BOX, position=np.array([0.6, 0, 0]))}}, "box is seen within reach"),
     ],

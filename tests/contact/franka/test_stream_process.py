@@ -31,11 +31,11 @@ def wait(stream, ready):
 def test_it_starts_moves_stops_and_ends():
     stream = StreamProcess(make_obedient_arm, "somebody", CFG, TRIAL, threading.Thread)
     try:
-        watched = wait(stream, lambda found: found.tick > 2)
+        watched = wait(stream, lambda found: found.time_s > 0.01)
         assert watched.phase is Phase.WATCHING
         stream.start()
         moving = wait(stream, lambda found: found.phase is Phase.FOLLOWING)
-        assert moving.tool.position == pytest.approx(TOOL)
+        assert moving.state.position == pytest.approx(TOOL)
         stream.stop(StopCause.PAGE)
         assert wait(stream, lambda found: found.phase is Phase.STOPPED).cause is StopCause.PAGE
         assert stream.reason() == "page"

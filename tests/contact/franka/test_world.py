@@ -4,10 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from arms import DOWN, TOOL
+from arms import DOWN, TOOL, arm_state
 
-from coral.contact.franka.stream import Phase, StopCause
-from coral.contact.franka.stream_record import StreamReport
+from coral.contact.franka.stream import Phase, StopCause, StreamReport
 from coral.contact.franka.world import CODES, FrankaDoubleWorld, FrankaWorld
 from coral.contact.scene.observation import BodyState, HandTarget, Truth
 from coral.contact.worlds.evaluation_world import EvaluationWorld, TruthfulWorld
@@ -17,9 +16,15 @@ from coral.errors import RunError
 
 BOX = BodyState(np.array([0.1, 0.0, 0.03]), np.array([1.0, 0, 0, 0]))
 REPORT = StreamReport(
-    1, Phase.WATCHING, StopCause.NONE, 7.0, BodyState(TOOL, DOWN), 0.08, np.zeros(6), np.zeros(7), np.zeros(7),
-    np.zeros(6), np.zeros(6), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, {"box": BOX}, {"box": 0.0},
-)  # fmt: skip
+    state=arm_state(7.0),
+    tool=BodyState(np.subtract(TOOL, [0.5, 0, 0]), DOWN),
+    objects={"box": BOX},
+    ages_s={"box": 0.0},
+)
+
+
+def at(report, time_s):
+    return dataclasses.replace(report, state=dataclasses.replace(report.state, time_s=time_s))
 
 
 class FakeStream:
@@ -40,7 +45,7 @@ class FakeStream:
     def report(self):
         if self.dead:
             raise RunError("the stream to the arm has ended")
-        self.now = dataclasses.replace(self.now, time_s=self.now.time_s + 0.005)
+        self.now = at(self.now, self.now.time_s + 0.005)
         return self.now
 
     def reason(self):
@@ -73,7 +78,7 @@ def test_a_step_lasts_one_period_of_the_arms_clock():
     world.reset()
     times = [world.step(HAND).time_s for _ in range(5)]
     assert np.diff(times) == pytest.approx(np.full(4, 0.02))
-    stream.now = dataclasses.replace(stream.now, time_s=stream.now.time_s + 3.0)  # the program thought for 3 s
+    stream.now = at(stream.now, stream.now.time_s + 3.0)  # the program thought for 3 s
     after = [world.step(HAND).time_s for _ in range(3)]
     assert after[0] - times[-1] > 3.0
     assert np.diff(after) == pytest.approx(np.full(2, 0.02), abs=0.0051)  # the fake clock has steps of 5 ms
@@ -86,7 +91,7 @@ def test_no_two_steps_have_the_same_time_where_states_come_seldom():
 
     def seldom():
         now = told()
-        return dataclasses.replace(now, time_s=0.06 * (now.time_s // 0.06))
+        return at(now, 0.06 * (now.time_s // 0.06))
 
     stream.report = seldom
     times = [world.step(HAND).time_s for _ in range(6)]
@@ -105,7 +110,7 @@ def test_a_stop_ends_the_episode_with_its_name(cause):
 
 def test_an_object_without_a_pose_is_not_guessed():
     stream, world = make()
-    stream.now = dataclasses.replace(stream.now, objects={}, ages_s={"box": np.inf})
+    stream.now = dataclasses.replace(stream.now, objects={}, ages_s={})
     with pytest.raises(WorldError, match="no pose of box") as caught:
         world.reset()
     assert caught.value.code == "not-found"
@@ -158,7 +163,7 @@ def test_only_the_simulated_arm_has_a_truth_and_neither_has_a_simulation():
             pass
 
     stream, world = make()
-    simulated = FrankaDoubleWorld(stream, FrankaCfg(), 0.02, ("box",), Double(), sleep=lambda seconds: None)
+    simulated = FrankaDoubleWorld(stream, FrankaCfg(), 0.02, ("box",), double=Double(), sleep=lambda seconds: None)
     simulated.reset()
     assert not isinstance(world, TruthfulWorld)
     assert isinstance(simulated, TruthfulWorld)
@@ -166,3 +171,33 @@ def test_only_the_simulated_arm_has_a_truth_and_neither_has_a_simulation():
     assert simulated.truth().time_s == 0.0
     assert simulated.step(HAND).time_s == simulated.truth().time_s > 0.0
     assert in_real_time(world)
+
+
+class Camera:
+    def __init__(self):
+        self.told, self.closed = [], False
+
+    def tell_hand(self, hand):
+        self.told.append(hand)
+
+    def failure(self):
+        return "unplugged"
+
+    def close(self):
+        self.closed = True
+
+
+def test_the_camera_is_told_of_the_hand_in_the_world_and_ends_with_the_stream():
+    camera = Camera()
+    stream, world = make(camera=camera)
+    world.reset()
+    world.step(HAND)
+    (told,) = camera.told
+    assert told.T_world_tool[:3, 3] == pytest.approx(np.subtract(TOOL, [0.5, 0, 0]))
+    assert (told.opening_m, told.wanted_m) == (0.08, 0.05)
+    stream.now = dataclasses.replace(stream.now, phase=Phase.STOPPED, cause=StopCause.POSES)
+    with pytest.raises(WorldError, match="as somebody wished: unplugged"):
+        world.step(HAND)
+    world.close()
+    assert stream.closed
+    assert camera.closed

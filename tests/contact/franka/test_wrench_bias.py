@@ -14,7 +14,6 @@ def test_the_mean_of_the_readings_is_subtracted():
     bias.add(np.full(6, 3.0))
     assert bias.known
     assert bias.corrected(np.full(6, 5.0)) == pytest.approx(np.full(6, 3.0))
-    assert bias.noise == pytest.approx(np.ones(6))
 
 
 def test_a_restart_measures_anew_and_keeps_the_old_bias_meanwhile():

@@ -1,14 +1,13 @@
 import numpy as np
+from solid_object import solid
 
 from coral.contact.perception.grasp_detection import GraspDetectionCfg, is_grasped
-from coral.contact.perception.object_model import from_primitives
-from coral.contact.perception.ray_solids import SolidPart
 
 CFG = GraspDetectionCfg()
 
 
 def box():
-    return from_primitives("box", [SolidPart("box", np.array([0.03, 0.02, 0.03]))])
+    return solid(("box", (0.03, 0.02, 0.03)))
 
 
 def held(x=0.0, y=0.0, opening=0.04, wanted=-0.03, before=False):

@@ -1,9 +1,6 @@
 import numpy as np
-import pytest
 
-from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.perception.surface_kernels import distance
-from coral.errors import InputError
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * 0.1
 TETRA = CORNERS[[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]]
@@ -18,9 +15,3 @@ def test_distance_to_a_triangle_is_the_least_over_its_points():
     dense = triangle[0, 0] + a[:, None] * first + b[:, None] * second
     expected = np.linalg.norm(points[:, None] - dense, axis=2).min(1)
     np.testing.assert_allclose(distance(points, triangle), expected, atol=0.02)
-
-
-@pytest.mark.parametrize("part", [("cone", (0.1, 0.1)), ("box", (0.1, 0.1)), ("sphere", (0.0,))])
-def test_a_bad_part_is_refused(part):
-    with pytest.raises(InputError, match="object"):
-        SolidPart(*part)

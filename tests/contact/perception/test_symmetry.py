@@ -2,30 +2,29 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from solid_object import solid
 
-from coral.contact.perception.object_model import from_primitives
-from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.perception.symmetry import Symmetry, of_kind
 from coral.contact.scene.geometry import rotation_about, rotation_angle, spread_rotations
 from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
 
-BOARD = (SolidPart("box", (0.15, 0.1, 0.006)), SolidPart("box", (0.05, 0.045, 0.006), (0.2, 0.0, 0.0)))
+BOARD = (("box", (0.15, 0.1, 0.006)), ("box", (0.05, 0.045, 0.006), (0.2, 0.0, 0.0)))
 
 
 @pytest.mark.parametrize(
     ("parts", "order", "continuous"),
     [
-        ([SolidPart("box", (0.05, 0.04, 0.03))], 4, False),
-        ([SolidPart("box", (0.04, 0.04, 0.03))], 8, False),
-        ([SolidPart("box", (0.03, 0.03, 0.03))], 24, False),
+        ([("box", (0.05, 0.04, 0.03))], 4, False),
+        ([("box", (0.04, 0.04, 0.03))], 8, False),
+        ([("box", (0.03, 0.03, 0.03))], 24, False),
         (BOARD, 2, False),
-        ([SolidPart("cylinder", (0.03, 0.06))], 2, True),
-        ([SolidPart("cylinder", (0.03, 0.06)), SolidPart("cylinder", (0.01, 0.02), (0, 0, 0.07))], 1, True),
+        ([("cylinder", (0.03, 0.06))], 2, True),
+        ([("cylinder", (0.03, 0.06)), ("cylinder", (0.01, 0.02), (0, 0, 0.07))], 1, True),
     ],
 )
 def test_the_group_of_a_shape(parts, order, continuous):
-    symmetry = from_primitives("thing", parts).symmetry
+    symmetry = solid(*parts).symmetry
     assert len(symmetry.rotations) == order
     assert (symmetry.axis is not None) == continuous
 

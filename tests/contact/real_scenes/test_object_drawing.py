@@ -1,14 +1,13 @@
 import numpy as np
 import pytest
+from solid_object import solid
 
-from coral.contact.perception.object_model import from_primitives
-from coral.contact.perception.ray_solids import SolidPart
 from coral.contact.real_scenes.object_drawing import draw_depth
 from coral.contact.scene.rigid_transform import pose_matrix
 
 
 def test_a_box_is_drawn_where_it_is():
-    box = from_primitives("box", [SolidPart("box", (0.05, 0.05, 0.05))])
+    box = solid(("box", (0.05, 0.05, 0.05)))
     depth = draw_depth(box, pose_matrix(np.eye(3), [0.0, 0.0, 1.0]), np.array([100.0, 100.0, 31.5, 23.5]), (48, 64))
     assert depth[24, 32] == pytest.approx(0.95)
     assert np.isinf(depth[0, 0])

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from coral.contact.franka.double import SimulatedState
 from coral.contact.franka.object_poses import poses_datagram
 from coral.contact.franka.shared_block import SharedBlock
 from coral.contact.franka.simulated_camera import SimulatedRgbdCamera
@@ -41,7 +42,6 @@ from coral.contact.scene.trial import Trial
 from coral.errors import InputError, RunError
 
 SIMULATED = "sim"
-HAND_SIZE = 19
 _POLL_S = 0.002
 _START_TIMEOUT_S = 120.0
 
@@ -61,6 +61,8 @@ class CameraJob:
     """The tracker; of a simulated camera, its size, place and noise too."""
     poses_to: tuple[str, int]
     """Receiver of the poses."""
+    state: SharedBlock[SimulatedState | None] | None = None
+    """Of the simulated arm, which its camera draws."""
 
 
 class CameraProcess:
@@ -76,13 +78,14 @@ class CameraProcess:
 
     def __init__(self, job: CameraJob, make_process: Callable[..., Any] | None = None) -> None:
         self._connection, self._theirs = Pipe()
-        self._hand = SharedBlock(HAND_SIZE)  # no pipe: it would fill up, and the arm wait, while a tracker is slow
+        self._hand: SharedBlock[HandReading | None] = SharedBlock(
+            None
+        )  # no pipe: it would fill up, and the arm wait, while a tracker is slow
         self._process: Any = (make_process or get_context("spawn").Process)(
             target=_run, args=(job, self._theirs, self._hand), name="contact-camera", daemon=True
         )
         self._process.start()
-        self.state_address: tuple[str, int] | None = self._await_start()
-        """Where a simulated camera expects the simulation's state."""
+        self._await_start()
 
     def failure(self) -> str:
         """Return why tracking has ended; "" while it runs."""
@@ -93,7 +96,7 @@ class CameraProcess:
 
     def tell_hand(self, hand: HandReading) -> None:
         """Tell what the arm measures of its hand now; newer readings replace older ones. It never waits."""
-        self._hand.write(np.array([1.0, hand.opening_m, hand.wanted_m, *hand.T_world_tool.ravel()]))
+        self._hand.write(hand)
 
     def close(self) -> None:
         """Stop the camera and end the process."""
@@ -104,13 +107,12 @@ class CameraProcess:
             self._process.kill()
             self._process.join(3.0)
 
-    def _await_start(self) -> tuple[str, int] | None:
+    def _await_start(self) -> None:
         try:
             if self._connection.poll(_START_TIMEOUT_S):
                 kind, answer = self._connection.recv()
                 if kind == "ok":
-                    address: tuple[str, int] | None = answer
-                    return address
+                    return
                 self._process.join(3.0)
                 raise InputError(*answer) if kind == "input" else RunError(str(answer))
         except (EOFError, OSError):
@@ -119,7 +121,7 @@ class CameraProcess:
         raise RunError(f"the camera did not start within {_START_TIMEOUT_S:.0f} s")
 
 
-def _run(job: CameraJob, connection: Connection, told: SharedBlock) -> None:
+def _run(job: CameraJob, connection: Connection, told: SharedBlock[HandReading | None]) -> None:
     """Body of the process."""
     if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # the program says when it ends
@@ -133,28 +135,21 @@ def _run(job: CameraJob, connection: Connection, told: SharedBlock) -> None:
     except Exception as error:
         connection.send(("error", str(error) or type(error).__name__))
         return
-    connection.send(("ok", camera.address if isinstance(camera, SimulatedRgbdCamera) else None))
+    connection.send(("ok", None))
     parent = os.getppid()
     with closing(camera), closing(tracking), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         try:
             while not connection.poll() and os.getppid() == parent:
-                hand = _hand_told(told)
                 frame = camera.newest()
                 if frame is None:
                     time.sleep(_POLL_S)
                     continue
-                found = tracking.update(frame, hand)
+                found = tracking.update(frame, told.read())
                 held = {name: matrix_to_body(T) for name, T in tracking.in_hand.items()}
                 seen = {name: matrix_to_body(one.T_world_object) for name, one in found.items() if not one.lost}
                 sender.sendto(poses_datagram(seen | held, held), job.poses_to)
         except (InputError, RunError) as error:
             connection.send(str(error))
-
-
-def _hand_told(told: SharedBlock) -> HandReading | None:
-    """Return the newest reading; None before the first one."""
-    values = told.read()
-    return HandReading(values[3:].reshape(4, 4), float(values[1]), float(values[2])) if values[0] else None
 
 
 def warm_up(job: CameraJob) -> None:
@@ -182,8 +177,8 @@ def _prepare(job: CameraJob) -> tuple[RgbdCamera, ObjectTracking]:
     choice = job.tracked.choice()
     choice.check()
     placed = None if job.camera_pose is None else read_camera_pose(job.camera_pose)
-    if job.camera == SIMULATED:
-        camera: RgbdCamera = SimulatedRgbdCamera(trial, job.tracked, placed)
+    if job.camera == SIMULATED and job.state is not None:
+        camera: RgbdCamera = SimulatedRgbdCamera(trial, job.tracked, job.state, placed)
     else:
         camera = make_camera_by_name(job.camera, placed)
     tracking = ObjectTracking(

@@ -10,7 +10,7 @@ import contextlib
 import os
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
@@ -28,7 +28,8 @@ from coral.contact.franka.double_scene import (
     make_rubber,
     scene_elements,
 )
-from coral.contact.franka.object_poses import poses_datagram, state_datagram
+from coral.contact.franka.object_poses import poses_datagram
+from coral.contact.franka.shared_block import SharedBlock
 from coral.contact.scene.geometry import from_rotvec, multiply, rotate
 from coral.contact.scene.observation import Array, BodyState, Truth
 from coral.contact.scene.trial import Trial
@@ -64,6 +65,16 @@ class DoubleCfg:
     speed: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] = 1.0
     """Seconds of the arm's clock in a second of the machine's: below 1, plans of a busy machine are not later by the
     arm's clock than those of a quiet one."""
+
+
+@dataclass(frozen=True)
+class SimulatedState:
+    """What a simulated camera draws."""
+
+    time_s: float
+    tool: BodyState
+    opening_m: float
+    objects: Mapping[str, BodyState]
 
 
 def cfg_for_double(cfg: FrankaCfg, silence_s: float = 2.0) -> FrankaCfg:
@@ -112,8 +123,13 @@ class Double:
         except ImportError as error:
             raise InputError("--robot", "", f"sim ({error})", f"the package franky-sim: {MISSING}") from None
         self._connection, self._theirs = Pipe()
+        self.state: SharedBlock[SimulatedState | None] = SharedBlock(None)
+        """The true state, for a simulated camera and nobody else."""
         self._process = (make_process or get_context("spawn").Process)(
-            target=_serve, args=(trial, arm, cfg or DoubleCfg(), self._theirs), name="franka-double", daemon=True
+            target=_serve,
+            args=(trial, arm, cfg or DoubleCfg(), self.state, self._theirs),
+            name="franka-double",
+            daemon=True,
         )
         self._process.start()
         answer = self._receive("start", _START_TIMEOUT_S)
@@ -122,10 +138,6 @@ class Double:
     def send_poses_to(self, host: str, port: int) -> None:
         """Begin to send the objects' poses."""
         self._ask(("poses", (host, port)))
-
-    def send_state_to(self, address: tuple[str, int] | None) -> None:
-        """Begin to send the true state to a simulated camera; None to cover it."""
-        self._ask(("state", address))
 
     def truth(self) -> Truth:
         """Return the true state, for the judge only."""
@@ -165,7 +177,9 @@ class Double:
         raise RunError(f"the simulated arm did not answer within {timeout_s:.0f} s ({what})")
 
 
-def _serve(trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, connection: Connection) -> None:
+def _serve(
+    trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, state: SharedBlock[SimulatedState | None], connection: Connection
+) -> None:
     """Body of the process."""
     import signal
 
@@ -173,7 +187,7 @@ def _serve(trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, connection: Connection)
     with contextlib.suppress(OSError, AttributeError):  # an arm does not slow down because the machine is busy
         os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
     try:
-        _Server(trial, arm, cfg, connection).run()
+        _Server(trial, arm, cfg, state, connection).run()
     except Exception as error:
         connection.send(("error", f"{type(error).__name__}: {error}"))
 
@@ -181,16 +195,22 @@ def _serve(trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, connection: Connection)
 class _Server:
     """Steps the simulation in real time or slower, as far as the machine allows."""
 
-    def __init__(self, trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, connection: Connection) -> None:
+    def __init__(
+        self,
+        trial: Trial,
+        arm: FrankaCfg,
+        cfg: DoubleCfg,
+        state: SharedBlock[SimulatedState | None],
+        connection: Connection,
+    ) -> None:
         import franky_sim
         from franky_sim.franka_robot_server import FrankaRobotServer
         from franky_sim.mujoco_simulator import MujocoSimulator
 
-        self._trial, self._cfg, self._connection = trial, cfg, connection
+        self._trial, self._cfg, self._state, self._connection = trial, cfg, state, connection
         self._rng = np.random.default_rng([trial.seed, 7])
         self._wrench, self._base, self._peak_n = np.zeros(6), np.asarray(arm.base_m), 0.0
         self._sending: tuple[str, int] | None = None
-        self._state_to: tuple[str, int] | None = None
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         simulator = MujocoSimulator()
         measured = self
@@ -260,8 +280,6 @@ class _Server:
         answer: Any = None
         if question == "poses":
             self._sending = value
-        elif question == "state":
-            self._state_to = value
         elif question == "peak":
             answer, self._peak_n = self._peak_n, 0.0
         elif question == "truth":
@@ -270,13 +288,12 @@ class _Server:
         return True
 
     def _send_poses(self) -> None:
-        if self._state_to is not None:
-            state = self._scene.truth(float(self._simulator.data.time), self._tool(), self._opening())
-            self._socket.sendto(state_datagram(state), self._state_to)
+        poses = self._scene.poses()
+        self._state.write(SimulatedState(float(self._simulator.data.time), self._tool(), self._opening(), poses))
         if self._sending is None:
             return
         cfg, noisy = self._cfg, {}
-        for name, pose in self._scene.poses().items():
+        for name, pose in poses.items():
             turn = from_rotvec(cfg.poses_noise_rad * self._rng.standard_normal(3))
             position = pose.position + cfg.poses_noise_m * self._rng.standard_normal(3)
             noisy[name] = BodyState(position, multiply(turn, pose.quaternion))

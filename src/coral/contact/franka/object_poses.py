@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from coral.contact.scene.geometry import conjugate, multiply, rotate, to_rotvec
-from coral.contact.scene.observation import BodyState, Truth
+from coral.contact.scene.observation import BodyState
 from coral.errors import MALFORMED, InputError
 from coral.foreign_file import parse_json
 
@@ -172,24 +172,6 @@ def poses_datagram(poses: Mapping[str, BodyState], held: Collection[str] = ()) -
     return json.dumps(
         {"objects": {name: _written(pose) | ({"in": "tool"} if name in held else {}) for name, pose in poses.items()}}
     ).encode()
-
-
-def state_datagram(state: Truth) -> bytes:
-    """Return the datagram with which a simulated arm sends its true state to a simulated camera, and to nobody else."""
-    objects = {name: _written(pose) for name, pose in state.objects.items()}
-    tool = _written(state.tool)
-    return json.dumps({"time_s": state.time_s, "tool": tool, "opening_m": state.opening_m, "objects": objects}).encode()
-
-
-def parse_state(data: bytes) -> Truth | None:
-    """Parse such a datagram; None if it is malformed."""
-    try:
-        message = parse_json(data)
-        objects = {str(name): _pose(value) for name, value in message["objects"].items()}
-        time_s, opening_m = float(message["time_s"]), float(message["opening_m"])
-        return Truth(time_s, _pose(message["tool"]), opening_m, objects, (), contacts_known=False)
-    except MALFORMED:
-        return None
 
 
 def _written(pose: BodyState) -> dict[str, list[float]]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coral.contact.franka.arm import ArmState
 from coral.contact.franka.limits import Limits
-from coral.contact.franka.stream_record import StreamReport
+from coral.contact.franka.stream import StreamReport
 from coral.contact.scene.observation import BodyState
 from coral.contact.worlds.franka_cfg import FrankaCfg
 
@@ -38,22 +37,15 @@ def preflight_arm(report: StreamReport, cfg: FrankaCfg, objects: Sequence[str]) 
         cfg: Configuration.
         objects: The objects of the task.
     """
-    state = ArmState(
-        report.time_s,
-        report.joints,
-        np.zeros(7),
-        report.tool.position,
-        report.tool.quaternion,
-        np.zeros(6),
-        np.zeros(6),
-        report.opening_m,
-    )
-    fastest = float(np.abs(report.speeds).max())
-    beyond = Limits(cfg).violation(state, np.zeros(6)) if report.time_s >= 0.0 else ""
-    x, y, z = report.tool.position + np.asarray(cfg.base_m)
+    state = report.state
+    if state is None:
+        return (PreflightCheck("the arm sends its state", False, "none has come"),)
+    fastest = float(np.abs(state.joint_speeds).max())
+    beyond = Limits(cfg).violation(replace(state, joint_speeds=np.zeros(7), twist=np.zeros(6)), np.zeros(6))
+    x, y, z = state.position + np.asarray(cfg.base_m)
     force = float(np.linalg.norm(report.wrench[:3]))
     checks = [
-        PreflightCheck("the arm sends its state", report.time_s >= 0.0, f"arm's clock {max(report.time_s, 0.0):.2f} s"),
+        PreflightCheck("the arm sends its state", True, f"arm's clock {state.time_s:.2f} s"),
         PreflightCheck("the arm is at rest", fastest < RESTING_RAD_S, f"fastest joint {fastest:.3f} rad/s"),
         PreflightCheck("within all limits", not beyond, beyond or f"tool at {x:+.3f} {y:+.3f} {z:+.3f} m"),
         PreflightCheck(
@@ -62,7 +54,7 @@ def preflight_arm(report: StreamReport, cfg: FrankaCfg, objects: Sequence[str]) 
             f"{force:.1f} N, taken as bias once the arm is in its start posture",
         ),
     ]
-    checks += [_seen(name, report.objects.get(name), report.ages_s[name], cfg) for name in objects]
+    checks += [_seen(name, report.objects.get(name), report.ages_s.get(name, 0.0), cfg) for name in objects]
     return tuple(checks)
 
 

@@ -1,4 +1,4 @@
-"""A block of numbers that one process writes and another reads, without locks: neither waits for the other.
+"""A block of memory that one process writes and another reads, without locks: neither waits for the other.
 
 A counter is odd while the block is written (a seqlock); a reader repeats until it has read between two equal even
 counters, and after a few attempts takes what it read before. On a busy machine a writer may be interrupted for long in
@@ -7,42 +7,54 @@ the middle of its work, and a stream cannot wait for it.
 
 from __future__ import annotations
 
+import pickle
 from multiprocessing.sharedctypes import RawArray
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from coral.contact.scene.observation import Array
-
+T = TypeVar("T")
 _ATTEMPTS = 20
+_BYTES = 65_536
+"""Room for a report with the poses of eighty objects."""
 
 
-class SharedBlock:
+class SharedBlock(Generic[T]):
     """One writer, one reader. The object can be passed to a process that is spawned.
 
     Args:
-        size: Count of numbers.
+        first: What is read before the first write.
     """
 
-    def __init__(self, size: int) -> None:
-        self._raw: Any = RawArray("d", size + 1)
-        self._last = np.zeros(size)
+    def __init__(self, first: T) -> None:
+        self._head: Any = RawArray("q", 2)
+        self._body: Any = RawArray("B", _BYTES)
+        self._last, self._seen = first, 0
 
-    def write(self, values: Array) -> None:
-        """Write all numbers, Shape=(size,)."""
-        view = np.frombuffer(self._raw)
-        view[0] += 1.0
-        view[1:] = values
-        view[0] += 1.0
+    def write(self, value: T) -> None:
+        """Write a value.
 
-    def read(self) -> Array:
-        """Return the newest numbers that could be read whole, Shape=(size,); zeros before the first write."""
-        view = np.frombuffer(self._raw)
+        Raises:
+            ValueError: It is too large.
+        """
+        data, head = pickle.dumps(value), np.frombuffer(self._head, np.int64)
+        if len(data) > _BYTES:
+            raise ValueError(f"{len(data)} bytes for a block of {_BYTES}")
+        head[0] += 1
+        head[1] = len(data)
+        memoryview(self._body).cast("B")[: len(data)] = data
+        head[0] += 1
+
+    def read(self) -> T:
+        """Return the newest value that could be read whole."""
+        head = np.frombuffer(self._head, np.int64)
         for _ in range(_ATTEMPTS):
-            before = view[0]
-            if before % 2.0 == 0.0:
-                found = view[1:].copy()
-                if view[0] == before:
-                    self._last = found
+            before = int(head[0])
+            if before == self._seen:
+                break
+            if before % 2 == 0:
+                data = bytes(memoryview(self._body).cast("B")[: int(head[1])])
+                if int(head[0]) == before:
+                    self._last, self._seen = pickle.loads(data), before
                     break
         return self._last

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import socket
-
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.contact.franka.object_poses import LARGEST, parse_state
+from coral.contact.franka.double import SimulatedState
+from coral.contact.franka.shared_block import SharedBlock
 from coral.contact.perception.camera import RgbdFrame, look_at
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.real_scenes.benchmark_motions import MotionSample
@@ -20,13 +19,14 @@ Array = NDArray[np.float64]
 
 
 class SimulatedRgbdCamera:
-    """Draws a picture of the newest state that has arrived. The pictures hold no masks, and nobody else sees the state.
+    """Draws a picture of the newest state. The pictures hold no masks, and nobody else sees the state.
 
     The hand is drawn, the arm's other links are not.
 
     Args:
         trial: The trial, for the shapes and colours.
         cfg: The camera's size, place and noise.
+        state: Where the simulation writes its state.
         T_world_camera: Shape=(4, 4), where the camera is believed to stand, as a calibration says; by default where it
             does stand.
     """
@@ -34,31 +34,29 @@ class SimulatedRgbdCamera:
     name = "sim"
     live = True
 
-    def __init__(self, trial: Trial, cfg: TrackedCfg, T_world_camera: Array | None = None) -> None:
+    def __init__(
+        self,
+        trial: Trial,
+        cfg: TrackedCfg,
+        state: SharedBlock[SimulatedState | None],
+        T_world_camera: Array | None = None,
+    ) -> None:
         placed = look_at(*viewpoint(trial, cfg))
         self._believed = placed if T_world_camera is None else T_world_camera
         self._scene = PosedScene(trial, cfg.camera, cfg.make_noise(), placed, colours="shaded")
         self._lens = cfg.camera.lens
         self._rng = np.random.default_rng([trial.seed, 11])
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
-        self._socket.bind(("127.0.0.1", 0))
-        self.address: tuple[str, int] = self._socket.getsockname()
+        self._state, self._drawn_s = state, -1.0
 
     def start(self) -> None:
         """See `RgbdCamera.start`."""
 
     def newest(self) -> RgbdFrame | None:
         """See `RgbdCamera.newest`."""
-        data = None
-        while True:
-            try:
-                data = self._socket.recv(LARGEST)
-            except OSError:  # there are no more
-                break
-        state = None if data is None else parse_state(data)
-        if state is None:
+        state = self._state.read()
+        if state is None or state.time_s == self._drawn_s:
             return None
+        self._drawn_s = state.time_s
         objects = {name: body_to_matrix(body) for name, body in state.objects.items()}
         moment = MotionSample(objects, body_to_matrix(state.tool), state.opening_m)
         full = self._scene.take(moment, self._rng, state.time_s)
@@ -71,4 +69,3 @@ class SimulatedRgbdCamera:
 
     def close(self) -> None:
         """See `RgbdCamera.close`."""
-        self._socket.close()

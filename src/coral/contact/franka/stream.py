@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
@@ -66,6 +66,29 @@ class Orders:
     """Newest target in the arm's base frame."""
 
 
+@dataclass(frozen=True)
+class StreamReport:
+    """What the stream tells the program after a tick."""
+
+    phase: Phase = Phase.WATCHING
+    cause: StopCause = StopCause.NONE
+    state: ArmState | None = None
+    """What the arm measures, in its base frame; None before the first state."""
+    tool: BodyState | None = None
+    """The tool in the world."""
+    wrench: Array = field(default_factory=lambda: np.zeros(6))
+    """Shape=(6,), filtered, without its bias."""
+    objects: Mapping[str, BodyState] = field(default_factory=dict)
+    """Newest pose of each object that was seen, in the world."""
+    ages_s: Mapping[str, float] = field(default_factory=dict)
+    """Ages of these poses."""
+
+    @property
+    def time_s(self) -> float:
+        """Return the arm's clock; -1 before the first state."""
+        return -1.0 if self.state is None else self.state.time_s
+
+
 class Stream:
     """Runs one arm, one `tick` at a time; it never waits.
 
@@ -92,10 +115,6 @@ class Stream:
         self.phase, self.cause, self.reason = Phase.WATCHING, StopCause.NONE, ""
         self.state: ArmState | None = None
         self.wrench = np.zeros(6)
-        self.stop_latency_s = 0.0
-        """Time from the moment at which the cause could be known to the stop command."""
-        self.peak_force_n = 0.0
-        """Largest contact force while following targets."""
         self.target: HandTarget | None = None
         self._beat, self._beat_at = -1, clock()
         self._fresh_at = clock()
@@ -112,10 +131,11 @@ class Stream:
         """Whether the arm was stopped."""
         return self.phase is Phase.STOPPED
 
-    @property
-    def bias(self) -> WrenchBias:
-        """Return the bias of the wrench."""
-        return self._bias
+    def report(self) -> StreamReport:
+        """Return what the program is told."""
+        poses, now = self._poses.poses, self.arm_time_s
+        ages = {name: self._poses.age_s(name, now) for name in poses}
+        return StreamReport(self.phase, self.cause, self.state, self._tool(), self.wrench, dict(poses), ages)
 
     def tick(self, orders: Orders) -> None:
         """Read, check and command once."""
@@ -137,21 +157,14 @@ class Stream:
         except ArmError as error:
             self.stop(StopCause.FAULT, str(error))
 
-    def stop(self, cause: StopCause, reason: str, since_s: float | None = None) -> None:
-        """Stop the arm; only the first cause counts.
-
-        Args:
-            cause: The cause.
-            reason: What was found, in words.
-            since_s: Time at which the cause arose, if it is known.
-        """
+    def stop(self, cause: StopCause, reason: str) -> None:
+        """Stop the arm; only the first cause counts. The reason is what was found, in words."""
         if self.phase is Phase.STOPPED:
             return
         moved = self.phase is not Phase.WATCHING
         self.phase, self.cause, self.reason = Phase.STOPPED, cause, reason
         if moved:  # an arm that was only watched obeys somebody else
             self._arm.stop()
-        self.stop_latency_s = 0.0 if since_s is None else max(0.0, self._clock() - since_s)
 
     def _tool(self) -> BodyState | None:
         """Return the tool in the world."""
@@ -165,7 +178,7 @@ class Stream:
             state = self._arm.read()
         except ArmError as error:
             if self.phase not in (Phase.STOPPED, Phase.WATCHING):
-                self.stop(StopCause.LINK, str(error), now)
+                self.stop(StopCause.LINK, str(error))
             return
         before = self.state
         if before is None or state.time_s != before.time_s:
@@ -181,26 +194,22 @@ class Stream:
             self._filtered += (1.0 - np.exp(-passed_s / self._cfg.wrench_filter_s)) * (wrench - self._filtered)
         self.wrench = self._bias.corrected(self._filtered)
         self._pressing += (1.0 - np.exp(-passed_s / PRESSING_S)) * (self.wrench[:3] - self._pressing)
-        if self.phase is Phase.FOLLOWING:
-            self.peak_force_n = max(self.peak_force_n, float(np.linalg.norm(self.wrench[:3])))
 
     def _check(self, now: float) -> None:
         """Stop for the first reason that holds."""
         cfg, state = self._cfg, self.state
         if state is None or now - self._fresh_at > cfg.link_timeout_s:
-            self.stop(StopCause.LINK, f"no new state for {1e3 * (now - self._fresh_at):.0f} ms", self._fresh_at)
+            self.stop(StopCause.LINK, f"no new state for {1e3 * (now - self._fresh_at):.0f} ms")
         elif state.fault:
-            self.stop(StopCause.FAULT, state.fault, now)
+            self.stop(StopCause.FAULT, state.fault)
         elif now - self._beat_at > cfg.watchdog_s:
-            silent_s = now - self._beat_at
-            self.stop(StopCause.WATCHDOG, f"no sign of life for {silent_s:.2f} s", self._beat_at + cfg.watchdog_s)
+            self.stop(StopCause.WATCHDOG, f"no sign of life for {now - self._beat_at:.2f} s")
         elif found := self._limits.violation(state, self.wrench if self._bias.known else np.zeros(6)):
-            self.stop(StopCause.LIMIT, found, now)
+            self.stop(StopCause.LIMIT, found)
         elif self.phase is Phase.FOLLOWING:
             name, age = self._poses.oldest(self.arm_time_s)
             if age > cfg.poses_timeout_s:
-                text = f"{name} was not seen for {age:.2f} s"
-                self.stop(StopCause.POSES, text, now - age + cfg.poses_timeout_s)
+                self.stop(StopCause.POSES, f"{name} was not seen for {age:.2f} s")
 
     def _command(self, orders: Orders) -> None:
         cfg, state = self._cfg, self.state

@@ -13,24 +13,12 @@ from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
 from typing import Any
 
-import numpy as np
-
 from coral.contact.franka.arm import Arm
 from coral.contact.franka.hand_gaps import HandGaps
-from coral.contact.franka.lateness import Lateness
 from coral.contact.franka.object_poses import ObjectPoses
 from coral.contact.franka.shared_block import SharedBlock
-from coral.contact.franka.stream import Orders, Phase, StopCause, Stream
-from coral.contact.franka.stream_record import (
-    ORDERS_SIZE,
-    StreamReport,
-    decode_orders,
-    decode_report,
-    encode_orders,
-    encode_report,
-    report_size,
-)
-from coral.contact.scene.observation import BodyState, HandTarget
+from coral.contact.franka.stream import Orders, StopCause, Stream, StreamReport
+from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import InputError, RunError
@@ -39,8 +27,6 @@ MakeArm = Callable[[str, FrankaCfg], Arm]
 """Makes an arm from address and configuration; a function of a module, because a process is spawned."""
 BEAT_S = 0.05
 """Time between the program's signs of life."""
-STILL_M_S = 0.005
-"""A tool slower than this is at rest."""
 PRIORITY = 10
 """Real-time priority of the stream, 1 to 99; most kernel threads have more."""
 _START_TIMEOUT_S = 120.0
@@ -68,8 +54,8 @@ class StreamProcess:
         trial: Trial,
         make_process: Callable[..., Any] | None = None,
     ) -> None:
-        self._names = tuple(trial.objects)
-        self._orders_block, self._report_block = SharedBlock(ORDERS_SIZE), SharedBlock(report_size(len(self._names)))
+        self._orders = Orders()
+        self._orders_block, self._report_block = SharedBlock(self._orders), SharedBlock(StreamReport())
         self._connection, theirs = Pipe()
         self._process: Any = (make_process or get_context("spawn").Process)(
             target=_run,
@@ -78,7 +64,6 @@ class StreamProcess:
             daemon=True,
         )
         self._lock = threading.Lock()
-        self._orders = Orders()
         self._reason = ""
         self._ended = threading.Event()
         self._process.start()
@@ -106,7 +91,7 @@ class StreamProcess:
         """
         if not self._process.is_alive():
             raise RunError("the stream to the arm has ended")
-        return decode_report(self._report_block.read(), self._names)
+        return self._report_block.read()
 
     def reason(self) -> str:
         """Return why the arm was stopped, in words; "" while it was not."""
@@ -148,13 +133,13 @@ class StreamProcess:
                 quit=before.quit or quit,
                 target=target or before.target,
             )
-            self._orders_block.write(encode_orders(self._orders))
+            self._orders_block.write(self._orders)
 
     def _beat(self) -> None:
         while not self._ended.wait(BEAT_S):
             with self._lock:
                 self._orders = replace(self._orders, beat=self._orders.beat + 1)
-                self._orders_block.write(encode_orders(self._orders))
+                self._orders_block.write(self._orders)
 
     def _await_start(self) -> int:
         try:
@@ -175,19 +160,18 @@ def _run(
     address: str,
     cfg: FrankaCfg,
     trial: Trial,
-    orders_block: SharedBlock,
-    report_block: SharedBlock,
+    orders_block: SharedBlock[Orders],
+    report_block: SharedBlock[StreamReport],
     connection: Connection,
 ) -> None:
     """Body of the process."""
     pressed: list[int] = []
-    names = tuple(trial.objects)
     if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
         for number in (signal.SIGINT, signal.SIGTERM):  # Ctrl-C reaches this process, whatever the program does
             signal.signal(number, lambda number, _: pressed.append(number))
         _take_priority()
     try:
-        poses = ObjectPoses(names, cfg.poses_host, cfg.poses_port)
+        poses = ObjectPoses(trial.objects, cfg.poses_host, cfg.poses_port)
         arm = make_arm(address, replace(cfg, poses_port=poses.port))
     except InputError as error:
         connection.send((error.where, error.field, str(error.found), error.expected))
@@ -197,32 +181,21 @@ def _run(
         return
     connection.send(poses.port)
     stream = Stream(arm, poses, cfg, time.monotonic, HandGaps(trial))
-    lateness, told = Lateness(), False
-    period_s, tick, parent = 1.0 / cfg.rate_hz, 0, os.getppid()
-    due, stopped_at, stopped_arm_s, still_after = time.monotonic(), 0.0, 0.0, 0.0
+    period_s, parent, told, due = 1.0 / cfg.rate_hz, os.getppid(), False, time.monotonic()
     try:
         while True:
-            orders = decode_orders(orders_block.read())
+            orders = orders_block.read()
             stream.tick(replace(orders, stop=StopCause.KEYBOARD) if pressed else orders)
-            tick += 1
-            if stream.phase is Phase.STOPPED:
-                if not stopped_at:
-                    stopped_at, stopped_arm_s = time.monotonic(), stream.arm_time_s
-                passed_s = stream.arm_time_s - stopped_arm_s
-                if not still_after and passed_s > 0.0 and _speed(stream) < STILL_M_S:
-                    still_after = passed_s
+            if stream.stopped:
                 if not told:
                     connection.send(stream.reason or stream.cause.name.lower())
                     told = True
                 if orders.quit or signal.SIGTERM in pressed or os.getppid() != parent:
                     break
-            report_block.write(encode_report(_report(stream, poses, lateness, tick, stopped_at, still_after), names))
+            report_block.write(stream.report())
             due += period_s
             time.sleep(max(0.0, due - time.monotonic()))
-            late_s = time.monotonic() - due
-            if stream.phase is Phase.FOLLOWING:
-                lateness.add(late_s)
-            if late_s > period_s:  # missed ticks are not made up for
+            if time.monotonic() - due > period_s:  # missed ticks are not made up for
                 due = time.monotonic()
     finally:
         stream.stop(StopCause.FAULT, "the stream failed")
@@ -234,41 +207,3 @@ def _take_priority() -> None:
     """Ask for real-time scheduling; where it is not allowed, the stream is as punctual as the machine is idle."""
     with contextlib.suppress(OSError, AttributeError):
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
-
-
-def _speed(stream: Stream) -> float:
-    return float(np.linalg.norm(stream.state.twist[:3])) if stream.state is not None else 0.0
-
-
-def _report(
-    stream: Stream, poses: ObjectPoses, lateness: Lateness, tick: int, stopped_at: float, still_after: float
-) -> StreamReport:
-    state = stream.state
-    zero = np.zeros(7)
-    tool = (
-        BodyState(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
-        if state is None
-        else BodyState(state.position, state.quaternion, state.twist[:3], state.twist[3:])
-    )
-    return StreamReport(
-        tick,
-        stream.phase,
-        stream.cause,
-        -1.0 if state is None else state.time_s,
-        tool,
-        0.0 if state is None else state.opening_m,
-        stream.wrench,
-        zero if state is None else state.joints,
-        zero if state is None else state.joint_speeds,
-        stream.bias.bias,
-        stream.bias.noise,
-        lateness.percentile_ms(0.99),
-        lateness.max_ms,
-        stream.stop_latency_s,
-        stopped_at,
-        still_after,
-        stream.peak_force_n,
-        poses.malformed,
-        dict(poses.poses),
-        {name: poses.age_s(name, stream.arm_time_s) for name in poses.names},
-    )

@@ -5,17 +5,22 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from coral.contact.franka.double import Double
-from coral.contact.franka.stream import Phase, StopCause
-from coral.contact.franka.stream_record import StreamReport
-from coral.contact.scene.observation import BodyState, HandTarget, Observation, Truth
+from coral.contact.franka.stream import Phase, StopCause, StreamReport
+from coral.contact.franka.stream_process import StreamProcess
+from coral.contact.real_scenes.hand_mask import HandReading
+from coral.contact.scene.observation import HandTarget, Observation, Truth
+from coral.contact.scene.rigid_transform import body_to_matrix
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.contact.worlds.robot_world import WorldError
 from coral.errors import RunError
+
+if TYPE_CHECKING:
+    from coral.contact.franka.camera_process import CameraProcess
 
 CODES = {
     StopCause.END: "stopped by the operator",
@@ -35,34 +40,6 @@ _START_TIMEOUT_S = 300.0
 _SILENCE_S = 5.0
 
 
-class StreamHandle(Protocol):
-    """What the world needs of a stream; see `StreamProcess`."""
-
-    def start(self) -> None:
-        """Let the arm move."""
-        ...
-
-    def follow(self, target: HandTarget) -> None:
-        """Set the target, in the arm's base frame."""
-        ...
-
-    def stop(self, cause: StopCause) -> None:
-        """Ask for a stop."""
-        ...
-
-    def report(self) -> StreamReport:
-        """Return the newest report."""
-        ...
-
-    def reason(self) -> str:
-        """Return why the arm was stopped, in words."""
-        ...
-
-    def close(self) -> None:
-        """Stop the arm and end the stream."""
-        ...
-
-
 class FrankaWorld:
     """An arm, real or simulated, as its sensors show it. Its time passes between steps.
 
@@ -71,6 +48,8 @@ class FrankaWorld:
         cfg: Configuration of the arm.
         control_period_s: Duration of one step, by the arm's clock.
         objects: The objects of the task.
+        double: The simulated arm; it ends with the stream.
+        camera: Tracks the objects, if it is ours; it is told where the hand is, and ends with the stream.
         dry_run: Commands are shown and not sent; the arm is only read.
         show: Receives a line for the command that is not sent, five times a second.
         sleep: Waits for a number of seconds; for tests.
@@ -81,16 +60,18 @@ class FrankaWorld:
 
     def __init__(
         self,
-        stream: StreamHandle,
+        stream: StreamProcess,
         cfg: FrankaCfg,
         control_period_s: float,
         objects: Sequence[str],
         *,
+        double: Double | None = None,
+        camera: CameraProcess | None = None,
         dry_run: bool = False,
         show: Callable[[str], None] | None = None,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        self.control_period_s, self.stream = control_period_s, stream
+        self.control_period_s, self.stream, self.double, self._camera = control_period_s, stream, double, camera
         self._objects, self._dry_run, self._show, self._sleep = tuple(objects), dry_run, show, sleep
         self._base = np.asarray(cfg.base_m)
         self._began_s = self._due_s = self._seen_s = self._next_line_s = 0.0
@@ -104,7 +85,7 @@ class FrankaWorld:
         if not self._dry_run:
             self.stream.start()
         wanted = Phase.WATCHING if self._dry_run else Phase.FOLLOWING
-        report = self._wait(lambda found: found.phase is wanted and found.time_s >= 0.0, _START_TIMEOUT_S)
+        report = self._wait(lambda found: found.phase is wanted and found.state is not None, _START_TIMEOUT_S)
         unseen = [name for name in self._objects if name not in report.objects]
         if unseen:
             raise WorldError("not-found", f"no pose of {', '.join(unseen)} has arrived")
@@ -117,14 +98,15 @@ class FrankaWorld:
         Raises:
             WorldError: The arm was stopped.
         """
-        local = replace(target, position=target.position - self._base)
         if self._dry_run:
             self._tell(target)
         else:
-            self.stream.follow(local)
-        before = self._wait(lambda found: True, _SILENCE_S).time_s
+            self.stream.follow(replace(target, position=target.position - self._base))
+        now = self._wait(lambda found: True, _SILENCE_S)
+        if self._camera is not None and not self._dry_run and now.state is not None and now.tool is not None:
+            self._camera.tell_hand(HandReading(body_to_matrix(now.tool), now.state.opening_m, target.opening_m))
         # After a pause, in which the arm has held its target, steps are not made up for.
-        self._due_s = max(self._due_s, before - self.control_period_s) + self.control_period_s
+        self._due_s = max(self._due_s, now.time_s - self.control_period_s) + self.control_period_s
         # Where states come less often than steps, each step waits for a new one.
         report = self._wait(
             lambda found: found.time_s >= self._due_s - 1e-9 and found.time_s > self._seen_s, _SILENCE_S
@@ -142,7 +124,9 @@ class FrankaWorld:
 
     def close(self) -> None:
         """See `RobotWorld.close`."""
-        self.stream.close()
+        for part in (self.stream, self._camera, self.double):
+            if part is not None:
+                part.close()
 
     def _wait(self, ready: Callable[[StreamReport], bool], silence_s: float) -> StreamReport:
         """Return the first report that is ready.
@@ -157,7 +141,9 @@ class FrankaWorld:
             except RunError as error:
                 raise WorldError("link-lost", str(error)) from None
             if report.phase is Phase.STOPPED:
-                raise WorldError(CODES[report.cause], self.stream.reason() or report.cause.name.lower())
+                reason = self.stream.reason() or report.cause.name.lower()
+                failure = "" if self._camera is None else self._camera.failure()
+                raise WorldError(CODES[report.cause], f"{reason}: {failure}" if failure else reason)
             if ready(report):
                 return report
             if waited > silence_s:
@@ -176,41 +162,17 @@ class FrankaWorld:
             )
 
     def _observe(self, report: StreamReport) -> Observation:
-        tool = replace(report.tool, position=report.tool.position + self._base)
-        objects: dict[str, BodyState] = {name: report.objects[name] for name in self._objects}
-        return Observation(report.time_s - self._began_s, tool, report.opening_m, report.wrench, objects)
+        assert report.state is not None
+        assert report.tool is not None
+        objects = {name: report.objects[name] for name in self._objects}
+        time_s, opening_m = report.time_s - self._began_s, report.state.opening_m
+        return Observation(time_s, report.tool, opening_m, report.wrench, objects)
 
 
 class FrankaDoubleWorld(FrankaWorld):
-    """A simulated arm, whose truth the judge may ask for.
-
-    Args:
-        stream, cfg, control_period_s, objects: See `FrankaWorld`.
-        double: The simulated arm.
-        dry_run, show, sleep: See `FrankaWorld`.
-    """
-
-    def __init__(
-        self,
-        stream: StreamHandle,
-        cfg: FrankaCfg,
-        control_period_s: float,
-        objects: Sequence[str],
-        double: Double,
-        *,
-        dry_run: bool = False,
-        show: Callable[[str], None] | None = None,
-        sleep: Callable[[float], None] = time.sleep,
-    ) -> None:
-        super().__init__(stream, cfg, control_period_s, objects, dry_run=dry_run, show=show, sleep=sleep)
-        self.double = double
+    """A simulated arm, whose truth the judge may ask for."""
 
     def truth(self) -> Truth:
         """Return the true state, by which success is judged; its time is that of the last observation."""
-        found = self.double.truth()
-        return replace(found, time_s=self._seen_s - self._began_s)
-
-    def close(self) -> None:
-        """See `RobotWorld.close`."""
-        super().close()
-        self.double.close()
+        assert self.double is not None
+        return replace(self.double.truth(), time_s=self._seen_s - self._began_s)

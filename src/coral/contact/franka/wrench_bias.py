@@ -20,7 +20,7 @@ class WrenchBias:
     def __init__(self, readings: int) -> None:
         self._needed = readings
         self._readings: list[Array] = []
-        self.bias, self.noise = np.zeros(6), np.zeros(6)
+        self.bias = np.zeros(6)
 
     @property
     def known(self) -> bool:
@@ -35,7 +35,7 @@ class WrenchBias:
         """Add a reading, Shape=(6,), of a hand that touches nothing."""
         self._readings.append(np.array(wrench, float))
         if self.known:
-            self.bias, self.noise = np.mean(self._readings, axis=0), np.std(self._readings, axis=0)
+            self.bias = np.mean(self._readings, axis=0)
 
     def corrected(self, wrench: Array) -> Array:
         """Return a reading without the bias, Shape=(6,)."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
 from coral.advisor.question import Picture
-from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, RgbdFrame, look_at
+from coral.contact.perception.camera import RayCamera, RgbdFrame, look_at
 from coral.contact.perception.scene_geoms import hidden_geoms, instance_names
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.trial import Trial
@@ -54,17 +54,10 @@ def make_advisor_camera(
         if simulation is None:
             return None
         if not camera:
-            lens = RgbdCameraCfg(
-                width=cfg.width,
-                height=cfg.height,
-                vfov_deg=tracked.camera.vfov_deg,
-                near_m=tracked.camera.near_m,
-                far_m=tracked.camera.far_m,
-            )
             camera.append(
                 RayCamera(
                     simulation.model,
-                    lens,
+                    replace(tracked.camera, width=cfg.width, height=cfg.height),
                     look_at(*(_above(trial) if above else viewpoint(trial, tracked))),
                     instance_names(simulation.model, trial),
                     noise=tracked.make_noise(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ from coral.contact.perception.shading import shade
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
-Colours = Literal["none", "shaded", "opengl", "best"]
+Colours = Literal["none", "shaded", "best"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,12 +118,12 @@ class RayCamera:
         instances: Name of the thing by geom id; other geoms are drawn without a name.
         groups: Geom groups to draw (MuJoCo draws 0 to 2 by default).
         noise: Noise of depth and outlines; None for perfect pictures.
-        colours: Source of the RGB picture: "none", "shaded" by the rays, "opengl" by MuJoCo's renderer, or "best": the
-            renderer if it works, else rays.
+        colours: Source of the RGB picture: "none", "shaded" by the rays, or "best": MuJoCo's renderer, if OpenGL
+            works.
         hidden: Geoms that rays ignore; OpenGL still shows them.
 
     Raises:
-        InputError: Rays cannot draw a geom of the scene, or OpenGL is requested and does not work.
+        InputError: Rays cannot draw a geom of the scene.
     """
 
     def __init__(
@@ -153,12 +154,9 @@ class RayCamera:
         self._instance = np.array([*(known.get(int(i), 0) for i in self._geoms), 0], np.uint8)
         self.cfg, self.T_world_camera, self.noise = cfg, T_world_camera, noise
         self._gl: GlColours | None = None
-        if colours in ("opengl", "best"):
-            try:
+        if colours == "best":
+            with contextlib.suppress(Exception):  # each backend of OpenGL fails in its own way
                 self._gl = GlColours(model, cfg.width, cfg.height, groups)
-            except InputError:
-                if colours == "opengl":
-                    raise
         self.colours = colours != "none"
         shape = (cfg.height, cfg.width)
         self._depth, self._solid, self._face = np.empty(shape), np.empty(shape, np.int64), np.empty(shape, np.int64)

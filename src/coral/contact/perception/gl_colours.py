@@ -11,8 +11,6 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError
-
 Array = NDArray[np.float64]
 
 
@@ -23,26 +21,14 @@ class GlColours:
         model: The scene; its offscreen buffer is enlarged as needed.
         width, height: Size of the pictures.
         groups: Geom groups to draw.
-
-    Raises:
-        InputError: OpenGL does not work on this machine.
     """
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int, groups: Iterable[int]) -> None:
         model.vis.global_.offwidth = max(width, model.vis.global_.offwidth)
         model.vis.global_.offheight = max(height, model.vis.global_.offheight)
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # glfw warns of a missing screen before it fails
-                self._renderer = mujoco.Renderer(model, height, width)
-        except Exception as error:  # each backend fails in its own way
-            reason = (str(error).splitlines() or [repr(error)])[0]
-            raise InputError(
-                "camera",
-                "colours",
-                f"no OpenGL ({reason})",
-                'MUJOCO_GL=egl or osmesa in the environment, or colours "shaded"',
-            ) from None
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # glfw warns of a missing screen before it fails
+            self._renderer = mujoco.Renderer(model, height, width)
         atexit.register(self._renderer.close)  # while the OpenGL library is still there
         self._aspect = width / height
         self._option = mujoco.MjvOption()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception import solids as kinds
-from coral.contact.perception.ray_solids import SolidPart, from_mujoco, from_parts
+from coral.contact.perception.ray_solids import from_mujoco
 from coral.contact.perception.solids import Solids
 from coral.contact.perception.surface_kernels import distance
 from coral.contact.perception.symmetry import Symmetry, of_kind, of_shape
@@ -31,16 +30,12 @@ _SIDES = 48
 class ObjectModel:
     """A rigid object in its own frame."""
 
-    name: str
-    """Name in pictures."""
     solids: Solids
     """Solids for ray casting."""
     triangles: Array
     """Surface, Shape=(m, 3, 3) m; round parts as prisms."""
     points: Array
     """Points spread evenly over the surface, Shape=(n, 3) m."""
-    normals: Array
-    """Outward unit normals at the points, Shape=(n, 3)."""
     symmetry: Symmetry
     """Rotations that map the object onto itself."""
     diameter: float
@@ -49,19 +44,10 @@ class ObjectModel:
     """Centre of its bounding box, Shape=(3,) m."""
 
 
-def from_primitives(name: str, parts: Sequence[SolidPart], symmetry: Symmetry | None = None) -> ObjectModel:
-    """Model an object of primitive parts; its symmetry is computed if none is given."""
-    return _model(name, from_parts(parts), symmetry)
-
-
-def from_body(
-    model: mujoco.MjModel,
-    body: str,
-    name: str | None = None,
-    symmetry: Symmetry | None = None,
-    groups: Sequence[int] = (0, 1, 2),
-) -> ObjectModel:
+def from_body(model: mujoco.MjModel, body: str, symmetry: Symmetry | None = None) -> ObjectModel:
     """Model an object from the drawn geoms of one body of a MuJoCo scene, in the frame of that body.
+
+    Its symmetry is computed if none is given.
 
     Raises:
         InputError: There is no such body, or none of its geoms is drawn.
@@ -69,14 +55,14 @@ def from_body(
     index = mujoco.mj_name2id(model, int(mujoco.mjtObj.mjOBJ_BODY), body)
     if index < 0:
         raise InputError("scene", "body", body, "the name of a body in the scene")
-    trial = (model.geom_bodyid == index) & np.isin(model.geom_group, list(groups)) & (model.geom_rgba[:, 3] > 0)
+    trial = (model.geom_bodyid == index) & (model.geom_group <= 2) & (model.geom_rgba[:, 3] > 0)
     geoms = np.flatnonzero(trial).astype(np.int64)
     if not len(geoms):
-        raise InputError("scene", f"body {body}", "no drawn geoms", f"at least one geom in groups {tuple(groups)}")
+        raise InputError("scene", f"body {body}", "no drawn geoms", "at least one geom in groups 0 to 2")
     placed = from_mujoco(model, geoms)._replace(
         center=model.geom_pos[geoms].astype(float), rotation=rotation_of(model.geom_quat[geoms])
     )
-    return _model(name or body, placed, symmetry)
+    return _model(placed, symmetry)
 
 
 def from_trial(model: mujoco.MjModel, trial: Trial, name: str) -> ObjectModel:
@@ -89,13 +75,13 @@ def from_trial(model: mujoco.MjModel, trial: Trial, name: str) -> ObjectModel:
     declared = of_kind(kind, trial.size(name), found.pivot)
     if kind == "none" or len(declared.members(12)) <= len(found.symmetry.members(12)):
         return found
-    return from_body(model, name, symmetry=declared)
+    return from_body(model, name, declared)
 
 
-def _model(name: str, solids: Solids, symmetry: Symmetry | None) -> ObjectModel:
+def _model(solids: Solids, symmetry: Symmetry | None) -> ObjectModel:
     parts = [_surface(solids, i) for i in range(len(solids.kind))]
     triangles = np.concatenate(parts)
-    points, normals = _sample(solids, parts)
+    points = _sample(solids, parts)
     corners = triangles.reshape(-1, 3)
     if symmetry is None:
         few = points[:: max(1, len(points) // 300)]
@@ -105,7 +91,7 @@ def _model(name: str, solids: Solids, symmetry: Symmetry | None) -> ObjectModel:
     low, high = corners.min(0), corners.max(0)
     sparse = corners[:: max(1, len(corners) // 2000)]
     diameter = max(float(np.linalg.norm(sparse - c, axis=1).max()) for c in sparse)
-    return ObjectModel(name, solids, triangles, points, normals, symmetry, diameter, (low + high) / 2)
+    return ObjectModel(solids, triangles, points, symmetry, diameter, (low + high) / 2)
 
 
 def _surface(solids: Solids, i: int) -> Array:
@@ -160,8 +146,8 @@ def _round_surface(kind: int, size: Array) -> Array:
     return np.asarray(faces[area > 1e-14])
 
 
-def _sample(solids: Solids, parts: list[Array]) -> tuple[Array, Array]:
-    """Sample points and normals evenly by area (R2 sequence), without those inside another primitive part."""
+def _sample(solids: Solids, parts: list[Array]) -> Array:
+    """Sample points evenly by area (R2 sequence), without those inside another primitive part."""
     owner = np.repeat(np.arange(len(parts)), [len(p) for p in parts])
     triangles = np.concatenate(parts)
     cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -174,11 +160,10 @@ def _sample(solids: Solids, parts: list[Array]) -> tuple[Array, Array]:
     a, b = np.where(over, 1 - a, a)[:, None], np.where(over, 1 - b, b)[:, None]
     t = triangles[chosen]
     points = t[:, 0] + a * (t[:, 1] - t[:, 0]) + b * (t[:, 2] - t[:, 0])
-    normals = cross[chosen] / (2 * area[chosen, None] + 1e-300)
     outside = np.ones(len(points), bool)
     for i in range(len(parts)):
         outside &= ~(_inside(solids, i, points) & (owner[chosen] != i))
-    return points[outside], normals[outside]
+    return points[outside]
 
 
 def _inside(solids: Solids, i: int, points: Array) -> NDArray[np.bool_]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
 
 import mujoco
 import numpy as np
@@ -52,9 +51,6 @@ class TrackedCfg(TrackerCfgs):
     """Amounts of the first one's noise."""
     by: str = "model"
     """The tracker, as `--tracker` takes it."""
-    colours: Literal["shaded", "best"] = "shaded"
-    """Source of colours for a tracker that needs them: "shaded" by rays, the same on all machines; "best": OpenGL if it
-    works. Other trackers get no colours."""
     motion: MotionFilterCfg = field(default_factory=MotionFilterCfg)
     """The filter of each object's poses."""
     grip: GraspDetectionCfg = field(default_factory=GraspDetectionCfg)
@@ -115,5 +111,5 @@ def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg) -> RayCame
         instance_names(model, trial),
         groups=_DRAWN,
         noise=cfg.make_noise(),
-        colours=cfg.colours if cfg.choice().wants_colours else "none",
+        colours="shaded" if cfg.choice().wants_colours else "none",
     )
