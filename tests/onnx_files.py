@@ -182,23 +182,3 @@ def relative_depth(relative, names=("pixel_values", "predicted_depth"), channel=
         {target: shape},
         **how,
     )
-
-
-def prompted_pair(size):
-    """An encoder that passes the picture on, and a decoder whose mask is what is redder than green, at a quarter."""
-    weights, bias = np.zeros((1, 3, 1, 1), np.float32), np.array([-0.5], np.float32)
-    weights[0, :2, 0, 0] = 1.0, -1.0
-    picture, small = (1, 3, size, size), size // 4
-    encoder = model([node("Identity", ["images"], ["features"])], {}, {"images": picture}, {"features": picture})
-    decoder = model(
-        [
-            node("AveragePool", ["features"], ["quarter"], kernel_shape=[4, 4], strides=[4, 4]),
-            node("Conv", ["quarter", "w", "b"], ["low_res_masks"], kernel_shape=[1, 1]),
-            node("ReduceMax", ["point_labels"], ["most"], keepdims=1),
-            node("Identity", ["most"], ["iou_predictions"]),
-        ],
-        {"w": weights, "b": bias},
-        {"features": picture, "point_coords": (1, 2, 2), "point_labels": (1, 2)},
-        {"low_res_masks": (1, 1, small, small), "iou_predictions": (1, 1)},
-    )
-    return encoder, decoder

@@ -33,26 +33,22 @@ class OnnxFile:
         """Shape of the first input."""
         return next(iter(self.inputs.values()))
 
-    def run_named(self, tensors: Mapping[str, NDArray[np.float32]]) -> dict[str, NDArray[np.float32]]:
-        """Return the outputs by name for inputs by name.
+    def run(self, tensor: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
+        """Return the outputs by name for the first input.
 
         Numbers of half precision are converted on the way in and out, and whole numbers on the way out.
 
         Raises:
-            InputError: The network refuses these inputs.
+            InputError: The network refuses this input.
         """
-        half = {name: np.float16 for name, kind in self.kinds.items() if kind == HALF}
+        name = next(iter(self.inputs))
         try:
-            values = self.session.run(None, {name: v.astype(half.get(name, v.dtype)) for name, v in tensors.items()})
+            values = self.session.run(None, {name: tensor.astype(np.float16) if self.kinds[name] == HALF else tensor})
         except Exception as error:  # its errors have no common base but Exception
             raise InputError(
                 self.path, "inputs", f"shapes that it refuses ({first_line(error)})", "the shapes of its kind"
             ) from None
         return {name: np.asarray(value, np.float32) for name, value in zip(self.outputs, values, strict=True)}
-
-    def run(self, tensor: NDArray[np.float32]) -> dict[str, NDArray[np.float32]]:
-        """Return the outputs by name for the first input."""
-        return self.run_named({next(iter(self.inputs)): tensor})
 
     def with_shapes_of(self, width: int, height: int) -> OnnxFile:
         """Return the network with the shapes of its outputs for pictures of a size, where the file leaves them open."""

@@ -12,6 +12,7 @@ SHAPE = (72, 96)
 PLACED = look_at((-0.4, 0.0, 0.4), (0.0, 0.0, 0.03))
 BOX = solid(("box", (0.04, 0.03, 0.03)))
 TABLE = solid(("box", (0.4, 0.4, 0.05)))
+EMPTY = RgbdFrame(np.zeros(SHAPE, np.float32), np.zeros(SHAPE, np.uint8), (), LENS, PLACED)
 PAINT, WOOD = (200, 60, 40), (210, 200, 185)
 
 
@@ -22,12 +23,12 @@ def at(x, y):
 def picture(*boxes, paints=(PAINT, PAINT), colours=True):
     """Return a picture of boxes at T_world_object, and the true mask of each."""
     camera = inverse_transform(PLACED)
-    depth = draw_depth(TABLE, camera @ pose_matrix(np.eye(3), [0, 0, -0.05]), LENS, SHAPE)
+    depth = draw_depth(TABLE.solids, camera @ pose_matrix(np.eye(3), [0, 0, -0.05]), EMPTY)
     rgb = np.full((*SHAPE, 3), 90, np.uint8)
     rgb[np.isfinite(depth)] = WOOD
     masks = []
     for box, paint in zip(boxes, paints, strict=False):
-        drawn = draw_depth(BOX, camera @ box, LENS, SHAPE)
+        drawn = draw_depth(BOX.solids, camera @ box, EMPTY)
         masks.append(drawn < depth)
         rgb[masks[-1]] = paint
         depth = np.minimum(depth, drawn)

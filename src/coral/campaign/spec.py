@@ -46,26 +46,12 @@ class Spec:
 
     def to_json(self) -> dict[str, Any]:
         """Return the plain mapping that is stored."""
-        return {
-            "system": self.system,
-            "variant": self.variant,
-            "world": self.world,
-            "seed": self.seed,
-            "advisor": self.advisor,
-            "overrides": dict(self.overrides),
-        }
+        return {**vars(self), "overrides": dict(self.overrides)}
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> Spec:
         """Restore the spec that `to_json` wrote."""
-        return cls(
-            system=content["system"],
-            variant=content["variant"],
-            world=content["world"],
-            seed=content["seed"],
-            advisor=content["advisor"],
-            overrides=tuple(sorted(content["overrides"].items())),
-        )
+        return cls(**{**content, "overrides": tuple(sorted(content["overrides"].items()))})
 
     @property
     def digest(self) -> str:

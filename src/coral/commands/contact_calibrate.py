@@ -129,8 +129,8 @@ class ContactCalibrate:
             calibrate_by_placed_board,
             check_depth,
         )
+        from coral.contact.real_scenes.calibration.camera_pose_file import read_hand_poses
         from coral.contact.real_scenes.calibration.charuco_board import LEAST_CORNERS, CharucoBoard
-        from coral.contact.real_scenes.calibration.hand_poses import read_hand_poses
         from coral.contact.scene.geometry import rotation_about
         from coral.contact.scene.rigid_transform import pose_matrix
 

@@ -58,8 +58,8 @@ class ContactTrack:
         from coral.contact.tasks import load_task
 
         choice = choose_tracker(self.tracker)
-        if self.width < 64:
-            raise InputError("--width", "", self.width, "64 columns or more")
+        if not 64 <= self.width <= 4096:
+            raise InputError("--width", "", self.width, "64 to 4096 columns")
         if not 1.0 <= self.rate_hz <= 100.0:
             raise InputError("--rate-hz", "", self.rate_hz, "1 to 100 pictures per second")
         if self.seed < 0:
@@ -68,7 +68,7 @@ class ContactTrack:
             camera=RgbdCameraCfg(width=self.width, height=round(self.width * 0.75)),
             period_s=1.0 / self.rate_hz,
             noise=DepthNoise(SENSORS[self.sensor]) if self.noise else None,
-            colours="best" if choice.wants_colours else "none",
+            colours="shaded" if choice.wants_colours else "none",
         )
         if self.export is not None:
             if len(self.tasks) != 1:
@@ -102,22 +102,20 @@ class ContactTrack:
         if "exported" in result:
             return f"{result['pictures']} pictures: {result['exported']}"
         lines = [
-            "Errors modulo symmetry, but for ADD, over all pictures: median and what 95 % stay below.",
+            "Errors modulo symmetry over all pictures: median and what 95 % stay below.",
             "",
-            f"{'task':<16} {'object':<10} {'seen':>5} {'mm':>5} {'95 %':>6} {'deg':>5} {'95 %':>6} {'ADD':>6} "
-            f"{'ADD-S':>6} {'MSSD':>6} {'lost':>5} {'ms':>6} {'95 %':>6} {'fresh':>6} {'s':>5}",
+            f"{'task':<16} {'object':<10} {'seen':>5} {'mm':>5} {'95 %':>6} {'deg':>5} {'95 %':>6} "
+            f"{'lost':>5} {'ms':>6} {'95 %':>6} {'fresh':>6} {'s':>5}",
         ]
         for r in result["tracked"]:
             lines.append(
                 f"{r['task']:<16} {r['object']:<10} {r['least_visible']:>5.0%} {r['mm']:>5.1f} {r['mm_95']:>6.1f} "
-                f"{r['deg']:>5.1f} {r['deg_95']:>6.1f} {r['add_mm']:>6.1f} {r['add_s_mm']:>6.1f} "
-                f"{r['mssd_mm']:>6.1f} {r['lost']:>5} {r['update_ms']:>6.1f} {r['update_ms_95']:>6.1f} "
+                f"{r['deg']:>5.1f} {r['deg_95']:>6.1f} {r['lost']:>5} {r['update_ms']:>6.1f} {r['update_ms_95']:>6.1f} "
                 f"{r['registered']:>3}/{r['registrations']} {r['registration_s']:>5.2f}"
             )
         lines += [
             "",
-            "seen: least share of the object; ADD, ADD-S, MSSD: medians, mm; fresh: fresh starts within 5 mm "
-            "and 5 deg, and their time",
+            "seen: least share of the object; fresh: fresh starts within 5 mm and 5 deg, and their time",
         ]
         if result["lost"]:
             lines += [

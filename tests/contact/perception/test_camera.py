@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from ball_before_wall import scene
 
+from coral.config import checked
 from coral.contact.perception.camera import RgbdCameraCfg, look_at
 from coral.errors import InputError
 
@@ -36,7 +37,7 @@ def test_colours_are_those_of_the_geoms():
     assert abs(int(rgb[5, 5, 0]) - int(rgb[5, 5, 1])) < 2
 
 
-@pytest.mark.parametrize("bad", [{"width": 4}, {"vfov_deg": 180.0}, {"near_m": 0.0}, {"far_m": 0.05}])
+@pytest.mark.parametrize("bad", [{"width": 4}, {"vfov_deg": 180.0}, {"near_m": 0.0}, {"far_m": 0.0}])
 def test_a_bad_camera_is_named(bad):
     with pytest.raises(InputError, match=next(iter(bad))):
-        RgbdCameraCfg(**bad)
+        checked(RgbdCameraCfg(**bad), "camera")

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from drawn_object import BOX, LENS, picture, tilted
 
+from coral.contact.perception import confidence
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.confidence import ConfidenceCfg, assess_pose, is_unseen, patch_around, robot_mask
+from coral.contact.perception.confidence import assess_pose, is_unseen, patch_around
+from coral.contact.perception.image_patch import robot_mask
 
-CFG = ConfidenceCfg()
 TRUTH = tilted()
 
 
@@ -22,9 +23,9 @@ def frame(robot=None):
     return RgbdFrame(depth, instance, ("box", "robot"), LENS, np.eye(4))
 
 
-def assess(pose, robot=None, following=True, cfg=CFG):
+def assess(pose, robot=None, following=True):
     seen = frame(robot)
-    return assess_pose(BOX, patch_around(seen, seen.mask("box"), BOX, [pose], cfg, 10**6), pose, cfg, following)
+    return assess_pose(BOX, patch_around(seen, seen.mask("box"), BOX, [pose], 10**6), pose, following)
 
 
 def moved(metres):
@@ -54,8 +55,8 @@ def test_confidence_falls_with_the_error_until_the_pose_does_not_fit():
 
 
 def test_more_is_asked_of_a_new_pose_than_of_a_tracked_one():
-    pose = next(moved(m) for m in np.arange(0.0, 0.05, 0.002) if assess(moved(m)).confidence < CFG.found_above)
-    assert assess(pose).confidence > CFG.lost_below
+    pose = next(moved(m) for m in np.arange(0.0, 0.05, 0.002) if assess(moved(m)).confidence < confidence.FOUND_ABOVE)
+    assert assess(pose).confidence > confidence.LOST_BELOW
     assert assess(pose, following=True).reason == ""
     assert assess(pose, following=False).reason == "does not fit"
 
@@ -63,29 +64,29 @@ def test_more_is_asked_of_a_new_pose_than_of_a_tracked_one():
 def test_an_object_behind_the_robot_is_covered():
     found = assess(TRUTH, hiding(0.95))
     assert found.reason == "covered"
-    assert found.visible < CFG.min_visible
+    assert found.visible < confidence.MIN_VISIBLE
     assert assess(TRUTH, hiding(0.5)).reason == ""
 
 
 def test_with_little_to_see_confidence_is_lower():
-    share = 1.0 - 1.5 * CFG.min_visible  # visible: between min_visible and twice that
+    share = 1.0 - 1.5 * confidence.MIN_VISIBLE  # visible: between min_visible and twice that
     found = assess(TRUTH, hiding(share))
-    assert found.confidence == pytest.approx(found.visible / (2 * CFG.min_visible), rel=0.05)
+    assert found.confidence == pytest.approx(found.visible / (2 * confidence.MIN_VISIBLE), rel=0.05)
 
 
 def test_too_few_pixels_are_not_seen():
     seen = frame()
     mask = np.zeros((120, 160), bool)
-    mask.flat[: CFG.min_pixels] = True
-    assert not is_unseen(seen, mask, CFG)
+    mask.flat[: confidence.MIN_PIXELS] = True
+    assert not is_unseen(seen, mask)
     blind = dataclasses.replace(seen, depth=np.where(np.arange(160) == 0, 0.0, seen.depth).astype(np.float32))
-    assert is_unseen(blind, mask, CFG)  # one of them has no depth
+    assert is_unseen(blind, mask)  # one of them has no depth
     with pytest.raises(ValueError, match="mask of shape"):
-        is_unseen(seen, mask[:5], CFG)
+        is_unseen(seen, mask[:5])
 
 
 def test_a_camera_that_does_not_label_the_robot_shows_none():
     robot = hiding(0.5)
-    np.testing.assert_array_equal(robot_mask(frame(robot), CFG), robot)
+    np.testing.assert_array_equal(robot_mask(frame(robot)), robot)
     unlabelled = dataclasses.replace(frame(robot), names=("box",))
-    assert not robot_mask(unlabelled, CFG).any()
+    assert not robot_mask(unlabelled).any()

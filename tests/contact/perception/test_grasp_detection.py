@@ -1,9 +1,7 @@
 import numpy as np
 from solid_object import solid
 
-from coral.contact.perception.grasp_detection import GraspDetectionCfg, is_grasped
-
-CFG = GraspDetectionCfg()
+from coral.contact.perception.grasp_detection import is_grasped
 
 
 def box():
@@ -13,7 +11,7 @@ def box():
 def held(x=0.0, y=0.0, opening=0.04, wanted=-0.03, before=False):
     T = np.eye(4)
     T[:3, 3] = x, y, 0.0
-    return is_grasped(box(), T, opening, wanted, before, CFG)
+    return is_grasped(box(), T, opening, wanted, before)
 
 
 def test_fingers_that_press_on_an_object_hold_it():

@@ -5,17 +5,17 @@ import pytest
 from drawn_object import BOARD, BOX, CAN, LENS, picture, tilted
 
 from coral.contact.perception.agreement_kernels import AGREE, DRAWN, FREE, HIDDEN, RESIDUAL, UNCOVERED, WRONG
-from coral.contact.perception.registration import RegistrationCfg, misfit, register, start_orientations
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.registration import misfit, register, start_orientations
 from coral.contact.scene.geometry import spread_rotations
-
-CFG = RegistrationCfg()
 
 
 def found(model, T, robot=None):
     depth, mask = picture(model, T)
     none = np.zeros_like(mask) if robot is None else robot
     depth = np.where(none, 0.3, depth).astype(np.float32)
-    return register(model, start_orientations(model, CFG), depth, mask & ~none, LENS, np.eye(4), none, CFG)
+    frame = RgbdFrame(depth, none.astype(np.uint8), ("robot",), LENS, np.eye(4))
+    return register(model, start_orientations(model), frame, mask & ~none)
 
 
 @pytest.mark.parametrize("model", [BOX, BOARD, CAN], ids=["box", "board", "can"])
@@ -46,7 +46,7 @@ def test_the_misfit_of_a_tally():
 
 def test_orientations_cover_what_the_symmetry_leaves():
     for model, limit in ((CAN, 40), (BOX, 140), (BOARD, 260)):
-        turns = start_orientations(model, RegistrationCfg())
+        turns = start_orientations(model)
         assert 8 <= len(turns) <= limit
         group = model.symmetry.members(36)[:, :3, :3]
         farthest = max(

@@ -52,10 +52,8 @@ def test_only_a_tracker_that_wants_colours_gets_them(cfg, coloured):
 
 def test_a_sensor_brings_its_noise():
     assert replace(SMALL, sensor="d435").make_noise().cfg is D435
-    assert SMALL.make_noise().cfg == SMALL.depth_noise
+    assert SMALL.make_noise().cfg == DepthNoiseCfg()
     assert replace(SMALL, noise=False, sensor="d435").make_noise() is None
-    with pytest.raises(InputError, match="none beside the sensor d435"):
-        replace(SMALL, sensor="d435", depth_noise=DepthNoiseCfg(hole=0.1))
 
 
 def test_without_noise_a_picture_needs_no_seed():

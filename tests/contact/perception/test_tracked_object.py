@@ -14,7 +14,7 @@ TOOL = pose_matrix(rotation_about([1.0, 0.0, 0.0], np.pi), [0.3, 0.1, 0.2])
 
 @pytest.fixture
 def one():
-    one = TrackedObject(None, MotionFilterCfg())
+    one = TrackedObject(None)
     one.motion = MotionFilter(MotionFilterCfg(), PLACE, 0.0)
     return one
 

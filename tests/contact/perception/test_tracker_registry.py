@@ -8,7 +8,7 @@ from stub_foundationpose import serving
 
 from coral.cli import main
 from coral.contact.perception.foundationpose import FoundationPoseCfg
-from coral.contact.perception.model_tracker import ModelTracker, TrackerCfg
+from coral.contact.perception.model_tracker import ModelTracker
 from coral.contact.perception.tracker import TrackerFailed
 from coral.contact.perception.tracker_registry import TRACKERS, TrackerCfgs, choose_tracker
 from coral.errors import InputError
@@ -18,12 +18,12 @@ def configured(**server):
     return TrackerCfgs(foundationpose=FoundationPoseCfg(**server))
 
 
-def test_the_embedded_one_gets_its_configuration_and_wants_no_colours(mug):
-    cfg, expected = TrackerCfg(steps=3), np.diag([-1.0, -1.0, 1.0, 1.0])
-    choice = choose_tracker("model", TrackerCfgs(tracker=cfg))
+def test_the_embedded_one_is_told_what_is_expected_and_wants_no_colours(mug):
+    expected = np.diag([-1.0, -1.0, 1.0, 1.0])
+    choice = choose_tracker("model")
     tracker = choice.make(mug, expected)
     assert isinstance(tracker, ModelTracker)
-    assert (tracker.cfg, choice.name, choice.wants_colours) == (cfg, "model", False)
+    assert (choice.name, choice.wants_colours) == ("model", False)
     np.testing.assert_array_equal(tracker._reference, expected)
     choice.check()
     tracker.close()

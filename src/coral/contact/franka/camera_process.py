@@ -185,7 +185,5 @@ def _prepare(job: CameraJob) -> tuple[RgbdCamera, ObjectTracking]:
         models,
         lambda name: choice.make(models[name], nominal_pose(trial, name)),
         masks,
-        job.tracked.motion,
-        job.tracked.grip,
     )
     return camera, tracking

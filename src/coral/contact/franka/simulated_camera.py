@@ -44,7 +44,6 @@ class SimulatedRgbdCamera:
         placed = look_at(*viewpoint(trial, cfg))
         self._believed = placed if T_world_camera is None else T_world_camera
         self._scene = PosedScene(trial, cfg.camera, cfg.make_noise(), placed, colours="shaded")
-        self._lens = cfg.camera.lens
         self._rng = np.random.default_rng([trial.seed, 11])
         self._state, self._drawn_s = state, -1.0
 
@@ -61,11 +60,6 @@ class SimulatedRgbdCamera:
         moment = MotionSample(objects, body_to_matrix(state.tool), state.opening_m)
         full = self._scene.take(moment, self._rng, state.time_s)
         return bare_frame(full.depth, full.rgb, full.lens, self._believed, full.time_s)
-
-    @property
-    def intrinsics(self) -> Array:
-        """See `RgbdCamera.intrinsics`."""
-        return self._lens
 
     def close(self) -> None:
         """See `RgbdCamera.close`."""

@@ -6,12 +6,14 @@ import contextlib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
+from coral.config import Positive
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.gl_colours import GlColours
 from coral.contact.perception.normal_kernels import normals
@@ -28,25 +30,14 @@ Colours = Literal["none", "shaded", "best"]
 class RgbdCameraCfg:
     """Pinhole camera with square pixels; integer (u, v) are pixel centres; x right, y down, z forward."""
 
-    width: int = 320
-    height: int = 240
+    width: Annotated[int, Field(ge=8, le=4096)] = 320
+    height: Annotated[int, Field(ge=8, le=4096)] = 240
     """Size in pixels. The paper gives none; at 0.9 m a pixel is 3 mm wide, and tracking takes a third of its 36 ms."""
-    vfov_deg: float = 45.0
+    vfov_deg: Annotated[float, Field(gt=0, lt=180)] = 45.0
     """Angle between the outer edges of the first and last row; similar to depth cameras used above tables."""
-    near_m: float = 0.1
-    far_m: float = 5.0
+    near_m: Positive = 0.1
+    far_m: Positive = 5.0
     """Only surfaces between these depths along the optical axis are visible."""
-
-    def __post_init__(self) -> None:
-        def demand(field: str, holds: bool, expected: str) -> None:
-            if not holds:
-                raise InputError("camera", field, getattr(self, field), expected)
-
-        demand("width", 8 <= self.width <= 4096, "8 to 4096 pixels")
-        demand("height", 8 <= self.height <= 4096, "8 to 4096 pixels")
-        demand("vfov_deg", 0.0 < self.vfov_deg < 180.0, "an angle between 0 and 180 degrees")
-        demand("near_m", self.near_m > 0.0, "a distance above 0 m")
-        demand("far_m", self.near_m < self.far_m < math.inf, "a finite distance above near_m")
 
     @property
     def lens(self) -> Array:

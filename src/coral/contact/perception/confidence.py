@@ -7,35 +7,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, Fraction, Positive
 from coral.contact.perception import agreement_kernels as kernels
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch, project
+from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch, project, robot_mask
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.pose_fit import count_agreement
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, kw_only=True)
-class ConfidenceCfg:
-    """Chosen by measurement on the six tasks' motions (docs/research/tracking.md)."""
-
-    min_pixels: Count = 30
-    """An object with fewer depth pixels in its mask counts as not seen."""
-    min_visible: Fraction = 0.1
-    """An object counts as covered if a smaller share of its drawing is visible. Confidence falls below twice this
-    share: with less than a fifth visible, one pose in ten is more than a centimetre off."""
-    lost_below: Fraction = 0.6
-    """A tracked object with less confidence counts as lost; half covered, a pose 4 cm off still reaches 0.5."""
-    found_above: Fraction = 0.9
-    """A lost object with more confidence counts as found; a box explains a can of its size by 0.87."""
-    found_visible: Fraction = 0.25
-    """Share of the drawing that must be visible for that: a smaller part fits in many places."""
-    margin_m: Positive = 0.012
-    """Depths with a smaller difference agree: five standard deviations at 1 m."""
-    robot: str = "robot"
-    """Name of the robot in pictures, if the camera labels it: occlusion by the robot is then known."""
+# Chosen by measurement on the six tasks' motions (docs/research/tracking.md).
+MIN_PIXELS = 30
+"""An object with fewer depth pixels in its mask counts as not seen."""
+MIN_VISIBLE = 0.1
+"""An object counts as covered if a smaller share of its drawing is visible. Confidence falls below twice this
+share: with less than a fifth visible, one pose in ten is more than a centimetre off."""
+LOST_BELOW = 0.6
+"""A tracked object with less confidence counts as lost; half covered, a pose 4 cm off still reaches 0.5."""
+FOUND_ABOVE = 0.9
+"""A lost object with more confidence counts as found; a box explains a can of its size by 0.87."""
+FOUND_VISIBLE = 0.25
+"""Share of the drawing that must be visible for that: a smaller part fits in many places."""
+MARGIN_M = 0.012
+"""Depths with a smaller difference agree: five standard deviations at 1 m."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +42,7 @@ class PoseAssessment:
     """"" if the pose is reliable; else "not seen", "covered" or "does not fit"."""
 
 
-def is_unseen(frame: RgbdFrame, mask: NDArray[np.bool_], cfg: ConfidenceCfg) -> bool:
+def is_unseen(frame: RgbdFrame, mask: NDArray[np.bool_]) -> bool:
     """Check whether too few pixels of the mask have depth for assessing a pose.
 
     Raises:
@@ -58,12 +50,7 @@ def is_unseen(frame: RgbdFrame, mask: NDArray[np.bool_], cfg: ConfidenceCfg) -> 
     """
     if mask.shape != frame.depth.shape:
         raise ValueError(f"mask of shape {mask.shape} for a picture of shape {frame.depth.shape}")
-    return int(np.count_nonzero(mask & (frame.depth > 0))) < cfg.min_pixels
-
-
-def robot_mask(frame: RgbdFrame, cfg: ConfidenceCfg) -> NDArray[np.bool_]:
-    """Return the robot's mask, Shape=(H, W); empty if the camera does not label it."""
-    return frame.mask(cfg.robot) if cfg.robot in frame.names else np.zeros(frame.depth.shape, bool)
+    return int(np.count_nonzero(mask & (frame.depth > 0))) < MIN_PIXELS
 
 
 def patch_around(
@@ -71,36 +58,32 @@ def patch_around(
     mask: NDArray[np.bool_],
     model: ObjectModel,
     poses: list[Array],
-    cfg: ConfidenceCfg,
     pixels: int,
 ) -> ImagePatch:
     """Crop the picture to the mask and to the object's drawings at some poses (T_camera_object)."""
     points = model.points[::10]
     corners = [project(points @ pose[:3, :3].T + pose[:3, 3], frame.lens) for pose in poses]
     box = box_of(mask, 8, np.concatenate(corners))
-    return crop_patch(frame.depth, mask, robot_mask(frame, cfg), frame.lens, box, pixels)
+    return crop_patch(frame.depth, mask, robot_mask(frame), frame.lens, box, pixels)
 
 
-def assess_pose(
-    model: ObjectModel, patch: ImagePatch, pose: Array, cfg: ConfidenceCfg, following: bool
-) -> PoseAssessment:
+def assess_pose(model: ObjectModel, patch: ImagePatch, pose: Array, following: bool) -> PoseAssessment:
     """Assess how well a pose explains the picture.
 
     Args:
         model: The object.
         patch: The part of the picture around the object.
         pose: T_camera_object, Shape=(4, 4).
-        cfg: Thresholds.
         following: Whether the object was tracked up to now; a newly found pose must meet higher thresholds.
     """
-    needed = cfg.lost_below if following else cfg.found_above
-    tally = count_agreement(patch, model, pose, cfg.margin_m)
+    needed = LOST_BELOW if following else FOUND_ABOVE
+    tally = count_agreement(patch, model, pose, MARGIN_M)
     seen = float(tally[kernels.AGREE] + tally[kernels.WRONG])
     visible = seen / max(1.0, float(tally[kernels.DRAWN]))
     total = seen + float(tally[kernels.UNCOVERED] + tally[kernels.FREE])
     confidence = float(tally[kernels.AGREE]) / max(1.0, total)
-    confidence *= min(1.0, visible / max(1e-9, 2 * cfg.min_visible))
-    if visible < (cfg.min_visible if following else cfg.found_visible):
+    confidence *= min(1.0, visible / max(1e-9, 2 * MIN_VISIBLE))
+    if visible < (MIN_VISIBLE if following else FOUND_VISIBLE):
         hidden = float(tally[kernels.HIDDEN]) > 0.5 * float(tally[kernels.DRAWN])
         return PoseAssessment(confidence, visible, "covered" if hidden else "does not fit")
     return PoseAssessment(confidence, visible, "" if confidence >= needed else "does not fit")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from coral.config import Count, Positive
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.confidence import ConfidenceCfg, assess_pose, is_unseen, patch_around
-from coral.contact.perception.foundationpose_client import OutOfReach, exchange, parse_url
+from coral.contact.perception.confidence import assess_pose, is_unseen, patch_around
+from coral.contact.perception.foundationpose_client import OutOfReach, exchange
 from coral.contact.perception.foundationpose_server import Arrays, encode
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseEstimate, TrackerFailed
@@ -31,12 +31,8 @@ class FoundationPoseCfg:
     register_steps: Count = 5
     track_steps: Count = 2
     """Refinement steps per pose."""
-    connect_s: Positive = 5.0
-    """Time to connect."""
     timeout_s: Positive = 30.0
-    """Time for one answer, from its first byte to its last."""
-    confidence: ConfidenceCfg = field(default_factory=ConfidenceCfg)
-    """Thresholds of a lost object."""
+    """Time for one answer, to its last byte."""
 
 
 class FoundationPoseTracker:
@@ -48,12 +44,8 @@ class FoundationPoseTracker:
         expected: T_world_object, Shape=(4, 4), as in `ModelTracker`.
 
     Raises:
-        InputError: The address is not that of an HTTP server.
         TrackerFailed: The server does not answer, or refuses the object.
     """
-
-    name = "foundationpose"
-    wants_colours = True
 
     def __init__(
         self,
@@ -62,7 +54,6 @@ class FoundationPoseTracker:
         expected: Array | None = None,
     ) -> None:
         self.model, self.cfg = model, cfg or FoundationPoseCfg()
-        parse_url(self.cfg.url)
         self._session: NDArray[Any] | None = None
         self._reference = np.eye(4) if expected is None else expected
         self._found, self._lost = False, False
@@ -80,7 +71,7 @@ class FoundationPoseTracker:
             InputError: The picture has no colours.
             TrackerFailed: The server fails.
         """
-        if is_unseen(frame, mask, self.cfg.confidence):  # the network would silently return the identity
+        if is_unseen(frame, mask):  # the network would silently return the identity
             return self._report_lost("not seen")
         request = self._picture(frame) | {"mask": mask, "iterations": np.array(self.cfg.register_steps)}
         return self._assess(frame, mask, self._pose("register", request), registered=True)
@@ -96,7 +87,7 @@ class FoundationPoseTracker:
         """
         if not self._found or self._lost:
             return self.register(frame, mask)
-        if is_unseen(frame, mask, self.cfg.confidence):
+        if is_unseen(frame, mask):
             return self._report_lost("not seen")
         request = self._picture(frame) | {"iterations": np.array(self.cfg.track_steps)}
         return self._assess(frame, mask, self._pose("track", request))
@@ -128,12 +119,10 @@ class FoundationPoseTracker:
         return pose.astype(float)
 
     def _assess(self, frame: RgbdFrame, mask: NDArray[np.bool_], pose: Array, registered: bool = False) -> PoseEstimate:
-        cfg = self.cfg.confidence
-        patch = patch_around(
-            frame, mask, self.model, [pose, inverse_transform(frame.T_world_camera) @ self._reference], cfg, 12000
-        )
+        poses = [pose, inverse_transform(frame.T_world_camera) @ self._reference]
+        patch = patch_around(frame, mask, self.model, poses, 12000)
         following = self._found and not self._lost
-        assessment = assess_pose(self.model, patch, pose, cfg, following)
+        assessment = assess_pose(self.model, patch, pose, following)
         if assessment.reason:
             return self._report_lost(assessment.reason, assessment.visible)
         self._reference = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
@@ -146,7 +135,7 @@ class FoundationPoseTracker:
 
     def _ask(self, verb: str, request: Arrays) -> Arrays:
         try:
-            return exchange(self.cfg.url, verb, encode(request), self.cfg.connect_s, self.cfg.timeout_s)
+            return exchange(self.cfg.url, verb, encode(request), self.cfg.timeout_s)
         except OutOfReach:
             self._session = None  # so that `close` does not wait for a dead server again
             raise

@@ -2,35 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from coral.config import NonNegative
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.scene.observation import Array
 
-
-@dataclass(frozen=True, kw_only=True)
-class GraspDetectionCfg:
-    """Thresholds of a detected grasp."""
-
-    squeeze_m: NonNegative = 0.004
-    """The commanded distance of the fingers is at least this much smaller than the measured one."""
-    slack_m: NonNegative = 0.008
-    """Maximum gap between the object and each finger."""
-    keep: NonNegative = 2.0
-    """Hysteresis: for a grasp already detected, the slack is multiplied by this and the squeeze divided by it.
-    """
-
-
+SQUEEZE_M = 0.004
+"""The commanded distance of the fingers is at least this much smaller than the measured one."""
+SLACK_M = 0.008
+"""Maximum gap between the object and each finger."""
+KEEP = 2.0
+"""Hysteresis: for a grasp already detected, the slack is multiplied by this and the squeeze divided by it."""
 _PAD_X, _PAD_LOW, _PAD_HIGH = 0.01, -0.044, 0.008
 """The pads in the tool's frame (m): half their width, and their ends along the fingers."""
 
 
-def is_grasped(
-    shape: ObjectModel, T_tool_object: Array, opening_m: float, wanted_m: float, before: bool, cfg: GraspDetectionCfg
-) -> bool:
+def is_grasped(shape: ObjectModel, T_tool_object: Array, opening_m: float, wanted_m: float, before: bool) -> bool:
     """Decide whether the fingers, commanded to close further than they can, hold the object.
 
     Args:
@@ -39,10 +26,9 @@ def is_grasped(
         opening_m: Measured distance between the pads.
         wanted_m: Commanded distance.
         before: Whether the grasp was detected before.
-        cfg: The thresholds.
     """
-    ease = cfg.keep if before else 1.0
-    if opening_m - wanted_m < cfg.squeeze_m / ease:
+    ease = KEEP if before else 1.0
+    if opening_m - wanted_m < SQUEEZE_M / ease:
         return False
     points = shape.points @ T_tool_object[:3, :3].T + T_tool_object[:3, 3]
     reach = 0.005 * (ease - 1.0)
@@ -51,5 +37,5 @@ def is_grasped(
     if len(near) < 4:
         return False
     low, high = float(near[:, 1].min()), float(near[:, 1].max())
-    slack = cfg.slack_m * ease
+    slack = SLACK_M * ease
     return abs(high - opening_m / 2) < slack and abs(low + opening_m / 2) < slack

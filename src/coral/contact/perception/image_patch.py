@@ -8,7 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.contact.perception.camera import RgbdFrame
+
 Array = NDArray[np.float64]
+ROBOT_NAME = "robot"
+"""Name of the robot in pictures, where the camera labels it: occlusion by the robot is then known."""
 ROBOT, OCCLUDED_RIM = 1, 2
 """`ImagePatch.occlusion`: a pixel of the robot; a pixel at which an occluder ends the object's mask."""
 NEARER = 0.012
@@ -28,6 +32,11 @@ class ImagePatch(NamedTuple):
     """Shape=(H, W): `ROBOT` outside the mask, `OCCLUDED_RIM` inside it, else 0."""
     lens: Array
     """Intrinsics of the patch in its own pixels, Shape=(4,): fx, fy, cx, cy."""
+
+
+def robot_mask(frame: RgbdFrame) -> NDArray[np.bool_]:
+    """Return the robot's mask, Shape=(H, W); empty if the camera does not label it."""
+    return frame.mask(ROBOT_NAME) if ROBOT_NAME in frame.names else np.zeros(frame.depth.shape, bool)
 
 
 def crop_patch(

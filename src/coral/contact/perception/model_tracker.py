@@ -2,51 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, NonNegative, Positive
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.confidence import ConfidenceCfg, assess_pose, is_unseen, patch_around, robot_mask
+from coral.contact.perception.confidence import MARGIN_M, assess_pose, is_unseen, patch_around
 from coral.contact.perception.image_patch import ImagePatch
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.pose_fit import align_pose, count_agreement, shift_onto_mask
-from coral.contact.perception.registration import RegistrationCfg, misfit, register, start_orientations
+from coral.contact.perception.registration import misfit, register, start_orientations
 from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.scene.geometry import rotation_about, rotation_angle, rotation_from_vector, rotation_vector
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrackerCfg:
-    """Weights and thresholds, chosen by measurement on the six tasks' motions (docs/research/tracking.md)."""
-
-    pixels: Count = 12000
-    """Pixels of the patch that is aligned: all of an object at 320 x 240."""
-    steps: Count = 8
-    """Gauss-Newton steps."""
-    wide_m: Positive = 0.025
-    """Depth residuals larger than this are ignored in the first step."""
-    tight_m: Positive = 0.008
-    """Depth residuals larger than this are ignored in the last step: four standard deviations at 1 m."""
-    outline: NonNegative = 2.0
-    """Weight of an outline pixel relative to a depth pixel."""
-    hold: NonNegative = 3.0
-    """Weight of the predicted pose, in pixels: it determines what a small visible part leaves open."""
-    search_above: NonNegative = 0.35
-    """If `misfit` is larger than this, nearby poses are tried too."""
-    reluctance: NonNegative = 0.3
-    """Penalty added there to the misfit for each object diameter, or radian, of distance from the guesses."""
-    search_rad: Positive = 0.25
-    """Rotation of those poses: half of the error that the alignment corrects by itself."""
-    confidence: ConfidenceCfg = field(default_factory=ConfidenceCfg)
-    """Thresholds of a lost object."""
-    registration: RegistrationCfg = field(default_factory=RegistrationCfg)
-    """Registration without a previous pose."""
+# Weights and thresholds, chosen by measurement on the six tasks' motions (docs/research/tracking.md).
+PIXELS = 12000
+"""Pixels of the patch that is aligned: all of an object at 320 x 240."""
+STEPS = 8
+"""Gauss-Newton steps."""
+WIDE_M = 0.025
+"""Depth residuals larger than this are ignored in the first step."""
+TIGHT_M = 0.008
+"""Depth residuals larger than this are ignored in the last step: four standard deviations at 1 m."""
+OUTLINE = 2.0
+"""Weight of an outline pixel relative to a depth pixel."""
+HOLD = 3.0
+"""Weight of the predicted pose, in pixels: it determines what a small visible part leaves open."""
+SEARCH_ABOVE = 0.35
+"""If `misfit` is larger than this, nearby poses are tried too."""
+RELUCTANCE = 0.3
+"""Penalty added there to the misfit for each object diameter, or radian, of distance from the guesses."""
+SEARCH_RAD = 0.25
+"""Rotation of those poses: half of the error that the alignment corrects by itself."""
 
 
 class ModelTracker:
@@ -58,17 +46,13 @@ class ModelTracker:
 
     Args:
         model: The object.
-        cfg: Weights and thresholds.
         expected: T_world_object, Shape=(4, 4): of the poses that its symmetry makes equal, the first report uses the
             one nearest to this; by default the object's axes along the world's.
     """
 
-    name = "model"
-    wants_colours = False
-
-    def __init__(self, model: ObjectModel, cfg: TrackerCfg | None = None, expected: Array | None = None) -> None:
-        self.model, self.cfg = model, cfg or TrackerCfg()
-        self._turns = start_orientations(model, self.cfg.registration)
+    def __init__(self, model: ObjectModel, expected: Array | None = None) -> None:
+        self.model = model
+        self._turns = start_orientations(model)
         self._reference = np.eye(4) if expected is None else expected
         self._last: Array | None = None
         self._before: Array | None = None
@@ -76,25 +60,16 @@ class ModelTracker:
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
         """Find the object without a previous pose; see `PoseTracker`."""
-        if is_unseen(frame, mask, self.cfg.confidence):
+        if is_unseen(frame, mask):
             return self._report_lost("not seen")
-        pose = register(
-            self.model,
-            self._turns,
-            frame.depth,
-            mask,
-            frame.lens,
-            frame.T_world_camera,
-            robot_mask(frame, self.cfg.confidence),
-            self.cfg.registration,
-        )
+        pose = register(self.model, self._turns, frame, mask)
         return self._assess(frame, self._patch(frame, mask, [pose]), pose, registered=True)
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
         """Track the object, or find it again after a loss; the hint is one more guess. See `PoseTracker`."""
         if self._last is None:
             return self.register(frame, mask)
-        if is_unseen(frame, mask, self.cfg.confidence):
+        if is_unseen(frame, mask):
             return self._report_lost("not seen")
         camera = inverse_transform(frame.T_world_camera)
         starts = [camera @ self._last]
@@ -108,7 +83,7 @@ class ModelTracker:
         pose = self._align(
             patch, min(starts, key=lambda start: misfit(count_agreement(patch, self.model, start, 0.03)))
         )
-        if self._misfit(patch, pose) > self.cfg.search_above:
+        if self._misfit(patch, pose) > SEARCH_ABOVE:
             pose = self._search(patch, [*starts, pose])
         estimate = self._assess(frame, patch, pose)
         if estimate.reason == "does not fit":
@@ -119,14 +94,13 @@ class ModelTracker:
         """See `PoseTracker`; there is nothing to release."""
 
     def _patch(self, frame: RgbdFrame, mask: NDArray[np.bool_], poses: list[Array]) -> ImagePatch:
-        return patch_around(frame, mask, self.model, poses, self.cfg.confidence, self.cfg.pixels)
+        return patch_around(frame, mask, self.model, poses, PIXELS)
 
     def _align(self, patch: ImagePatch, pose: Array) -> Array:
-        cfg = self.cfg
-        return align_pose(patch, self.model, pose, cfg.steps, cfg.wide_m, cfg.tight_m, cfg.outline, cfg.hold)
+        return align_pose(patch, self.model, pose, STEPS, WIDE_M, TIGHT_M, OUTLINE, HOLD)
 
     def _misfit(self, patch: ImagePatch, pose: Array) -> float:
-        return misfit(count_agreement(patch, self.model, pose, self.cfg.confidence.margin_m))
+        return misfit(count_agreement(patch, self.model, pose, MARGIN_M))
 
     def _search(self, patch: ImagePatch, poses: list[Array]) -> Array:
         """Align from several guesses, and from the first one rotated slightly about every axis; return the best fit."""
@@ -134,10 +108,10 @@ class ModelTracker:
         middle = poses[0][:3, :3] @ self.model.pivot + poses[0][:3, 3]
         for axis in np.eye(3):
             for sign in (1.0, -1.0):
-                turn = rotation_about(axis, sign * self.cfg.search_rad)
+                turn = rotation_about(axis, sign * SEARCH_RAD)
                 guesses.append(pose_matrix(turn @ poses[0][:3, :3], turn @ (poses[0][:3, 3] - middle) + middle))
         found = [self._align(patch, guess) for guess in guesses]
-        return min(found, key=lambda pose: self._misfit(patch, pose) + self.cfg.reluctance * self._effort(pose, poses))
+        return min(found, key=lambda pose: self._misfit(patch, pose) + RELUCTANCE * self._effort(pose, poses))
 
     def _effort(self, pose: Array, guesses: list[Array]) -> float:
         """Compute the distance of a pose from the nearest guess: in diameters of the object, plus radians."""
@@ -150,9 +124,8 @@ class ModelTracker:
 
     def _assess(self, frame: RgbdFrame, patch: ImagePatch, pose: Array, *, registered: bool = False) -> PoseEstimate:
         """Assess a pose (T_camera_object), and keep it if it is reliable."""
-        cfg = self.cfg.confidence
         following = self._last is not None and not self._lost
-        assessment = assess_pose(self.model, patch, pose, cfg, following)
+        assessment = assess_pose(self.model, patch, pose, following)
         if assessment.reason:
             return self._report_lost(assessment.reason, assessment.visible)
         world = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)

@@ -163,7 +163,7 @@ def _sample(solids: Solids, parts: list[Array]) -> Array:
     outside = np.ones(len(points), bool)
     for i in range(len(parts)):
         outside &= ~(_inside(solids, i, points) & (owner[chosen] != i))
-    return points[outside]
+    return np.asarray(points[outside])
 
 
 def _inside(solids: Solids, i: int, points: Array) -> NDArray[np.bool_]:

@@ -7,47 +7,41 @@ orientations are aligned on a coarse patch of the picture, and the best of them 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, NonNegative, Positive
 from coral.contact.perception import agreement_kernels as kernels
-from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch
+from coral.contact.perception.camera import RgbdFrame
+from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch, robot_mask
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.pose_fit import align_pose, count_agreement, shift_onto_mask
 from coral.contact.scene.geometry import rotation_about, spread_rotations
 
 Array = NDArray[np.float64]
+# Chosen by measurement on the six tasks' objects (docs/research/tracking.md); the paper uses a network.
+ORIENTATIONS = 240
+"""Orientations spread over all rotations, each class of equal ones tried once. FoundationPose starts from 252."""
+HEADINGS = 12
+"""Headings tried for each side on which the object may rest: objects on tables do, and they cost little."""
+COARSE_PIXELS = 1600
+COARSE_STEPS = 8
+"""Pixels of the patch and Gauss-Newton steps for every orientation."""
+KEPT = 16
+"""Number of orientations passed on to the fine alignment."""
+FINE_PIXELS = 12000
+FINE_STEPS = 20
+"""Pixels of the patch and Gauss-Newton steps of the fine alignment."""
+OUTLINE = 2.0
+"""Weight of an outline pixel relative to a depth pixel."""
+WIDE_M = 0.04
+TIGHT_M = 0.01
+"""Depth residuals larger than this are ignored, in the first step and in the last one."""
+MARGIN_M = 0.012
+"""Depths with a smaller difference agree."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class RegistrationCfg:
-    """Chosen by measurement on the six tasks' objects (docs/research/tracking.md); the paper uses a network."""
-
-    orientations: Count = 240
-    """Orientations spread over all rotations, each class of equal ones tried once. FoundationPose starts from 252."""
-    headings: Count = 12
-    """Headings tried for each side on which the object may rest: objects on tables do, and they cost little."""
-    coarse_pixels: Count = 1600
-    coarse_steps: Count = 8
-    """Pixels of the patch and Gauss-Newton steps for every orientation."""
-    kept: Count = 16
-    """Number of orientations passed on to the fine alignment."""
-    fine_pixels: Count = 12000
-    fine_steps: Count = 20
-    """Pixels of the patch and Gauss-Newton steps of the fine alignment."""
-    outline: NonNegative = 2.0
-    """Weight of an outline pixel relative to a depth pixel."""
-    wide_m: Positive = 0.04
-    tight_m: Positive = 0.01
-    """Depth residuals larger than this are ignored, in the first step and in the last one."""
-    margin_m: Positive = 0.012
-    """Depths with a smaller difference agree."""
-
-
-def start_orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
+def start_orientations(model: ObjectModel) -> Array:
     """Choose the orientations in the world to try, one of each class of equal ones. Shape=(n, 3, 3)."""
     symmetry = model.symmetry
     if symmetry.sphere:
@@ -63,11 +57,11 @@ def start_orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
             ((0, 1, 0), -math.pi / 2),
         )
     ]
-    headings = [rotation_about(np.array([0.0, 0.0, 1.0]), 2 * math.pi * k / cfg.headings) for k in range(cfg.headings)]
+    headings = [rotation_about(np.array([0.0, 0.0, 1.0]), 2 * math.pi * k / HEADINGS) for k in range(HEADINGS)]
     resting = [turn @ side for side in sides for turn in headings]
     group = symmetry.members(12)[:, :3, :3]
     kept: list[Array] = []
-    for number, turn in enumerate([*resting, *spread_rotations(cfg.orientations)]):
+    for number, turn in enumerate([*resting, *spread_rotations(ORIENTATIONS)]):
         nearest = math.radians(14.0 if number < len(resting) else 24.0)
         # tr(A^T B) = 1 + 2 cos(angle), for every kept orientation and every member of the group at once.
         if kept:
@@ -78,48 +72,36 @@ def start_orientations(model: ObjectModel, cfg: RegistrationCfg) -> Array:
     return np.array(kept)
 
 
-def register(
-    model: ObjectModel,
-    turns: Array,
-    depth: NDArray[np.float32],
-    mask: NDArray[np.bool_],
-    lens: Array,
-    T_world_camera: Array,
-    robot: NDArray[np.bool_],
-    cfg: RegistrationCfg,
-) -> Array:
+def register(model: ObjectModel, turns: Array, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Array:
     """Estimate T_camera_object, Shape=(4, 4), by the best fit.
 
     Args:
         model: The object.
         turns: Shape=(n, 3, 3), orientations in the world to try, from `start_orientations`.
-        depth: Shape=(H, W) m, 0 where nothing was measured.
+        frame: The picture.
         mask: Shape=(H, W), mask of the object; not empty, with some depth.
-        lens: Shape=(4,).
-        T_world_camera: Shape=(4, 4).
-        robot: Shape=(H, W), mask of the robot.
-        cfg: Sizes, steps and thresholds.
     """
+    depth, lens, robot = frame.depth, frame.lens, robot_mask(frame)
     size = box_of(mask, 0)
     extent = max(size[1] - size[0], size[3] - size[2])
     box = box_of(mask, max(4, extent // 4))
-    coarse = crop_patch(depth, mask, robot, lens, box, cfg.coarse_pixels)
+    coarse = crop_patch(depth, mask, robot, lens, box, COARSE_PIXELS)
     if not (coarse.mask & (coarse.depth > 0)).any():
         coarse = crop_patch(depth, mask, robot, lens, box, 10**9)
     start = _guess_center(model, coarse)
     found: list[tuple[float, int, Array]] = []
-    for turn in T_world_camera[:3, :3].T @ turns:
+    for turn in frame.T_world_camera[:3, :3].T @ turns:
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = turn, start - turn @ model.pivot
         pose = shift_onto_mask(coarse, model, pose)
-        pose = align_pose(coarse, model, pose, cfg.coarse_steps, cfg.wide_m, cfg.tight_m, cfg.outline)
-        found.append((misfit(count_agreement(coarse, model, pose, cfg.margin_m)), len(found), pose))
+        pose = align_pose(coarse, model, pose, COARSE_STEPS, WIDE_M, TIGHT_M, OUTLINE)
+        found.append((misfit(count_agreement(coarse, model, pose, MARGIN_M)), len(found), pose))
     found.sort(key=lambda item: item[:2])
-    fine = crop_patch(depth, mask, robot, lens, box, cfg.fine_pixels)
+    fine = crop_patch(depth, mask, robot, lens, box, FINE_PIXELS)
     best = (math.inf, np.eye(4))
-    for _, _, pose in _drop_duplicates(found, cfg.kept):
-        pose = align_pose(fine, model, pose, cfg.fine_steps, 2 * cfg.tight_m, cfg.tight_m, cfg.outline)
-        score = misfit(count_agreement(fine, model, pose, cfg.margin_m))
+    for _, _, pose in _drop_duplicates(found, KEPT):
+        pose = align_pose(fine, model, pose, FINE_STEPS, 2 * TIGHT_M, TIGHT_M, OUTLINE)
+        score = misfit(count_agreement(fine, model, pose, MARGIN_M))
         if score < best[0]:
             best = (score, pose)
     return best[1]

@@ -10,9 +10,7 @@ import numpy as np
 
 from coral.config import Count, NonNegative, Positive, Signed
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
-from coral.contact.perception.depth_noise import SENSORS, DepthNoise, DepthNoiseCfg, Sensor
-from coral.contact.perception.grasp_detection import GraspDetectionCfg
-from coral.contact.perception.motion_filter import MotionFilterCfg
+from coral.contact.perception.depth_noise import SENSORS, DepthNoise, Sensor
 from coral.contact.perception.scene_geoms import instance_names
 from coral.contact.perception.tracker_registry import TrackerCfgs, TrackerChoice, choose_tracker
 from coral.contact.scene.trial import Trial
@@ -47,14 +45,8 @@ class TrackedCfg(TrackerCfgs):
     """Whether depth and outlines are noisy, like a real camera's."""
     sensor: Sensor = "kinect"
     """Whose noise it is: a short-range structured-light camera's, or that of a stereo camera as the D435."""
-    depth_noise: DepthNoiseCfg = field(default_factory=DepthNoiseCfg)
-    """Amounts of the first one's noise."""
     by: str = "model"
     """The tracker, as `--tracker` takes it."""
-    motion: MotionFilterCfg = field(default_factory=MotionFilterCfg)
-    """The filter of each object's poses."""
-    grip: GraspDetectionCfg = field(default_factory=GraspDetectionCfg)
-    """Thresholds for detecting that the fingers hold an object, which then moves with the hand."""
     first_pictures: Count = 3
     """Number of pictures before the clock starts, for a better first pose."""
     search_s: NonNegative = 1.0
@@ -71,14 +63,11 @@ class TrackedCfg(TrackerCfgs):
     def __post_init__(self) -> None:
         if self.latency_s > self.period_s:
             raise InputError("tracked", "latency_s", self.latency_s, f"at most period_s ({self.period_s:g} s)")
-        if self.sensor != "kinect" and self.depth_noise != DepthNoiseCfg():
-            raise InputError("tracked", "depth_noise", "other amounts", f"none beside the sensor {self.sensor}")
         self.choice()
 
     def make_noise(self) -> DepthNoise | None:
         """Make the noise of the pictures; None without."""
-        amounts = self.depth_noise if self.sensor == "kinect" else SENSORS[self.sensor]
-        return DepthNoise(amounts) if self.noise else None
+        return DepthNoise(SENSORS[self.sensor]) if self.noise else None
 
     def choice(self) -> TrackerChoice:
         """Return the tracker that `by` names.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
@@ -11,7 +9,8 @@ from coral.contact.perception.tracker import PoseTracker
 from coral.contact.scene.observation import Array
 from coral.contact.scene.rigid_transform import inverse_transform
 
-_IN_HAND_GAIN = 0.3
+_IN_HAND = MotionFilterCfg(position_gain=0.3, velocity_gain=0.0)
+"""Squeezed between rubber pads an object moves with them; any other motion in the pictures is mostly noise."""
 
 
 class TrackedObject:
@@ -19,13 +18,10 @@ class TrackedObject:
 
     Args:
         tracker: Estimates its pose in pictures.
-        cfg: Filter of its poses.
     """
 
-    def __init__(self, tracker: PoseTracker, cfg: MotionFilterCfg) -> None:
-        self.tracker, self._cfg = tracker, cfg
-        # Squeezed between rubber pads it moves with them; any other motion in the pictures is mostly noise.
-        self.in_hand = replace(cfg, position_gain=_IN_HAND_GAIN, velocity_gain=0.0)
+    def __init__(self, tracker: PoseTracker) -> None:
+        self.tracker = tracker
         self.held = False
         self.lost_since: float | None = None
         self.motion: MotionFilter | None = None
@@ -41,7 +37,12 @@ class TrackedObject:
         if held != self.held:
             before, after = (np.eye(4), inverse_transform(tool)) if held else (tool, np.eye(4))
             T = after @ before @ self.known.predict(time_s)
-            self.motion, self.held = MotionFilter(self.in_hand if held else self._cfg, T, time_s), held
+            self.held = held
+            self.begin(T, time_s)
+
+    def begin(self, T: Array, time_s: float) -> None:
+        """Begin its motion anew at a pose, Shape=(4, 4), in the frame in which it rests."""
+        self.motion = MotionFilter(_IN_HAND if self.held else MotionFilterCfg(), T, time_s)
 
     @property
     def known(self) -> MotionFilter:

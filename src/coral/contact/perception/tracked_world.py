@@ -12,7 +12,6 @@ import numpy as np
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.grasp_detection import is_grasped
-from coral.contact.perception.motion_filter import MotionFilter
 from coral.contact.perception.object_model import from_trial
 from coral.contact.perception.pose_difference import PoseDifference, compare_poses
 from coral.contact.perception.tracked_cfg import TrackedCfg, make_camera
@@ -98,7 +97,7 @@ class TrackedWorld:
         for name, shape in self._shapes.items():
             with _as_world_error():
                 tracker = self._choice.make(shape, nominal_pose(self._trial, name))
-            self._objects[name] = TrackedObject(tracker, self.cfg.motion)
+            self._objects[name] = TrackedObject(tracker)
         self._late: deque[tuple[float, Array, dict[str, PoseEstimate]]] = deque()
         self._pictured_s, self._due_s, self._retreated_s = now.time_s, now.time_s, -np.inf
         self._news.clear()
@@ -140,7 +139,6 @@ class TrackedWorld:
                 now.opening_m,
                 target.opening_m,
                 one.held,
-                self.cfg.grip,
             )
             one.hold(held, tool, now.time_s)
         if now.time_s >= self._due_s - 1e-9:
@@ -221,7 +219,8 @@ class TrackedWorld:
             z = self._trial.task.object(name).z
             T[2, 3] = -self._trial.lowest_point(name, matrix_to_body(T)) if z is None else z
             one = self._objects[name]
-            one.motion, one.lost_since = MotionFilter(self.cfg.motion, T, time_s), time_s
+            one.begin(T, time_s)
+            one.lost_since = time_s
             self._unseen.add(name)
             self._news.append({"object": name, "lost": True, "reason": reason, "held": False})
 
@@ -235,7 +234,7 @@ class TrackedWorld:
                 if one.motion is None:
                     missing[name] = "no picture" if estimate is None else estimate.reason
             elif one.motion is None or estimate.registered:
-                one.motion = MotionFilter(self.cfg.motion, estimate.T_world_object, now.time_s)
+                one.begin(estimate.T_world_object, now.time_s)
             else:
                 one.motion.update(estimate.T_world_object, now.time_s)
         return missing
@@ -275,7 +274,7 @@ class TrackedWorld:
             self._unseen.discard(name)
             self._news.append({"object": name, "lost": False, "after_s": round(time_s - one.lost_since, 3)})
             one.lost_since = None
-            one.motion = MotionFilter(one.in_hand if one.held else self.cfg.motion, T, taken_s)
+            one.begin(T, taken_s)
         else:
             one.known.update(T, taken_s)
 

@@ -37,15 +37,7 @@ class TrackerFailed(RunError):
 
 
 class PoseTracker(Protocol):
-    """Finds and follows one object. The verbs are FoundationPose's.
-
-    Attributes:
-        name: Name for records.
-        wants_colours: Whether its pictures need colours; otherwise none are drawn.
-    """
-
-    name: str
-    wants_colours: bool
+    """Finds and follows one object. The verbs are FoundationPose's."""
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
         """Find the object without a previous pose.

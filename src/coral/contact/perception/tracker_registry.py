@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker
-from coral.contact.perception.foundationpose_client import parse_url, reach
-from coral.contact.perception.model_tracker import ModelTracker, TrackerCfg
+from coral.contact.perception.foundationpose_client import CONNECT_S, URL, exchange
+from coral.contact.perception.model_tracker import ModelTracker
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseTracker
 from coral.errors import InputError, nearest
@@ -21,10 +21,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class TrackerCfgs:
-    """One configuration for each tracker."""
+    """The configuration of each tracker that has one."""
 
-    tracker: TrackerCfg = field(default_factory=TrackerCfg)
-    """Configuration of `model`, the embedded tracker."""
     foundationpose: FoundationPoseCfg = field(default_factory=FoundationPoseCfg)
     """Configuration of `foundationpose`."""
 
@@ -35,12 +33,12 @@ class TrackerChoice:
 
     name: str
     """Name for records."""
-    wants_colours: bool
-    """Whether its pictures need colours."""
     make: Callable[[ObjectModel, Array | None], PoseTracker]
     """Makes a tracker for an object that is expected at T_world_object, Shape=(4, 4), or None: with its axes along the
     world's."""
-    check: Callable[[], None]
+    wants_colours: bool = False
+    """Whether its pictures need colours."""
+    check: Callable[[], object] = lambda: None
     """Raises TrackerFailed if no tracker could be made."""
 
 
@@ -52,32 +50,23 @@ class TrackerKind:
     """Form of the value after `--tracker`."""
     help: str
     """Description, as half a sentence."""
-    choose: Callable[[str | None, TrackerCfgs, tuple[str, str]], TrackerChoice | None]
-    """The choice for an address (what follows the first colon; None without a colon), the configurations, and the place
-    of the word, for errors; None where the word is not of this form."""
+    choose: Callable[[str, TrackerCfgs], TrackerChoice | None]
+    """The choice for an address ("" without one) and the configurations; None where the address is none."""
 
 
-def _choose_model(address: str | None, cfgs: TrackerCfgs, place: tuple[str, str]) -> TrackerChoice | None:
-    if address is not None:
+def _choose_model(address: str, cfgs: TrackerCfgs) -> TrackerChoice | None:
+    return None if address else TrackerChoice("model", ModelTracker)
+
+
+def _choose_foundationpose(address: str, cfgs: TrackerCfgs) -> TrackerChoice | None:
+    cfg = replace(cfgs.foundationpose, url=address or cfgs.foundationpose.url)
+    if not URL.fullmatch(cfg.url):
         return None
     return TrackerChoice(
-        ModelTracker.name,
-        ModelTracker.wants_colours,
-        lambda shape, expected: ModelTracker(shape, cfgs.tracker, expected),
-        lambda: None,
-    )
-
-
-def _choose_foundationpose(address: str | None, cfgs: TrackerCfgs, place: tuple[str, str]) -> TrackerChoice | None:
-    cfg = cfgs.foundationpose if address is None else replace(cfgs.foundationpose, url=address)
-    if not cfg.url:
-        return None
-    parse_url(cfg.url, *place)
-    return TrackerChoice(
-        FoundationPoseTracker.name,
-        FoundationPoseTracker.wants_colours,
+        "foundationpose",
         lambda shape, expected: FoundationPoseTracker(shape, cfg, expected),
-        lambda: reach(cfg.url, cfg.connect_s),
+        wants_colours=True,
+        check=lambda: exchange(cfg.url, "", b"", CONNECT_S),
     )
 
 
@@ -106,9 +95,9 @@ def choose_tracker(
     Raises:
         InputError: There is no such tracker.
     """
-    name, separator, address = word.partition(":")
+    name, _, address = word.partition(":")
     kind = TRACKERS.get(name)
-    choice = kind.choose(address if separator else None, cfgs or TrackerCfgs(), (where, field)) if kind else None
+    choice = kind.choose(address, cfgs or TrackerCfgs()) if kind else None
     if choice is None:
         forms = " or ".join(kind.form for kind in TRACKERS.values())
         raise InputError(where, field, repr(word), f"{forms}{'' if kind else nearest(name, TRACKERS)}")

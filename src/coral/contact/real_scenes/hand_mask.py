@@ -12,7 +12,7 @@ from coral.contact.control.hand_model import HandCfg, add_hand
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.ray_solids import from_mujoco
 from coral.contact.perception.solids import Solids
-from coral.contact.real_scenes.object_drawing import draw_solids
+from coral.contact.real_scenes.object_drawing import draw_depth
 from coral.contact.scene.rigid_transform import inverse_transform
 
 Array = NDArray[np.float64]
@@ -57,7 +57,7 @@ class HandMask:
         """Return the picture with the hand's pixels labelled as the robot's: drawn there, and nothing is nearer."""
         self._solids.center[:, 1] = self._closed + self._way * hand.opening_m / 2
         placed = inverse_transform(frame.T_world_camera) @ hand.T_world_tool
-        drawn = draw_solids(self._solids, placed, frame.lens, (frame.depth.shape[0], frame.depth.shape[1]))
+        drawn = draw_depth(self._solids, placed, frame)
         shown = np.isfinite(drawn) & ((frame.depth == 0.0) | (np.abs(frame.depth - drawn) < MARGIN_M))
         names = (*frame.names, NAME) if NAME not in frame.names else frame.names
         instance = np.where(shown & (frame.instance == 0), names.index(NAME) + 1, frame.instance)

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.grasp_detection import GraspDetectionCfg, is_grasped
-from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
+from coral.contact.perception.grasp_detection import is_grasped
 from coral.contact.perception.object_model import ObjectModel, from_trial
 from coral.contact.perception.tracked_object import TrackedObject
 from coral.contact.perception.tracker import PoseEstimate, PoseTracker
@@ -30,22 +29,14 @@ class ObjectTracking:
         models: The objects.
         make: Makes the tracker of an object, by its name.
         masks: Segments the pictures.
-        motion: Filter of a held object's pose in the hand.
-        grip: Thresholds for detecting that the fingers hold an object.
     """
 
     def __init__(
-        self,
-        models: Mapping[str, ObjectModel],
-        make: Callable[[str], PoseTracker],
-        masks: MaskSource,
-        motion: MotionFilterCfg | None = None,
-        grip: GraspDetectionCfg | None = None,
+        self, models: Mapping[str, ObjectModel], make: Callable[[str], PoseTracker], masks: MaskSource
     ) -> None:
         self.models, self._masks = models, masks
-        self._motion, self._grip = motion or MotionFilterCfg(), grip or GraspDetectionCfg()
         self._hand = HandMask()
-        self._objects = {name: TrackedObject(make(name), self._motion) for name in models}
+        self._objects = {name: TrackedObject(make(name)) for name in models}
         self._poses: dict[str, Array] = {}
         self._in_hand: dict[str, Array] = {}
 
@@ -87,12 +78,12 @@ class ObjectTracking:
         else:
             T = inverse_transform(tool) @ estimate.T_world_object if one.held else estimate.T_world_object
             if one.motion is None or estimate.registered:
-                one.motion = MotionFilter(one.in_hand if one.held else self._motion, T, time_s)
+                one.begin(T, time_s)
             else:
                 one.motion.update(T, time_s)
         inside = inverse_transform(tool) @ one.at(tool, time_s)
         shape = self.models[name]
-        one.hold(is_grasped(shape, inside, hand.opening_m, hand.wanted_m, one.held, self._grip), tool, time_s)
+        one.hold(is_grasped(shape, inside, hand.opening_m, hand.wanted_m, one.held), tool, time_s)
         if one.held:
             self._in_hand[name] = one.known.predict(time_s)
         else:

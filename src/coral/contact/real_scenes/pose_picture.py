@@ -33,8 +33,7 @@ def draw_poses(
     for name, estimate in estimates.items():
         if estimate.lost:
             continue
-        shape = (frame.depth.shape[0], frame.depth.shape[1])
-        drawn = np.isfinite(draw_depth(models[name], camera @ estimate.T_world_object, frame.lens, shape))
+        drawn = np.isfinite(draw_depth(models[name].solids, camera @ estimate.T_world_object, frame))
         large = cv2.resize(drawn.astype(np.uint8), None, fx=grow, fy=grow, interpolation=cv2.INTER_NEAREST)
         outlines, _ = cv2.findContours(large, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         cv2.drawContours(canvas, outlines, -1, _GREEN, 2)

@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 from coral.config import Count, Fraction, TimeStep
 from coral.contact.perception.agreement_kernels import AGREE, DRAWN, WRONG
 from coral.contact.perception.camera import Colours, RgbdCameraCfg, RgbdFrame
-from coral.contact.perception.confidence import ConfidenceCfg, patch_around
+from coral.contact.perception.confidence import MARGIN_M, patch_around
 from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.object_model import ObjectModel, from_trial
 from coral.contact.perception.pose_fit import count_agreement
 from coral.contact.perception.tracker import PoseTracker
 from coral.contact.real_scenes.benchmark_motions import motion_of
-from coral.contact.real_scenes.pose_error import add, add_s, mssd
 from coral.contact.real_scenes.posed_scene import PosedScene
 from coral.contact.scene.rigid_transform import inverse_transform
 from coral.contact.scene.trial import Trial
@@ -53,7 +52,7 @@ class AccuracyCfg:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """The accuracy for one object in one motion. Errors are modulo the object's symmetry, except ADD."""
+    """The accuracy for one object in one motion. Errors are modulo the object's symmetry."""
 
     task: str
     """Task of the motion."""
@@ -67,10 +66,6 @@ class Accuracy:
     mm_95: float
     deg_95: float
     """Bounds on 95 % of the errors."""
-    add_mm: float
-    add_s_mm: float
-    mssd_mm: float
-    """Medians."""
     lost: int
     """Number of pictures in which the tracker reported the object as lost."""
     least_visible: float
@@ -108,7 +103,7 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
             visible_share(model, frame, frame.mask(name), truth[name])
             for frame, truth in zip(frames, truths, strict=True)
         ]
-        errors, spent, poses, lost = [], [], [], 0
+        errors, spent, lost = [], [], 0
         with closing(make(model)) as tracker:
             for k, frame in enumerate(frames):
                 mask = frame.mask(name)
@@ -116,7 +111,6 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
                 estimate = tracker.track(frame, mask) if k else tracker.register(frame, mask)
                 spent.append(time.perf_counter() - begin)
                 errors.append(pose_error(model, estimate.T_world_object, truths[k][name]))
-                poses.append((estimate.T_world_object, truths[k][name]))
                 lost += estimate.lost
         starts, start_times = [], []
         shown = np.flatnonzero(np.array(visible) >= cfg.enough)
@@ -130,7 +124,6 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
             starts.append(not estimate.lost and mm < cfg.within_mm and deg < cfg.within_deg)
         e, updates = np.array(errors), 1e3 * np.array(spent[1:])
         (mm, deg), (mm_95, deg_95) = np.median(e, 0).tolist(), np.percentile(e, 95, 0).tolist()
-        some = poses[:: max(1, len(poses) // 20)]
         found.append(
             Accuracy(
                 trial.task.name,
@@ -140,9 +133,6 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
                 deg,
                 mm_95,
                 deg_95,
-                1e3 * float(np.median([add(a, b, model.points) for a, b in some])),
-                1e3 * float(np.median([add_s(a, b, model.points) for a, b in some])),
-                1e3 * float(np.median([mssd(a, b, model.points, model.symmetry) for a, b in some])),
                 lost,
                 float(min(visible)),
                 float(np.median(updates)),
@@ -165,9 +155,8 @@ def visible_share(model: ObjectModel, frame: RgbdFrame, mask: NDArray[np.bool_],
     """Compute the visible share of the object, at its true pose."""
     if not mask.any():
         return 0.0
-    cfg = ConfidenceCfg()
     pose = inverse_transform(frame.T_world_camera) @ truth
-    tally = count_agreement(patch_around(frame, mask, model, [pose], cfg, frame.depth.size), model, pose, cfg.margin_m)
+    tally = count_agreement(patch_around(frame, mask, model, [pose], frame.depth.size), model, pose, MARGIN_M)
     return float((tally[AGREE] + tally[WRONG]) / max(1.0, tally[DRAWN]))
 
 

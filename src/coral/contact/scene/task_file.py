@@ -6,15 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
-from coral.config import read_yaml
 from coral.contact.scene.shapes import Shape
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_names import TASKS_DIR, every_task, shipped_tasks, suite_tasks, task_path, unseen_tasks
 from coral.contact.scene.task_validation import check_task
 from coral.file_writer import write_whole
-from coral.validation_errors import input_error
+from coral.validation_errors import read_model
 
 __all__ = [
     "TASKS_DIR",
@@ -34,11 +31,7 @@ def load_task_file(name_or_path: str | Path) -> Task:
         InputError: There is no such task, or the file is invalid; the error names the field.
     """
     path = task_path(name_or_path)
-    try:
-        task = Task.model_validate(read_yaml(path))
-    except ValidationError as error:
-        raise input_error(str(path), error, Task) from None
-    task = _resolve_mesh_paths(task, path.parent)
+    task = _resolve_mesh_paths(read_model(path, Task), path.parent)
     check_task(task, str(path))
     return task
 

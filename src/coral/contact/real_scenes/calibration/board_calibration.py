@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.calibration.charuco_board import SeenBoard
-from coral.contact.real_scenes.calibration.wrong_entry import find_wrong_entry
+from coral.contact.real_scenes.calibration.wrong_entry import check_fit
 from coral.contact.scene.geometry import rotation_angle
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
 from coral.errors import InputError
@@ -104,13 +104,8 @@ def calibrate_by_held_board(
         errors = [_reprojection(boards[i], pose, lens) for i, pose in zip(chosen, placed, strict=True)]
         return T_world_camera, placed, _root_mean_square(errors)
 
+    check_fit(lambda chosen: fit(chosen)[2], len(boards), LIMIT_PX, "pixels", LEAST_PICTURES, (where, "poses"))
     T_world_camera, placed, left = fit(range(len(boards)))
-    if left > LIMIT_PX:
-        enough = len(boards) > LEAST_PICTURES
-        wrong = find_wrong_entry(lambda chosen: fit(chosen)[2], len(boards), LIMIT_PX) if enough else None
-        field = "poses" if wrong is None else f"poses[{wrong}]"
-        why = "" if wrong is None else "; without it the others agree: it is of another picture"
-        raise InputError(where, field, f"a residual of {left:.1f} pixels{why}", f"{LIMIT_PX:g} pixels")
     return BoardCalibration(T_world_camera, left, _depth_share(boards, frames, placed))
 
 

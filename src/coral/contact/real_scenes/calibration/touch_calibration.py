@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, Field
 
-from coral.config import read_yaml
+from coral.config import Signed
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.real_scenes.calibration.wrong_entry import find_wrong_entry
+from coral.contact.real_scenes.calibration.wrong_entry import check_fit
 from coral.contact.scene.rigid_transform import pose_matrix
-from coral.errors import MALFORMED, InputError
+from coral.errors import InputError
+from coral.validation_errors import read_model
 
 Array = NDArray[np.float64]
 LEAST, MOST = 4, 100
@@ -26,14 +29,19 @@ PATCH = 2
 """Depth is the median over this many pixels to each side."""
 
 
-@dataclass(frozen=True)
-class Touch:
+class Touch(BaseModel, frozen=True, extra="forbid"):
     """A point that was clicked and touched."""
 
-    pixel: tuple[float, float]
+    pixel: tuple[Signed, Signed]
     """Column and row."""
-    touched_m: tuple[float, float, float]
+    touched_m: tuple[Signed, Signed, Signed]
     """In the world."""
+
+
+class TouchesFile(BaseModel, frozen=True, extra="forbid"):
+    """The points."""
+
+    touches: Annotated[tuple[Touch, ...], Field(min_length=LEAST, max_length=MOST)]
 
 
 @dataclass(frozen=True)
@@ -78,14 +86,10 @@ def calibrate_by_touch(frame: RgbdFrame, touches: Sequence[Touch], where: str) -
         raise InputError(where, "touches", found, f"points spread by {1e3 * LEAST_SPREAD_M:.0f} mm beside it")
 
     def residual(chosen: Sequence[int]) -> float:
-        return _root_mean_square(_distances(align_points(seen[chosen], touched[chosen]), seen[chosen], touched[chosen]))
+        a, b = seen[chosen], touched[chosen]
+        return 1e3 * float(np.sqrt(np.mean(_distances(align_points(a, b), a, b) ** 2)))
 
-    left = residual(range(len(touches)))
-    if left > LIMIT_M:
-        wrong = find_wrong_entry(residual, len(touches), LIMIT_M) if len(touches) > LEAST else None
-        field = "touches" if wrong is None else f"touches[{wrong}]"
-        why = "" if wrong is None else "; without it the others agree: another point was clicked or touched"
-        raise InputError(where, field, f"a residual of {1e3 * left:.1f} mm{why}", f"{1e3 * LIMIT_M:.0f} mm")
+    check_fit(residual, len(touches), 1e3 * LIMIT_M, "mm", LEAST, (where, "touches"))
     placed = align_points(seen, touched)
     return TouchCalibration(placed, _distances(placed, seen, touched))
 
@@ -96,24 +100,7 @@ def read_touches(path: Path) -> list[Touch]:
     Raises:
         InputError: The file is missing or broken.
     """
-    content = read_yaml(path)
-    entries = content.get("touches")
-    if not isinstance(entries, list) or not LEAST <= len(entries) <= MOST:
-        found = f"{len(entries)} points" if isinstance(entries, list) else "no list"
-        raise InputError(str(path), "touches", found, f"a list of {LEAST} to {MOST} points")
-    touches = []
-    for k, entry in enumerate(entries):
-        numbers = []
-        for key, count in (("pixel", 2), ("touched_m", 3)):
-            try:
-                found_numbers = np.asarray(entry[key], float)
-            except MALFORMED:
-                found_numbers = np.empty(0)
-            if found_numbers.shape != (count,) or not np.isfinite(found_numbers).all():
-                raise InputError(str(path), f"touches[{k}].{key}", "missing or broken", f"{count} finite numbers")
-            numbers.append(tuple(found_numbers.tolist()))
-        touches.append(Touch(*numbers))
-    return touches
+    return list(read_model(path, TouchesFile).touches)
 
 
 def _seen_point(frame: RgbdFrame, pixel: tuple[float, float], field: str, where: str) -> Array:
@@ -132,7 +119,3 @@ def _seen_point(frame: RgbdFrame, pixel: tuple[float, float], field: str, where:
 
 def _distances(placed: Array, seen: Array, touched: Array) -> Array:
     return np.asarray(np.linalg.norm(seen @ placed[:3, :3].T + placed[:3, 3] - touched, axis=1))
-
-
-def _root_mean_square(values: Array) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))

@@ -1,18 +1,38 @@
-"""Finds the one entry that spoils a fit: without it, the others agree."""
+"""Refuses a fit that leaves too much, and finds the one entry that spoils it: without it, the others agree."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from coral.errors import InputError
 
-def find_wrong_entry(residual: Callable[[Sequence[int]], float], count: int, limit: float) -> int | None:
-    """Return the index of the entry without which the fit is within its limit; None if it is no single one.
+
+def check_fit(
+    residual: Callable[[Sequence[int]], float], count: int, limit: float, unit: str, least: int, place: tuple[str, str]
+) -> None:
+    """Check what a fit leaves.
 
     Args:
         residual: Fits some of the entries, and returns what the fit leaves.
         count: Number of entries.
         limit: Largest residual of a good fit.
+        unit: Unit of both.
+        least: Number of entries that a fit needs.
+        place: File and field of the entries, for errors.
+
+    Raises:
+        InputError: It is more than the limit. If all is well without a certain one, it is named.
     """
-    left = [(residual([i for i in range(count) if i != k]), k) for k in range(count)]
-    best, wrong = min(left)
-    return wrong if best <= limit else None
+    left = residual(range(count))
+    if left <= limit:
+        return
+    where, field = place
+    found = f"a residual of {left:.1f} {unit}"
+    if count > least:
+        best, wrong = min((residual([i for i in range(count) if i != k]), k) for k in range(count))
+        if best <= limit:
+            field, found = (
+                f"{field}[{wrong}]",
+                f"{found}; without it the others agree: it is of another place",
+            )
+    raise InputError(where, field, found, f"{limit:g} {unit}")

@@ -54,7 +54,6 @@ class BagRgbdCamera:
         if not self.path.exists():
             raise InputError("--camera", "", self.name, "a ROS 2 bag or an MCAP file")
         self.topics = _choose_topics(self.path, message_types(self.path), asked)
-        self._lens: Array | None = None
         self._frames: Iterator[RgbdFrame] = iter(())
         self._next: RgbdFrame | None = None
 
@@ -75,13 +74,6 @@ class BagRgbdCamera:
         if found is not None:
             self._next = next(self._frames, None)
         return found
-
-    @property
-    def intrinsics(self) -> Array:
-        """See `RgbdCamera.intrinsics`."""
-        if self._lens is None:
-            raise RuntimeError("the camera has not started")
-        return self._lens
 
     def close(self) -> None:
         """See `RgbdCamera.close`."""
@@ -115,13 +107,13 @@ class BagRgbdCamera:
         k, d = np.asarray(message.k, float), np.asarray(message.d, float)
         if not (np.isfinite(k).all() and k[0] > 0 and k[4] > 0):
             raise InputError(str(self.path), f"{self.topics['info']}: k", k.tolist(), "a camera matrix")
-        self._lens, model = k[[0, 4, 2, 5]], str(message.distortion_model)
+        lens, model = k[[0, 4, 2, 5]], str(message.distortion_model)
         bent = bool(np.any(d)) or model == "equidistant"
         if not np.isfinite(d).all() or (bent and d.size not in MODELS.get(model, ())):
             found = f"{model!r} with {d.size} coefficients"
             raise InputError(str(self.path), f"{self.topics['info']}: distortion_model", found, _MODELS_TOLD)
         size = int(message.height), int(message.width)
-        return Undistortion(self._lens, d if d.size else np.zeros(4), size, fisheye=model == "equidistant")
+        return Undistortion(lens, d if d.size else np.zeros(4), size, fisheye=model == "equidistant")
 
     def _pair(
         self,
@@ -137,7 +129,7 @@ class BagRgbdCamera:
             found = f"{width} x {height} pixels beside colours of {columns} x {rows}"
             raise InputError(str(self.path), self.topics["depth"], found, "depth aligned to the colours")
         rgb = None if rgb is None else removal.apply(rgb)
-        return bare_frame(removal.apply(depth), rgb, self.intrinsics, self._placed, time_s)
+        return bare_frame(removal.apply(depth), rgb, removal.lens, self._placed, time_s)
 
 
 def _choose_topics(path: Path, types: dict[str, str], asked: str) -> dict[str, str]:

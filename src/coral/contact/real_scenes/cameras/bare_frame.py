@@ -46,6 +46,7 @@ class Undistortion:
     def __init__(
         self, lens: Array, coefficients: Array, size: tuple[int, int], *, inverse: bool = False, fisheye: bool = False
     ) -> None:
+        self.lens = lens
         self._map: NDArray[np.float32] | None = None
         if not (fisheye or np.any(coefficients)):
             return

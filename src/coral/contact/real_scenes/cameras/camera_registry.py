@@ -28,10 +28,8 @@ class CameraKind:
     """Form of the value after `--camera`."""
     help: str
     """Description, as half a sentence."""
-    make: Callable[[str, Array | None], RgbdCamera] | None
-    """Makes it from what follows the first colon ("" without one) and T_world_camera; None if that is not enough."""
-    needs_rest: bool = True
-    """Whether something must follow the colon."""
+    make: Callable[[str, Array | None], RgbdCamera]
+    """Makes it from what follows the first colon ("" without one) and T_world_camera."""
 
 
 CAMERAS: dict[str, CameraKind] = {
@@ -49,7 +47,6 @@ CAMERAS: dict[str, CameraKind] = {
         "realsense[:SERIAL]",
         f"a RealSense with {WIDTH} x {HEIGHT} pixels, {RATE_HZ} Hz, depth aligned to the colours (extra realsense)",
         lambda rest, placed: RealSenseCamera(rest or None, placed),
-        needs_rest=False,
     ),
 }
 
@@ -59,25 +56,21 @@ def camera_help() -> str:
     return "; or ".join(f"{kind.form}, {kind.help}" for kind in CAMERAS.values())
 
 
-def make_camera_by_name(word: str, T_world_camera: Array | None = None, where: str = "--camera") -> RgbdCamera:
+def make_camera_by_name(word: str, T_world_camera: Array | None = None) -> RgbdCamera:
     """Make the camera that a word names; it is not started yet.
 
     Args:
         word: NAME or NAME:REST.
         T_world_camera: Shape=(4, 4), where the camera stands; None if it is not known.
-        where: Source of the word, for errors.
 
     Raises:
         InputError: There is no such camera.
     """
     name, _, rest = word.partition(":")
-    kind = CAMERAS.get(name)
-    if kind is None:
-        if name in find_plugins(GROUP):
-            made: RgbdCamera = named_plugin(GROUP, name, where)(rest, T_world_camera)
-            return made
-        named_plugin(GROUP, name, where, ours=[kind.form for kind in CAMERAS.values()])
-    assert kind is not None
-    if kind.make is None or (kind.needs_rest and not rest):
-        raise InputError(where, "", repr(word), kind.form)
+    if name not in CAMERAS and name in find_plugins(GROUP):
+        made: RgbdCamera = named_plugin(GROUP, name, "--camera")(rest, T_world_camera)
+        return made
+    kind = CAMERAS.get(name) or named_plugin(GROUP, name, "--camera", ours=[kind.form for kind in CAMERAS.values()])
+    if not rest and kind.form.endswith((":FOLDER", ":FILE")):
+        raise InputError("--camera", "", repr(word), kind.form)
     return kind.make(rest, T_world_camera)

@@ -40,7 +40,6 @@ class RealSenseCamera:
         self._rs: Any = pyrealsense2
         self._serial, self._placed = serial, np.eye(4) if T_world_camera is None else T_world_camera
         self._pipeline: Any = None
-        self._lens: Array | None = None
 
     def start(self) -> None:
         """See `RgbdCamera.start`."""
@@ -57,10 +56,10 @@ class RealSenseCamera:
         self._pipeline = pipeline
         self._depth_m = float(profile.get_device().first_depth_sensor().get_depth_scale())
         found = profile.get_stream(rs.stream.color).as_video_stream_profile().get_intrinsics()
-        self._lens = np.array([found.fx, found.fy, found.ppx, found.ppy])
+        lens = np.array([found.fx, found.fy, found.ppx, found.ppy])
         inverse = found.model == rs.distortion.inverse_brown_conrady
         size = (int(found.height), int(found.width))
-        self._removal = Undistortion(self._lens, np.asarray(found.coeffs, float), size, inverse=inverse)
+        self._removal = Undistortion(lens, np.asarray(found.coeffs, float), size, inverse=inverse)
         self._align = rs.align(rs.stream.color)
 
     def newest(self) -> RgbdFrame | None:
@@ -83,14 +82,7 @@ class RealSenseCamera:
         rgb = np.array(colour.get_data(), np.uint8)
         time_s = 1e-3 * float(colour.get_timestamp())
         removal = self._removal
-        return bare_frame(removal.apply(metres), removal.apply(rgb), self.intrinsics, self._placed, time_s)
-
-    @property
-    def intrinsics(self) -> Array:
-        """See `RgbdCamera.intrinsics`."""
-        if self._lens is None:
-            raise RuntimeError("the camera has not started")
-        return self._lens
+        return bare_frame(removal.apply(metres), removal.apply(rgb), removal.lens, self._placed, time_s)
 
     def close(self) -> None:
         """See `RgbdCamera.close`."""

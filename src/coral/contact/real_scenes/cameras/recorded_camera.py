@@ -37,7 +37,6 @@ class RecordedRgbdCamera:
         self._left = list(reversed(self._pictures.indices))
         if not self._left:
             raise InputError(str(folder / BopFiles.DEPTH), "", "no picture", "pictures of depth: 000000.png and so on")
-        self._first = self._left[-1]
 
     def start(self) -> None:
         """See `RgbdCamera.start`."""
@@ -52,11 +51,6 @@ class RecordedRgbdCamera:
             return None
         frame = self._pictures.read_frame(self._left.pop(), colours=True)
         return frame if self._placed is None else replace(frame, T_world_camera=self._placed)
-
-    @property
-    def intrinsics(self) -> Array:
-        """See `RgbdCamera.intrinsics`."""
-        return self._pictures.camera(self._first).lens
 
     def close(self) -> None:
         """See `RgbdCamera.close`."""

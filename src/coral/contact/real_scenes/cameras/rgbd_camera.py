@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from coral.contact.perception.camera import RgbdFrame
 from coral.errors import RunError
-
-Array = NDArray[np.float64]
 
 
 class CameraFailed(RunError):
@@ -45,11 +40,6 @@ class RgbdCamera(Protocol):
         Raises:
             CameraFailed: The camera failed.
         """
-        ...
-
-    @property
-    def intrinsics(self) -> Array:
-        """Return fx, fy, cx, cy in pixels, Shape=(4,); known once it has started."""
         ...
 
     def close(self) -> None:

@@ -2,48 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, Field
 
-from coral.config import Fraction, Positive, read_yaml
+from coral.config import Signed
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.real_scenes.masks.mask_shape import clean_mask
 from coral.contact.real_scenes.object_drawing import draw_depth
 from coral.contact.scene.rigid_transform import inverse_transform
 from coral.errors import InputError
+from coral.validation_errors import read_model
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Pixel = tuple[float, float]
-FirstMask = Callable[[RgbdFrame, Pixel], Mask]
+Pixel = tuple[Signed, Signed]
 LEFT = 0.3
 """A lost object has left its place if a smaller share of its last drawing is still there."""
 NEAR_CLICK = 2
 """A click on a hole of the depth counts for the nearest measured pixel within this distance (pixels)."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ClickMasksCfg:
-    """How a mask grows and moves."""
+TABLE_M = 0.004
+"""Points below this height in the world are the table's: two standard deviations of depth."""
+JUMP_M = 0.01
+"""Neighbouring pixels with a larger difference in depth belong to different things."""
+COLOUR = 0.06
+"""Distance between two colours, as shares of red and green in all light, below which they are the same."""
+DILATION_M = 0.025
+"""The next mask is searched so far around the object's last drawing: 0.25 m/s at 10 Hz."""
+FIT_M = 0.035
+"""Depth fits if it is as near as this to that of the last drawing: a face that moves by `DILATION_M` and is seen at
+45 degrees."""
 
-    table_m: Positive = 0.004
-    """Points below this height in the world are the table's: two standard deviations of depth."""
-    jump_m: Positive = 0.01
-    """Neighbouring pixels with a larger difference in depth belong to different things."""
-    colour: Fraction = 0.06
-    """Distance between two colours, as shares of red and green in all light, below which they are the same."""
-    dilation_m: Positive = 0.025
-    """The next mask is searched so far around the object's last drawing: 0.25 m/s at 10 Hz."""
-    fit_m: Positive = 0.035
-    """Depth fits if it is as near as this to that of the last drawing: a face that moves by `dilation_m` and is seen at
-    45 degrees."""
+
+class ClicksFile(BaseModel, frozen=True, extra="forbid"):
+    """Column and row of each object in the first picture."""
+
+    objects: Annotated[dict[str, Pixel], Field(min_length=1)]
 
 
 @dataclass
@@ -66,21 +69,10 @@ class ClickMasks:
     Args:
         clicks: Column and row of each object in the first picture.
         models: The objects.
-        cfg: Thresholds.
-        first: Segments the first picture at a pixel instead of growing, such as a network.
     """
 
-    name = "click"
-
-    def __init__(
-        self,
-        clicks: Mapping[str, Pixel],
-        models: Mapping[str, ObjectModel],
-        cfg: ClickMasksCfg | None = None,
-        first: FirstMask | None = None,
-    ) -> None:
-        self.clicks, self._models, self.cfg, self._first = dict(clicks), models, cfg or ClickMasksCfg(), first
-        self.wants_colours = first is not None
+    def __init__(self, clicks: Mapping[str, Pixel], models: Mapping[str, ObjectModel]) -> None:
+        self.clicks, self._models = dict(clicks), models
         self._followed: dict[str, _Followed] = {}
 
     def segment(self, frame: RgbdFrame, poses: Mapping[str, Array]) -> Mapping[str, Mask]:
@@ -107,19 +99,13 @@ class ClickMasks:
 
     def _grow(self, frame: RgbdFrame, heights: Array, tint: Array | None, name: str, click: Pixel) -> Mask:
         column, row = _measured_pixel(frame, name, click)
-        if self._first is not None:
-            mask = clean_mask(self._first(frame, click) & (frame.depth > 0))
-            if not mask[row, column]:
-                found = f"a mask of {int(mask.sum())} pixels beside it"
-                raise InputError("--masks", f"the click of {name} at {column}, {row}", found, "a mask around the click")
-            return mask
         points = _points(frame)
         centre = points[row, column]
-        near = (frame.depth > 0) & (heights > self.cfg.table_m)
+        near = (frame.depth > 0) & (heights > TABLE_M)
         near &= np.linalg.norm(points - centre, axis=2) <= self._models[name].diameter
         if tint is not None:
-            near &= np.linalg.norm(tint - tint[row, column], axis=2) < self.cfg.colour
-        joined = _connected(frame.depth, near, row, column, self.cfg.jump_m)
+            near &= np.linalg.norm(tint - tint[row, column], axis=2) < COLOUR
+        joined = _connected(frame.depth, near, row, column, JUMP_M)
         mask = clean_mask(joined)
         if not mask.any():
             where = f"the click of {name} at {column}, {row}"
@@ -136,24 +122,24 @@ class ClickMasks:
             pose = one.pose.copy()
             pose[:3, 3] += one.pose[:3, 3] - one.before[:3, 3]
         placed = inverse_transform(frame.T_world_camera) @ pose
-        drawn = draw_depth(self._models[name], placed, frame.lens, (frame.depth.shape[0], frame.depth.shape[1]))
+        drawn = draw_depth(self._models[name].solids, placed, frame)
         inside = np.isfinite(drawn)
         if not inside.any():
             return inside
         middle_m = float(np.median(drawn[inside]))
-        reach_px = max(2.0, self.cfg.dilation_m * float(frame.lens[0]) / middle_m)
+        reach_px = max(2.0, DILATION_M * float(frame.lens[0]) / middle_m)
         distance, nearest = cv2.distanceTransformWithLabels(
             (~inside).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
         )
         depth_of = np.zeros(int(nearest.max()) + 1)
         depth_of[nearest[inside]] = drawn[inside]
-        fits = (frame.depth > 0) & (distance <= reach_px) & (heights > self.cfg.table_m)
-        fits &= np.abs(frame.depth - depth_of[nearest]) < self.cfg.fit_m
+        fits = (frame.depth > 0) & (distance <= reach_px) & (heights > TABLE_M)
+        fits &= np.abs(frame.depth - depth_of[nearest]) < FIT_M
         if tint is not None and one.colour is not None:
-            same = np.linalg.norm(tint - one.colour, axis=2) < self.cfg.colour
+            same = np.linalg.norm(tint - one.colour, axis=2) < COLOUR
             fits &= same
             if lost and fits.sum() < LEFT * inside.sum():  # it is no longer there: its colour, wherever it is
-                fits = same & (frame.depth > 0) & (heights > self.cfg.table_m)
+                fits = same & (frame.depth > 0) & (heights > TABLE_M)
         return clean_mask(fits)
 
 
@@ -163,27 +149,7 @@ def read_clicks(path: Path) -> dict[str, Pixel]:
     Raises:
         InputError: The file is missing or broken.
     """
-    content = read_yaml(path)
-    if set(content) != {"objects"}:
-        raise InputError(str(path), "", ", ".join(map(str, content)) or "nothing", "one key: objects")
-    return parse_clicks(content["objects"], path)
-
-
-def parse_clicks(objects: Any, path: Path) -> dict[str, Pixel]:
-    """Check a mapping of names to [column, row].
-
-    Raises:
-        InputError: It is something else.
-    """
-    if not isinstance(objects, dict) or not objects:
-        raise InputError(str(path), "objects", "missing", "one mapping of objects to [column, row]")
-    clicks = {}
-    for name, pixel in objects.items():
-        numbers = isinstance(pixel, list) and len(pixel) == 2 and all(type(one) in (int, float) for one in pixel)
-        if not numbers or not np.isfinite(pixel).all():
-            raise InputError(str(path), f"objects.{name}", repr(pixel)[:40], "[column, row] in pixels")
-        clicks[str(name)] = (float(pixel[0]), float(pixel[1]))
-    return clicks
+    return read_model(path, ClicksFile).objects
 
 
 def _measured_pixel(frame: RgbdFrame, name: str, click: Pixel) -> tuple[int, int]:

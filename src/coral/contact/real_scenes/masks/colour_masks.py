@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import colorsys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import BaseModel, Field
 
-from coral.config import Fraction, merge, read_yaml
+from coral.config import Fraction
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.masks.mask_shape import clean_mask, hue_saturation_value
 from coral.errors import InputError
+from coral.validation_errors import read_model
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -26,8 +26,7 @@ GREY = 0.08
 """Paint with less saturation has no hue."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ColourRegion:
+class ColourRegion(BaseModel, frozen=True, extra="forbid"):
     """A region of colours."""
 
     hue_deg: tuple[Degrees, Degrees] = (0.0, 360.0)
@@ -47,6 +46,12 @@ class ColourRegion:
         return np.asarray(inside)
 
 
+class ColoursFile(BaseModel, frozen=True, extra="forbid"):
+    """The region of each object."""
+
+    objects: Annotated[dict[str, ColourRegion], Field(min_length=1)]
+
+
 class ColourMasks:
     """Takes the pixels of an object's colour; of several patches the largest.
 
@@ -55,9 +60,6 @@ class ColourMasks:
     Args:
         regions: The region of each object.
     """
-
-    name = "colour"
-    wants_colours = True
 
     def __init__(self, regions: Mapping[str, ColourRegion]) -> None:
         self.regions = dict(regions)
@@ -99,14 +101,4 @@ def read_colours(path: Path) -> dict[str, ColourRegion]:
     Raises:
         InputError: The file is missing or broken.
     """
-    content = read_yaml(path)
-    objects = content.get("objects")
-    if not isinstance(objects, dict) or not objects or set(content) != {"objects"}:
-        expected = "one mapping of objects to hue_deg, saturation, value"
-        raise InputError(str(path), "objects", "missing or more", expected)
-    regions = {}
-    for name, region in objects.items():
-        if not isinstance(region, dict):
-            raise InputError(str(path), f"objects.{name}", type(region).__name__, "hue_deg, saturation, value")
-        regions[str(name)] = merge(ColourRegion(), region, f"{path}: objects.{name}")
-    return regions
+    return read_model(path, ColoursFile).objects

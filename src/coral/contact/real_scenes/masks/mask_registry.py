@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.real_scenes.masks.click_masks import ClickMasks, read_clicks
 from coral.contact.real_scenes.masks.colour_masks import ColourMasks, ColourRegion, read_colours
 from coral.contact.real_scenes.masks.mask_source import MaskSource
-from coral.contact.real_scenes.masks.prompted_network import read_prompted_network
 from coral.errors import InputError, nearest
+
+V = TypeVar("V")
 
 
 @dataclass(frozen=True)
@@ -20,8 +22,8 @@ class MaskSetting:
 
     models: Mapping[str, ObjectModel]
     """The objects."""
-    regions: Callable[[], Mapping[str, ColourRegion]] | None = None
-    """The objects' colours, where they are known without a file."""
+    regions: Callable[[], Mapping[str, ColourRegion]]
+    """The objects' colours, where no file has them."""
 
 
 @dataclass(frozen=True)
@@ -37,36 +39,16 @@ class MaskKind:
 
 
 def _make_colour(rest: str, setting: MaskSetting) -> MaskSource | None:
-    if rest:
-        regions: Mapping[str, ColourRegion] = read_colours(Path(rest))
-        _check_names(rest, regions, setting.models)
-    elif setting.regions is not None:
-        regions = setting.regions()
-    else:
-        return None
-    return ColourMasks({name: regions[name] for name in setting.models})
+    return ColourMasks(_of_all(rest, read_colours(Path(rest)), setting) if rest else setting.regions())
 
 
 def _make_click(rest: str, setting: MaskSetting) -> MaskSource | None:
-    if not rest:
-        return None
-    clicks = read_clicks(Path(rest))
-    _check_names(rest, clicks, setting.models)
-    return ClickMasks({name: clicks[name] for name in setting.models}, setting.models)
-
-
-def _make_onnx(rest: str, setting: MaskSetting) -> MaskSource | None:
-    if not rest:
-        return None
-    network, clicks = read_prompted_network(Path(rest))
-    _check_names(rest, clicks, setting.models)
-    return ClickMasks({name: clicks[name] for name in setting.models}, setting.models, first=network.segment)
+    return ClickMasks(_of_all(rest, read_clicks(Path(rest)), setting), setting.models) if rest else None
 
 
 MASKS: dict[str, MaskKind] = {
     "colour": MaskKind("colour[:FILE]", "the colours of the task file, or of a file", _make_colour),
     "click": MaskKind("click:FILE", "one click per object in the first picture", _make_click),
-    "onnx": MaskKind("onnx:FILE", "a network that segments at these clicks (SAM)", _make_onnx),
 }
 
 
@@ -75,13 +57,8 @@ def mask_help() -> str:
     return "; or ".join(f"{kind.form}, {kind.help}" for kind in MASKS.values())
 
 
-def make_masks(word: str, setting: MaskSetting, where: str = "--masks") -> MaskSource:
-    """Make the source of masks that a word names.
-
-    Args:
-        word: NAME or NAME:FILE.
-        setting: What it may know.
-        where: Source of the word, for errors.
+def make_masks(word: str, setting: MaskSetting) -> MaskSource:
+    """Make the source of masks that a word names, NAME or NAME:FILE.
 
     Raises:
         InputError: There is no such source, or its file is broken.
@@ -91,14 +68,17 @@ def make_masks(word: str, setting: MaskSetting, where: str = "--masks") -> MaskS
     source = kind.make(rest, setting) if kind else None
     if source is None:
         forms = " or ".join(one.form for one in MASKS.values())
-        expected = f"{forms}{nearest(name, MASKS)}" if kind is None else f"{name}:FILE"
-        raise InputError(where, "", repr(word), expected)
+        raise InputError(
+            "--masks", "", repr(word), f"{forms}{nearest(name, MASKS)}" if kind is None else f"{name}:FILE"
+        )
     return source
 
 
-def _check_names(file: str, found: Iterable[str], models: Mapping[str, ObjectModel]) -> None:
-    """Check that a file names all objects."""
-    known = set(found)
-    for name in models:
-        if name not in known:
-            raise InputError(file, f"objects.{name}", "missing", f"an entry for each object: {', '.join(models)}")
+def _of_all(file: str, found: Mapping[str, V], setting: MaskSetting) -> dict[str, V]:
+    """Return the values of all objects; a file has to name each."""
+    for name in setting.models:
+        if name not in found:
+            raise InputError(
+                file, f"objects.{name}", "missing", f"an entry for each object: {', '.join(setting.models)}"
+            )
+    return {name: found[name] for name in setting.models}

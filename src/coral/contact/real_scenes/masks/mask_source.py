@@ -15,15 +15,7 @@ Mask = NDArray[np.bool_]
 
 
 class MaskSource(Protocol):
-    """Finds the pixels of known objects in one picture after the other.
-
-    Attributes:
-        name: Name for records.
-        wants_colours: Whether it needs pictures with colours.
-    """
-
-    name: str
-    wants_colours: bool
+    """Finds the pixels of known objects in one picture after the other."""
 
     def segment(self, frame: RgbdFrame, poses: Mapping[str, Array]) -> Mapping[str, Mask]:
         """Segment a picture.
