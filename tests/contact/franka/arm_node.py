@@ -80,7 +80,7 @@ class ArmNode:
                 found = parse_poses(self.socket.recv(LARGEST))
             except BlockingIOError:
                 return
-            for name, body in {} if self.covered else found.seen.items():
+            for name, (body, _) in {} if self.covered else found.items():
                 if name not in self.objects:
                     topic = f"objects/{name.replace('-', '_')}"
                     self.objects[name] = self.node.create_publisher(PoseStamped, topic, qos_profile_sensor_data)

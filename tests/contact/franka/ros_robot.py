@@ -16,7 +16,7 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.resolution import resolve_episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
-from coral.contact.franka.double import Double, DoubleCfg, cfg_for_double
+from coral.contact.franka.double import Double, cfg_for_double
 from coral.contact.franka.ros_arm import RosArm
 from coral.contact.franka.stream_process import StreamProcess
 from coral.contact.franka.world import FrankaDoubleWorld
@@ -29,7 +29,7 @@ NAMESPACE = "/robot"
 @contextmanager
 def robot(trial, arm, speed):
     """Start simulated arm and node, each in a process of its own; yield the arm, for its truth, and the node."""
-    double = Double(trial, arm, DoubleCfg(speed=speed))
+    double = Double(trial, arm, speed)
     command = [sys.executable, str(Path(__file__).with_name("arm_node.py")), double.address, NAMESPACE]
     node = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:

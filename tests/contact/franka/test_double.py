@@ -11,7 +11,7 @@ from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import InputError, RunError
 
 
-def serve(trial, arm, cfg, state, connection):
+def serve(trial, arm, speed, state, connection):
     """Answer as the simulation does, but from nothing."""
     connection.send(("ok", "127.0.0.3"))
     while True:

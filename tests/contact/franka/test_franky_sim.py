@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from coral.contact.franka.double import Double, DoubleCfg, cfg_for_double
+from coral.contact.franka.double import Double, cfg_for_double
 from coral.contact.franka.stream import Phase, StopCause
 from coral.contact.franka.stream_process import StreamProcess
 from coral.contact.franka.world import FrankaDoubleWorld
@@ -27,7 +27,7 @@ def arm():
 
     trial = sample_trial(load_task("pick-box"), 0, "pick-box")
     cfg = cfg_for_double(FrankaCfg(poses_port=0))
-    double = Double(trial, cfg, DoubleCfg(speed=0.5))  # half as fast as the machine's clock: others use it too
+    double = Double(trial, cfg, 0.5)  # half as fast as the machine's clock: others use it too
     stream = StreamProcess(FrankyArm, double.address, cfg, trial)
     double.send_poses_to(cfg.poses_host, stream.poses_port)
     world = FrankaDoubleWorld(stream, cfg, STEP_S, list(trial.objects), double=double)

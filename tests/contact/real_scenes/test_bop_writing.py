@@ -2,16 +2,15 @@ import numpy as np
 import pytest
 from recorded_scenes import write_scene
 
-from coral.contact.real_scenes.bop_pictures import BopPictures
+from coral.contact.real_scenes.cameras.recorded_camera import RecordedRgbdCamera
 from coral.errors import InputError
 
 
 def test_what_was_written_is_read_again(trial, tmp_path):
     frames = write_scene(tmp_path / "scene", trial)
-    pictures = BopPictures(tmp_path / "scene")
-    assert pictures.indices == [0, 1]
-    for picture, frame in enumerate(frames):
-        read = pictures.read_frame(picture)
+    camera = RecordedRgbdCamera(tmp_path / "scene")
+    for frame in frames:
+        read = camera.newest()
         assert np.abs(read.depth - frame.depth).max() <= 0.00005 + 1e-6
         assert np.allclose(read.lens, frame.lens)
         assert np.allclose(read.T_world_camera, frame.T_world_camera)

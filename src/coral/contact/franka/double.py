@@ -14,12 +14,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import Field
 
-from coral.config import NonNegative, Positive
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
 from coral.contact.franka.double_scene import (
     HAND,
@@ -47,24 +45,14 @@ _GROUND_M = -0.912
 _START_TIMEOUT_S = 90.0
 
 
-@dataclass(frozen=True, kw_only=True)
-class DoubleCfg:
-    """The sensors of the simulated arm."""
-
-    wrench_bias: tuple[float, float, float, float, float, float] = (1.5, -1.0, 2.0, 0.1, -0.1, 0.05)
-    """Bias of the measured wrench, N and N m, base axes; assumed, not measured on an arm."""
-    wrench_noise_n: NonNegative = 0.3
-    """Standard deviation of each force; assumed."""
-    wrench_lag_s: NonNegative = 0.005
-    """Time constant of the arm's own estimate; assumed."""
-    poses_hz: Positive = 30.0
-    """Rate of the poses."""
-    poses_noise_m: NonNegative = 0.001
-    poses_noise_rad: NonNegative = 0.01
-    """Standard deviations of the poses."""
-    speed: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)] = 1.0
-    """Seconds of the arm's clock in a second of the machine's: below 1, plans of a busy machine are not later by the
-    arm's clock than those of a quiet one."""
+WRENCH_BIAS = (1.5, -1.0, 2.0, 0.1, -0.1, 0.05)
+"""Bias of the measured wrench, N and N m, base axes; assumed, not measured on an arm."""
+WRENCH_NOISE_N, WRENCH_LAG_S = 0.3, 0.005
+"""Standard deviation of each force, and time constant of the arm's own estimate; assumed."""
+POSES_EVERY = 33
+"""Steps of 1 ms from one pose of the objects to the next."""
+POSES_NOISE_M, POSES_NOISE_RAD = 0.001, 0.01
+"""Standard deviations of the poses."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +91,8 @@ class Double:
     Args:
         trial: The trial.
         arm: Configuration of the arm.
-        cfg: Its sensors.
+        speed: Seconds of the arm's clock in a second of the machine's: below 1, plans of a busy machine are not later
+            by the arm's clock than those of a quiet one.
         make_process: Makes the process; a thread in tests.
 
     Raises:
@@ -115,7 +104,7 @@ class Double:
         self,
         trial: Trial,
         arm: FrankaCfg,
-        cfg: DoubleCfg | None = None,
+        speed: float = 1.0,
         make_process: Callable[..., Any] | None = None,
     ) -> None:
         try:
@@ -127,7 +116,7 @@ class Double:
         """The true state, for a simulated camera and nobody else."""
         self._process = (make_process or get_context("spawn").Process)(
             target=_serve,
-            args=(trial, arm, cfg or DoubleCfg(), self.state, self._theirs),
+            args=(trial, arm, speed, self.state, self._theirs),
             name="franka-double",
             daemon=True,
         )
@@ -178,7 +167,7 @@ class Double:
 
 
 def _serve(
-    trial: Trial, arm: FrankaCfg, cfg: DoubleCfg, state: SharedBlock[SimulatedState | None], connection: Connection
+    trial: Trial, arm: FrankaCfg, speed: float, state: SharedBlock[SimulatedState | None], connection: Connection
 ) -> None:
     """Body of the process."""
     import signal
@@ -187,7 +176,7 @@ def _serve(
     with contextlib.suppress(OSError, AttributeError):  # an arm does not slow down because the machine is busy
         os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
     try:
-        _Server(trial, arm, cfg, state, connection).run()
+        _Server(trial, arm, speed, state, connection).run()
     except Exception as error:
         connection.send(("error", f"{type(error).__name__}: {error}"))
 
@@ -199,7 +188,7 @@ class _Server:
         self,
         trial: Trial,
         arm: FrankaCfg,
-        cfg: DoubleCfg,
+        speed: float,
         state: SharedBlock[SimulatedState | None],
         connection: Connection,
     ) -> None:
@@ -207,7 +196,7 @@ class _Server:
         from franky_sim.franka_robot_server import FrankaRobotServer
         from franky_sim.mujoco_simulator import MujocoSimulator
 
-        self._trial, self._cfg, self._state, self._connection = trial, cfg, state, connection
+        self._period_s, self._state, self._connection = 0.001 / speed, state, connection
         self._rng = np.random.default_rng([trial.seed, 7])
         self._wrench, self._base, self._peak_n = np.zeros(6), np.asarray(arm.base_m), 0.0
         self._sending: tuple[str, int] | None = None
@@ -242,8 +231,7 @@ class _Server:
     def run(self) -> None:
         """Run until the program says stop or is gone."""
         self._connection.send(("ok", self._robot.hostname))
-        step, due, period_s = 0, time.perf_counter(), 0.001 / self._cfg.speed
-        every = max(1, round(1000.0 / self._cfg.poses_hz))
+        step, due = 0, time.perf_counter()
         while not (self._connection.poll() and not self._answer()):
             for server in self._server.robot_servers:
                 server.process_commands()
@@ -252,22 +240,23 @@ class _Server:
             for server in self._server.robot_servers:
                 server.send_state()
             step += 1
-            if step % every == 0:
+            if step % POSES_EVERY == 0:
                 self._send_poses()
-            due = max(due + period_s, time.perf_counter() - 0.02)  # a late simulation catches up with 20 ms at most
+            due = max(
+                due + self._period_s, time.perf_counter() - 0.02
+            )  # a late simulation catches up with 20 ms at most
             if (early_s := due - time.perf_counter()) > 0.0:
                 time.sleep(early_s)
 
     def reported_wrench(self) -> Array:
         """Return the wrench as the arm would report it: filtered, biased and noisy."""
-        noise = self._cfg.wrench_noise_n * self._rng.standard_normal(6) * np.array([1, 1, 1, 0.1, 0.1, 0.1])
-        return np.asarray(self._wrench + self._cfg.wrench_bias + noise)
+        noise = WRENCH_NOISE_N * self._rng.standard_normal(6) * np.array([1, 1, 1, 0.1, 0.1, 0.1])
+        return np.asarray(self._wrench + WRENCH_BIAS + noise)
 
     def _measure(self) -> None:
         exact = self._scene.measure()
         self._peak_n = max(self._peak_n, float(np.linalg.norm(exact[:3])))
-        share = 1.0 - np.exp(-0.001 / self._cfg.wrench_lag_s) if self._cfg.wrench_lag_s else 1.0
-        self._wrench += share * (exact - self._wrench)
+        self._wrench += (1.0 - np.exp(-0.001 / WRENCH_LAG_S)) * (exact - self._wrench)
 
     def _answer(self) -> bool:
         """Answer the program; return False if it wants the end."""
@@ -292,10 +281,10 @@ class _Server:
         self._state.write(SimulatedState(float(self._simulator.data.time), self._tool(), self._opening(), poses))
         if self._sending is None:
             return
-        cfg, noisy = self._cfg, {}
+        noisy = {}
         for name, pose in poses.items():
-            turn = from_rotvec(cfg.poses_noise_rad * self._rng.standard_normal(3))
-            position = pose.position + cfg.poses_noise_m * self._rng.standard_normal(3)
+            turn = from_rotvec(POSES_NOISE_RAD * self._rng.standard_normal(3))
+            position = pose.position + POSES_NOISE_M * self._rng.standard_normal(3)
             noisy[name] = BodyState(position, multiply(turn, pose.quaternion))
         self._socket.sendto(poses_datagram(noisy), self._sending)
 

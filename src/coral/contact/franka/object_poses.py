@@ -7,7 +7,6 @@ import math
 import socket
 from collections import deque
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ LARGEST = 8_192
 TAKEN, PARSED = 100, 10
 """Datagrams that are taken from the port at once, and the newest of them that are read: a flood of the largest ones,
 which take 1 ms each, must not hold the stream up."""
-FRAMES = ("world", "tool")
+FRAMES = {"world": False, "tool": True}
 
 
 class ObjectPoses:
@@ -85,11 +84,12 @@ class ObjectPoses:
                 self.malformed += 1
                 continue
             for name in self.names:
-                if name in found.held:
-                    self._held[name], self._seen[name] = found.held[name], now_s
-                elif name in found.seen:
+                pose, held = found.get(name, (None, False))
+                if pose is not None and held:
+                    self._held[name], self._seen[name] = pose, now_s
+                elif pose is not None:
                     self._held.pop(name, None)
-                    self._take(name, found.seen[name], now_s)
+                    self._take(name, pose, now_s)
 
     def _take(self, name: str, pose: BodyState, now: float) -> None:
         before = self._poses.get(name)
@@ -125,22 +125,13 @@ class ObjectPoses:
         self._socket.close()
 
 
-@dataclass(frozen=True)
-class ToldPoses:
-    """The contents of a datagram."""
-
-    seen: Mapping[str, BodyState]
-    """Poses in the world."""
-    held: Mapping[str, BodyState]
-    """Poses in the tool's frame, of objects that the hand holds."""
-
-
-def parse_poses(data: bytes) -> ToldPoses | None:
-    """Parse a datagram; None if it is malformed."""
+def parse_poses(data: bytes) -> Mapping[str, tuple[BodyState, bool]] | None:
+    """Parse a datagram: poses, and whether they are in the tool's frame instead of the world's; None if malformed."""
     try:
-        told = {str(name): (_frame(value), _pose(value)) for name, value in parse_json(data)["objects"].items()}
-        seen, held = ({name: pose for name, (frame, pose) in told.items() if frame == one} for one in FRAMES)
-        return ToldPoses(seen, held)
+        return {
+            str(name): (_pose(value), FRAMES[value.get("in", "world")])
+            for name, value in parse_json(data)["objects"].items()
+        }
     except MALFORMED:
         return None
 
@@ -151,13 +142,6 @@ def _pose(value: Any) -> BodyState:
     if position.shape != (3,) or quaternion.shape != (4,) or not np.isfinite(position).all() or not 0.9 < length < 1.1:
         raise ValueError("not a pose")
     return BodyState(position, quaternion / length)
-
-
-def _frame(value: Any) -> str:
-    frame = value.get("in", "world")
-    if frame not in FRAMES:
-        raise ValueError("not a frame")
-    return str(frame)
 
 
 def _carried(pose: BodyState, tool: BodyState) -> BodyState:

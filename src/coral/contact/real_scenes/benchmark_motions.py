@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from coral.contact.scene.geometry import rotation_about
 from coral.contact.scene.rigid_transform import body_to_matrix, pose_matrix
 from coral.contact.scene.trial import Trial
-from coral.errors import InputError, nearest
 
 Array = NDArray[np.float64]
 _X, _Y, _Z = np.eye(3)
@@ -61,23 +60,12 @@ class Motion:
         return self.phases[-1][1](1.0)
 
 
-def motion_of(trial: Trial, kind: str | None = None) -> Motion:
-    """Make the motion of a trial's first object; the others stay where they are.
-
-    Args:
-        trial: The trial.
-        kind: Name of the task with the motion; the trial's own by default, and `pick-box` for other tasks.
-
-    Raises:
-        InputError: There is no motion with that name.
-    """
-    name = kind or (trial.task.name if trial.task.name in MOTIONS else "pick-box")
-    if name not in MOTIONS:
-        raise InputError("motion", "", name, f"one of {', '.join(MOTIONS)}{nearest(name, MOTIONS)}")
-    return Motion(tuple(MOTIONS[name](_HeadedTrial(trial))))
+def motion_of(trial: Trial) -> Motion:
+    """Make the motion of a trial's first object, `pick-box`'s for tasks without one; the others stay where they are."""
+    return Motion(tuple(MOTIONS.get(trial.task.name, _pick)(HeadedTrial(trial))))
 
 
-class _HeadedTrial:
+class HeadedTrial:
     """A trial in the heading of its first object: the object's side that is closest to the world's x axis."""
 
     def __init__(self, trial: Trial) -> None:
@@ -153,7 +141,7 @@ class _HeadedTrial:
         return (seconds, place), moved(1.0)
 
 
-def _push(scene: _HeadedTrial) -> list[Phase]:
+def _push(scene: HeadedTrial) -> list[Phase]:
     """Push from behind with closed fingers: 20 cm ahead with a left turn, then another way with a right turn."""
     tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.0]))
     first, moved = scene.carry(tool, 0.0, 2.5, 0.12 * scene.turn[:, 0], ((_Z, 0.35, scene.middle),))
@@ -162,7 +150,7 @@ def _push(scene: _HeadedTrial) -> list[Phase]:
     return [scene.approach(tool, 0.0), first, second]
 
 
-def _pick(scene: _HeadedTrial) -> list[Phase]:
+def _pick(scene: HeadedTrial) -> list[Phase]:
     """Grasp from above, lift, carry with a turn, put down, release."""
     tool = scene.tool(np.array([0.0, 0.0, max(0.0, scene.extent[2] / 2 - 0.03)]))
     width = min(0.08, float(scene.extent[1]))
@@ -179,7 +167,7 @@ def _pick(scene: _HeadedTrial) -> list[Phase]:
     return [scene.approach(tool, 0.08), up, across, down, (1.0, leave)]
 
 
-def _pick_clutter(scene: _HeadedTrial) -> list[Phase]:
+def _pick_clutter(scene: HeadedTrial) -> list[Phase]:
     """Lift out from among the other objects, and hold tilted."""
     tool = scene.tool(np.array([0.0, 0.0, max(0.0, scene.extent[2] / 2 - 0.03)]))
     width = min(0.08, float(scene.extent[1]))
@@ -189,7 +177,7 @@ def _pick_clutter(scene: _HeadedTrial) -> list[Phase]:
     return [scene.approach(tool, 0.08), up, aslant]
 
 
-def _push_pick(scene: _HeadedTrial) -> list[Phase]:
+def _push_pick(scene: HeadedTrial) -> list[Phase]:
     """Slide under closed fingers that press from above, then grip at the far end and lift tilted."""
     press = scene.tool(np.array([-0.2 * scene.extent[0], 0.0, scene.extent[2] / 2]))
     ahead = 0.18 * scene.turn[:, 0]
@@ -213,7 +201,7 @@ def _push_pick(scene: _HeadedTrial) -> list[Phase]:
     return [scene.approach(press, 0.0), slide, (1.5, regrasp), lift]
 
 
-def _flip(scene: _HeadedTrial) -> list[Phase]:
+def _flip(scene: HeadedTrial) -> list[Phase]:
     """Tilt over the far lower edge with a hand that pushes high up, until the object lies on its far side."""
     tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.3 * scene.extent[2]]))
     edge = scene.middle + scene.turn @ np.array([scene.extent[0] / 2, 0.0, -scene.extent[2] / 2])
@@ -221,7 +209,7 @@ def _flip(scene: _HeadedTrial) -> list[Phase]:
     return [scene.approach(tool, 0.0), over, (0.5, lambda share: over[1](1.0))]
 
 
-def _flip_wall(scene: _HeadedTrial) -> list[Phase]:
+def _flip_wall(scene: HeadedTrial) -> list[Phase]:
     """Push to the wall and then, from below the near edge, rotate up against it."""
     tool = scene.tool(np.array([-scene.extent[0] / 2 - 0.012, 0.0, 0.0]))
     walls = [f.position[0] - f.size[0] / 2 for f in scene.fixtures if f.position[0] > scene.middle[0]]
@@ -236,7 +224,7 @@ def _flip_wall(scene: _HeadedTrial) -> list[Phase]:
     return [scene.approach(tool, 0.0), slide, up, (0.5, lambda share: up[1](1.0))]
 
 
-MOTIONS: dict[str, Callable[[_HeadedTrial], list[Phase]]] = {
+MOTIONS: dict[str, Callable[[HeadedTrial], list[Phase]]] = {
     "push-pick-board": _push_pick,
     "pick-box": _pick,
     "pick-clutter": _pick_clutter,

@@ -1,20 +1,21 @@
-"""Reads the cameras of recorded pictures in the format of BOP (Hodan et al., 2018).
+"""The files of recorded pictures in the format of BOP (Hodan et al., 2018), and their cameras.
 
 Lengths are millimetres there, and metres here.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import AfterValidator, BaseModel, Field, ValidationError
 
+from coral.config import Positive, Signed
 from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
-from coral.errors import InputError
 from coral.foreign_file import read_json
+from coral.validation_errors import input_error, read_model
 
 Array = NDArray[np.float64]
 MM = 0.001
@@ -33,18 +34,58 @@ class BopFiles:
     """Its colours, if there are any."""
 
 
-@dataclass(frozen=True)
-class PictureCamera:
+def _nearest_rotation(matrix: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the rotation: data sets such as LM-O hold some that are off by some thousandths."""
+    turn = np.reshape(matrix, (3, 3))
+    left, _, right = np.linalg.svd(turn)
+    nearest = left @ right
+    if np.abs(turn - nearest).max() > 0.02 or np.linalg.det(nearest) < 0:
+        raise ValueError("a rotation matrix, row by row")
+    return tuple(nearest.ravel().tolist())
+
+
+def _with_focal_lengths(matrix: tuple[float, ...]) -> tuple[float, ...]:
+    if not min(matrix[0], matrix[4]) > 0.0:
+        raise ValueError("focal lengths above 0")
+    return matrix
+
+
+Matrix = Annotated[tuple[Signed, ...], Field(min_length=9, max_length=9)]
+
+
+class PictureCamera(BaseModel, frozen=True):
     """The camera of one picture."""
 
-    lens: Array
-    """Shape=(4,): fx, fy, cx, cy in pixels."""
-    depth_scale_mm: float
+    cam_K: Annotated[Matrix, AfterValidator(_with_focal_lengths)]
+    depth_scale: Positive = 1.0
     """Millimetres per unit of its depth picture."""
-    T_world_camera: Array
-    """Shape=(4, 4); if the recording states no pose of the camera, its frame is the world's."""
-    time_s: float | None = None
+    cam_R_w2c: Annotated[Matrix, AfterValidator(_nearest_rotation)] | None = None
+    cam_t_w2c: tuple[Signed, Signed, Signed] = (0.0, 0.0, 0.0)
+    time_s: Signed | None = None
     """Time of the picture, which BOP does not have; None where the recording does not tell it."""
+
+    @property
+    def lens(self) -> Array:
+        """Return fx, fy, cx, cy in pixels, Shape=(4,)."""
+        return np.array(self.cam_K)[[0, 4, 2, 5]]
+
+    @property
+    def T_world_camera(self) -> Array:
+        """Return it, Shape=(4, 4); if the recording states no pose of the camera, its frame is the world's."""
+        turn = np.eye(3) if self.cam_R_w2c is None else np.reshape(self.cam_R_w2c, (3, 3))
+        return inverse_transform(pose_matrix(turn, MM * np.array(self.cam_t_w2c)))
+
+
+class _Cameras(BaseModel):
+    pictures: dict[Annotated[int, Field(ge=0, lt=10**9)], PictureCamera]
+
+
+class _SharedCamera(BaseModel):
+    fx: Positive
+    fy: Positive
+    cx: Signed
+    cy: Signed
+    depth_scale: Positive = 1.0
 
 
 def read_cameras(path: Path) -> dict[int, PictureCamera]:
@@ -53,7 +94,10 @@ def read_cameras(path: Path) -> dict[int, PictureCamera]:
     Raises:
         InputError: The file is missing or broken.
     """
-    return {_index(key, path): _camera(entry, path, key) for key, entry in _read_object(path).items()}
+    try:
+        return _Cameras(pictures=read_json(path, "a JSON file of BOP")).pictures
+    except ValidationError as error:
+        raise input_error(str(path), error, _Cameras) from None
 
 
 def read_shared_camera(path: Path) -> PictureCamera:
@@ -62,65 +106,5 @@ def read_shared_camera(path: Path) -> PictureCamera:
     Raises:
         InputError: The file is missing or broken.
     """
-    found = _read_object(path)
-    lens = np.array([_numbers(found, name, 1, path)[0] for name in ("fx", "fy", "cx", "cy")])
-    return PictureCamera(_checked_lens(lens, path, ""), _depth_scale(found, path, ""), np.eye(4))
-
-
-def _read_object(path: Path) -> dict[str, Any]:
-    if not path.exists() and (others := sorted(one.name for one in path.parent.glob(f"{path.stem}_*.json"))):
-        expected = f"the files of one camera under their plain names: {path.name}, depth, rgb"
-        raise InputError(str(path), "", f"{', '.join(others)} instead, of one camera among several", expected)
-    found = read_json(path, "a JSON file of BOP")
-    if not isinstance(found, dict):
-        raise InputError(str(path), "", type(found).__name__, "an object with named values")
-    return found
-
-
-def _index(key: str, path: Path) -> int:
-    if not (key.isascii() and key.isdecimal() and len(key) < 10):
-        raise InputError(str(path), key[:40], "no index", "the index of a picture")
-    return int(key)
-
-
-def _numbers(entry: Any, name: str, count: int, path: Path, key: str = "") -> Array:
-    """Return some numbers of an entry, Shape=(count,)."""
-    try:
-        found = np.asarray(entry[name], float).ravel()
-    except (TypeError, KeyError, ValueError, OverflowError):
-        found = np.empty(0)
-    if found.size != count or not np.isfinite(found).all():
-        raise InputError(str(path), f"{key}.{name}".lstrip("."), "missing or broken", f"{count} finite numbers")
-    return found
-
-
-def _rigid(entry: Any, kind: str, path: Path, key: str) -> Array:
-    turn = _numbers(entry, f"cam_R_{kind}", 9, path, key).reshape(3, 3)
-    left, _, right = np.linalg.svd(turn)
-    nearest = left @ right
-    # Data sets such as LM-O hold rotations that are off by some thousandths.
-    if np.abs(turn - nearest).max() > 0.02 or np.linalg.det(nearest) < 0:
-        raise InputError(str(path), f"{key}.cam_R_{kind}", "no rotation", "a rotation matrix, row by row")
-    return pose_matrix(nearest, MM * _numbers(entry, f"cam_t_{kind}", 3, path, key))
-
-
-def _camera(entry: Any, path: Path, key: str) -> PictureCamera:
-    if isinstance(entry, dict) and "cam_model" in entry and "cam_K" not in entry:
-        model = entry["cam_model"]
-        kind = model.get("projection_model_type") if isinstance(model, dict) else model
-        expected = "cam_K, of pictures whose distortion was removed"
-        raise InputError(str(path), f"{key}.cam_model", repr(kind)[:60], expected)
-    lens = _numbers(entry, "cam_K", 9, path, key)[[0, 4, 2, 5]]
-    placed = inverse_transform(_rigid(entry, "w2c", path, key)) if "cam_R_w2c" in entry else np.eye(4)
-    time_s = float(_numbers(entry, "time_s", 1, path, key)[0]) if "time_s" in entry else None
-    return PictureCamera(_checked_lens(lens, path, key), _depth_scale(entry, path, key), placed, time_s)
-
-
-def _checked_lens(lens: Array, path: Path, key: str) -> Array:
-    if not (lens[:2] > 0).all():
-        raise InputError(str(path), f"{key} focal length".strip(), lens[:2].tolist(), "numbers above 0")
-    return lens
-
-
-def _depth_scale(entry: Any, path: Path, key: str) -> float:
-    return float(_numbers(entry, "depth_scale", 1, path, key)[0]) if "depth_scale" in entry else 1.0
+    one = read_model(path, _SharedCamera)
+    return PictureCamera(cam_K=(one.fx, 0, one.cx, 0, one.fy, one.cy, 0, 0, 1), depth_scale=one.depth_scale)

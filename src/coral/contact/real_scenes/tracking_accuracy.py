@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, Fraction, TimeStep
+from coral.config import Count, TimeStep
 from coral.contact.perception.agreement_kernels import AGREE, DRAWN, WRONG
 from coral.contact.perception.camera import Colours, RgbdCameraCfg, RgbdFrame
 from coral.contact.perception.confidence import MARGIN_M, patch_around
@@ -26,6 +26,10 @@ from coral.contact.scene.rigid_transform import inverse_transform
 from coral.contact.scene.trial import Trial
 
 Array = NDArray[np.float64]
+ENOUGH = 0.25
+"""Visible share of the object that a registration requires."""
+WITHIN_MM, WITHIN_DEG = 5.0, 5.0
+"""A registration with both errors smaller than these is a success."""
 MakeTracker = Callable[[ObjectModel], PoseTracker]
 
 
@@ -43,11 +47,6 @@ class AccuracyCfg:
     """Time between pictures: 10 Hz, the lower end of the range of closed loops."""
     registrations: Count = 8
     """Number of registrations from scratch, spread evenly over the pictures that show enough."""
-    enough: Fraction = 0.25
-    """Visible share of the object that a registration requires."""
-    within_mm: float = 5.0
-    within_deg: float = 5.0
-    """A registration with both errors smaller than these is a success."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +112,7 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
                 errors.append(pose_error(model, estimate.T_world_object, truths[k][name]))
                 lost += estimate.lost
         starts, start_times = [], []
-        shown = np.flatnonzero(np.array(visible) >= cfg.enough)
+        shown = np.flatnonzero(np.array(visible) >= ENOUGH)
         for k in shown[np.linspace(0, len(shown) - 1, cfg.registrations).round().astype(int)] if len(shown) else ():
             mask = frames[k].mask(name)
             with closing(make(model)) as tracker:
@@ -121,7 +120,7 @@ def measure_accuracy(trial: Trial, make: MakeTracker, cfg: AccuracyCfg) -> list[
                 estimate = tracker.register(frames[k], mask)
                 start_times.append(time.perf_counter() - begin)
             mm, deg = pose_error(model, estimate.T_world_object, truths[k][name])
-            starts.append(not estimate.lost and mm < cfg.within_mm and deg < cfg.within_deg)
+            starts.append(not estimate.lost and mm < WITHIN_MM and deg < WITHIN_DEG)
         e, updates = np.array(errors), 1e3 * np.array(spent[1:])
         (mm, deg), (mm_95, deg_95) = np.median(e, 0).tolist(), np.percentile(e, 95, 0).tolist()
         found.append(

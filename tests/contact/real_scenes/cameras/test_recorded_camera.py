@@ -19,6 +19,8 @@ def test_pictures_come_one_after_the_other_and_end(folder):
     camera.start()
     frames = [camera.newest(), camera.newest(), camera.newest()]
     assert [frame and round(frame.time_s, 3) for frame in frames] == [0.0, 0.1, None]
+    assert frames[1].names == ()
+    assert not frames[1].instance.any()
 
 
 def test_a_calibrated_pose_replaces_the_recorded_one(folder):
@@ -32,3 +34,22 @@ def test_a_folder_without_pictures_is_one_line(folder, tmp_path):
     shutil.rmtree(folder / "depth")
     with pytest.raises(InputError, match="no picture"):
         RecordedRgbdCamera(folder)
+
+
+def test_colours_are_read_in_the_order_in_which_they_were_written(trial, tmp_path):
+    frames = write_scene(tmp_path / "scene", trial, colours="shaded")
+    assert np.array_equal(RecordedRgbdCamera(tmp_path / "scene").newest().rgb, frames[0].rgb)
+
+
+def test_colours_of_another_size_than_depth_are_refused(folder):
+    shutil.copy(folder / "depth/000000.png", folder / "rgb/000000.png")
+    with pytest.raises(InputError, match="rgb: 000000: found an array"):
+        RecordedRgbdCamera(folder).newest()
+
+
+def test_one_camera_for_all_stands_above_the_folder(folder):
+    (folder / "scene_camera.json").unlink()
+    (folder.parent / "camera.json").write_text('{"fx": 5, "fy": 6, "cx": 7, "cy": 8, "depth_scale": 1.0, "width": 640}')
+    frame = RecordedRgbdCamera(folder).newest()
+    assert frame.lens == pytest.approx([5, 6, 7, 8])
+    assert np.array_equal(frame.T_world_camera, np.eye(4))
