@@ -9,13 +9,15 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, cast, get_origin, get_type_hints
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 
 from coral.errors import InputError, nearest, shown
 from coral.foreign_file import read_text
+from coral.validation_errors import input_error
 from coral.yaml_file import load_mapping
 
 C = TypeVar("C")
+M = TypeVar("M", bound=BaseModel)
 
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -57,6 +59,18 @@ def read_yaml(path: Path) -> dict[str, Any]:
         InputError: The file is missing, not regular, unreadable, not YAML, nested too deeply, or not a mapping.
     """
     return load_mapping(read_text(path, "a readable YAML file"), str(path))
+
+
+def read_model(path: Path, model: type[M]) -> M:
+    """Read a YAML file of this model.
+
+    Raises:
+        InputError: The file is missing or broken; the error names the field.
+    """
+    try:
+        return model.model_validate(read_yaml(path))
+    except ValidationError as error:
+        raise input_error(str(path), error, model) from None
 
 
 def merge(default: C, changes: Mapping[str, Any], where: str) -> C:

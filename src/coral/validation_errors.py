@@ -3,29 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from coral.config import read_yaml
 from coral.errors import InputError, nearest, shown
 from coral.words import many
-
-M = TypeVar("M", bound=BaseModel)
-
-
-def read_model(path: Path, model: type[M]) -> M:
-    """Read a YAML file of this model.
-
-    Raises:
-        InputError: The file is missing or broken; the error names the field.
-    """
-    try:
-        return model.model_validate(read_yaml(path))
-    except ValidationError as error:
-        raise input_error(str(path), error, model) from None
 
 
 def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> InputError:

@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 from typing import Any
 
+from coral.config import read_model
 from coral.contact.scene.shapes import Shape
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_names import TASKS_DIR, every_task, shipped_tasks, suite_tasks, task_path, unseen_tasks
 from coral.contact.scene.task_validation import check_task
 from coral.file_writer import write_whole
-from coral.validation_errors import read_model
 
 __all__ = [
     "TASKS_DIR",

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
-from coral.config import Signed
+from coral.config import Signed, read_model
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.calibration.wrong_entry import check_fit
 from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
-from coral.validation_errors import read_model
 
 Array = NDArray[np.float64]
 LEAST, MOST = 4, 100

@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
-from coral.config import Signed
+from coral.config import Signed, read_model
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.real_scenes.masks.mask_shape import clean_mask
 from coral.contact.real_scenes.object_drawing import draw_depth
 from coral.contact.scene.rigid_transform import inverse_transform
 from coral.errors import InputError
-from coral.validation_errors import read_model
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

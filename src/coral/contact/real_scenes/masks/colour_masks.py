@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
-from coral.config import Fraction
+from coral.config import Fraction, read_model
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.masks.mask_shape import clean_mask, hue_saturation_value
 from coral.errors import InputError
-from coral.validation_errors import read_model
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
