@@ -129,7 +129,7 @@ def test_nobody_there_is_told_before_anything_is_made(tmp_path, capsys):
     ("flags", "named"),
     [
         (["--tracker", "magic"], "--tracker: found 'magic'"),
-        (["--tracker", "foundationpose:ws://127.0.0.1:9"], "expected an address such as http://"),
+        (["--tracker", "foundationpose:ws://127.0.0.1:9"], "expected model or foundationpose:http://HOST:PORT"),
         (["--tracker", NOBODY, "--poses", "ground-truth"], "--poses tracked"),
         (["--tracker", NOBODY, "--variant", "no-tracking"], "also --variant no-tracking"),
         (["--tracker", NOBODY, "--policy", "ws://127.0.0.1:9"], "also --policy"),
