@@ -93,7 +93,7 @@ def test_trials_that_broke_off_are_named():
         key: value for key, value in row(seed=7).items() if key in ("world", "variant", "seed", "advisor", "overrides")
     }
     notes = tables([*ROWS, {**broken, "status": "failed"}])[0].notes
-    assert "Broke off with an error and left out (1): expert-fsm in pick-box, seed 7." in notes
+    assert "Failed and left out (1): expert-fsm in pick-box, seed 7." in notes
 
 
 def test_what_broke_off_is_told_where_it_belongs():
@@ -103,7 +103,7 @@ def test_what_broke_off_is_told_where_it_belongs():
         if key in ("world", "variant", "seed", "advisor", "overrides")
     }
     made = tables([row(advisor="a", variant="full"), {**broken, "status": "failed"}])
-    assert [("Advisor: a." in table.caption, any("Broke off" in note for note in table.notes)) for table in made] == [
+    assert [("Advisor: a." in table.caption, any("left out" in note for note in table.notes)) for table in made] == [
         (True, False)
     ] * 4 + [(False, True)] * 4
 

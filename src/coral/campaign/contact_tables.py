@@ -10,7 +10,7 @@ from statistics import fmean, median
 from typing import Any
 
 from coral.campaign.contact_pairs import paired_table
-from coral.campaign.decided import decided_table, mark_notes, marked, share
+from coral.campaign.decided import decided_table, left_out, made_by, mark_notes, marked, share
 from coral.campaign.measures import Row, mean_text, number
 from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.stats import wilson
@@ -235,12 +235,8 @@ def _mean(values: Sequence[float], digits: int = 1) -> str:
 def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, Any], command: str) -> tuple[str, ...]:
     """Describe how the table was made."""
     seeds = sorted({int(row["seed"]) for row in chosen})
-    versions = sorted({str(row.get("code")) for row in chosen})
-    parts = [
-        f"Seeds: {', '.join(map(str, seeds))}. Object poses: {poses_of(chosen)}. "
-        f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), "
-        f"{about.get('machine', '?')}. Made by: {command}"
-    ]
+    made = made_by(chosen, about, command)
+    parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {poses_of(chosen)}. {made}"]
     remembering = [row for row in chosen if row.get("memory_known") is not None]
     if remembering:
         known = sorted({int(row["memory_known"]) for row in remembering})
@@ -249,12 +245,5 @@ def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, An
             f"Experiences in memory at the start of every trial: {', '.join(map(str, known))} (0: nothing can "
             f"be recalled); used in {used} of {len(remembering)} trials."
         )
-    parts += mark_notes(chosen)
-    if len(versions) > 1:
-        parts.append("Mixed: these trials ran on different versions of the code.")
-    if failed:
-        names = ", ".join(f"{row['variant']} in {Path(row['world']).stem}, seed {row['seed']}" for row in failed[:4])
-        parts.append(
-            f"Broke off with an error and left out ({len(failed)}): {names}{', …' if len(failed) > 4 else ''}."
-        )
-    return tuple(parts)
+    names = left_out(failed, lambda row: f"{row['variant']} in {short_name(row['world'])}, seed {row['seed']}")
+    return (*parts, *mark_notes(chosen), *names)

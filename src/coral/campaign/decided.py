@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from statistics import fmean
 from typing import Any
 
@@ -62,6 +62,20 @@ def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
         )
         notes.append(f"§: {fell} of {total} decisions {what} (fallback: {policy or 'unknown'}).")
     return tuple(notes)
+
+
+def made_by(chosen: Sequence[Row], about: Mapping[str, Any], command: str) -> str:
+    """Describe the code, the machine and the command that made these rows; mixed versions are told."""
+    versions = sorted({str(row.get("code")) for row in chosen})
+    mixed = " Mixed: they ran on different versions of the code." if len(versions) > 1 else ""
+    commit, machine = about.get("commit", "unknown"), about.get("machine", "?")
+    return f"Commit {commit} (code {', '.join(versions)}), {machine}. Made by: {command}{mixed}"
+
+
+def left_out(failed: Sequence[Row], name: Callable[[Row], str]) -> tuple[str, ...]:
+    """Name the first rows that failed; nothing without any."""
+    names, more = ", ".join(name(row) for row in failed[:4]), ", …" if len(failed) > 4 else ""
+    return (f"Failed and left out ({len(failed)}): {names}{more}.",) if failed else ()
 
 
 def decided_table(groups: Mapping[str, Sequence[Row]], caption: str, notes: tuple[str, ...], *, runs: str) -> Table:

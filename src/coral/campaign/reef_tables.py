@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from coral.campaign.decided import decided_table, mark_notes, marked, share
+from coral.campaign.decided import decided_table, left_out, made_by, mark_notes, marked, share
 from coral.campaign.inspection_table import (
     BASELINES,
     HORIZON_S,
@@ -311,24 +311,13 @@ def _source(
         and row["advisor"] in (advisor, NO_ADVISOR)
         and (row["variant"] in variants if overrides is None else row["overrides"] == overrides)
     ]
-    versions = sorted({str(row.get("code")) for row in chosen})
-    parts = [
-        f"Worlds: {', '.join(worlds)}. Seeds: {', '.join(map(str, seeds))}. "
-        f"Commit {about.get('commit', 'unknown')} (code {', '.join(versions)}), {about.get('machine', '?')}. "
-        f"Made by: {command}"
-    ]
+    made = made_by(chosen, about, command)
+    parts = [f"Worlds: {', '.join(worlds)}. Seeds: {', '.join(map(str, seeds))}. {made}"]
     if overrides not in ("{}", None):
         parts.append(f"Configuration: {overrides}.")
-    if len(versions) > 1:
-        parts.append("Mixed: these missions ran on different versions of the code.")
     if len(worlds) < FEW_WORLDS:
         parts.append(f"Few worlds to draw from ({len(worlds)}): intervals are narrower than they should be.")
-    if failed:
-        parts.append(
-            f"Failed and left out ({len(failed)}): {', '.join(_label(row) for row in failed[:4])}"
-            f"{', …' if len(failed) > 4 else ''}."
-        )
-    parts += mark_notes(chosen)
+    parts += [*left_out(failed, _label), *mark_notes(chosen)]
     if any(row["advisor"] == NO_ADVISOR for row in chosen) and advisor != NO_ADVISOR:
         parts.append(
             "Variants without an advisor ran once and appear beside every advisor; their calls are questions "

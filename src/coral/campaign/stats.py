@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,15 +34,8 @@ class Estimate:
         return bool(self.low > 0.0 or self.high < 0.0)
 
 
-def bootstrap_mean(
-    values: Sequence[float],
-    groups: Sequence[Hashable],
-    *,
-    level: float = 0.95,
-    resamples: int = RESAMPLES,
-    seed: int = SEED,
-) -> Estimate:
-    """Compute mean and percentile interval of the cluster bootstrap (Efron and Tibshirani 1993; Field and Welsh 2007).
+def bootstrap_mean(values: Sequence[float], groups: Sequence[Hashable]) -> Estimate:
+    """Compute mean and 95 % interval of the cluster bootstrap (Efron and Tibshirani 1993; Field and Welsh 2007).
 
     Whole groups are drawn with replacement: missions in the same world resemble each other, so drawing single missions
     would make the interval too narrow. With only one group, its values are drawn instead.
@@ -50,9 +43,6 @@ def bootstrap_mean(
     Args:
         values: Shape=(N,).
         groups: Group of each value, Shape=(N,).
-        level: Level of the interval.
-        resamples: Number of bootstrap samples.
-        seed: Seed of their generator.
     """
     data = np.asarray(values, np.float64)
     if len(data) == 0:
@@ -64,25 +54,22 @@ def bootstrap_mean(
     sums, counts = np.bincount(member, data), np.bincount(member).astype(np.float64)
     if len(sums) == 1:
         return Estimate(float(data.mean()), np.nan, np.nan, len(data))
-    draws = np.random.default_rng(seed).integers(0, len(sums), size=(resamples, len(sums)))
+    draws = np.random.default_rng(SEED).integers(0, len(sums), size=(RESAMPLES, len(sums)))
     means: NDArray[np.float64] = sums[draws].sum(axis=1) / counts[draws].sum(axis=1)
-    low, high = np.percentile(means, [50 * (1 - level), 50 * (1 + level)])
+    low, high = np.percentile(means, [2.5, 97.5])
     return Estimate(float(data.mean()), float(low), float(high), len(data))
 
 
-def paired_difference(
-    ours: Mapping[K, float], reference: Mapping[K, float], group: Mapping[K, Hashable], **options: Any
-) -> Estimate:
+def paired_difference(ours: Mapping[K, float], reference: Mapping[K, float], group: Mapping[K, Hashable]) -> Estimate:
     """Compute the mean of `ours - reference` over the pairs that both have.
 
     Args:
         ours: Values of a variant by pair.
         reference: Values of the reference by pair.
         group: Group of each pair, such as its world.
-        options: Options of `bootstrap_mean`.
     """
     keys = [key for key in ours if key in reference]
-    return bootstrap_mean([ours[key] - reference[key] for key in keys], [group[key] for key in keys], **options)
+    return bootstrap_mean([ours[key] - reference[key] for key in keys], [group[key] for key in keys])
 
 
 def wilson(won: int, trials: int, z: float = 1.96) -> tuple[float, float]:

@@ -118,8 +118,6 @@ class Store:
             {
                 "format": FORMAT,
                 "conditions": {**known, **conditions},
-                "mixed": bool(old.get("mixed"))
-                or any(known.get(name, value) != value for name, value in conditions.items()),
                 "about": {**old.get("about", {}), **(about or {})},
                 "commands": commands,
                 "specs": [spec.to_json() for spec in wanted],

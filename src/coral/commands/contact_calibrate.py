@@ -98,7 +98,7 @@ class ContactCalibrate:
         return {"drawn": str(path), "width_m": columns * board.square_m, "height_m": rows * board.square_m}
 
     def _take(self, word: str) -> list[RgbdFrame]:
-        from coral.contact.real_scenes.cameras.frame_stream import stream_frames
+        from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
 
         with closing(make_camera_by_name(word)) as camera:
             if camera.live and self.hand_poses is not None:
@@ -127,7 +127,6 @@ class ContactCalibrate:
         from coral.contact.real_scenes.calibration.board_calibration import (
             calibrate_by_held_board,
             calibrate_by_placed_board,
-            check_depth,
         )
         from coral.contact.real_scenes.calibration.camera_pose_file import read_hand_poses
         from coral.contact.real_scenes.calibration.charuco_board import LEAST_CORNERS, CharucoBoard
@@ -157,7 +156,6 @@ class ContactCalibrate:
             placed = pose_matrix(turn @ np.diag([1.0, -1.0, -1.0]), [x, y, z])
             fit = calibrate_by_placed_board(boards, pictures, placed)
             method = f"board at a known place, {len(boards)} pictures"
-        check_depth(fit.depth_share)
         residuals = {"rms_px": fit.residual_px}
         if fit.depth_share is not None:
             residuals["depth_off_percent"] = 100 * fit.depth_share

@@ -55,7 +55,7 @@ class ContactPoses:
         """Track until the end."""
         from coral.contact.perception.tracked_world import nominal_pose
         from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
-        from coral.contact.real_scenes.cameras.frame_stream import stream_frames
+        from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
         from coral.contact.real_scenes.masks.colour_masks import paint_regions
         from coral.contact.real_scenes.masks.mask_registry import MaskSetting, make_masks
         from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models

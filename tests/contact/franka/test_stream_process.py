@@ -52,7 +52,7 @@ def test_an_arm_that_cannot_be_had_is_the_users_error():
 def test_a_process_that_is_told_to_end_does_not_wait_for_the_program():
     stream = StreamProcess(make_obedient_arm, "somebody", CFG, TRIAL)
     try:
-        os.kill(stream.pid, signal.SIGTERM)  # as multiprocessing does when the program ends by an error
+        os.kill(stream._process.pid, signal.SIGTERM)  # as multiprocessing does when the program ends by an error
         stream._process.join(30.0)
         assert not stream._process.is_alive()
     finally:

@@ -14,11 +14,3 @@ def test_the_mean_of_the_readings_is_subtracted():
     bias.add(np.full(6, 3.0))
     assert bias.known
     assert bias.corrected(np.full(6, 5.0)) == pytest.approx(np.full(6, 3.0))
-
-
-def test_a_restart_measures_anew_and_keeps_the_old_bias_meanwhile():
-    bias = WrenchBias(1)
-    bias.add(np.full(6, 2.0))
-    bias.restart()
-    assert not bias.known
-    assert bias.corrected(np.full(6, 2.0)) == pytest.approx(np.zeros(6))

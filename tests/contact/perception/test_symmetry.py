@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from solid_object import solid
 
-from coral.contact.perception.symmetry import Symmetry, of_kind
+from coral.contact.perception.symmetry import of_kind
 from coral.contact.scene.geometry import rotation_about, rotation_angle, spread_rotations
 from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
@@ -65,8 +65,3 @@ def test_the_twist_of_a_can_is_taken_out_and_its_tilt_is_not():
     _, turn = can.difference(tilted, np.eye(4))
     assert turn == pytest.approx(0.2, abs=1e-6)
     assert rotation_angle(can.nearest(tilted, np.eye(4))[:3, :3], np.eye(3)) == pytest.approx(0.2, abs=1e-6)
-
-
-def test_rotations_only():
-    with pytest.raises(InputError, match="symmetry"):
-        Symmetry(np.stack([np.eye(3), 2 * np.eye(3)]))

@@ -42,7 +42,9 @@ class Scripted:
 def tracked(cfg=SMALL, seed=0, task="pick-box", **script):
     trial = sample_trial(load_task(task) if isinstance(task, str) else task, seed)
     world = HandWorld(trial, HandWorldCfg())
-    return TrackedWorld(world, trial, cfg, np.random.default_rng(seed), Scripted(world, trial, cfg, **script))
+    made = TrackedWorld(world, trial, cfg, np.random.default_rng(seed))
+    made._eye = Scripted(world, trial, cfg, **script)
+    return made
 
 
 def rest(now):
@@ -196,11 +198,13 @@ def test_the_same_seed_gives_the_same_files(tmp_path):
 
 def test_an_episode_tells_what_was_not_found(tmp_path, monkeypatch):
     cfg = dataclasses.replace(COARSE, poses="tracked", tracked=dataclasses.replace(SMALL, search_s=0.0))
-    monkeypatch.setattr(
-        module,
-        "TrackedWorld",
-        lambda *given: TrackedWorld(*given, Scripted(given[0], given[1], SMALL, covered=lambda k: True)),
-    )
+
+    def covered(world, trial, *given):
+        made = TrackedWorld(world, trial, *given)
+        made._eye = Scripted(world, trial, SMALL, covered=lambda k: True)
+        return made
+
+    monkeypatch.setattr(module, "TrackedWorld", covered)
     result = Episode(
         make_trial(0.2), "hand", FixedStrategist(strategy()), cfg, tmp_path / "run", variant="expert"
     ).run()

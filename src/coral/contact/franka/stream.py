@@ -220,7 +220,6 @@ class Stream:
                 self._arm.go_to(np.asarray(cfg.start_rad))
         elif self.phase is Phase.GOING:
             if self._arm.arrived():
-                self._bias.restart()
                 self.phase = Phase.TARING
         elif self.phase is Phase.TARING:
             if self._filtered is not None:

@@ -112,11 +112,6 @@ class StreamProcess:
             self._process.kill()
             self._process.join(3.0)
 
-    @property
-    def pid(self) -> int:
-        """Return the id of the process, for a signal."""
-        return int(self._process.pid or 0)
-
     def _order(
         self,
         start: bool = False,

@@ -27,10 +27,6 @@ class WrenchBias:
         """Whether enough readings were averaged."""
         return len(self._readings) >= self._needed
 
-    def restart(self) -> None:
-        """Forget the readings; the old bias holds until the new one is known."""
-        self._readings = []
-
     def add(self, wrench: Array) -> None:
         """Add a reading, Shape=(6,), of a hand that touches nothing."""
         self._readings.append(np.array(wrench, float))

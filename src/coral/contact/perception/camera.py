@@ -20,7 +20,6 @@ from coral.contact.perception.normal_kernels import normals
 from coral.contact.perception.ray_solids import from_mujoco
 from coral.contact.perception.raycast_kernels import render
 from coral.contact.perception.shading import shade
-from coral.errors import InputError
 
 Array = NDArray[np.float64]
 Colours = Literal["none", "shaded", "best"]
@@ -138,8 +137,6 @@ class RayCamera:
             if model.geom_matid[i] >= 0:
                 self._rgb[row] = model.mat_rgba[model.geom_matid[i], :3]
         self.names = tuple(dict.fromkeys(instances.values()))
-        if len(self.names) > 255:
-            raise InputError("camera", "instances", len(self.names), "at most 255 names")
         known = {i: 1 + self.names.index(name) for i, name in instances.items()}
         # One more entry than geoms, for pixels (-1) without a hit.
         self._instance = np.array([*(known.get(int(i), 0) for i in self._geoms), 0], np.uint8)

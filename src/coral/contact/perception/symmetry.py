@@ -28,13 +28,6 @@ class Symmetry:
     sphere: bool = False
     """Whether every rotation is a symmetry."""
 
-    def __post_init__(self) -> None:
-        r = self.rotations
-        if r.ndim != 3 or r.shape[1:] != (3, 3) or not len(r) or not np.allclose(r[0], np.eye(3), atol=1e-6):
-            raise InputError("object", "symmetry", f"shape {r.shape}", "rotation matrices, the identity first")
-        if not np.allclose(r @ r.transpose(0, 2, 1), np.eye(3), atol=1e-6):
-            raise InputError("object", "symmetry", "a matrix that is no rotation", "rotation matrices")
-
     def members(self, steps: int = 36) -> Array:
         """Return transforms of the object onto itself, a continuous symmetry in `steps` steps. Shape=(m, 4, 4)."""
         turns = self.rotations

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import Any
 
-import mujoco
 import numpy as np
 
 from coral.contact.perception.camera import RgbdFrame
@@ -25,14 +24,6 @@ from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation, W
 from coral.errors import InputError
 
 
-class PictureSource(Protocol):
-    """Takes the pictures of a simulated world."""
-
-    def take(self, data: mujoco.MjData, rng: np.random.Generator) -> RgbdFrame | None:
-        """Take a picture of the present state; None if the camera delivers none."""
-        ...
-
-
 class TrackedWorld:
     """Wraps a world: object poses come from a tracker, the robot's own measurements stay unchanged.
 
@@ -41,7 +32,6 @@ class TrackedWorld:
         trial: Used for prior knowledge: shapes, symmetries and the task's ranges.
         cfg: Camera, tracker and filter.
         rng: Random numbers of the noise.
-        eye: Takes the pictures; by default a ray-casting camera.
 
     Raises:
         InputError: The world has no pictures.
@@ -56,7 +46,6 @@ class TrackedWorld:
         trial: Trial,
         cfg: TrackedCfg,
         rng: np.random.Generator,
-        eye: PictureSource | None = None,
     ) -> None:
         self._world, self._trial, self.cfg, self._rng = world, trial, cfg, rng
         self.name, self.control_period_s = world.name, world.control_period_s
@@ -66,7 +55,7 @@ class TrackedWorld:
         self._choice = cfg.choice()
         self._choice.check()
         self.tracker = self._choice.name
-        self._eye = eye or make_camera(model, trial, cfg)
+        self._eye = make_camera(model, trial, cfg)
         self._shapes = {name: from_trial(model, trial, name) for name in trial.objects}
         self._wanted = {
             str(getattr(condition, key, ""))

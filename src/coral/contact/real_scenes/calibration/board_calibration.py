@@ -123,17 +123,6 @@ def solve_robot_world(A: Sequence[Array], B: Sequence[Array]) -> tuple[Array, Ar
     return pose_matrix(x, shifts[:3]), pose_matrix(z, shifts[3:])
 
 
-def check_depth(share: float | None, where: str = "--board") -> None:
-    """Check the size of the squares by the depth camera.
-
-    Raises:
-        InputError: They disagree by more than `DEPTH_LIMIT`.
-    """
-    if share is not None and abs(share) > DEPTH_LIMIT:
-        found = f"depth that is {share:+.0%} off the board's distance by its squares"
-        raise InputError(where, "", found, f"{DEPTH_LIMIT:.0%}: measure the squares, and check that depth is aligned")
-
-
 def _nearest_rotation(matrix: Array) -> Array:
     matrix = matrix * np.sign(np.linalg.det(matrix))
     u, _, vt = np.linalg.svd(matrix)
@@ -156,7 +145,12 @@ def _depth_share(boards: Sequence[SeenBoard], frames: Sequence[RgbdFrame], place
         measured = frame.depth[rows.clip(0, height - 1), columns.clip(0, width - 1)]
         shares.append(((measured - expected) / expected)[measured > 0])
     every = np.concatenate(shares)
-    return float(np.median(every)) if len(every) else None
+    share = float(np.median(every)) if len(every) else None
+    if share is not None and abs(share) > DEPTH_LIMIT:
+        found = f"depth that is {share:+.0%} off the board's distance by its squares"
+        expected = f"{DEPTH_LIMIT:.0%}: measure the squares, and check that depth is aligned"
+        raise InputError("--board", "", found, expected)
+    return share
 
 
 def _root_mean_square(errors: Sequence[Array]) -> float:

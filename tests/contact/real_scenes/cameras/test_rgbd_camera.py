@@ -1,7 +1,6 @@
 import pytest
 
-from coral.contact.real_scenes.cameras.frame_stream import stream_frames
-from coral.contact.real_scenes.cameras.rgbd_camera import CameraFailed
+from coral.contact.real_scenes.cameras.rgbd_camera import CameraFailed, stream_frames
 
 
 class Camera:
