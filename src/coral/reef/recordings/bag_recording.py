@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.bag_reader import count_messages, read_messages, stamp_of
+from coral.camera_pictures import colours_in, values_in
 from coral.errors import InputError, first_line
 from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
@@ -25,7 +26,6 @@ from coral.reef.recordings.perception import PicturePerception, refuse_colour_on
 from coral.reef.recordings.picture_files import colours_of, depth_of, doubt_of, frame_of, labels_of
 from coral.reef.recordings.pose_track import NEAR_S
 from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
-from coral.reef.recordings.ros_images import colours_in, values_in
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
 from coral.reef.sea.lens import Lens
 from coral.reef.sea.recorded_camera import RecordedCamera

@@ -9,8 +9,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.camera_pictures import COLOUR, decode
 from coral.errors import InputError
-from coral.foreign_file import decode_picture, read_bytes
+from coral.foreign_file import read_bytes
 from coral.limits import PICTURE_BYTES
 from coral.reef.eyes.doubt import unpack_doubt
 from coral.reef.sea.recorded_camera import RecordedCamera
@@ -71,25 +72,6 @@ def decode_rgb(content: bytes, camera: RecordedCamera, where: str) -> NDArray[np
         InputError: It is none, or has another size than the camera's.
     """
     return colours_of(decode(content, where, "rgb", COLOUR)[:, :, ::-1], camera, where)
-
-
-COLOUR = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
-"""Pixels as they lie in the file: a camera that looks down tells any orientation, and calibrations are of pixels."""
-
-
-def decode(content: bytes, where: str, field: str, mode: int = cv2.IMREAD_UNCHANGED) -> Image:
-    """Decode a PNG or JPEG picture.
-
-    Raises:
-        InputError: It is none.
-    """
-    try:
-        image = decode_picture(content, mode)
-    except ValueError as error:
-        raise InputError(where, field, error, "a camera's picture") from None
-    if image is None:
-        raise InputError(where, field, "no picture", "a PNG or JPEG picture")
-    return image
 
 
 def labels_of(image: Image, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:

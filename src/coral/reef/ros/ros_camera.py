@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.camera_pictures import colours_in
 from coral.errors import InputError
-from coral.reef.recordings.ros_images import colours_in
 from coral.reef.ros.newest import Newest
 from coral.reef.sea.picture import Shot
 from coral.reef.vehicle.camera import CameraCfg

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.camera_pictures import values_in
 from coral.errors import InputError
 from coral.reef.map.sonar_3d15 import SonarCfg, sonar_attitude
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.recordings.frame_tree import FrameTree, frame_name
 from coral.reef.recordings.point_clouds import points_in, range_image_of
-from coral.reef.recordings.ros_images import values_in
 from coral.reef.recordings.transforms import transform_from
 from coral.reef.ros.newest import Newest
 from coral.reef.sea.sonar_reading import HeardImage

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import struct
 from collections import deque
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.bag_reader import message_types, read_messages, stamp_of
+from coral.camera_pictures import colours_in, values_in
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.cameras.bare_frame import Undistortion, bare_frame
 from coral.errors import InputError, nearest
-from coral.foreign_file import decode_picture
 
 Array = NDArray[np.float64]
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
@@ -24,8 +22,6 @@ INFO = "sensor_msgs/msg/CameraInfo"
 ROLES = ("depth", "color", "info")
 TOGETHER_S = 0.05
 """Colours that are older than this when depth arrives belong to another picture."""
-_HEADER = struct.Struct("<iff")
-"""Of compressed_depth_image_transport, before the PNG: a number of the format, A and B."""
 MODELS = {"plumb_bob": (4, 5), "rational_polynomial": (8, 12, 14), "equidistant": (0, 4)}
 """Numbers of coefficients by distortion model (sensor_msgs/distortion_models.hpp)."""
 _MODELS_TOLD = "plumb_bob (4 or 5), rational_polynomial (8) or equidistant (4)"
@@ -88,7 +84,7 @@ class BagRgbdCamera:
                 if removal is None:
                     removal = self._read_lens(message)
             elif topic == self.topics.get("color"):
-                colours.append((stamp_of(message), _colours(message, self.path, topic)))
+                colours.append((stamp_of(message), colours_in(message, str(self.path))))
             elif removal is not None:
                 stamp = stamp_of(message)
                 if waiting is not None:
@@ -166,51 +162,8 @@ def _only(path: Path, role: str, found: list[str], types: dict[str, str]) -> str
 
 def _depth(message: Any, path: Path, topic: str) -> NDArray[np.float32]:
     """Return the depth of a message, Shape=(H, W) m (REP 118: millimetres in 16 bits, metres in 32)."""
-    if hasattr(message, "format"):
-        raw, packed = bytes(message.data), "compressedDepth" in message.format
-        start = _HEADER.size if packed else 0
-        found = _decoded(raw[start:], cv2.IMREAD_UNCHANGED, path, topic)
-        if found is None or found.dtype != np.uint16 or found.ndim != 2:
-            raise InputError(str(path), topic, f"the format {message.format!r}", "PNG with 16 bits, in millimetres")
-        if packed and message.format.startswith("32FC1"):  # inverse depths: value = A / depth + B
-            _, a, b = _HEADER.unpack_from(raw)
-            inverse = found.astype(np.float64) - b
-            return np.where((found > 0) & (inverse > 0.0), a / np.maximum(inverse, 1e-9), 0.0).astype(np.float32)
-        return np.asarray(found * np.float32(0.001), np.float32)
-    kinds = {"16UC1": (np.uint16, 0.001), "mono16": (np.uint16, 0.001), "32FC1": (np.float32, 1.0)}
-    if message.encoding not in kinds:
-        raise InputError(str(path), topic, f"the encoding {message.encoding!r}", "16UC1 or 32FC1")
-    kind, metres = kinds[message.encoding]
-    return np.asarray(_pixels(message, np.dtype(kind), 1, path, topic)[..., 0] * np.float32(metres), np.float32)
-
-
-def _colours(message: Any, path: Path, topic: str) -> NDArray[np.uint8]:
-    """Return the colours of a message, Shape=(H, W, 3)."""
-    if hasattr(message, "format"):
-        found = _decoded(bytes(message.data), cv2.IMREAD_COLOR, path, topic)
-        if found is None:
-            raise InputError(str(path), topic, f"the format {message.format!r}", "JPEG or PNG")
-        return np.asarray(found[..., ::-1], np.uint8)
-    order = {"rgb8": [0, 1, 2], "bgr8": [2, 1, 0], "rgba8": [0, 1, 2], "bgra8": [2, 1, 0]}.get(message.encoding)
-    if order is None:
-        raise InputError(str(path), topic, f"the encoding {message.encoding!r}", "rgb8, bgr8, rgba8 or bgra8")
-    channels = 4 if "a" in message.encoding else 3
-    return np.asarray(_pixels(message, np.dtype(np.uint8), channels, path, topic)[..., order], np.uint8)
-
-
-def _decoded(content: bytes, mode: int, path: Path, topic: str) -> NDArray[Any] | None:
-    try:
-        return decode_picture(content, mode)
-    except ValueError as error:
-        raise InputError(str(path), topic, error, "a camera's picture") from None
-
-
-def _pixels(message: Any, kind: np.dtype[Any], channels: int, path: Path, topic: str) -> NDArray[Any]:
-    """Return the values of a message, Shape=(H, W, channels)."""
-    height, width, step = int(message.height), int(message.width), int(message.step)
-    data = np.asarray(message.data, np.uint8)
-    wide = width * channels * kind.itemsize
-    if step < wide or data.size < height * step or height < 1 or width < 1:
-        raise InputError(str(path), topic, f"{data.size} bytes", f"{width} x {height} pixels of {message.encoding}")
-    rows = np.ascontiguousarray(data[: height * step].reshape(height, step)[:, :wide])
-    return rows.view(kind.newbyteorder(">" if message.is_bigendian else "<")).reshape(height, width, channels)
+    found = values_in(message, str(path), topic)
+    if found.ndim != 2 or found.dtype not in (np.uint16, np.float32):
+        kind = f"{found.dtype} in {found.shape[2:] or 1} channels"
+        raise InputError(str(path), topic, kind, "millimetres in 16 bits or metres in 32, one channel")
+    return np.asarray(found * np.float32(0.001) if found.dtype == np.uint16 else found, np.float32)

@@ -1,4 +1,4 @@
-"""Pictures in ROS messages: sensor_msgs/Image and sensor_msgs/CompressedImage."""
+"""Pictures of cameras: PNG and JPEG as bytes, and sensor_msgs/Image and sensor_msgs/CompressedImage of ROS."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.recordings.picture_files import COLOUR, decode
+from coral.foreign_file import decode_picture
 
 _PLAIN: dict[str, tuple[str, int]] = {
     "mono8": ("u1", 1), "8UC1": ("u1", 1), "mono16": ("u2", 1), "16UC1": ("u2", 1), "32FC1": ("f4", 1),
@@ -31,6 +31,25 @@ _HEADER = struct.Struct("<iff")
 """Of compressed_depth_image_transport, before the PNG: a number of the format, and A and B of a quantised depth."""
 VIDEO = ("h264", "h265", "hevc", "av1", "vp8", "vp9", "mpeg4")
 """Formats of CompressedImage that are videos, whose pictures need the ones before them."""
+
+
+COLOUR = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION
+"""Pixels as they lie in the file: a camera that looks down tells any orientation, and calibrations are of pixels."""
+
+
+def decode(content: bytes, where: str, field: str, mode: int = cv2.IMREAD_UNCHANGED) -> NDArray[Any]:
+    """Decode a PNG or JPEG picture.
+
+    Raises:
+        InputError: It is none.
+    """
+    try:
+        image = decode_picture(content, mode)
+    except ValueError as error:
+        raise InputError(where, field, error, "a camera's picture") from None
+    if image is None:
+        raise InputError(where, field, "no picture", "a PNG or JPEG picture")
+    return image
 
 
 def colours_in(message: Any, where: str) -> NDArray[np.uint8]:
