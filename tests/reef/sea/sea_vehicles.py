@@ -17,10 +17,10 @@ class SimulatedVehicle:
 
     name = "simulated"
 
-    def __init__(self, cfg=None, **autopilot):
+    def __init__(self, **autopilot):
         self.autopilot = SimulatedAutopilot(Body(OpenWater()), AutopilotCfg(position_after_s=1.0, **autopilot))
         self.line = AutopilotLine(self.autopilot)
-        self.link = MavlinkLink(self.line, cfg, START, self.line.clock, threaded=False)
+        self.link = MavlinkLink(self.line, START, self.line.clock, threaded=False)
 
     def run(self, seconds, command=None):
         """Let time pass; repeat a command ten times a second."""

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from coral.reef.sea.setpoints import NEUTRAL, StickLoop, StickLoopCfg, climb_rate
+from coral.reef.sea.setpoints import NEUTRAL, StickLoop, climb_rate
 
 
 def test_without_measurements_the_axes_are_the_feed_forward():
@@ -21,7 +21,7 @@ def test_no_command_is_neutral():
 
 
 def test_the_loop_pushes_harder_while_the_vehicle_is_too_slow():
-    loop = StickLoop(StickLoopCfg(speed_p=400.0, speed_i=200.0))
+    loop = StickLoop()
     first = loop.axes(0.5, 0.0, (0.3, 0.0), 0.1)[0]
     assert first == 500 + 80 + 4
     assert loop.axes(0.5, 0.0, (0.3, 0.0), 0.1)[0] == first + 4

@@ -7,14 +7,13 @@ import math
 import threading
 import time
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
-from coral.config import NonNegative, Positive
 from coral.reef.sea import ardusub
 from coral.reef.sea.address import VehicleAddress
 from coral.reef.sea.link import LinkRefused, VehicleReport
-from coral.reef.sea.setpoints import NEUTRAL, VELOCITY_AND_YAW_RATE, StickLoop, StickLoopCfg, climb_rate
+from coral.reef.sea.setpoints import FRESH_S, NEUTRAL, VELOCITY_AND_YAW_RATE, StickLoop, climb_rate
 from coral.reef.sea.stations import MOST, Stations, place
 from coral.reef.sea.telemetry import Telemetry
 from coral.reef.sea.transport import Transport, open_transport
@@ -29,6 +28,31 @@ AUTOPILOT_VERSION = 148
 ACCEPTED, IN_PROGRESS = 0, 5
 STREAMS_KEPT = MOST + 1
 """This many senders have a decoder."""
+OWN_SYSTEM = 255
+"""Our system id. ArduSub takes joystick axes from MAV_GCS_SYSID alone (255), and counts its heartbeats."""
+OWN_COMPONENT = 191
+"""MAV_COMP_ID_ONBOARD_COMPUTER: with the same system id, QGroundControl is component 190."""
+HEARTBEAT_S = 0.5
+"""Period of our heartbeats. ArduSub's failsafe acts after 5 s without (FS_GCS_TIMEOUT)."""
+STICK_S = 0.1
+"""Period of MANUAL_CONTROL when nobody commands in ALT_HOLD."""
+NEUTRAL_S = 0.5
+"""Period of neutral joystick axes in other modes, so that the failsafe of the pilot's input (3 s) rests."""
+COMMAND_S = 0.5
+"""Without a new command for this long, the axes are neutral. (In GUIDED the autopilot itself waits 3 s.)"""
+ASK_AGAIN_S = 2.0
+"""Messages that do not come are asked for again so often."""
+ANSWER_S = 1.0
+"""An order is repeated when there is no answer for this long."""
+TRIES = 3
+SETTLE_S = 3.0
+"""A mode, or the motors, must be seen as ordered within this time."""
+WORDS_S = 0.3
+"""Longest wait for the autopilot's words after a refusal."""
+DEPTH_GAIN_1_S = 0.8
+"""Downward speed per metre of depth error."""
+DEPTH_SPEED_M_S = 0.25
+"""Largest speed up or down."""
 RESULTS = {
     1: "temporarily rejected",
     2: "denied",
@@ -37,38 +61,6 @@ RESULTS = {
     6: "cancelled",
 }
 """MAV_RESULT in words, where the autopilot gives none of its own."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class MavlinkCfg:
-    """How the link behaves."""
-
-    own_system: int = 255
-    """Our system id. ArduSub takes joystick axes from MAV_GCS_SYSID alone (255), and counts its heartbeats."""
-    own_component: int = 191
-    """MAV_COMP_ID_ONBOARD_COMPUTER: with the same system id, QGroundControl is component 190."""
-    heartbeat_s: Positive = 0.5
-    """Period of our heartbeats. ArduSub's failsafe acts after 5 s without (FS_GCS_TIMEOUT)."""
-    stick_s: Positive = 0.1
-    """Period of MANUAL_CONTROL when nobody commands in ALT_HOLD."""
-    neutral_s: Positive = 0.5
-    """Period of neutral joystick axes in other modes, so that the failsafe of the pilot's input (3 s) rests."""
-    command_s: Positive = 0.5
-    """Without a new command for this long, the axes are neutral. (In GUIDED the autopilot itself waits 3 s.)"""
-    ask_again_s: Positive = 2.0
-    """Messages that do not come are asked for again so often."""
-    answer_s: Positive = 1.0
-    """An order is repeated when there is no answer for this long."""
-    tries: int = 3
-    settle_s: Positive = 3.0
-    """A mode, or the motors, must be seen as ordered within this time."""
-    words_s: NonNegative = 0.3
-    """Longest wait for the autopilot's words after a refusal."""
-    depth_gain_1_s: Positive = 0.8
-    """Downward speed per metre of depth error."""
-    depth_speed_m_s: Positive = 0.25
-    """Largest speed up or down."""
-    stick_loop: StickLoopCfg = field(default_factory=StickLoopCfg)
 
 
 class MavlinkLink:
@@ -82,7 +74,6 @@ class MavlinkLink:
     def __init__(
         self,
         address: VehicleAddress | Transport,
-        cfg: MavlinkCfg | None = None,
         start: Pose | None = None,
         clock: Callable[[], float] = time.monotonic,
         threaded: bool = True,
@@ -91,7 +82,6 @@ class MavlinkLink:
 
         Args:
             address: Where the vehicle is, or a line to it.
-            cfg: Times and gains.
             start: Where the vehicle stands in the survey's frame when its first pose comes. None: poses are relative
                 to the estimator's origin, x east.
             clock: Monotonic time (s).
@@ -100,19 +90,18 @@ class MavlinkLink:
         Raises:
             InputError: The address cannot be used, or pymavlink is missing.
         """
-        self.cfg = cfg or MavlinkCfg()
         self._dialect = ardusub.load_dialect()
         self._line = open_transport(address) if isinstance(address, VehicleAddress) else address
         self._clock = clock
         self._lock = threading.RLock()
         self._heard = threading.Condition(self._lock)
         self._codecs: dict[Hashable, Any] = {}
-        self._out = self._dialect.MAVLink(None, self.cfg.own_system, self.cfg.own_component)
+        self._out = self._dialect.MAVLink(None, OWN_SYSTEM, OWN_COMPONENT)
         system = address.system if isinstance(address, VehicleAddress) else 0
         self.telemetry = Telemetry(system, start)
         self._stations = Stations(system)
         self._warned: tuple[str, ...] = ()
-        self._sticks = StickLoop(self.cfg.stick_loop)
+        self._sticks = StickLoop()
         self._charge = self._driving = False  # in charge since `arm`; driving until the next order
         self._ordered = ""
         self._ordered_s = -math.inf
@@ -143,8 +132,8 @@ class MavlinkLink:
             state, now = self.telemetry, self._clock()
             if not self._driving or self._override or not state.armed:
                 return
-            down = climb_rate(state.depth_m, depth_m, self.cfg.depth_gain_1_s, self.cfg.depth_speed_m_s)
-            dt = min(max(now - self._commanded_s, 0.0), self.cfg.command_s)
+            down = climb_rate(state.depth_m, depth_m, DEPTH_GAIN_1_S, DEPTH_SPEED_M_S)
+            dt = min(max(now - self._commanded_s, 0.0), COMMAND_S)
             self._commanded_s = now
             if self._ordered == "GUIDED":
                 self._send_velocity(forward_m_s, yaw_rate_rad_s, down)
@@ -162,7 +151,7 @@ class MavlinkLink:
         )  # fmt: skip
 
     def _fresh(self, now: float) -> tuple[float | None, float | None]:
-        limit = self.cfg.stick_loop.fresh_s
+        limit = FRESH_S
         speed = self.telemetry.measured_speed
         turn = self.telemetry.measured_turn
         return (
@@ -242,23 +231,23 @@ class MavlinkLink:
         """
         with self._heard:
             since = self._clock()
-            for attempt in range(self.cfg.tries):
+            for attempt in range(TRIES):
                 self._acks.pop(command, None)
                 self._send(self._long(command, *parameters, confirmation=attempt))
-                if self._wait(lambda: self._acks.get(command, (IN_PROGRESS, 0))[0] != IN_PROGRESS, self.cfg.answer_s):
+                if self._wait(lambda: self._acks.get(command, (IN_PROGRESS, 0))[0] != IN_PROGRESS, ANSWER_S):
                     break
             else:
                 raise LinkRefused(f"{what}: the autopilot did not answer")
             result = self._acks[command][0]
             if result != ACCEPTED:
-                self._wait(lambda: False, self.cfg.words_s)
+                self._wait(lambda: False, WORDS_S)
                 words = [text for at, text in self._words if at >= since]
                 reason = "; ".join(dict.fromkeys(words)) or RESULTS.get(result, f"result {result}")
                 raise LinkRefused(f"{what} refused: {reason}")
 
     def _await(self, done: Callable[[], bool], what: str) -> None:
         with self._heard:
-            if not self._wait(done, self.cfg.settle_s):
+            if not self._wait(done, SETTLE_S):
                 raise LinkRefused(f"{what} was acknowledged but did not come")
 
     def _long(self, command: int, *parameters: float, confirmation: int = 0) -> Any:
@@ -304,7 +293,7 @@ class MavlinkLink:
             return []
         codec = self._codecs.pop(sender, None)
         if codec is None:
-            codec = self._dialect.MAVLink(None, self.cfg.own_system, self.cfg.own_component)
+            codec = self._dialect.MAVLink(None, OWN_SYSTEM, OWN_COMPONENT)
             codec.robust_parsing = True
         try:
             messages = codec.parse_buffer(data) or []
@@ -326,8 +315,8 @@ class MavlinkLink:
             self._line.answer(sender)
         if not self.telemetry.take(message, now):
             return
-        if name == "COMMAND_ACK" and message.target_system in (0, self.cfg.own_system):
-            if getattr(message, "target_component", 0) in (0, self.cfg.own_component):
+        if name == "COMMAND_ACK" and message.target_system in (0, OWN_SYSTEM):
+            if getattr(message, "target_component", 0) in (0, OWN_COMPONENT):
                 self._acks[message.command] = (message.result, now)
                 self._stations.answered()
         elif name == "STATUSTEXT":
@@ -384,8 +373,8 @@ class MavlinkLink:
 
     def _keep_alive(self, now: float) -> None:
         """Send what is due: heartbeat, time synchronisation, requests, neutral axes."""
-        cfg, m, state = self.cfg, self._dialect, self.telemetry
-        if now - self._beat_s >= cfg.heartbeat_s:
+        m, state = self._dialect, self.telemetry
+        if now - self._beat_s >= HEARTBEAT_S:
             self._beat_s = now
             self._send(
                 m.MAVLink_heartbeat_message(m.MAV_TYPE_GCS, m.MAV_AUTOPILOT_INVALID, 0, 0, m.MAV_STATE_ACTIVE, 3)
@@ -398,7 +387,7 @@ class MavlinkLink:
             self._sync_sent = {**dict(list(self._sync_sent.items())[-4:]), key: now}
             self._send(m.MAVLink_timesync_message(0, key))
         silent = now - state.position_heard_s > 1.0 or now - state.channels_s > 1.0 or not state.version
-        if silent and now - self._asked_s >= cfg.ask_again_s:
+        if silent and now - self._asked_s >= ASK_AGAIN_S:
             self._asked_s = now
             for number, rate in STREAMS.items():
                 self._send(self._long(SET_MESSAGE_INTERVAL, float(number), 1e6 / rate))
@@ -406,11 +395,11 @@ class MavlinkLink:
         if not self._charge or self._override or not state.armed:
             return
         if self._driving and self._ordered == "ALT_HOLD":
-            if now - self._commanded_s > cfg.command_s:
+            if now - self._commanded_s > COMMAND_S:
                 self._axes = NEUTRAL
-            due = cfg.stick_s
+            due = STICK_S
         else:
-            self._axes, due = NEUTRAL, cfg.neutral_s
+            self._axes, due = NEUTRAL, NEUTRAL_S
         if now - self._stick_s >= due:
             self._stick(now)
 

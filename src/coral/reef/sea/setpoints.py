@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-
-from coral.config import Positive
+from dataclasses import dataclass
 
 VELOCITY_AND_YAW_RATE = 0b0101_1100_0111
 """Type mask of SET_POSITION_TARGET_LOCAL_NED: position, acceleration and yaw ignored. ArduSub drops a velocity whose
@@ -14,26 +12,15 @@ NEUTRAL = (0, 0, 500, 0)
 """Axes x, y, z, r of MANUAL_CONTROL that mean: do nothing."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class StickLoopCfg:
-    """Our own loop over the joystick axes, for a vehicle without a position.
-
-    The feed-forwards were measured with ArduSub 4.7.0-dev and its simulated BlueROV2 Heavy at the default joystick gain
-    of 0.5: x = 500 gives 0.5 m/s; r = 145 gives 0.06 rad/s and r = 200 gives 0.15 rad/s, past a dead zone of 100.
-    """
-
-    x_per_m_s: Positive = 1000.0
-    r_per_rad_s: Positive = 667.0
-    r_dead: float = 100.0
-    """Axis units about the middle that turn nothing."""
-    speed_p: float = 400.0
-    """Axis units per m/s of error."""
-    speed_i: float = 200.0
-    """Axis units per m of error; the integral is limited to half an axis."""
-    yaw_p: float = 300.0
-    """Axis units per rad/s of error."""
-    fresh_s: Positive = 0.5
-    """Older measurements are not used: then the axis is the feed-forward alone."""
+X_PER_M_S, R_PER_RAD_S = 1000.0, 667.0
+"""Feed-forwards, measured with ArduSub 4.7.0-dev and its simulated BlueROV2 Heavy at the default joystick gain of 0.5:
+x = 500 gives 0.5 m/s; r = 145 gives 0.06 rad/s and r = 200 gives 0.15 rad/s, past a dead zone of 100."""
+R_DEAD = 100.0
+"""Axis units about the middle that turn nothing."""
+SPEED_P, SPEED_I, YAW_P = 400.0, 200.0, 300.0
+"""Axis units per m/s of error, per m of it (the integral is limited to half an axis), and per rad/s."""
+FRESH_S = 0.5
+"""Older measurements are not used: then the axis is the feed-forward alone."""
 
 
 @dataclass
@@ -43,7 +30,6 @@ class StickLoop:
     ALT_HOLD keeps depth and heading itself when the axes are neutral.
     """
 
-    cfg: StickLoopCfg = field(default_factory=StickLoopCfg)
     integral: float = 0.0
 
     def axes(
@@ -61,21 +47,20 @@ class StickLoop:
             measured: Measured speed and yaw rate; None where there is no fresh value.
             dt: Seconds since the last call.
         """
-        cfg = self.cfg
-        x, turning = cfg.x_per_m_s * forward_m_s, cfg.r_per_rad_s * yaw_rate_rad_s
+        x, turning = X_PER_M_S * forward_m_s, R_PER_RAD_S * yaw_rate_rad_s
         speed, turn = measured
         if forward_m_s == 0.0:
             self.integral = 0.0
         if speed is not None:
             error = forward_m_s - speed
             if forward_m_s != 0.0:
-                self.integral = min(max(self.integral + cfg.speed_i * error * dt, -500.0), 500.0)
-            x += cfg.speed_p * error + self.integral
+                self.integral = min(max(self.integral + SPEED_I * error * dt, -500.0), 500.0)
+            x += SPEED_P * error + self.integral
         if turn is not None:
-            turning += cfg.yaw_p * (yaw_rate_rad_s - turn)
+            turning += YAW_P * (yaw_rate_rad_s - turn)
         if yaw_rate_rad_s == 0.0:
             return _axis(x), 0, 500, 0  # the autopilot holds the heading itself
-        return _axis(x), 0, 500, _axis(-turning - math.copysign(cfg.r_dead, turning))
+        return _axis(x), 0, 500, _axis(-turning - math.copysign(R_DEAD, turning))
 
 
 def _axis(value: float) -> int:
