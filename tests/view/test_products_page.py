@@ -13,11 +13,10 @@ from survey_runs import write_run
 
 from coral.reef.products.cover import CoverCfg
 from coral.reef.products.placement import Datum, EarthPlacement
-from coral.reef.products.qgis_styles import COVER_STOPS
 from coral.reef.products.survey_products import ProductsCfg, measure
 from coral.reef.recordings.run_recording import read_run
 from coral.reef.world.world import load_world
-from coral.view.products_page import UNSEEN, TruthComparison, ramp, write_products_page
+from coral.view.products_page import COVER_STOPS, UNSEEN, TruthComparison, ramp, write_products_page
 
 pytest.importorskip("pyproj")
 
@@ -62,13 +61,12 @@ def test_the_truth_of_what_was_seen_has_a_section_of_its_own(products, survey_ru
     assert "no datum was given" in page
 
 
-def test_the_page_says_that_a_network_found_the_oysters_and_which_water_was_taken_back(products, tmp_path):
+def test_the_page_says_that_a_network_found_the_oysters(products, tmp_path):
     recording = replace(products.recording, seen_by="rgb")
-    seen = replace(products, recording=recording, mosaic=replace(products.mosaic, colour=True, water="jerlov-1C"))
+    seen = replace(products, recording=recording, mosaic=replace(products.mosaic, colour=True))
     page = write_products_page(seen, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
     assert "Oysters were recognized by a network (rgb)" in page
     assert "is <b>not</b> in the interval" in page
-    assert "what jerlov-1C takes with distance is taken back" in page
     calibrated = replace(seen, calibrated_reefs=15)
     page = write_products_page(calibrated, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
     assert "shells covered where it cast such votes on 15 generated reefs" in page

@@ -17,7 +17,6 @@ from coral.reef.products.cover import CoverCfg
 from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
 from coral.reef.products.product_files import ProductFiles
-from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, Stop
 from coral.reef.products.survey_products import SurveyProducts
 from coral.reef.products.truth import true_oysters
 from coral.reef.recordings.recording import EXACT, RECORDED
@@ -26,6 +25,23 @@ from coral.view.page import render_page, write_page
 from coral.view.svg import clock
 
 UNSEEN = (214, 218, 222)
+
+Stop = tuple[float, str, str]
+"""Value, colour as #rrggbb, label."""
+
+COVER_STOPS: tuple[Stop, ...] = (
+    (0.0, "#f4efe3", "0 %"),
+    (0.1, "#cfe3bf", "10 %"),
+    (0.3, "#7fbf8a", "30 %"),
+    (0.6, "#2f8f68", "60 %"),
+    (1.0, "#0b4a4f", "100 %"),
+)
+DISTANCE_STOPS: tuple[Stop, ...] = (
+    (0.0, "#0b4a4f", "0 m"),
+    (1.5, "#2f8f68", "1.5 m"),
+    (3.0, "#b8d67c", "3 m"),
+    (6.0, "#f0b429", "6 m"),
+)
 
 
 @dataclass(frozen=True)
@@ -93,10 +109,6 @@ def render_products(
         start = f"{datum.latitude:.6f}, {datum.longitude:.6f}"
         where = f"Start at {start} (WGS 84); rasters and layers in EPSG:{placement.epsg}."
     note = "Colours as the camera saw them through the water."
-    if products.mosaic.water:
-        note = (
-            f"Colours as if all had been seen from 1 m: what {products.mosaic.water} takes with distance is taken back."
-        )
     if not products.mosaic.colour:
         note = "The recording has no colour pictures: these are classes (green: oysters, sand: floor, dark: obstacles)."
     return render_page(

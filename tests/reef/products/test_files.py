@@ -51,7 +51,6 @@ def test_every_raster_opens_with_its_place(placed):
         with rasterio.open(folder / f"{name}.tif") as opened:
             assert opened.crs.to_epsg() == 32610
     assert "pictures/cluster-01-1.png" in files
-    assert "oysters.qml" in files
     assert json.loads((folder / "products.json").read_text())["clusters"] == 1
 
 

@@ -1,8 +1,6 @@
 """GeoPackage and GeoJSON, opened by GDAL."""
 
 import json
-import xml.etree.ElementTree as ET
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +8,6 @@ import pytest
 from coral.reef.products.feature import Feature, Layer
 from coral.reef.products.layer_files import write_geojson, write_geopackage
 from coral.reef.products.placement import Datum, EarthPlacement
-from coral.reef.products.qgis_styles import outline_style
 from coral.reef.world.geometry import Pose
 
 pytest.importorskip("pyproj")
@@ -44,16 +41,6 @@ def test_without_a_datum_there_is_no_place(tmp_path):
     write_geopackage(tmp_path / "x.gpkg", LAYERS, EarthPlacement(Pose(2.0, 3.0, 0.0)))
     info = pyogrio.read_info(tmp_path / "x.gpkg", layer="track", force_total_bounds=True)
     assert tuple(info["total_bounds"]) == (2.0, 3.0, 12.0, 23.0)
-
-
-def test_gdal_reads_the_style_that_qgis_draws_a_layer_with(tmp_path):
-    styled = replace(LAYERS[0], style=outline_style("number"))
-    write_geopackage(tmp_path / "x.gpkg", [styled, *LAYERS[1:]], EarthPlacement(Pose(2.0, 3.0, 0.0)))
-    meta, _, _, values = pyogrio.raw.read(tmp_path / "x.gpkg", layer="layer_styles", read_geometry=False)
-    row = dict(zip(meta["fields"], (column[0] for column in values), strict=True))
-    assert len(values[0]) == 1
-    assert (row["f_table_name"], row["f_geometry_column"], bool(row["useAsDefault"])) == ("clusters", "geom", True)
-    assert ET.fromstring(row["styleQML"].split("\n", 1)[1]).find("renderer-v2").get("type") == "singleSymbol"
 
 
 def test_gdal_finds_the_outline_where_it_lies(tmp_path):

@@ -3,9 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
-from coral.errors import InputError
 from coral.reef.products.mosaic import CLASS_COLOURS, MosaicCfg, colours_of, make_mosaic
 
 
@@ -31,11 +29,3 @@ def test_without_colour_pictures_it_is_of_class_colours(recording):
     frame = next(gray()).frame
     near = (frame.labels == 3) & (frame.depth < 1.2)
     np.testing.assert_array_equal(colours_of(frame)[near], np.tile(CLASS_COLOURS[3], (near.sum(), 1)))
-
-
-def test_a_water_of_another_name_is_refused_and_a_known_one_changes_colours(recording):
-    with pytest.raises(InputError, match=r"--cfg\.mosaic\.water: found 'jerlov-1X'"):
-        make_mosaic(recording, MosaicCfg(water="jerlov-1X"))
-    as_it_is, taken_back = (make_mosaic(recording, MosaicCfg(pixel_m=0.1, water=w)).rgba for w in ("", "1C"))
-    far = (as_it_is[..., 3] > 0) & (taken_back[..., 0] > as_it_is[..., 0].astype(int) + 5)
-    assert far.mean() > 0.05

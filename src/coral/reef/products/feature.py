@@ -31,8 +31,6 @@ class Layer:
     title: str = ""
     columns: tuple[str, ...] = field(default=())
     """Names of the attributes, for a layer that may have no features."""
-    style: str = ""
-    """QML that QGIS draws the layer with; empty: as it likes."""
 
     @property
     def attributes(self) -> tuple[str, ...]:

@@ -17,7 +17,6 @@ from coral.reef.products.geotiff import write_geotiff
 from coral.reef.products.layer_files import write_geojson, write_geopackage
 from coral.reef.products.placement import EarthPlacement, place_raster
 from coral.reef.products.product_files import ProductFiles
-from coral.reef.products.qgis_styles import COVER_STOPS, DISTANCE_STOPS, outline_style, raster_style
 from coral.reef.products.survey_products import SurveyProducts
 from coral.reef.products.table import write_table
 from coral.reef.recordings.picture_files import encode_png
@@ -43,7 +42,6 @@ def write_products(products: SurveyProducts, placement: EarthPlacement, folder: 
     write_geopackage(folder / ProductFiles.SURVEY, layers, placement)
     if placement.datum is not None:
         write_geojson(folder / ProductFiles.PLACES, layers[0], placement)
-        write_whole((folder / ProductFiles.PLACES).with_suffix(".qml"), layers[0].style.encode())
     write_table(folder / ProductFiles.CLUSTERS, CLUSTER_COLUMNS, [feature.values for feature in layers[0].features])
     density = [{name: feature.values[name] for name in DENSITY_COLUMNS} for feature in layers[1].features]
     write_table(folder / ProductFiles.DENSITIES, DENSITY_COLUMNS, density)
@@ -130,7 +128,7 @@ def make_layers(products: SurveyProducts, placement: EarthPlacement) -> list[Lay
     ]
     track = [Feature((products.track,), {"pictures": products.keyframes})] if products.keyframes > 1 else []
     return [
-        Layer("clusters", "MultiPolygon", tuple(clusters), "oyster clusters", CLUSTER_COLUMNS, outline_style("number")),
+        Layer("clusters", "MultiPolygon", tuple(clusters), "oyster clusters", CLUSTER_COLUMNS),
         Layer("density", "MultiPolygon", tuple(_density(products)), "oysters per sea floor", DENSITY_COLUMNS),
         Layer("pictures", "Point", tuple(points), "the best pictures", ("picture", "cluster", "t_s", "pixels")),
         Layer("track", "LineString", tuple(track), "where pictures were taken", ("pictures",)),
@@ -151,27 +149,25 @@ def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: 
     layers = (
         (
             ProductFiles.OYSTERS, products.cover[:, :, None], cell_m,
-            ("share of the cell that oysters cover",), COVER_STOPS,
+            ("share of the cell that oysters cover",),
         ),
         (
             ProductFiles.DENSITY, products.density[:, :, None], products.density_cell_m,
-            ("oysters per sea floor seen (m2/m2)",), COVER_STOPS,
+            ("oysters per sea floor seen (m2/m2)",),
         ),
         (
             ProductFiles.SEEN,
             np.dstack([products.quality.nearest_m, products.quality.pixel_m(focal), products.quality.looks]),
             cell_m,
             ("nearest look (m)", "size of a pixel at the nearest look (m)", "pictures that show the cell"),
-            DISTANCE_STOPS,
         ),
     )  # fmt: skip
-    for name, values, edge_m, bands, stops in layers:
+    for name, values, edge_m, bands in layers:
         filled = np.where(np.isfinite(values), values, NOTHING).astype(np.float32)
         if name == ProductFiles.SEEN:
             filled[products.quality.looks == 0] = NOTHING
         raster = place_raster(filled, edge_m, placement, NOTHING)
         write_geotiff(folder / name, raster, placement.epsg, bands=bands, nothing=NOTHING)
-        write_whole((folder / name).with_suffix(".qml"), raster_style(stops).encode())
 
 
 def _density(products: SurveyProducts) -> list[Feature]:

@@ -17,8 +17,6 @@ from coral.reef.products.placement import EarthPlacement
 
 NO_PLACE = 'LOCAL_CS["metres of the recording",UNIT["metre",1]]'
 """Reference system of a map without a datum."""
-STYLES = "layer_styles"
-"""The table in which QGIS keeps the styles of a file's layers."""
 _WKB = {"Point": 1, "LineString": 2, "MultiPolygon": 6}
 
 
@@ -38,7 +36,6 @@ def write_geopackage(path: Path, layers: Sequence[Layer], placement: EarthPlacem
         for k, layer in enumerate(layers):
             options = {"IDENTIFIER": layer.title or layer.name}
             _write_layer(path, file, layer, placement, driver="GPKG", append=k > 0, layer_options=options)
-        _write_styles(file, [layer for layer in layers if layer.style])
 
 
 def write_geojson(path: Path, layer: Layer, placement: EarthPlacement) -> None:
@@ -67,19 +64,6 @@ def _write_layer(path: Path, file: Path, layer: Layer, placement: EarthPlacement
     geometry = np.array([_wkb(layer, feature, placement) for feature in layer.features], dtype=object)
     columns, names = [_column(layer, name) for name in layer.attributes], list(layer.attributes)
     raw.write(file, geometry, columns, names, layer=layer.name, crs=crs, geometry_type=layer.kind, **how)
-
-
-def _write_styles(file: Path, layers: Sequence[Layer]) -> None:
-    from pyogrio import raw
-
-    if not layers:
-        return
-    names = ["f_table_catalog", "f_table_schema", "f_table_name", "f_geometry_column", "styleName", "styleQML"]
-    names += ["styleSLD", "description", "owner", "ui"]
-    rows = [("", "", layer.name, "geom", layer.name, layer.style, "", "", "", "") for layer in layers]
-    columns = [np.array(column, dtype=object) for column in zip(*rows, strict=True)]
-    default = np.ones(len(layers), dtype=bool)
-    raw.write(file, None, [*columns, default], [*names, "useAsDefault"], layer=STYLES, driver="GPKG", append=True)
 
 
 def _column(layer: Layer, name: str) -> NDArray[Any]:

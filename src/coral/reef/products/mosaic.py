@@ -8,14 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Fraction, Positive
-from coral.reef.eyes.ground_plane import ray_lengths
 from coral.reef.pictures.floor_mosaic import FloorMosaic
 from coral.reef.products.seen_points import grid_shape, transform_of
-from coral.reef.products.water_colour import undo_attenuation
 from coral.reef.recordings.class_colours import CLASS_COLOURS
 from coral.reef.recordings.recording import Recording
 from coral.reef.world.geometry import Frame, Label
-from coral.reef.world.water_types import find_water
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,8 +23,6 @@ class MosaicCfg:
     """Edge of a pixel of the mosaic."""
     range_m: Positive = 4.0
     """Largest distance of a picture that gives a colour (m)."""
-    water: str = ""
-    """A water type, such as jerlov-1C, whose loss of colour with distance is taken back; empty: colours as they are."""
     shade_share: Fraction = 0.05
     """Structures larger than this share of a picture's width are shade: the mean of all pictures. 0: each point has the
     colour of one picture, with seams."""
@@ -42,32 +37,20 @@ class Mosaic:
     pixel_m: float
     colour: bool
     """False: class colours, since the recording has no colour pictures."""
-    water: str = ""
-    """The water whose loss of colour was taken back; empty: none."""
 
 
 def make_mosaic(recording: Recording, cfg: MosaicCfg) -> Mosaic:
-    """Put the pictures of a located recording together.
-
-    See `FloorMosaic`. Colours are those of the water, unless it is known.
-
-    Raises:
-        InputError: There is no water of that name.
-    """
-    water = find_water(cfg.water, "--cfg.mosaic.water") if cfg.water else None
+    """Put the pictures of a located recording together; see `FloorMosaic`. Colours are those of the water."""
     mosaic = FloorMosaic(grid_shape(recording, cfg.pixel_m), cfg.pixel_m, recording.camera, cfg.range_m)
-    lengths = ray_lengths(recording.camera)
     colour = False
     for keyframe in recording.keyframes():
         frame = keyframe.frame
         picture = colours_of(frame)
         if frame.rgb is not None:
             colour = True
-            if water is not None:
-                picture = undo_attenuation(picture, frame.depth * lengths, water)
         share = cfg.shade_share if frame.rgb is not None else 0.0
         mosaic.add(picture, frame.depth, transform_of(keyframe, recording), share)
-    return Mosaic(mosaic.rgba, cfg.pixel_m, colour, water.name if water else "")
+    return Mosaic(mosaic.rgba, cfg.pixel_m, colour)
 
 
 def colours_of(frame: Frame) -> NDArray[np.uint8]:

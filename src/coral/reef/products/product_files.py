@@ -29,8 +29,6 @@ class ProductFiles:
     """One row per shell that lies apart."""
     SURVEY: Final = "survey.gpkg"
     """GeoPackage with clusters, density, places of the pictures, track."""
-    STYLES: Final = "*.qml"
-    """Styles that QGIS applies when it opens the layer beside them; `survey.gpkg` contains that of the clusters."""
     CELLS: Final = "cells.png"
     """The map's cells: 0 unexplored, 1 free, 2 obstacle, 3 oysters."""
     PICTURES: Final = "pictures/"
