@@ -25,6 +25,14 @@ def pytest_collection_finish():
     gc.freeze()
 
 
+@pytest.fixture(scope="module")
+def small_stills():
+    """Stills of 320 x 240 pixels, where a mission is tested and not its pictures: to paint one takes half a second."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("coral.reef.simulation.stills.STILL_PX", (320, 240))
+        yield
+
+
 FLAGS = [
     "--no-sandbox",
     "--disable-gpu",

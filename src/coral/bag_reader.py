@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -88,7 +89,7 @@ def stamp_of(message: Any) -> float:
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     try:
-        from rosbags.highlevel import AnyReader
+        from rosbags.highlevel import AnyReader, anyreader
         from rosbags.rosbag1 import reader as rosbag1
         from rosbags.rosbag2 import storage_mcap
         from rosbags.typesys import Stores, get_typestore
@@ -96,6 +97,7 @@ def _opened(path: Path) -> Iterator[Any]:
         raise InputError(str(path), "", "no package rosbags", install_extra("bags")) from None
     _refuse_odd_files(path)
     _bound_chunks(storage_mcap, rosbag1)
+    _remember_definitions(anyreader)
     try:
         reader = AnyReader(_loose_files(path) or [path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         reader.open()
@@ -134,6 +136,12 @@ def _refuse_odd_files(path: Path) -> None:
             check_tables(file, "messages", "topics")
         elif not file.is_dir():
             read_head(file, expected)
+
+
+def _remember_definitions(anyreader: Any) -> None:
+    """Make the library parse each text that defines messages once: a map opens its recording a dozen times."""
+    if not hasattr(anyreader.get_types_from_msg, "cache_info"):
+        anyreader.get_types_from_msg = lru_cache(maxsize=256)(anyreader.get_types_from_msg)
 
 
 def _bound_chunks(storage_mcap: Any, rosbag1: Any) -> None:

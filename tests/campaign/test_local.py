@@ -50,7 +50,7 @@ def test_an_episode_that_workers_cannot_import_is_one_clear_error(store, specs_o
     specs = specs_of()
     monkeypatch.setattr(sys, "path", [p for p in sys.path if not p.endswith("campaign")])
     with pytest.raises(RunError, match="end before they begin"):
-        run(store, specs, toy.toy)
+        run(store, specs, toy.toy, jobs=1)
     assert "campaign_toy" in capfd.readouterr().err
     assert store.records() == []
 

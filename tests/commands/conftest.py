@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from coral.campaign.episode import perform
 from coral.cli import main
 from coral.contact.tasks import load_task
 
@@ -35,6 +36,23 @@ def refusing(monkeypatch):
     server = Stub(completion("I am sorry, I cannot help with that."))
     yield f"local:{server.url}#m"
     server.close()
+
+
+class _Here:
+    """Runs the episodes of a campaign in this process, which has loaded what they need."""
+
+    jobs = 1
+
+    def run(self, episode, tasks):
+        for task in tasks:
+            task.scratch.parent.mkdir(parents=True, exist_ok=True)
+            yield perform(episode, task.spec, task.scratch)
+
+
+@pytest.fixture
+def in_process(monkeypatch):
+    """Campaigns start no processes."""
+    monkeypatch.setattr("coral.campaign.bench.LocalExecutor", lambda jobs: _Here())
 
 
 @pytest.fixture

@@ -167,12 +167,12 @@ def test_another_configuration_in_the_same_folder_is_refused(finished, puddle, c
 
 
 def desk_bench(folder, **fields):
-    cfg = dataclasses.replace(mission_alone(), latency="fixed:2")
+    cfg = dataclasses.replace(mission_alone(), latency="fixed:2", time_limit_s=6.0)
     told = {"variants": "full", "advisors": "desk", "inbox": folder / "inbox", "cfg": cfg, "study": ("words",)}
     return ReefBench(worlds="words:living:100", out=folder / "out", quiet=True, mix=True, **{**told, **fields})
 
 
-def test_a_reader_outside_is_asked_in_an_inbox_and_scored(tmp_path):
+def test_a_reader_outside_is_asked_in_an_inbox_and_scored(tmp_path, in_process, small_stills):
     ended, kinds = threading.Event(), set()
 
     def read():

@@ -19,10 +19,10 @@ from reef.sea import voyage
 
 SMALL = "--quiet --cfg.latency fixed:0.2 --cfg.simulator.camera.width 64 --cfg.simulator.camera.height 48"
 MISSIONS = (
-    f"{SMALL} --cfg.time-limit-s 8 --sonar --cfg.simulator.sonar.width 48 --cfg.simulator.sonar.height 16 "
+    f"{SMALL} --cfg.time-limit-s 5 --sonar --cfg.simulator.sonar.width 48 --cfg.simulator.sonar.height 16 "
     "--cfg.simulator.pictures --cfg.localization.drift-xy 0.01 "
     "--cfg.record.frames",
-    f"{SMALL} --cfg.time-limit-s 8 --cfg.driver pd --cfg.record.no-report --cfg.record.no-pictures "
+    f"{SMALL} --cfg.time-limit-s 5 --cfg.driver pd --cfg.record.no-report --cfg.record.no-pictures "
     "--cfg.simulator.noise.drift-xy 0.01 --cfg.simulator.noise.oyster-missed 0.1 --cfg.simulator.noise.visibility-m 4 "
     "--fault blind-camera@2:2",
     f"{SMALL} --cfg.time-limit-s 2 --cfg.decider sweep --cfg.simulator.vehicle.model kinematic --cfg.record.no-report",

@@ -3,6 +3,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from coral.exam import word_questions
 from coral.exam.generation import make_word_set
 from coral.exam.question_set import load_set, save_set
 from coral.exam.score import score
@@ -12,8 +13,11 @@ from coral.reef.world.generated import find_world
 
 
 @pytest.fixture(scope="module")
-def item():
-    return word_item(find_world("words:living:21"), np.random.default_rng(0))
+def item(small_stills):
+    """Of a tour that ends early: every look of it is painted."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(word_questions, "GOALS", 3)
+        return word_item(find_world("words:living:21"), np.random.default_rng(0))
 
 
 def test_a_question_is_that_of_a_mission_and_its_key_is_not_shown(item):

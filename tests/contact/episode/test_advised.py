@@ -7,7 +7,7 @@ import threading
 
 import pytest
 import yaml
-from episodes import ANSWERS, SLIDE
+from episodes import ANSWERS, COARSE, SLIDE
 from recorded import one_by_one
 
 from coral.advisor.question import Picture
@@ -71,10 +71,10 @@ def test_a_task_that_nobody_here_wrote_runs_from_its_file_alone(task, tmp_path):
 
 def test_the_world_goes_on_while_an_advisor_repairs_and_only_counts_the_time_before_the_first_plan(task, tmp_path):
     hasty = dataclasses.replace(FAST.think.outer, n_retry=1, refinements=1, progress=1.0, progress_m=1.0)
-    think = dataclasses.replace(FAST.think, latency="fixed:0.5", outer=hasty)
+    think = dataclasses.replace(COARSE.think, latency="fixed:0.5", outer=hasty)
     found = {}
     for meanwhile in ("go-on", "hold"):
-        cfg = dataclasses.replace(FAST, think=dataclasses.replace(think, meanwhile=meanwhile))
+        cfg = dataclasses.replace(COARSE, think=dataclasses.replace(think, meanwhile=meanwhile))
         brief = task.model_copy(update={"time_limit_s": 0.6})
         result = attempted(brief, tmp_path / meanwhile, cfg=cfg)
         lines = [json.loads(line) for line in (tmp_path / meanwhile / "events.jsonl").open()]
@@ -132,9 +132,7 @@ def test_whoever_sits_at_the_desk_sees_what_the_camera_sees(task, tmp_path, pers
 
 
 def test_a_recording_replays_byte_for_byte(task, tmp_path):
-    short = dataclasses.replace(
-        FAST, poses="tracked", controller=ControllerCfg(horizon=8, mppi=KnotMppiCfg(samples=6, knots=3))
-    )
+    short = dataclasses.replace(COARSE, poses="tracked")
     brief = task.model_copy(update={"time_limit_s": 0.2})
     first, second = tmp_path / "first", tmp_path / "second"
     attempted(brief, first, cfg=short)

@@ -135,7 +135,7 @@ class Stubborn:
         raise BadAnswer("not-json", "no")
 
 
-SHORT = dataclasses.replace(QUIET, time_limit_s=40.0)
+SHORT = dataclasses.replace(QUIET, time_limit_s=15.0)
 
 
 def with_fallback(policy):
@@ -174,7 +174,7 @@ def test_sources_add_up_to_the_goals_that_were_adopted_or_held(pond, tmp_path):
     rng = np.random.default_rng(1)
     advisor = make_advisor("fallible:0.8:heuristic", rules=REEF_RULES, rng=rng)
     pilot = dataclasses.replace(SHORT.pilot, budget=BudgetCfg(max_requeries=1, deadline_s=7.0))
-    cfg = dataclasses.replace(SHORT, pilot=pilot, latency="fixed:3", stop_when_covered=False, time_limit_s=60.0)
+    cfg = dataclasses.replace(SHORT, pilot=pilot, latency="fixed:3", stop_when_covered=False, time_limit_s=30.0)
     result = run(pond, tmp_path / "run", advisor, cfg)
     adopted = [g["source"] for g in events(tmp_path / "run", "goal") if g["decision"] is not None]
     assert {"advisor", "fallback"} <= set(adopted)
@@ -212,7 +212,8 @@ def test_time_limit_is_named(pond, tmp_path):
 
 def test_left_alone_the_robot_goes_on_until_nothing_is_left(pond, tmp_path):
     cfg = dataclasses.replace(QUIET, time_limit_s=400.0, stop_when_covered=False, latency="0")
-    result = run(pond, tmp_path / "run", cfg=cfg)
+    puddle = pond.model_copy(update={"size_m": (9.0, 6.0), "clusters": pond.clusters[:1], "obstacles": ()})
+    result = run(puddle, tmp_path / "run", cfg=cfg)
     assert (result["end_reason"], result["coverage"]) == ("nothing left to explore", 1.0)
 
 

@@ -121,7 +121,7 @@ def test_a_blind_sweep_goes_through_what_is_in_the_way_and_sees_what_lies_beside
 
 
 def test_a_random_advisor_is_asked_as_late_as_the_rules_and_seeded(pond, tmp_path):
-    short = {"time_limit_s": 40.0, "latency": "fixed:3"}
+    short = {"time_limit_s": 15.0, "latency": "fixed:3"}
     survey(pond, tmp_path / "a", "random", **short)
     survey(pond, tmp_path / "b", "random", **short)
     events = [(tmp_path / name / "events.jsonl").read_text() for name in "ab"]

@@ -13,13 +13,13 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.variants import VARIANTS, apply_variant
 
-QUIET = MissionCfg(time_limit_s=8.0, latency="fixed:3", record=RecordCfg(pictures=False, frames=False))
+QUIET = MissionCfg(time_limit_s=4.0, latency="fixed:1", record=RecordCfg(pictures=False, frames=False))
 
 
 @pytest.mark.parametrize("variant", sorted(set(VARIANTS) - {"reader"}))
 def test_every_variant_runs(pond, tmp_path, variant):
     cfg = apply_variant(variant, QUIET)
-    assert Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run", variant=variant).run()["steps"] == 80
+    assert Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run", variant=variant).run()["steps"] == 40
 
 
 def flat(cfg, path=""):

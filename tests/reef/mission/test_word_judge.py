@@ -16,6 +16,8 @@ from coral.reef.mission.word_judge import INSPECT_M, instructed, with_instructio
 from coral.reef.world.instruction import MissionText
 from coral.reef.world.world import ReefWorld, load_world
 
+pytestmark = pytest.mark.usefixtures("small_stills")
+
 WORLD = ReefWorld.model_validate(
     {
         "name": "yard",
