@@ -20,7 +20,8 @@ import numpy as np
 
 from coral.contact.control.planning_world import ControlSequences, PlanningCfg, PlanningWorld
 from coral.contact.cost.context import Context
-from coral.contact.cost_program import CostProgram, CostWorker
+from coral.contact.cost_program import CostProgram
+from coral.contact.cost_program.worker import CostWorker
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import sample_trial

@@ -4,7 +4,7 @@ import pytest
 
 from coral.commands import doctor as module
 from coral.commands.doctor import EXTRAS, KEYS, Doctor
-from coral.contact.cost_program import CostWorker
+from coral.contact.cost_program.worker import CostWorker
 
 
 @pytest.fixture

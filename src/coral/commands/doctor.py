@@ -72,7 +72,7 @@ class Doctor:
             "video encoder": _encoder(),
             "temporary folder": os.access(tempfile.gettempdir(), os.W_OK),
         }
-        from coral.contact.cost_program import CostWorker
+        from coral.contact.cost_program.worker import CostWorker
 
         with CostWorker() as worker:
             filtered = worker.check()

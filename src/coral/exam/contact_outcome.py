@@ -12,7 +12,8 @@ from coral.contact.control.plan_latency import PlanLatency
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
-from coral.contact.cost_program import CostError, CostWorker
+from coral.contact.cost_program import CostError
+from coral.contact.cost_program.worker import CostWorker
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.plan.contact_regions import RegionsAnswer

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from coral.contact.cost.context import Context
-from coral.contact.cost_program import CostError, CostProgram, CostWorker, LimitsCfg, WorkerCfg
+from coral.contact.cost_program import CostError, CostProgram, LimitsCfg
 from coral.contact.cost_program.errors import LONGEST_NAME
 from coral.contact.cost_program.sandbox import KEPT
+from coral.contact.cost_program.worker import CostWorker, WorkerCfg
 from coral.errors import InputError
 
 LINUX = sys.platform.startswith("linux")

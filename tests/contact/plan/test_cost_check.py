@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from hand_rollouts import rolled_out
 
-from coral.contact.cost_program import CostProgram, CostWorker
+from coral.contact.cost_program import CostProgram
+from coral.contact.cost_program.worker import CostWorker
 from coral.contact.plan.cost_check import verify_cost
 
 GOOD = """

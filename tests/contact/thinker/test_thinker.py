@@ -12,7 +12,8 @@ from coral.advisor.rules import RuleAdvisor
 from coral.contact.control.hand_plan import HandPlan
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress
-from coral.contact.cost_program import CostError, CostWorker
+from coral.contact.cost_program import CostError
+from coral.contact.cost_program.worker import CostWorker
 from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Memory, MemoryCfg
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer, in_process

@@ -113,7 +113,7 @@ def test_the_oracle_is_a_mission_like_any_other(pond, tmp_path):
 
 def test_a_blind_sweep_goes_through_what_is_in_the_way_and_sees_what_lies_beside_its_lanes(pond, tmp_path):
     wide = survey(pond, tmp_path / "wide", "blind-sweep")
-    close = survey(pond, tmp_path / "close", "blind-sweep", lane_m=3.0)
+    close = survey(pond, tmp_path / "close", "blind-sweep", lane_m=5.0)
     assert wide["end_reason"] == close["end_reason"] == "the tour is done"
     assert wide["inspected"] < close["inspected"]
     assert close["sim_time_s"] > wide["sim_time_s"]

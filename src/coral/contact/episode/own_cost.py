@@ -15,8 +15,8 @@ from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.quantities import task_schema_of
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Stage, Strategy
-from coral.contact.cost_program import CostWorker
 from coral.contact.cost_program.errors import CostError
+from coral.contact.cost_program.worker import CostWorker
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_check import verify_cost

@@ -14,7 +14,7 @@ from coral.advisor.log import AttemptRecorder
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import make_advisor
-from coral.contact.cost_program import CostWorker
+from coral.contact.cost_program.worker import CostWorker
 from coral.contact.experts import expert
 from coral.contact.memory.memory import Memory
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES

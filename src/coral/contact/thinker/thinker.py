@@ -15,7 +15,8 @@ from coral.contact.control.planning_effort import probe_effort
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Cost
 from coral.contact.cost.stages import Strategy
-from coral.contact.cost_program import CostError, CostWorker
+from coral.contact.cost_program import CostError
+from coral.contact.cost_program.worker import CostWorker
 from coral.contact.memory.memory import Experience, Match, Memory
 from coral.contact.memory.scene_numbers import scene_numbers
 from coral.contact.perception.advisor_camera import Look, to_picture
