@@ -27,7 +27,7 @@ from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.referee import TruthReferee
-from coral.contact.episode.resolution import with_samples
+from coral.contact.episode.resolution import resolve_episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.libero.package import SUITES
 from coral.contact.scene.judge import Judge
@@ -179,7 +179,7 @@ def main() -> None:
     parser.add_argument("--wrong-object", action="store_true", help="a control: tell the robot another object")
     parser.add_argument("--out", type=Path, default=Path("runs/libero"))
     args = parser.parse_args()
-    cfg = with_samples(EpisodeCfg(planning=PlanningCfg(latency=args.latency, threads=1)), args.samples)
+    cfg = resolve_episode(EpisodeCfg(planning=PlanningCfg(latency=args.latency, threads=1)), samples=args.samples)
     run = run_control if args.wrong_object else run_trial
     print_tables(run_missing(args, lambda suite, task, state: run(suite, task, state, cfg, args.world, args.out)))
 

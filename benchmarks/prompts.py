@@ -36,7 +36,7 @@ from coral.advisor.recorded import RecordedAdvisor
 from coral.campaign.spec import parse_seeds
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
-from coral.contact.episode.resolution import resolve_episode, with_fallback
+from coral.contact.episode.resolution import resolve_episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.plan.contact_regions import region_limits
 from coral.contact.scene.task_file import every_task, shipped_tasks, suite_tasks
@@ -191,7 +191,7 @@ def episode_of(
     task: str, seed: int, prompt: Any, advisor: Advisor, observers: Sequence[Any] = ()
 ) -> tuple[dict[str, Any], Any]:
     """Run an episode of the hand without repairs; return its metrics with what was `decided`, and the strategist."""
-    cfg = with_fallback(EpisodeCfg(), "hold")
+    cfg = resolve_episode(EpisodeCfg(), fallback="hold")
     cfg = replace(cfg, planning=replace(cfg.planning, latency=LATENCY))
     cfg = replace(cfg, record=replace(cfg.record, states=False, report=False))
     cfg = resolve_episode(cfg, variant=VARIANT, prompt=prompt)

@@ -14,7 +14,7 @@ from coral.advisor.replay import ReplayAdvisor
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
-from coral.contact.plan.plan_check import verify_plan
+from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.task_file import shipped_tasks, suite_tasks, unseen_tasks
 from coral.contact.scene.trial import sample_trial
@@ -127,13 +127,13 @@ def test_the_recorded_repair_passes_the_checks_in_its_scene():
         sizes = {name: trial.size(name) for name in trial.objects}
         samples = sample_states(world, first, sizes)
         plan = ANSWERS["cost-repair"].model_validate(repair["answer"])
-        assert verify_plan(plan, world.schema, samples) is None
+        assert judge_plan(plan, world.schema, samples).refusal is None
         unknown = plan.model_copy(
             update={
                 "stages": [plan.stages[0].model_copy(update={"code": "def state_cost(self):\n    return self.x\n"})]
             }
         )
-        assert verify_plan(unknown, world.schema, samples) is not None
+        assert judge_plan(unknown, world.schema, samples).refusal is not None
     finally:
         world.close()
 

@@ -40,7 +40,7 @@ from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.resolution import DEFAULT_ADVISOR, with_fallback, with_poses, with_samples, with_tracker
+from coral.contact.episode.resolution import DEFAULT_ADVISOR, resolve_episode
 from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_strategist
 from coral.contact.memory.memory import FORMAT, Memory
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
@@ -95,7 +95,7 @@ class ContactEpisode:
 
 def episode_alone() -> EpisodeCfg:
     """Return the default episode configuration of a campaign, in which no fallback decides for the advisor."""
-    return with_fallback(EpisodeCfg(), "hold")
+    return resolve_episode(EpisodeCfg(), fallback="hold")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,15 +146,14 @@ class ContactBench(CampaignFlags):
     def __call__(self) -> Mapping[str, Any]:
         """Run the missing episodes, then make the tables."""
         if self.fallback is not None:
-            return dataclasses.replace(self, cfg=with_fallback(self.cfg, self.fallback), fallback=None)()
+            return dataclasses.replace(self, cfg=resolve_episode(self.cfg, fallback=self.fallback), fallback=None)()
         if self.collect:
             return collect_only(self.out, self._collect)
         store = Store(self.out)
         check_jobs(self.jobs)
         names = named_tasks(self.tasks)
         tasks = {name: load_task(name) for name in names}
-        cfg = with_tracker(with_poses(with_samples(self.cfg, self.samples), self.poses), self.tracker)
-        cfg = checked(cfg, "--cfg")
+        cfg = resolve_episode(self.cfg, samples=self.samples, poses=self.poses, tracker=self.tracker)
         if cfg.poses == "tracked" and self.executor == "local":  # a cluster may reach servers that this machine cannot
             cfg.tracked.choice().check()
         specs, memory = self._specs(tasks), None if self.memory is None else read_memory(self.memory)

@@ -18,7 +18,7 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
-from coral.contact.plan.plan_check import verify_plan
+from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.task import Task
@@ -67,7 +67,7 @@ class PlanFollower(FixedStrategist):
         """
         plan, sizes = self._plan, {name: trial.size(name) for name in trial.objects}
         world.believe(plan.beliefs)
-        refusal = verify_plan(plan.answer, world.schema, sample_states(world, first, sizes), self._load)
+        refusal = judge_plan(plan.answer, world.schema, sample_states(world, first, sizes), self._load).refusal
         if refusal is not None:
             raise NoStrategy(refusal.code)
         return make_strategy("answer", plan.answer, plan.regions, world.schema, sizes, self._load)
@@ -96,7 +96,7 @@ def exam_limits() -> PlannerLimits:
     cfg = scored_cfg()
     late = PlanLatency(LATENCY, cfg.planning.step_s, cfg.replan_steps, cfg.controller.horizon)
     step_s = cfg.planning.step_s
-    return PlannerLimits.of(
+    return PlannerLimits(
         cfg.controller, step_s, late.expected_steps() * step_s, late.plan_s, cfg.reactive.force_limit_n
     )
 

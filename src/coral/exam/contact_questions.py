@@ -174,7 +174,7 @@ def _regions(task: str, seed: int) -> ExamItem:
     facts = _plan_facts(seen)
     plan = _recorded(task)[0]
     facts["stages"] = plan.names
-    prompt = regions_prompt(_shared_prompt(seen, facts), plan, ThinkCfg().region)
+    prompt = regions_prompt(_shared_prompt(seen, facts), plan)
     return _item("contact-regions", prompt, facts, {"touches": touches(seen.trial)}, seen.labelled)
 
 

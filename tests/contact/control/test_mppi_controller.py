@@ -143,18 +143,6 @@ def test_guided_samples_head_for_their_point():
     assert gap[12:].mean() < gap[:12].mean() - 0.05
 
 
-@pytest.mark.parametrize("slowest", [1.0, 0.1])
-def test_guided_samples_go_part_of_their_way_if_they_may_be_slow(slowest):
-    begin = np.array([-0.1, 0.0, 0.25])
-    guide = Guide(lambda state: GOAL[None])
-    sigma = {"sigma_m": (1e-6,) * 3, "sigma_rad": (1e-6,) * 3, "sigma_opening_m": 1e-6}
-    planner, now = controller(replace(CFG, guided=0.5, guided_slowest=slowest, speed_m_s=5.0, **sigma))
-    ends = planner.plan(now, replace(REACH, guides=(guide,)), 0).update.sampled[12:, -1, :3]
-    shares = (ends - begin) @ (GOAL - begin) / np.sum((GOAL - begin) ** 2)
-    assert shares.max() == pytest.approx(1.0, abs=1e-3)
-    assert (shares.min() < 0.5) == (slowest < 1)
-
-
 def test_stages_follow_each_other_and_fall_back():
     said = {"done": False, "lost": False}
     progress = Progress(

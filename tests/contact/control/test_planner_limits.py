@@ -10,10 +10,8 @@ from coral.mppi.knots import KnotMppiCfg
 
 def test_the_limits_are_those_of_the_configuration():
     cfg = ControllerCfg(horizon=30, speed_m_s=0.3, mppi=KnotMppiCfg(samples=64), workspace_low_m=(-0.2, -0.3, 0.0))
-    limits = PlannerLimits.of(cfg, 0.04, 0.12, 0.1)
+    limits = PlannerLimits(cfg, 0.04, 0.12, 0.1)
     assert (limits.horizon_s, limits.replan_s, limits.late_s) == pytest.approx((1.2, 0.12, 0.1))
-    assert (limits.samples, limits.speed_m_s, limits.low_m) == (64, 0.3, (-0.2, -0.3, 0.0))
     assert limits.press_n == ReactiveCfg().force_limit_n
-    assert PlannerLimits.of(cfg, 0.04, 0.12, press_n=20.0) == dataclasses.replace(limits, late_s=0.0, press_n=20.0)
     assert limits.free_n == cfg.press_free_n
-    assert PlannerLimits.of(dataclasses.replace(cfg, press_weight=0.0), 0.04, 0.12).free_n is None
+    assert PlannerLimits(dataclasses.replace(cfg, press_weight=0.0), 0.04, 0.12).free_n is None

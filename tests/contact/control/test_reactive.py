@@ -5,7 +5,6 @@ from hypothesis import strategies as st
 
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
 from coral.contact.control.reactive import Reactive, ReactiveCfg
-from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.scene.observation import BodyState, HandTarget, Observation
 
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
@@ -14,9 +13,8 @@ numbers = st.floats(-1.0, 1.0)
 vectors = st.tuples(numbers, numbers, numbers).map(np.array)
 
 
-def observed(position=(0.0, 0.0, 0.2), force=(0.0, 0.0, 0.0), torque=(0.0, 0.0, 0.0)):
-    wrench = np.array([*force, *torque])
-    return Observation(0.0, BodyState(np.asarray(position, float), DOWN), 0.04, wrench, {})
+def observed(position=(0.0, 0.0, 0.2), force=(0.0, 0.0, 0.0)):
+    return Observation(0.0, BodyState(np.asarray(position, float), DOWN), 0.04, np.array([*force, 0.0, 0.0, 0.0]), {})
 
 
 def target(position, stiffness=600.0, opening=0.04, force=(0.0, 0.0, 0.0)):
@@ -42,19 +40,6 @@ def test_a_position_that_fell_short_is_made_up_for_by_the_gain():
     np.testing.assert_allclose(made.command(target([0.0, 0.0, 0.2]), observed()).position, [0.0, 0.0, 0.202])
 
 
-def test_a_torque_that_is_missing_is_turned_with_up_to_the_bound():
-    made = reactive(torque_gain=0.5, memory_s=1e-6, most_n_m=0.3)
-    for expected, fed in ((0.4, -0.2), (4.0, -0.3)):  # felt and exerted torque are opposite
-        made.observe(np.array([0.0, 0.0, 0.2]), np.zeros(3), observed(), 0, None, np.array([0.0, 0.0, expected]))
-        np.testing.assert_allclose(made.command(target([0.0, 0.0, 0.2]), observed()).torque, [0.0, 0.0, fed])
-
-
-def test_as_long_as_its_gain_is_zero_a_torque_is_not_fed_back():
-    made = reactive()
-    made.observe(np.array([0.0, 0.0, 0.2]), np.zeros(3), observed(torque=(0.0, 0.0, 1.0)), 0, None, np.zeros(3))
-    assert not made.command(target([0.0, 0.0, 0.2]), observed()).torque.any()
-
-
 def test_an_error_fades_with_its_time_constant():
     made = reactive(memory_s=0.1)
     made.observe(np.array([0.004, 0.0, 0.2]), np.zeros(3), observed())
@@ -76,15 +61,6 @@ def test_less_resistance_than_expected_pushes_further():
     made = reactive(force_gain=1.0, memory_s=1e-6)
     made.observe(np.array([0.0, 0.0, 0.2]), np.array([-2.0, 0.0, 0.0]), observed())  # pushing along +x feels -x
     np.testing.assert_allclose(made.command(target([0.0, 0.0, 0.2]), observed()).force, [2.0, 0.0, 0.0])
-
-
-def test_an_orientation_that_fell_short_is_made_up_for_where_that_is_on():
-    wanted = multiply(from_rotvec([0.0, 0.0, 0.04]), DOWN)
-    for gain, angle in ((0.0, 0.0), (0.5, 0.02), (5.0, 0.05)):
-        made = reactive(turn_gain=gain, most_rad=0.05)
-        made.observe(np.array([0.0, 0.0, 0.2]), np.zeros(3), observed(), 0, wanted)
-        command = made.command(target([0.0, 0.0, 0.2]), observed())
-        np.testing.assert_allclose(to_rotvec(multiply(command.quaternion, conjugate(DOWN))), [0, 0, angle], atol=1e-12)
 
 
 def test_feedback_is_bounded():

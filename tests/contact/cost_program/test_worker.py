@@ -43,7 +43,7 @@ def test_more_programs_than_are_kept_at_a_time_are_all_evaluated(worker, schema,
 
 def test_its_trace_is_that_of_this_process(worker, board, schema, states):
     state = states(np.random.default_rng(2))
-    there, here = worker.load(board, schema).trace(state, 3), CostProgram(board, schema).trace(state, 3)
+    there, here = worker.load(board, schema).trace(state), CostProgram(board, schema).trace(state)
     assert [d.line for d in there.distances] == [d.line for d in here.distances]
     assert all(np.array_equal(a.value, b.value) for a, b in zip(there.distances, here.distances, strict=True))
     assert all(np.array_equal(there.terms[name], here.terms[name]) for name in here.terms)
@@ -135,9 +135,9 @@ NO_RUN = [
     b'{"terms": ["\\u001b[2J"], "distances": []}',
     b'{"terms": ["a"], "lines": {}, "distances": []}',
     b'{"terms": ["a", "a"], "distances": []}',
-    b'{"terms": ["a"], "distances": [[1e400, [[1, 1]]]]}',
-    b'{"terms": ["a"], "distances": [[1, [[-1, -1]]]]}',
-    b'{"terms": ["a"], "distances": [[1, [[4611686018427387904, 4]]]]}',
+    b'{"terms": ["a"], "distances": [[1e400, [1, 1]]]}',
+    b'{"terms": ["a"], "distances": [[1, [-1, -1]]]}',
+    b'{"terms": ["a"], "distances": [[1, [4611686018427387904, 4]]]}',
     b'{"terms": ["a"], "distances": [[1, []]]}',
     b'{"terms": 3}',
     b'{"error": ["made up", "x", 1e400, "z"]}',

@@ -11,7 +11,7 @@ from stub_foundationpose import Oracle, serving
 
 from coral.contact.episode import episode as module
 from coral.contact.episode.campaign_episode import run_episode
-from coral.contact.episode.resolution import with_tracker
+from coral.contact.episode.resolution import resolve_episode
 from coral.contact.memory.embedding import HashedConcepts
 from coral.contact.memory.memory import Memory
 from coral.contact.perception.camera import RgbdCameraCfg
@@ -58,7 +58,9 @@ def test_a_failed_tracker_is_no_result(tmp_path, monkeypatch):
         COARSE, poses="tracked", tracked=TrackedCfg(camera=RgbdCameraCfg(width=160, height=120))
     )
     with serving() as server, pytest.raises(RunError, match=r"^tracker-failed: .*no pose"):
-        run_episode(short_task(), with_tracker(small, f"foundationpose:{server.url}"), tmp_path / "run", **EXPERT)
+        run_episode(
+            short_task(), resolve_episode(small, tracker=f"foundationpose:{server.url}"), tmp_path / "run", **EXPERT
+        )
 
 
 @pytest.fixture

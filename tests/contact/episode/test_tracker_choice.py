@@ -12,7 +12,7 @@ from stub_foundationpose import Oracle, serving
 from coral.cli import main
 from coral.commands.contact_bench import ContactBench
 from coral.contact.episode.episode import Episode
-from coral.contact.episode.resolution import with_tracker
+from coral.contact.episode.resolution import resolve_episode
 from coral.contact.perception.camera import RgbdCameraCfg, look_at
 from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
 from coral.contact.scene.geometry import rotation_of
@@ -26,7 +26,7 @@ SMALL = dataclasses.replace(COARSE, poses="tracked", tracked=TrackedCfg(camera=R
 
 
 def served(server, cfg=SMALL):
-    return with_tracker(cfg, f"foundationpose:{server.url}")
+    return resolve_episode(cfg, tracker=f"foundationpose:{server.url}")
 
 
 def truthful(episode):
@@ -157,7 +157,7 @@ def test_the_configuration_names_the_tracker_too(tmp_path, capsys):
 
 def test_a_campaign_tells_trackers_apart_but_not_where_they_run():
     def conditions(word):
-        cfg = with_tracker(SMALL, word)
+        cfg = resolve_episode(SMALL, tracker=word)
         return ContactBench()._conditions(cfg, {}, None)["configuration"]
 
     assert conditions(NOBODY) == conditions("foundationpose:http://elsewhere:5070")
@@ -167,4 +167,4 @@ def test_a_campaign_tells_trackers_apart_but_not_where_they_run():
 
 def test_poses_of_the_simulator_need_no_tracker():
     with pytest.raises(InputError, match="--poses tracked"):
-        with_tracker(COARSE, "model")
+        resolve_episode(COARSE, tracker="model")

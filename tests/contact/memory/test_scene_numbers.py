@@ -6,7 +6,6 @@ import math
 import pytest
 
 from coral.contact.memory.scene_numbers import (
-    ScaleLimits,
     fits_hand,
     joints_of,
     roles,
@@ -76,7 +75,7 @@ NUMBERS = {
     ],
 )
 def test_the_largest_difference_counts_relative_to_its_limit(change, distance):
-    found = scene_distance(NUMBERS, {**NUMBERS, **change}, frozenset({"goal"}), ScaleLimits())
+    found = scene_distance(NUMBERS, {**NUMBERS, **change}, frozenset({"goal"}))
     assert found == pytest.approx(distance)
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
-from coral.contact.plan.plan_check import judge_plan, verify_plan
+from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.sampled_states import sample_states
 
 CODE = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)"
@@ -35,7 +35,7 @@ def stage(**more):
 )
 def test_unusable_plans_are_refused_with_a_reason(scene, plan, code, words):
     one = scene("pick-box")
-    found = verify_plan(plan, one.world.schema, one.samples)
+    found = judge_plan(plan, one.world.schema, one.samples).refusal
     assert found.code == code
     assert words in found.reason
 
@@ -43,7 +43,7 @@ def test_unusable_plans_are_refused_with_a_reason(scene, plan, code, words):
 def test_a_usable_plan_of_stages_is_accepted(scene):
     one = scene("pick-box")
     plan = PlanAnswer(stages=[stage(done="self.box_pos[2] > 0.1"), stage(name="b", next={"a": "self.time > 9"})])
-    assert verify_plan(plan, one.world.schema, one.samples) is None
+    assert judge_plan(plan, one.world.schema, one.samples).refusal is None
 
 
 def test_all_faults_are_told_at_once_beside_their_lines(scene):
@@ -58,7 +58,7 @@ def test_all_faults_are_told_at_once_beside_their_lines(scene):
             ),
         ]
     )
-    found = verify_plan(plan, one.world.schema, one.samples)
+    found = judge_plan(plan, one.world.schema, one.samples).refusal
     assert found.details["faults"] == ["stages", "stages", "barrier", "unknown_state"]
     for words in ("it lies within 50", "next leads to 'c'", "cup_pos", "stage 'a': the cost leads"):
         assert words in found.reason
@@ -111,6 +111,6 @@ def test_one_plan_has_one_verdict_whenever_it_is_checked(scene):
 def test_the_stage_that_a_repair_goes_on_with_is_judged_in_the_present_state(scene):
     one = scene("pick-box")
     stages = [stage(done="self.box_pos[2] > 0.1"), stage(name="b", code=GATE)]
-    assert verify_plan(PlanAnswer(stages=stages), one.world.schema, one.samples) is None
-    found = verify_plan(PlanAnswer(stages=stages, begin="b"), one.world.schema, one.samples)
+    assert judge_plan(PlanAnswer(stages=stages), one.world.schema, one.samples).refusal is None
+    found = judge_plan(PlanAnswer(stages=stages, begin="b"), one.world.schema, one.samples).refusal
     assert found.code == "barrier"

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from coral.contact.plan.contact_regions import Region, RegionCfg, RegionsAnswer, candidates, guide
+from coral.contact.plan.contact_regions import Region, RegionsAnswer, candidates, guide
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.plan.touchable_points import Scenery, candidates_of, off_surface, project
 from coral.contact.scene.task import Task
@@ -26,7 +26,7 @@ def thing(*parts, **more):
 
 def projected(solids, **region):
     made = Region.model_validate({"num_samples": 64, **region})
-    found = project(candidates(made), np.asarray(made.normal), solids, np.asarray(made.center), RegionCfg())
+    found = project(candidates(made), np.asarray(made.normal), solids, np.asarray(made.center))
     return found[np.isfinite(found).all(axis=1)], len(found)
 
 

@@ -1,18 +1,13 @@
 """The types of the facts are those of the JSON that goes into questions and memories."""
 
-import dataclasses
 import types
 from typing import Any, Literal, NotRequired, Union, get_args, get_origin, get_type_hints, is_typeddict
 
 import numpy as np
 import pytest
 
-from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advisor_camera
-from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.scene.facts import SceneFacts, on_table
 from coral.contact.scene.task_file import shipped_tasks
-from coral.contact.thinker.pose_question import pose_facts
-from coral.contact.thinker.question_facts import PoseFacts
 
 
 def strays(value, kind, where=""):
@@ -49,15 +44,6 @@ def test_the_facts_of_every_shipped_task_are_what_their_type_says(scene, task):
     facts = scene(task).facts
     assert strays(facts, SceneFacts) == []
     assert strays({**facts, "hand": {**facts["hand"], "more": 1}}, SceneFacts)
-
-
-def test_the_facts_of_the_question_about_poses_are_what_their_type_says(scene):
-    one = scene("push-pick-board")
-    look = make_advisor_camera(
-        one.real, one.trial, TrackedCfg(), AdvisorCameraCfg(width=64, height=48), np.random.default_rng(0)
-    )
-    facts = pose_facts(one.trial, dataclasses.replace(one.now, objects={}), look())
-    assert strays(facts, PoseFacts) == []
 
 
 def test_a_point_over_the_tables_rim_is_on_it_and_one_beyond_is_not():

@@ -60,7 +60,7 @@ def correct(scene, monkeypatch):
     def run(advisor, steps, better=True):
         believed = one.world.beliefs[0]["box"]
 
-        def errors(replay, name, beliefs, proposed, cfg, found):
+        def errors(replay, name, beliefs, proposed, found):
             return tuple(abs(held[name].mass_kg - FITTED.mass_kg) for held in (beliefs, proposed))
 
         fit = Fit("box", believed, FITTED if better else believed, 1.0, 0.1, better, 0.1, 0.1, 0.1, 3)

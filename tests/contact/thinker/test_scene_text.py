@@ -98,7 +98,7 @@ def test_a_condition_on_several_objects_is_told_once():
     assert said[3].startswith("3. at (object box, place goal, tolerance_m 0.3")
 
 
-LIMITS = PlannerLimits.of(ControllerCfg(horizon=25, speed_m_s=0.7, mppi=KnotMppiCfg(samples=64)), 0.04, 0.08)
+LIMITS = PlannerLimits(ControllerCfg(horizon=25, speed_m_s=0.7, mppi=KnotMppiCfg(samples=64)), 0.04, 0.08)
 
 
 def test_the_planner_tells_its_horizon_its_speeds_and_its_force():
@@ -113,7 +113,8 @@ def test_the_planner_tells_its_horizon_its_speeds_and_its_force():
     ):
         assert words in said
     assert "avoids pressing with more than 10 N on table and fixed things" in said
-    assert "avoids" not in planner_text(dataclasses.replace(LIMITS, free_n=None))
+    free = dataclasses.replace(LIMITS.controller, press_weight=0.0)
+    assert "avoids" not in planner_text(dataclasses.replace(LIMITS, controller=free))
 
 
 def test_the_planner_tells_that_its_plans_are_late():

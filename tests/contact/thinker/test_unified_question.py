@@ -14,7 +14,7 @@ from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.unified_question import UnifiedAnswer, ask_unified
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
 
-LIMITS = PlannerLimits.of(ControllerCfg(), 0.02, 0.04)
+LIMITS = PlannerLimits(ControllerCfg(), 0.02, 0.04)
 CODE = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)"
 SIDE = {"center": (0.0, 0.0, 0.5), "normal": (0.0, 0.0, 1.0)}
 

@@ -13,9 +13,9 @@ from coral.contact.world_model.force_balance import (
     finger_clearance,
     solve_balance,
 )
-from coral.contact.world_model.identification import IdentifyCfg
+from coral.contact.world_model.identification import FRICTION, MASS_KG
 
-BOUNDS = np.log([IdentifyCfg().mass_kg, IdentifyCfg().friction])
+BOUNDS = np.log([MASS_KG, FRICTION])
 TURNED = np.array([0.0, 1.0, 0.0, 0.0])
 """Palm down."""
 

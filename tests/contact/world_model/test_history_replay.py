@@ -8,11 +8,11 @@ from histories import history
 from coral.contact.control.rollouts import SLEEP
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.world_model.history import Window
-from coral.contact.world_model.history_replay import HistoryReplay, ReplayCfg
+from coral.contact.world_model.history_replay import HistoryReplay
 
 
-def scorer(**cfg):
-    return HistoryReplay(SimpleNamespace(edges=False), [], ReplayCfg(**cfg))
+def scorer():
+    return HistoryReplay(SimpleNamespace(edges=False), [])
 
 
 def window(one, command, steps=4):
@@ -78,7 +78,7 @@ def test_nothing_sleeps_in_a_replay(scene):
 
 
 def test_a_score_is_the_mean_square_of_what_exceeds_the_floor_up_to_a_bound():
-    score = scorer(most=6.0).score(np.array([[[3.0, 4.0, 100.0]]]), np.array([[2.0, 0.0, 0.0]]))
+    score = scorer().score(np.array([[[3.0, 4.0, 100.0]]]), np.array([[2.0, 0.0, 0.0]]))
     assert score == pytest.approx((1.0**2 + 4.0**2 + 6.0**2) / 3)
 
 

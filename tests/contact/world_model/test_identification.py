@@ -12,7 +12,6 @@ from coral.contact.world_model.history import Window
 from coral.contact.world_model.history_replay import HistoryReplay
 from coral.contact.world_model.identification import (
     Fit,
-    IdentifyCfg,
     compare,
     fit_by_balance,
     fit_by_replay,
@@ -35,7 +34,7 @@ def test_what_a_history_does_not_tell_stays_as_it_was_believed(scene, monkeypatc
     found = Fit("box", before["box"], after, 1.0, 0.5, True, 5.0, 5.0, 0.1, 8)
     monkeypatch.setattr(module, "identify", lambda *_: found)
     monkeypatch.setattr(module, "compare", lambda *_: (1.0, 0.4))
-    fit = fit_by_replay(None, "box", before, IdentifyCfg(), np.random.default_rng(0))
+    fit = fit_by_replay(None, "box", before, np.random.default_rng(0))
     assert fit.after.mass_kg * fit.after.friction == pytest.approx(0.8, rel=0.05)
     assert fit.after.mass_kg == pytest.approx(1.5, rel=0.2)
     assert fit.accepted
@@ -48,13 +47,13 @@ def test_what_forces_propose_is_believed_where_replay_and_forces_explain_more(mo
     replay = SimpleNamespace(windows=[None] * 3)
     # The replay alone would rather have it a little otherwise: a rolled-out pinch slips.
     monkeypatch.setattr(module, "compare", lambda *_: (0.8, 1.1))
-    fit = fit_by_balance(Balance(dragged, held), replay, "board", before, IdentifyCfg())
+    fit = fit_by_balance(Balance(dragged, held), replay, "board", before)
     assert fit.accepted
     assert fit.after.mass_kg == pytest.approx(0.1, rel=0.05)
     assert fit.after.friction == pytest.approx(0.5, rel=0.05)
-    assert not fit_by_balance(Balance(dragged, held), replay, "board", {"board": fit.after}, IdentifyCfg()).accepted
+    assert not fit_by_balance(Balance(dragged, held), replay, "board", {"board": fit.after}).accepted
 
 
 def test_without_balances_the_replay_alone_decides(monkeypatch):
     monkeypatch.setattr(module, "compare", lambda *_: (0.8, 1.1))
-    assert replay_errors(None, "board", {"board": FIRST}, {"board": TRUTH}, IdentifyCfg()) == (0.8, 1.1)
+    assert replay_errors(None, "board", {"board": FIRST}, {"board": TRUTH}) == (0.8, 1.1)

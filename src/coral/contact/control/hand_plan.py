@@ -23,13 +23,9 @@ class HandPlan:
     targets: tuple[HandTarget, ...]
     """One target for each control step of the horizon."""
     expected_position: Array | None = None
-    """Predicted position of the tool, Shape=(H, 3) m; None, like the next three, without a prediction."""
-    expected_quaternion: Array | None = None
-    """Predicted orientation of the tool, Shape=(H, 4)."""
+    """Predicted position of the tool, Shape=(H, 3) m; None, like the next, without a prediction."""
     expected_force: Array | None = None
     """Predicted force on the hand, Shape=(H, 3) N."""
-    expected_torque: Array | None = None
-    """Predicted torque on the hand, Shape=(H, 3) N m."""
     terms: Mapping[str, float] = field(default_factory=dict)
     """Expected value of each cost term over the horizon."""
     now: Context | None = None

@@ -61,9 +61,6 @@ class ControllerCfg:
     flange by its data sheet. 0 disables it. Joint limits and the arm's own links exclude further poses inside."""
     guided: Fraction = 0.2
     """Share of the samples guided to contact points, if a stage has any."""
-    guided_slowest: Annotated[float, Field(gt=0, le=1)] = 1.0
-    """Slowest guided motion, as the share of its way that it goes within the horizon; at 1 all arrive. Fast ones slip
-    off what has to be dragged by friction. The tables were measured with 1."""
     terminal: NonNegative = 1.0
     """Weight of the last state (phi of Eq. 4) relative to the mean over the horizon."""
     press_free_n: NonNegative = 10.0
@@ -163,9 +160,7 @@ class Controller:
         return HandPlan(
             targets=targets,
             expected_position=np.tensordot(weights[counted], context.ee_pos[counted], axes=1),
-            expected_quaternion=_mean_turn(context.ee_quat[counted], weights[counted]),
             expected_force=np.tensordot(weights[counted], context.ee_force[counted], axes=1),
-            expected_torque=np.tensordot(weights[counted], context.ee_torque[counted], axes=1),
             update=update,
             valid=update.ok,
             terms={
@@ -284,10 +279,7 @@ class Controller:
             aim = int(self._rng.integers(len(aims)))
             (guide, points, _), turn, noise = aims[aim], turns[aim], noises[row]
             goal = points[int(self._rng.integers(len(points)))]
-            speed = self._rng.uniform(1.0, 3.0)
-            if self.cfg.guided_slowest < 1.0:
-                speed *= self.cfg.guided_slowest ** self._rng.uniform()
-            pace = np.minimum(1.0, times * speed)[:, None]
+            pace = np.minimum(1.0, times * self._rng.uniform(1.0, 3.0))[:, None]
             sampled[row, :, :3] = start.position + pace * (goal - start.position) + noise[:, :3]
             if turn is not None:
                 sampled[row, :, 3:6] = pace * turn + noise[:, 3:6]
@@ -305,10 +297,3 @@ class Controller:
         controls = self._controls(knots[None], centre, stiffness)
         rows = zip(controls.position[0], controls.quaternion[0], controls.opening[0], strict=True)
         return tuple(HandTarget(position, turn, float(opening), stiffness) for position, turn, opening in rows)
-
-
-def _mean_turn(quaternions: Array, weights: Array) -> Array:
-    """Compute the weighted mean, Shape=(H, 4), of orientations close to each other, Shape=(K, H, 4)."""
-    same = np.where((quaternions * quaternions[:1]).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
-    mean = np.tensordot(weights, same * quaternions, axes=1)
-    return np.asarray(mean / np.linalg.norm(mean, axis=-1, keepdims=True))

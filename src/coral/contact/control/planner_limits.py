@@ -10,63 +10,25 @@ from coral.contact.control.reactive import ReactiveCfg
 
 @dataclass(frozen=True)
 class PlannerLimits:
-    """How far, how often and how finely a run plans, and where its hand may go.
+    """How far, how often and how finely a run plans, and where its hand may go."""
 
-    Args:
-        step_s: One control step.
-        horizon_s: Time that a plan looks ahead.
-        replan_s: Simulated time between two plans; conditions of stages are tested at each.
-        late_s: Simulated time that passes while a plan is computed; 0 if the world stands still.
-        samples: Rollouts per plan.
-        speed_m_s: Maximum speed of the hand.
-        turn_rad_s: Maximum angular speed of the hand.
-        lead_m: Maximum distance of the hand's target from the hand when a plan begins.
-        opening_m_s: Maximum speed at which the distance between the fingers changes.
-        low_m: Lowest corner of the hand's workspace, x, y, z.
-        high_m: Its highest corner.
-        press_n: The largest force with which the hand presses.
-        free_n: Force on table and fixtures above which rollouts count as worse; None if none does.
-    """
-
+    controller: ControllerCfg
+    """Horizon, samples, speeds and workspace of its plans."""
     step_s: float
-    horizon_s: float
+    """One control step."""
     replan_s: float
-    late_s: float
-    samples: int
-    speed_m_s: float
-    turn_rad_s: float
-    lead_m: float
-    opening_m_s: float
-    low_m: tuple[float, float, float]
-    high_m: tuple[float, float, float]
-    press_n: float
-    free_n: float | None
+    """Simulated time between two plans; conditions of stages are tested at each."""
+    late_s: float = 0.0
+    """Simulated time that passes while a plan is computed; 0 if the world stands still."""
+    press_n: float = ReactiveCfg().force_limit_n
+    """The largest force with which the hand presses."""
 
-    @classmethod
-    def of(
-        cls, cfg: ControllerCfg, step_s: float, replan_s: float, late_s: float = 0.0, press_n: float | None = None
-    ) -> PlannerLimits:
-        """Collect the limits of a controller.
+    @property
+    def horizon_s(self) -> float:
+        """Return the time that a plan looks ahead."""
+        return self.controller.horizon * self.step_s
 
-        Args:
-            cfg: The controller.
-            step_s: One control step.
-            replan_s: Simulated time between two plans.
-            late_s: Simulated time that a plan takes.
-            press_n: Limit of the reactive feedback; None for its default.
-        """
-        return cls(
-            step_s,
-            cfg.horizon * step_s,
-            replan_s,
-            late_s,
-            cfg.mppi.samples,
-            cfg.speed_m_s,
-            cfg.turn_rad_s,
-            cfg.lead_m,
-            cfg.opening_m_s,
-            cfg.workspace_low_m,
-            cfg.workspace_high_m,
-            ReactiveCfg().force_limit_n if press_n is None else press_n,
-            cfg.press_free_n if cfg.press_weight else None,
-        )
+    @property
+    def free_n(self) -> float | None:
+        """Return the force on table and fixtures above which rollouts count as worse; None if none does."""
+        return self.controller.press_free_n if self.controller.press_weight else None

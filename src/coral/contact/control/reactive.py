@@ -1,4 +1,4 @@
-"""Reactive feedback on the planned action (Eq. 7): nu = u + K_f (x_des - x_measured), on pose and wrench.
+"""Reactive feedback on the planned action (Eq. 7): nu = u + K_f (x_des - x_measured), on position and force.
 
 Believed masses and frictions make the wrench that is planned: `believe` in `planning_world.py`.
 """
@@ -11,7 +11,6 @@ import numpy as np
 
 from coral.config import NonNegative, Positive
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
-from coral.contact.scene.geometry import conjugate, from_rotvec, multiply, to_rotvec
 from coral.contact.scene.observation import Array, HandTarget, Observation
 
 
@@ -28,24 +27,15 @@ class ReactiveCfg:
     """Whether K_f is nonzero; the limits apply in any case."""
     pose_gain: NonNegative = 0.3
     """K_f on the position, m/m. Below 1, because the next plan corrects the same error."""
-    turn_gain: NonNegative = 0.0
-    """K_f on the orientation, rad/rad. Off: contact rotates the hand, and the benefit of this feedback was not
-    measured."""
     force_gain: NonNegative = 0.1
-    """K_f on the force, N/N."""
-    torque_gain: NonNegative = 0.0
-    """K_f on the torque, N m/N m. Off, like the orientation's."""
+    """K_f on the force, N/N. Orientation and torque are not fed back: contact rotates the hand."""
     memory_s: Positive = 0.1
     """Time constant of the leak."""
     most_m: NonNegative = 0.005
     """Limit on the position's feedback: the uncertainty of a contact, so that it cannot drag the hand away from the
     plan."""
-    most_rad: NonNegative = 0.05
-    """Limit on the orientation's feedback."""
     most_n: NonNegative = 3.0
     """Limit on the force's feedback."""
-    most_n_m: NonNegative = 0.3
-    """Limit on the torque's feedback."""
     force_limit_n: Positive = 45.0
     """Limit on the pull of the impedance, which yields if the measured force is larger. The usual lead of the spring (6
     cm at 600 N/m) just stays within it."""
@@ -68,19 +58,10 @@ class Reactive:
 
     def reset(self) -> None:
         """Clear the summed errors when a new strategy begins."""
-        self.position_error, self.turn_error = np.zeros(3), np.zeros(3)
-        self.force_error, self.torque_error = np.zeros(3), np.zeros(3)
-        self._before, self._since = np.zeros(6), np.zeros(6)
+        self.position_error, self.force_error = np.zeros(3), np.zeros(3)
+        self._before, self._since = np.zeros(3), np.zeros(3)
 
-    def observe(
-        self,
-        expected_position: Array,
-        expected_force: Array,
-        now: Observation,
-        k: int = 0,
-        expected_quaternion: Array | None = None,
-        expected_torque: Array | None = None,
-    ) -> None:
+    def observe(self, expected_position: Array, expected_force: Array, now: Observation, k: int = 0) -> None:
         """Compare the outcome of a control step with the prediction of its plan.
 
         Args:
@@ -88,45 +69,30 @@ class Reactive:
             expected_force: Shape=(3,) N, predicted force on the hand.
             now: Observation after the step.
             k: Index of the step in its plan: a plan's error grows from its start, and is summed over plans.
-            expected_quaternion: Shape=(4,), predicted orientation of the tool; None without a prediction.
-            expected_torque: Shape=(3,) N m, predicted torque on the hand about the tool; None without a prediction.
         """
         if k == 0:
             self._before = self._before + self._since
         self._before = self._keep * self._before
-        turned = (
-            np.zeros(3)
-            if expected_quaternion is None
-            else to_rotvec(multiply(expected_quaternion, conjugate(now.tool.quaternion)))
-        )
-        self._since = np.concatenate([expected_position - now.tool.position, turned])
-        self.position_error, self.turn_error = np.split(self._before + self._since, 2)
+        self._since = expected_position - now.tool.position
+        self.position_error = self._before + self._since
         # The world does not integrate a force as it does a velocity: the mean error counts, not the sum.
         self.force_error = self._keep * self.force_error + (1.0 - self._keep) * (expected_force - now.wrench[:3])
-        if expected_torque is not None:
-            self.torque_error = self._keep * self.torque_error + (1.0 - self._keep) * (expected_torque - now.wrench[3:])
 
     def command(self, target: HandTarget, now: Observation) -> HandTarget:
         """Compute the command: the planned target plus feedback, within the limits."""
         cfg = self.cfg
-        position, quaternion, force, torque = target.position, target.quaternion, target.force, target.torque
+        position, force = target.position, target.force
         if cfg.enabled:
             position = position + _clip_length(cfg.pose_gain * self.position_error, cfg.most_m)
-            if cfg.turn_gain:
-                quaternion = multiply(
-                    from_rotvec(_clip_length(cfg.turn_gain * self.turn_error, cfg.most_rad)), quaternion
-                )
             # Measured and exerted force are opposite: push harder if less was measured than predicted.
             force = force - _clip_length(cfg.force_gain * self.force_error, cfg.most_n)
-            if cfg.torque_gain:
-                torque = torque - _clip_length(cfg.torque_gain * self.torque_error, cfg.most_n_m)
         # For the limit, an additional force counts as the displacement that would cause it.
         lead = np.clip(position, self._low, self._high) - now.tool.position + force / target.stiffness
         lead = _clip_length(self._limit_lead(lead, now), cfg.force_limit_n / target.stiffness)
         position = np.clip(now.tool.position + lead - force / target.stiffness, self._low, self._high)
         position, force = self._limit_pull(position, force, target.stiffness, now)
         opening = float(np.clip(target.opening_m, SQUEEZE_M, MAX_OPENING_M))
-        return replace(target, position=position, quaternion=quaternion, opening_m=opening, force=force, torque=torque)
+        return replace(target, position=position, opening_m=opening, force=force)
 
     def _limit_pull(self, position: Array, force: Array, stiffness: float, now: Observation) -> tuple[Array, Array]:
         """Reduce position lead and force in proportion if they exceed the limit within the box.

@@ -57,8 +57,8 @@ class Ran(WorkerAnswer):
 
     Args:
         terms: Names of the terms.
-        distances: Line of each distance, and the shapes of its components and of its length.
+        distances: Line of each distance, and the shape of its values.
     """
 
     terms: list[str] = Field(min_length=1)
-    distances: list[tuple[Whole, Annotated[list[tuple[Size, Size]], Field(min_length=1)]]]
+    distances: list[tuple[Whole, tuple[Size, Size]]]

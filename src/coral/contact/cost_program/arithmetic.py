@@ -137,7 +137,9 @@ def norm(meter: Meter, value: Value) -> Value:
     items = components(meter, value)
     square = total(meter, tuple(scalar(meter, "*", x, x) for x in items))
     length = root(meter, number(meter, square))
-    return length if meter.trace is None else meter.trace.distance(meter.line, items, length)
+    if meter.trace is not None:
+        meter.trace.distance(meter.line, length)
+    return length
 
 
 def negative(meter: Meter, value: Value) -> Value:

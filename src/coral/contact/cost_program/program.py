@@ -28,10 +28,6 @@ class Evaluated:
     """Value of the function, Shape=(K, H)."""
     terms: Terms
     """Its named terms, each Shape=(K, H); their sum is the cost up to rounding."""
-    steps: int
-    """Syntax nodes evaluated."""
-    arrays: int
-    """Arrays made."""
 
 
 class CostProgram:
@@ -89,17 +85,13 @@ class CostProgram:
         except MemoryError:
             raise CostError("memory", "the program needs too much memory", meter.line, self.line(meter.line)) from None
 
-    def trace(self, state: Context, zeroed: int = -1) -> Traced:
+    def trace(self, state: Context) -> Traced:
         """Return the terms and the distances that were computed, finite or not.
-
-        Args:
-            state: The batch.
-            zeroed: Number of the distance to take as 0; -1 for none.
 
         Raises:
             CostError: The cost cannot be evaluated on this batch.
         """
-        trace = Trace(zeroed=zeroed)
+        trace = Trace()
         return Traced(self.evaluate(state, trace).terms, trace.distances)
 
     def not_finite(self, state: Context) -> CostError:
@@ -156,9 +148,7 @@ class CostProgram:
         else:
             raise meter.fault("wrong_return", f"the cost is a number or a dict of named numbers, not {kind(value)}")
         cost = self._batch(machine, total)
-        return Evaluated(
-            cost, {name: self._batch(machine, term) for name, term in terms.items()}, meter.steps, meter.arrays
-        )
+        return Evaluated(cost, {name: self._batch(machine, term) for name, term in terms.items()})
 
     def _terms(self, machine: Machine, table: DictValue) -> dict[str, Value]:
         meter = machine.meter

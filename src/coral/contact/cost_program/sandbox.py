@@ -118,21 +118,15 @@ class Sandbox:
         }
         k, h = request["shape"]
         context = Context(values, (k, h))
-        if request["zeroed"] is None:
-            terms = program(context)
-            trace = Trace()
-        else:
-            trace = Trace(zeroed=int(request["zeroed"]))
-            terms = program.evaluate(context, trace).terms
+        trace = Trace()
+        terms = program.evaluate(context, trace).terms if request["traced"] else program(context)
         end = int(request["output"])
         for term in terms.values():
             end = self._put(end, term)
         distances = []
         for distance in trace.distances:
-            parts = (*distance.vector, distance.value)
-            distances.append([distance.line, [list(part.shape) for part in parts]])
-            for part in parts:
-                end = self._put(end, part)
+            distances.append([distance.line, list(distance.value.shape)])
+            end = self._put(end, distance.value)
         return {"terms": list(terms), "distances": distances}
 
     def _view(self, offset: int, shape: list[int], vector: bool) -> NDArray[np.float64]:
@@ -198,7 +192,7 @@ def main() -> None:
             "id": 0,
             "shape": [1, 1],
             "output": 16,
-            "zeroed": None,
+            "traced": False,
             "inputs": [["ee_pos", 0, [1, 1], 3], ["time", 8, [1, 1], 0]],
         }
     )

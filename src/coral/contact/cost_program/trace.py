@@ -18,8 +18,6 @@ class Distance:
 
     line: int
     """Line of the call."""
-    vector: tuple[Floats, ...]
-    """Components, each broadcastable to Shape=(K, H)."""
     value: Floats
     """Length, broadcastable to Shape=(K, H)."""
 
@@ -36,15 +34,11 @@ class Traced:
 class Trace:
     """Record of one evaluation."""
 
-    zeroed: int = -1
-    """Number of the distance to replace by 0, as if the hand were at its target; -1 for none."""
     distances: list[Distance] = field(default_factory=list)
     """Distances in the order of evaluation, which is the same for every batch."""
     lost: tuple[int, str] | None = None
     """Line and text of the first expression that was not finite in some state in which it counted."""
 
-    def distance(self, line: int, vector: tuple[object, ...], value: object) -> object:
-        """Record a distance; return the value to continue with."""
-        parts = tuple(np.atleast_2d(np.asarray(item, dtype=np.float64)) for item in vector)
-        self.distances.append(Distance(line, parts, np.atleast_2d(np.asarray(value, dtype=np.float64))))
-        return 0.0 if self.zeroed == len(self.distances) - 1 else value
+    def distance(self, line: int, value: object) -> None:
+        """Record a distance."""
+        self.distances.append(Distance(line, np.atleast_2d(np.asarray(value, dtype=np.float64))))

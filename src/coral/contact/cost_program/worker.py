@@ -115,10 +115,10 @@ class CostWorker:
         self._loaded.add(cost.number)
         return loaded
 
-    def _evaluate(self, cost: WorkerCost, state: Context, zeroed: int | None) -> tuple[Ran, int]:
+    def _evaluate(self, cost: WorkerCost, state: Context, traced: bool) -> tuple[Ran, int]:
         sizes = {name: math.prod(state[name].shape) for name in cost.reads if name in state}
         inputs = sum(sizes.values())
-        room = (self.cfg.limits.terms + (300 if zeroed is not None else 1)) * math.prod(state.shape)
+        room = (self.cfg.limits.terms + (300 if traced else 1)) * math.prod(state.shape)
         needed = 8 * (inputs + room)
         if needed > self._shared_bytes:
             self._stop()
@@ -137,21 +137,21 @@ class CostWorker:
             listed.append([name, offset, list(values.shape[:2]), size])
             offset += values.size
         run = {"op": "run", "id": cost.number, "shape": list(state.shape), "inputs": listed, "output": offset}
-        return self._ask(Ran, {**run, "zeroed": zeroed}), offset
+        return self._ask(Ran, {**run, "traced": traced}), offset
 
-    def run(self, cost: WorkerCost, state: Context, zeroed: int | None = None) -> Traced:
+    def run(self, cost: WorkerCost, state: Context, traced: bool = False) -> Traced:
         """Evaluate a program.
 
         Args:
             cost: The program.
             state: The batch.
-            zeroed: For a traced evaluation, the distance to take as 0, or -1.
+            traced: Whether to record the distances; the terms need not be finite then.
 
         Raises:
             CostError: The program cannot be evaluated, is not finite, or killed its process.
         """
         with self._lock:
-            ran, offset = self._evaluate(cost, state, zeroed)
+            ran, offset = self._evaluate(cost, state, traced)
             names = ran.terms
             if len(set(names)) < len(names) or len(names) > self.cfg.limits.terms or not all(map(is_term_name, names)):
                 raise self._taken_over()
@@ -159,12 +159,9 @@ class CostWorker:
             for name in names:
                 terms[name], offset = self._copy_shared(offset, state.shape)
             distances = []
-            for line, shapes in ran.distances:
-                parts = []
-                for shape in shapes:
-                    part, offset = self._copy_shared(offset, shape)
-                    parts.append(part)
-                distances.append(Distance(line, tuple(parts[:-1]), parts[-1]))
+            for line, shape in ran.distances:
+                value, offset = self._copy_shared(offset, shape)
+                distances.append(Distance(line, value))
             return Traced(terms, distances)
 
     def _copy_shared(self, offset: int, shape: tuple[int, int]) -> tuple[NDArray[np.float64], int]:
@@ -314,17 +311,13 @@ class WorkerCost:
             raise CostError("not_finite", "the cost is nan or infinite in some state")
         return terms
 
-    def trace(self, state: Context, zeroed: int = -1) -> Traced:
-        """Return the terms and the distances that were computed.
-
-        Args:
-            state: A small batch.
-            zeroed: Number of the distance to take as 0; -1 for none.
+    def trace(self, state: Context) -> Traced:
+        """Return the terms and the distances that were computed in a small batch.
 
         Raises:
             CostError: As for a call.
         """
-        return self.worker.run(self, state, zeroed)
+        return self.worker.run(self, state, traced=True)
 
     def line(self, number: int) -> str:
         """Return the text of a line."""

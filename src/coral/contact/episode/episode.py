@@ -159,7 +159,7 @@ class Episode:
         mppi = dataclasses.replace(cfg.controller.mppi, samples=self._samples)
         controller = dataclasses.replace(cfg.controller, mppi=mppi)
         replan_s = self.latency.expected_steps() * step_s
-        return PlannerLimits.of(controller, step_s, replan_s, self.latency.plan_s, cfg.reactive.force_limit_n)
+        return PlannerLimits(controller, step_s, replan_s, self.latency.plan_s, cfg.reactive.force_limit_n)
 
     @property
     def _samples(self) -> int:

@@ -171,8 +171,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "pose_error_deg": round(math.degrees(median(off_rad)), 2) if off_rad else None,
         "judged_by": str(start.get("judged_by", "truth")),
         "poses": poses,
-        "tracker": str(start.get("tracker", "model" if poses == "tracked" else "")),
-    }  # older runs knew no other tracker
+        "tracker": str(start.get("tracker", "")),
+    }
 
 
 def _tracking_errors(row: Mapping[str, str], ending: str) -> list[float]:

@@ -23,7 +23,7 @@ from coral.contact.plan.cost_check import verify_cost
 from coral.contact.plan.cost_file import ENDINGS, read_cost_file
 from coral.contact.plan.cost_plan import make_strategy
 from coral.contact.plan.numpy_cost import NumpyCost
-from coral.contact.plan.plan_check import OF_THE_PLACE, verify_plan
+from coral.contact.plan.plan_check import OF_THE_PLACE, judge_plan
 from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.trial import Trial
@@ -83,7 +83,7 @@ def _from_file(path: Path, trial: Trial, cfg: EpisodeCfg) -> OwnCost:
     plan = read_cost_file(path)
     worker = CostWorker()
     schema = task_schema_of(trial.task)
-    refusal = verify_plan(plan, schema, _sample(trial, cfg), worker.load)
+    refusal = judge_plan(plan, schema, _sample(trial, cfg), worker.load).refusal
     if refusal is not None:
         raise InputError(str(path), refusal.code, refusal.reason, "")
     strategy = make_strategy(path.stem, plan, RegionsAnswer({}), schema, {}, worker.load)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal, Protocol
+from typing import Literal
 
 from coral.contact.episode.trial_log import end_reason
 from coral.contact.scene.judge import Judge
@@ -19,33 +19,52 @@ OperatorVerdict = Callable[[], Literal["success", "failure", ""]]
 """Returns what the operator has said about the present episode; "" before that. It must not wait."""
 
 
-class Referee(Protocol):
+class Referee:
     """Judges an episode, one call of each method at every control step.
 
-    Attributes:
+    Args:
         name: Name for records.
+        judge: Judges by the conditions of the task; None leaves the verdict to the operator.
+        truth: Returns the true state; None judges by the measured poses, with their errors.
+        operator_verdict: Asks the operator.
     """
 
-    name: JudgedBy
+    def __init__(
+        self,
+        name: JudgedBy,
+        judge: Judge | None,
+        truth: Callable[[], Truth] | None = None,
+        operator_verdict: OperatorVerdict = lambda: "",
+    ) -> None:
+        self.name, self._judge, self._truth, self._ask = name, judge, truth, operator_verdict
 
     @property
     def holding(self) -> tuple[bool, ...]:
         """Return which conditions of the task hold; empty if they are not checked."""
-        ...
+        return () if self._judge is None else self._judge.holding
 
     def judged_state(self, now: Observation) -> Truth:
         """Return the state that is judged and recorded."""
-        ...
+        return measured_state(now) if self._truth is None else self._truth()
 
     def end_reason(self, state: Truth, time_left: bool) -> str:
         """Return why the episode ends; "" while it continues."""
-        ...
+        reason = "" if time_left else "timeout"
+        if self._judge is None:
+            said = self._ask()
+            return {"success": "success", "failure": "operator-failure"}.get(said, reason)
+        found = end_reason(self._judge, state, time_left)
+        # Real bodies do not pass through each other; a wrong pose does.
+        return reason if self._truth is None and found.startswith("tunnelling") else found
 
 
 def make_referee(
-    judged_by: JudgedBy, world: RobotWorld, trial: Trial, operator_verdict: OperatorVerdict | None
+    judged_by: JudgedBy, world: RobotWorld, trial: Trial, operator_verdict: OperatorVerdict | None = None
 ) -> Referee:
     """Make the referee of an episode.
+
+    Poses do not tell who touches whom. Leaving out the conditions that read contacts would let other states pass (a box
+    that was never lifted is upright and still), so perception refuses a task with such a condition.
 
     Args:
         judged_by: The configured referee.
@@ -60,95 +79,16 @@ def make_referee(
         if not isinstance(world, TruthfulWorld):
             expected = f"perception or operator: the world {world.name!r} does not know the truth"
             raise InputError("--cfg", "judged-by", "truth", expected)
-        return TruthReferee(world, trial)
+        return Referee("truth", Judge(trial), world.truth)
     if judged_by == "perception":
-        return PerceptionReferee(trial)
-    if operator_verdict is None:
-        raise InputError("--cfg", "judged-by", "operator", "truth or perception: this command cannot ask an operator")
-    return OperatorReferee(operator_verdict)
-
-
-class TruthReferee:
-    """Judges by the true state of a simulation."""
-
-    name: JudgedBy = "truth"
-
-    def __init__(self, world: TruthfulWorld, trial: Trial) -> None:
-        self._world, self._judge = world, Judge(trial)
-
-    @property
-    def holding(self) -> tuple[bool, ...]:
-        """See `Referee.holding`."""
-        return self._judge.holding
-
-    def judged_state(self, now: Observation) -> Truth:
-        """See `Referee.judged_state`."""
-        return self._world.truth()
-
-    def end_reason(self, state: Truth, time_left: bool) -> str:
-        """See `Referee.end_reason`."""
-        return end_reason(self._judge, state, time_left)
-
-
-class PerceptionReferee:
-    """Judges by measured poses, with their errors.
-
-    Poses do not tell who touches whom. Leaving out the conditions that read contacts would let other states pass (a box
-    that was never lifted is upright and still), so a task with such a condition is refused.
-
-    Raises:
-        InputError: A condition of the task reads contacts.
-    """
-
-    name: JudgedBy = "perception"
-
-    def __init__(self, trial: Trial) -> None:
         for condition in trial.task.success.conditions:
             if condition.reads_contacts:
                 expected = f"operator or truth: poses do not tell whether the condition {condition.kind!r} holds"
                 raise InputError("--cfg", "judged-by", "perception", expected)
-        self._judge = Judge(trial)
-
-    @property
-    def holding(self) -> tuple[bool, ...]:
-        """See `Referee.holding`."""
-        return self._judge.holding
-
-    def judged_state(self, now: Observation) -> Truth:
-        """See `Referee.judged_state`."""
-        return measured_state(now)
-
-    def end_reason(self, state: Truth, time_left: bool) -> str:
-        """See `Referee.end_reason`."""
-        reason = end_reason(self._judge, state, time_left)
-        if reason.startswith("tunnelling"):  # real bodies do not; a wrong pose does
-            return "" if time_left else "timeout"
-        return reason
-
-
-class OperatorReferee:
-    """Leaves the verdict to a person."""
-
-    name: JudgedBy = "operator"
-
-    def __init__(self, operator_verdict: OperatorVerdict) -> None:
-        self._ask = operator_verdict
-
-    @property
-    def holding(self) -> tuple[bool, ...]:
-        """See `Referee.holding`."""
-        return ()
-
-    def judged_state(self, now: Observation) -> Truth:
-        """See `Referee.judged_state`."""
-        return measured_state(now)
-
-    def end_reason(self, state: Truth, time_left: bool) -> str:
-        """See `Referee.end_reason`."""
-        said = self._ask()
-        if said:
-            return "success" if said == "success" else "operator-failure"
-        return "" if time_left else "timeout"
+        return Referee("perception", Judge(trial))
+    if operator_verdict is None:
+        raise InputError("--cfg", "judged-by", "operator", "truth or perception: this command cannot ask an operator")
+    return Referee("operator", None, operator_verdict=operator_verdict)
 
 
 def measured_state(now: Observation) -> Truth:

@@ -91,8 +91,21 @@ def resolve_episode(
     Raises:
         InputError: A value is out of range, or there is no such tracker.
     """
-    cfg = with_tracker(with_poses(with_samples(of_variant(cfg, variant), samples), poses), tracker)
-    return checked(with_prompt(with_fallback(cfg, fallback), prompt), "--cfg")
+    cfg = of_variant(cfg, variant)
+    if samples is not None:
+        if samples < 1:
+            raise InputError("--samples", "", samples, "a number of 1 or more")
+        mppi = dataclasses.replace(cfg.controller.mppi, samples=samples)
+        cfg = dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, mppi=mppi))
+    if poses is not None:
+        cfg = dataclasses.replace(cfg, poses=poses)
+    if tracker is not None:
+        choose_tracker(tracker)
+        if cfg.poses != "tracked":
+            raise InputError("--tracker", "", f"{tracker!r} beside poses from the simulator", "--poses tracked")
+        cfg = dataclasses.replace(cfg, tracked=dataclasses.replace(cfg.tracked, by=tracker))
+    think = dataclasses.replace(cfg.think, fallback=fallback or cfg.think.fallback, prompt=prompt or cfg.think.prompt)
+    return checked(dataclasses.replace(cfg, think=think), "--cfg")
 
 
 def of_variant(cfg: EpisodeCfg, variant: str) -> EpisodeCfg:
@@ -104,48 +117,3 @@ def of_variant(cfg: EpisodeCfg, variant: str) -> EpisodeCfg:
     outer = dataclasses.replace(cfg.think.outer, attempt_s=cfg.planning.step_s)
     think = dataclasses.replace(cfg.think, prompt="paper", outer=outer)
     return dataclasses.replace(cfg, controller=controller, replan_steps=1, think=think)
-
-
-def with_samples(cfg: EpisodeCfg, samples: int | None) -> EpisodeCfg:
-    """Return the configuration with another number of rollouts.
-
-    Raises:
-        InputError: The number is not positive.
-    """
-    if samples is None:
-        return cfg
-    if samples < 1:
-        raise InputError("--samples", "", samples, "a number of 1 or more")
-    mppi = dataclasses.replace(cfg.controller.mppi, samples=samples)
-    return dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, mppi=mppi))
-
-
-def with_fallback(cfg: EpisodeCfg, fallback: StandIn | None) -> EpisodeCfg:
-    """Return the configuration with another fallback; None leaves it as configured."""
-    if fallback is None:
-        return cfg
-    return dataclasses.replace(cfg, think=dataclasses.replace(cfg.think, fallback=fallback))
-
-
-def with_prompt(cfg: EpisodeCfg, prompt: Told | None) -> EpisodeCfg:
-    """Return the configuration with questions that tell more or less; None leaves it as configured."""
-    return cfg if prompt is None else dataclasses.replace(cfg, think=dataclasses.replace(cfg.think, prompt=prompt))
-
-
-def with_poses(cfg: EpisodeCfg, poses: Literal["tracked", "ground-truth"] | None) -> EpisodeCfg:
-    """Return the configuration with another source of poses."""
-    return cfg if poses is None else dataclasses.replace(cfg, poses=poses)
-
-
-def with_tracker(cfg: EpisodeCfg, tracker: str | None) -> EpisodeCfg:
-    """Return the configuration with another tracker.
-
-    Raises:
-        InputError: There is no tracker of this name, or no tracker is in use.
-    """
-    if tracker is None:
-        return cfg
-    choose_tracker(tracker)
-    if cfg.poses != "tracked":
-        raise InputError("--tracker", "", f"{tracker!r} beside poses from the simulator", "--poses tracked")
-    return dataclasses.replace(cfg, tracked=dataclasses.replace(cfg.tracked, by=tracker))

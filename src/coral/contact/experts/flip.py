@@ -138,6 +138,3 @@ def fsm(task: Task) -> Strategy:
             Stage("draw back", draw_back, next=(("reach", standing),), sigma=0.6),
         ),
     )
-
-
-__all__ = ["ahead", "behind", "facing", "fsm", "single", "tipped"]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage, Strategy
-from coral.contact.experts.terms import axis, dot, near, norm
+from coral.contact.experts.terms import axis, near, norm
 from coral.contact.scene.geometry import conjugate, multiply, rotate, rotation_of
 from coral.contact.scene.state_conditions import Grasped, Lifted, Still, Upright
 from coral.contact.scene.task import Task
@@ -201,18 +201,3 @@ def fsm(task: Task) -> Strategy:
             Stage("lift", lift, (up,), next=((again, lost),), sigma=0.7),
         ),
     )
-
-
-__all__ = [
-    "across",
-    "conjugate",
-    "dot",
-    "fsm",
-    "grasp_point",
-    "grasp_quaternion",
-    "middle",
-    "over",
-    "room",
-    "rotate",
-    "single",
-]

@@ -16,7 +16,6 @@ from coral.contact.memory.embedding import DEFAULT, Embedder, Vector, embedder_o
 from coral.contact.memory.goal_match import GoalMatch, match_goals
 from coral.contact.memory.scene_numbers import (
     HELD,
-    ScaleLimits,
     fits_hand,
     joints_of,
     roles,
@@ -106,7 +105,7 @@ class Match:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemoryCfg(ScaleLimits):
+class MemoryCfg:
     """How experiences are retrieved."""
 
     embedder: str = DEFAULT
@@ -239,7 +238,7 @@ class Memory:
         if goals is None or contradict(held.instruction, facts["instruction"]):
             return None
         before = translate_numbers(held.numbers, held.goals, facts["goals"], goals.names)
-        distance = scene_distance(before, numbers, frozenset(goals.names.values()), self.cfg)
+        distance = scene_distance(before, numbers, frozenset(goals.names.values()))
         if distance > 1.0 or not _still_fits_hand(held, goals, before, numbers, facts):
             return None
         similarity = float(np.dot(here, self._vector(stored, len(here))))

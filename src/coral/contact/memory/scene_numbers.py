@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from coral.config import Positive
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.geometry import rotation_of
@@ -23,20 +21,16 @@ MAGNITUDES = frozenset({"height_m", "newtons", "distance_m", "depth_m", "speed_m
 """Numbers of goals whose size changes the plan; tolerances and durations do not."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ScaleLimits:
-    """How far a scene may differ from the remembered one."""
-
-    size_factor: Positive = 2.5
-    """Largest factor between two extents. A plan is adapted to other sizes, and tried before it is used."""
-    mass_factor: Positive = 10.0
-    """Largest factor between two masses."""
-    friction_factor: Positive = 4.0
-    """Largest factor between two frictions."""
-    number_factor: Positive = 4.0
-    """Largest factor between two heights, distances, depths, forces or speeds of the goals."""
-    place_m: Positive = 0.5
-    """Largest distance between two places, or two fixtures, that the goals name."""
+SIZE_FACTOR = 2.5
+"""Largest factor between two extents. A plan is adapted to other sizes, and tried before it is used."""
+MASS_FACTOR = 10.0
+"""Largest factor between two masses."""
+FRICTION_FACTOR = 4.0
+"""Largest factor between two frictions."""
+NUMBER_FACTOR = 4.0
+"""Largest factor between two heights, distances, depths, forces or speeds of the goals."""
+PLACE_M = 0.5
+"""Largest distance between two places, or two fixtures, that the goals name."""
 
 
 def scene_numbers(facts: SceneFacts) -> dict[str, float]:
@@ -127,38 +121,35 @@ def translate_numbers(
     return {renamed(key): value for key, value in numbers.items()}
 
 
-def scene_distance(
-    one: Mapping[str, float], other: Mapping[str, float], places: frozenset[str], cfg: ScaleLimits
-) -> float:
+def scene_distance(one: Mapping[str, float], other: Mapping[str, float], places: frozenset[str]) -> float:
     """Compute the largest difference between two scenes, relative to its limit; infinite if it cannot be overcome.
 
     Args:
         one: Numbers of the remembered scene, under this scene's names.
         other: Numbers of this scene.
         places: Names of the places and fixtures that the goals name; the others do not matter.
-        cfg: The limits.
     """
     worst = 0.0
     for key in set(one) & set(other):
         a, b, field = one[key], other[key], key.rsplit(".", 1)[-1]
         if key.startswith("place."):
-            worst = max(worst, abs(a - b) / cfg.place_m if key.split(".")[1] in places else 0.0)
+            worst = max(worst, abs(a - b) / PLACE_M if key.split(".")[1] in places else 0.0)
         elif field == "up":
             worst = max(worst, 0.0 if a == b else math.inf)
         else:
-            factor = _limit(key, field, cfg)
+            factor = _limit(key, field)
             if factor is None or a == b:
                 continue
             worst = max(worst, abs(math.log(a / b)) / math.log(factor) if a > 0 and b > 0 else math.inf)
     return worst
 
 
-def _limit(key: str, field: str, cfg: ScaleLimits) -> float | None:
+def _limit(key: str, field: str) -> float | None:
     if ".size." in key:
-        return cfg.size_factor
+        return SIZE_FACTOR
     if key.startswith("goal."):
-        return cfg.number_factor if field in MAGNITUDES else None
-    return {"mass_kg": cfg.mass_factor, "friction": cfg.friction_factor}.get(field)
+        return NUMBER_FACTOR if field in MAGNITUDES else None
+    return {"mass_kg": MASS_FACTOR, "friction": FRICTION_FACTOR}.get(field)
 
 
 def fits_hand(numbers: Mapping[str, float], key: str) -> bool:

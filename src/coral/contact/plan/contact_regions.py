@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field, RootModel
 
-from coral.config import Fraction, Positive, Signed
+from coral.config import Signed
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.cost.context import Context
@@ -31,6 +31,22 @@ TIP_M = 0.008
 """Distance from the tool to the fingertips."""
 LOWEST_M = 0.012
 """Lowest height of the tool over the table."""
+MOST = 6
+"""Maximum number of regions per object; the paper asks for 1 to 3, a plan of several stages may need more."""
+SAMPLES = 64
+"""Maximum number of candidates of one region."""
+OFF_SURFACE_M = 0.008
+"""Maximum distance of a centre from the object's surface."""
+EXTENT_M = 0.15
+"""Largest radius."""
+FACING = 0.5
+"""Smallest cosine between the region's normal and the surface normal at a candidate."""
+BURIED_M = 0.003
+"""A candidate, or the tool at it, is blocked if this deep inside another thing; tracked poses err by as much."""
+STANDOFF_M = 0.08
+"""Guides approach a candidate from this distance along the normal."""
+LIMITS = f"At most {MOST} regions for each object, {SAMPLES} points and a radius of {EXTENT_M:g} m for each."
+"""The bounds of a region in a sentence."""
 GOLDEN_RAD = math.pi * (3 - math.sqrt(5))
 
 
@@ -86,32 +102,11 @@ def _numbers(vector: Sequence[float]) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class RegionCfg:
-    """Bounds of a region."""
+    """Where the hand may go to a region."""
 
-    most: int = 6
-    """Maximum number of regions per object; the paper asks for 1 to 3, a plan of several stages may need more."""
-    samples: int = 64
-    """Maximum number of candidates of one region."""
-    off_surface_m: Positive = 0.008
-    """Maximum distance of a centre from the object's surface."""
-    extent_m: Positive = 0.15
-    """Largest radius."""
-    facing: Fraction = 0.5
-    """Smallest cosine between the region's normal and the surface normal at a candidate."""
-    buried_m: Positive = 0.003
-    """A candidate, or the tool at it, is blocked if this deep inside another thing; tracked poses err by as much."""
     reach_low_m: Corner | None = None
     reach_high_m: Corner | None = None
     """Corners of the box that bounds the tool; None for the controller's workspace."""
-    standoff_m: Positive = 0.08
-    """Guides approach a candidate from this distance along the normal."""
-
-
-def region_limits(cfg: RegionCfg) -> str:
-    """Describe the bounds of a region in a sentence."""
-    return (
-        f"At most {cfg.most} regions for each object, {cfg.samples} points and a radius of {cfg.extent_m:g} m for each."
-    )
 
 
 def reach_box(cfg: RegionCfg, controller: ControllerCfg | None = None) -> tuple[Corner, Corner]:
@@ -185,7 +180,6 @@ def guide(
     region: Region,
     size: Array,
     lowest_m: float = LOWEST_M,
-    cfg: RegionCfg | None = None,
     local: Array | None = None,
 ) -> Guide:
     """Make tool poses for a region, wherever the object is: at the candidates, and at a standoff from them.
@@ -195,10 +189,8 @@ def guide(
         region: The region.
         size: Shape=(3,), full extents of the object, m.
         lowest_m: Lowest height of the tool over the table.
-        cfg: Bounds; gives the standoff.
         local: Shape=(n, 3) m, the touchable candidates in the object's frame; by default the flat disc.
     """
-    cfg = cfg or RegionCfg()
     local, normal = candidates(region) if local is None else local, np.asarray(region.normal, dtype=float)
     closing = closing_axis(normal, size) if region.closing is None else region.closing
 
@@ -211,9 +203,9 @@ def guide(
         turn, out, approach = how(state)
         surface = state[f"{name}_pos"][0, 0] + rotate(turn, local)
         at = tool_at(surface, normal, size, out, approach)
-        away = at + out * cfg.standoff_m
+        away = at + out * STANDOFF_M
         if approach == "push":
-            away = np.concatenate([away, away + np.array([0.0, 0.0, cfg.standoff_m])])
+            away = np.concatenate([away, away + np.array([0.0, 0.0, STANDOFF_M])])
         positions = np.concatenate([at, away])
         on_table = (np.abs(positions[:, :2] - _table_middle(state)) <= _table_half(state)).all(axis=1)
         positions[:, 2] = np.where(on_table, np.maximum(positions[:, 2], lowest_m), positions[:, 2])

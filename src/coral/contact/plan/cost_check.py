@@ -11,11 +11,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.contact.cost.context import Array, Context, Cost, Derived, Terms
 from coral.contact.cost_program.errors import CostError
-from coral.contact.plan.attraction import at_rest, follow_cost
+from coral.contact.plan.attraction import at_rest, follow_cost, total_cost
 from coral.contact.plan.barrier_check import gate_barriers, touch_barriers
 from coral.contact.plan.cost_fault import CostFault
 from coral.contact.plan.reach_check import unreachable
@@ -113,16 +112,9 @@ def _malformed_faults(terms: Terms, sample: Context) -> list[CostFault]:
     return []
 
 
-def _sum(terms: Terms, shape: tuple[int, int]) -> Array:
-    total: NDArray[np.float64] = np.zeros(shape)
-    for term in terms.values():
-        total = total + term
-    return total
-
-
 def _constant_faults(evaluated: list[tuple[Context, Terms]]) -> list[CostFault]:
     for sample, terms in evaluated:
-        rollouts = _sum(terms, sample.shape).sum(axis=1)
+        rollouts = total_cost(terms, sample.shape).sum(axis=1)
         if np.ptp(rollouts) > 1e-9 * (1.0 + np.abs(rollouts).max()):
             return []
     return [

@@ -27,8 +27,8 @@ class CostFault:
 class Traceable(Protocol):
     """A cost that reports the distances it computes."""
 
-    def trace(self, state: Context, zeroed: int = -1) -> Traced:
-        """Return terms and distances, with the distance number `zeroed` set to 0."""
+    def trace(self, state: Context) -> Traced:
+        """Return terms and distances."""
         ...
 
     def line(self, number: int) -> str:

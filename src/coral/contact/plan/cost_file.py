@@ -16,7 +16,7 @@ ENDINGS = (".py", ".yaml", ".yml", ".json")
 
 
 def read_cost_file(path: Path) -> PlanAnswer:
-    """Read a plan. Its programs are not run; `verify_plan` checks them.
+    """Read a plan. Its programs are not run; `judge_plan` checks them.
 
     Args:
         path: A `.py` file with `def state_cost(self)`, or a YAML or JSON file with `code` or `stages`

@@ -11,9 +11,9 @@ from coral.contact.cost_program.errors import CostError
 class LastGoodCost:
     """A cost that falls back to its predecessor. It satisfies `coral.contact.cost.context.Cost`."""
 
-    def __init__(self, failed: Callable[[Cost, CostError], None]) -> None:
-        self._good: list[Cost] = []
+    def __init__(self, failed: Callable[[CostError], None]) -> None:
         self._failed = failed
+        self._good: list[Cost] = []
         self._bad: list[Cost] = []
 
     @property
@@ -45,7 +45,7 @@ class LastGoodCost:
             except CostError as failure:
                 error = failure
                 self._bad.append(self._good[-1])
-                self._failed(self._good[-1], failure)
+                self._failed(failure)
                 if len(self._good) == 1:
                     break
                 self._good.pop()

@@ -93,16 +93,6 @@ def judge_plan(
     return _verdict(answer, found)
 
 
-def verify_plan(
-    answer: PlanAnswer,
-    schema: Schema,
-    samples: Sequence[Context],
-    load: Loader = in_process,
-) -> Rejection | None:
-    """Return why a plan cannot be used, or None; see `judge_plan`."""
-    return judge_plan(answer, schema, samples, load).refusal
-
-
 def structure_faults(answer: PlanAnswer) -> list[CostFault]:
     """Return the faults of a plan's stages, apart from their programs."""
     names, stages, faults = answer.names, answer.each(), []

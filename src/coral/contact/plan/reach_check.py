@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.cost.context import Array, Context, Cost
 from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.attraction import Attraction
@@ -19,8 +20,6 @@ from coral.contact.scene.geometry import rotation_of
 
 REACH_M = 0.015
 """Depth in a solid from which a place counts as out of reach; a fingertip is about as thick."""
-OPENING_M = 0.08
-"""Widest opening of the fingers (Panda hand); they can straddle a narrower object."""
 TABLE = "table"
 
 
@@ -52,6 +51,8 @@ def unreachable(cost: Cost, values: Mapping[str, Any], attraction: Attraction) -
 def containing_body(values: Mapping[str, Any], point: Array) -> tuple[str, float]:
     """Return the body that keeps the fingertips from a point, and how deep the point lies in it; "" if none does.
 
+    An object that the open fingers can straddle is no obstacle.
+
     Args:
         values: Quantities of one state.
         point: Shape=(3,) m, in the world.
@@ -60,7 +61,7 @@ def containing_body(values: Mapping[str, Any], point: Array) -> tuple[str, float
     movable = objects_of(values)
     for thing in (item.removesuffix("_size") for item in values if item.endswith("_size")):
         size, centre = values[f"{thing}_size"][0, 0], values[f"{thing}_pos"][0, 0]
-        if thing in movable and size.min() < OPENING_M:
+        if thing in movable and size.min() < MAX_OPENING_M:
             continue
         turn = rotation_of(values[f"{thing}_quat"][0, 0]) if f"{thing}_quat" in values else np.eye(3)
         depth = float((size / 2 - np.abs(turn.T @ (point - centre))).min())

@@ -10,6 +10,11 @@ import numpy as np
 from coral.advisor.question import Rejection
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.plan.contact_regions import (
+    EXTENT_M,
+    FACING,
+    MOST,
+    OFF_SURFACE_M,
+    SAMPLES,
     TIP_M,
     Array,
     Region,
@@ -47,12 +52,10 @@ def verify_regions(
             return _reject(
                 name, "objects", f"{name} is no object of the scene; there are {', '.join(facts['objects'])}"
             )
-        if len(held.regions) > cfg.most:
-            return _reject(
-                name, "too-many", f"{len(held.regions)} regions on {name}; name the {cfg.most} that matter most"
-            )
+        if len(held.regions) > MOST:
+            return _reject(name, "too-many", f"{len(held.regions)} regions on {name}; name the {MOST} that matter most")
         for index, region in enumerate(held.regions):
-            wrong = _defect(region, facts["objects"][name], scenery.objects[name], facts, stages, cfg)
+            wrong = _defect(region, facts["objects"][name], scenery.objects[name], facts, stages)
             if wrong:
                 return _reject(name, wrong[0], f"region {index + 1} of {name}: {wrong[1]}", index)
     if not answer.each():
@@ -61,8 +64,7 @@ def verify_regions(
     places = [(name, index) for name, held in answer.root.items() for index in range(len(held.regions))]
     for (name, index), left in zip(places, candidates, strict=True):
         if not len(left.points):
-            region = answer.root[name].regions[index]
-            code, reason = _no_candidate_left(region, left, facts["objects"][name], scenery.objects[name], cfg)
+            code, reason = _no_candidate_left(left, facts["objects"][name], cfg)
             return _reject(name, code, f"region {index + 1} of {name}: {reason}", index)
     return None
 
@@ -77,7 +79,6 @@ def _defect(
     solids: Sequence[Solid],
     facts: SceneFacts,
     stages: Sequence[str],
-    cfg: RegionCfg,
 ) -> tuple[str, str] | None:
     """Return what is wrong with a region before its candidates are examined."""
     center, normal = np.asarray(region.center), np.asarray(region.normal)
@@ -85,22 +86,22 @@ def _defect(
         return "not-finite", "center, normal and extent must be finite numbers"
     if abs(float(np.linalg.norm(normal)) - 1.0) > 0.05:
         return "normal", f"the normal {_text(normal)} has length {np.linalg.norm(normal):.2f}; make it 1"
-    if not 0.0 <= region.extent <= cfg.extent_m or not 1 <= region.num_samples <= cfg.samples:
+    if not 0.0 <= region.extent <= EXTENT_M or not 1 <= region.num_samples <= SAMPLES:
         return "extent", (
             f"extent {region.extent:g} m with {region.num_samples} samples; extent lies within 0 and "
-            f"{cfg.extent_m:g} m, num_samples within 1 and {cfg.samples}"
+            f"{EXTENT_M:g} m, num_samples within 1 and {SAMPLES}"
         )
     if region.stage and region.stage not in stages:
         return "stage", f"the plan has no stage {region.stage!r}; its stages are {', '.join(stages) or 'none'}"
     if region.opening is not None and not 0.0 <= region.opening <= MAX_OPENING_M:
         return "opening", f"the fingers open from 0 to {MAX_OPENING_M:g} m, not {region.opening:g} m"
     off = off_surface(center, solids)
-    if off > cfg.off_surface_m:
+    if off > OFF_SURFACE_M:
         return "off-surface", (
             f"the center {_text(center)} lies {off:.3f} m off the surface; in the object's frame it "
             f"extends {_extent(item)}"
         )
-    if _points_inward(center, normal, solids, cfg):
+    if _points_inward(center, normal, solids):
         return "inward", (
             f"the normal {_text(normal)} does not point out of the object at {_text(center)}; turn it round, or move "
             "the center to another face"
@@ -120,20 +121,18 @@ def _defect(
     return None
 
 
-def _points_inward(center: Array, normal: Array, solids: Sequence[Solid], cfg: RegionCfg) -> bool:
+def _points_inward(center: Array, normal: Array, solids: Sequence[Solid]) -> bool:
     """Check whether a line along the normal enters the object: it leaves it far ahead, or sideways."""
     unit = normal / np.linalg.norm(normal)
-    at = center - 0.5 * cfg.off_surface_m * unit
-    inside = [solid.leave(at[None], unit) for solid in solids if solid.depth(center[None])[0] > -cfg.off_surface_m]
+    at = center - 0.5 * OFF_SURFACE_M * unit
+    inside = [solid.leave(at[None], unit) for solid in solids if solid.depth(center[None])[0] > -OFF_SURFACE_M]
     return bool(inside) and not any(
-        not np.isfinite(rise[0]) or (rise[0] <= 1.5 * cfg.off_surface_m and facing[0] @ unit >= cfg.facing)
+        not np.isfinite(rise[0]) or (rise[0] <= 1.5 * OFF_SURFACE_M and facing[0] @ unit >= FACING)
         for rise, facing in inside
     )
 
 
-def _no_candidate_left(
-    region: Region, left: Candidates, item: ObjectFacts, solids: Sequence[Solid], cfg: RegionCfg
-) -> tuple[str, str]:
+def _no_candidate_left(left: Candidates, item: ObjectFacts, cfg: RegionCfg) -> tuple[str, str]:
     """Return why no candidate of a region can be touched."""
     count = sum(left.lost.values())
     reasons = ", ".join(f"{number} {reason}" for reason, number in left.lost.items())

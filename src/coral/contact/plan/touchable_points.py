@@ -10,7 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.plan.contact_regions import (
+    BURIED_M,
+    FACING,
     LOWEST_M,
+    OFF_SURFACE_M,
     TIP_M,
     Region,
     RegionCfg,
@@ -66,7 +69,7 @@ class Candidates:
     """Number of dropped candidates by reason."""
 
 
-def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array, cfg: RegionCfg) -> Array:
+def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array) -> Array:
     """Project points of a disc along its normal to the surface, Shape=(n, 3) m; nan where they miss the face.
 
     A point moves no farther than a surface with a slope of 45 degrees requires; where the surface turns away from the
@@ -77,14 +80,13 @@ def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array
         normal: Shape=(3,), of length 1.
         solids: Convex pieces of the object, in the points' frame.
         center: Shape=(3,) m, of the disc.
-        cfg: Bounds: distance of a centre, facing of the surface.
     """
     projected = np.full(points.shape, np.nan)
-    least = cfg.off_surface_m + np.linalg.norm(points - center, axis=1) + 1e-9
+    least = OFF_SURFACE_M + np.linalg.norm(points - center, axis=1) + 1e-9
     for index, solid in enumerate(solids):
         rise, facing = solid.leave(points, normal)
         there = points + rise[:, None] * normal
-        surface = np.isfinite(rise) & (facing @ normal >= cfg.facing)
+        surface = np.isfinite(rise) & (facing @ normal >= FACING)
         for other in (*solids[:index], *solids[index + 1 :]):
             surface &= ~(other.depth(there + SEAM_M * normal) > 0)
         nearer = surface & (np.abs(rise) < least)
@@ -161,7 +163,7 @@ def touchable(
             then.
     """
     normal = np.asarray(region.normal, dtype=float) / np.linalg.norm(region.normal)
-    points = project(candidates(region), normal, scenery.objects[name], np.asarray(region.center), cfg)
+    points = project(candidates(region), normal, scenery.objects[name], np.asarray(region.center))
     on_face = np.isfinite(points).all(axis=1)
     lost: Counter[str] = Counter()
     if not on_face.all():
@@ -200,9 +202,9 @@ def _hindrances(
     tool[:, 2] = np.where(over_table, np.maximum(tool[:, 2], LOWEST_M), tool[:, 2])
     for thing, solids in _other_solids(facts, scenery, [name, *standing]):
         for solid in solids:
-            buried = (solid.depth(surface) > cfg.buried_m) & (thing != name)
+            buried = (solid.depth(surface) > BURIED_M) & (thing != name)
             # In a pinch the tool is inside the object, so it cannot show whether something stands beside the fingers.
-            blocked = (solid.depth(tool) > cfg.buried_m) & (approach != "pinch")
+            blocked = (solid.depth(tool) > BURIED_M) & (approach != "pinch")
             reasons[(reasons == "") & buried] = f"inside {thing}"
             reasons[(reasons == "") & blocked] = f"with no room for a finger before {thing}"
     low, high = map(np.asarray, reach_box(cfg))

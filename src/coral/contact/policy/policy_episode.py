@@ -16,7 +16,7 @@ from coral.contact.control.reactive import Reactive
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.metrics import compute_metrics
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
-from coral.contact.episode.referee import Referee, TruthReferee
+from coral.contact.episode.referee import make_referee
 from coral.contact.episode.trial_log import conditions_not_held, start_fields, write_head
 from coral.contact.policy import libero_convention as libero
 from coral.contact.policy.address import Address
@@ -83,7 +83,7 @@ class PolicyEpisode:
         self.world = make_world(world, trial, means.tick_s)
         if self.world.simulation is None:
             raise InputError("--world", "", repr(world), "a simulated world, of which pictures can be made")
-        self.referee: Referee = TruthReferee(self.world, trial)
+        self.referee = make_referee("truth", self.world, trial)
         self._data = self.world.simulation.data
         self.eyes = PolicyCameras(self.world.simulation.model, cfg.policy.eyes)
         # Without rollouts there is no feedback; only the limits of the reactive control remain.

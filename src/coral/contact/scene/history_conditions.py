@@ -22,6 +22,18 @@ from coral.contact.scene.condition import (
 from coral.contact.scene.observation import Array, BodyState, Truth
 
 
+def _unbroken(test: Monitor) -> Monitor:
+    """Make the monitor that holds until a test has failed once; it calls the test at every step."""
+    intact = True
+
+    def holds(truth: Truth) -> bool:
+        nonlocal intact
+        intact = test(truth) and intact
+        return intact
+
+    return holds
+
+
 class TouchedWhileTurning(BaseCondition):
     """The object's `axis` was turned through `between_deg` against `thing`.
 
@@ -126,24 +138,20 @@ class PeakForce(BaseCondition):
     def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         recent: list[tuple[float, float]] = []
-        exceeded = False
 
-        def holds(truth: Truth) -> bool:
-            nonlocal exceeded
+        def is_gentle(truth: Truth) -> bool:
             force = hand_force(truth, self.object) or 0.0
             if self.window_s == 0:
                 measured = truth.hand_forces.get(self.object)
-                exceeded = exceeded or max(force, 0.0 if measured is None else measured.peak) > self.newtons
-            else:
-                recent.append((truth.time_s, force))
-                while recent[0][0] <= truth.time_s - self.window_s + 1e-9:
-                    recent.pop(0)
-                # Before a whole window has passed, the missing steps count as without contact.
-                steps = max(len(recent), round(self.window_s / _step_s(recent)))
-                exceeded = exceeded or sum(value for _, value in recent) / steps > self.newtons
-            return not exceeded
+                return max(force, 0.0 if measured is None else measured.peak) <= self.newtons
+            recent.append((truth.time_s, force))
+            while recent[0][0] <= truth.time_s - self.window_s + 1e-9:
+                recent.pop(0)
+            # Before a whole window has passed, the missing steps count as without contact.
+            steps = max(len(recent), round(self.window_s / _step_s(recent)))
+            return sum(value for _, value in recent) / steps <= self.newtons
 
-        return holds
+        return _unbroken(is_gentle)
 
 
 def _step_s(recent: list[tuple[float, float]]) -> float:
@@ -163,15 +171,13 @@ class KeptLevel(BaseCondition):
     def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         before = axis_of(trial.objects[self.object].pose.quaternion, self.axis)
-        tilted = False
 
-        def holds(truth: Truth) -> bool:
-            nonlocal tilted
-            off = degrees_between(before, axis_of(truth.objects[self.object].quaternion, self.axis))
-            tilted = tilted or off > self.tolerance_deg
-            return not tilted
+        def is_level(truth: Truth) -> bool:
+            return (
+                degrees_between(before, axis_of(truth.objects[self.object].quaternion, self.axis)) <= self.tolerance_deg
+            )
 
-        return holds
+        return _unbroken(is_level)
 
 
 class KeptNear(BaseCondition):
@@ -189,14 +195,8 @@ class KeptNear(BaseCondition):
         def at(body: BodyState) -> Array:
             return body.position if self.point is None else trial.point(self.object, self.point, body)
 
-        before, left = at(trial.objects[self.object].pose), False
-
-        def holds(truth: Truth) -> bool:
-            nonlocal left
-            left = left or bool(np.linalg.norm(at(truth.objects[self.object]) - before) > self.distance_m)
-            return not left
-
-        return holds
+        before = at(trial.objects[self.object].pose)
+        return _unbroken(lambda truth: bool(np.linalg.norm(at(truth.objects[self.object]) - before) <= self.distance_m))
 
 
 class KeptTouching(BaseCondition):
@@ -212,16 +212,15 @@ class KeptTouching(BaseCondition):
     def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
         clock = StepClock()
-        apart, left = 0.0, False
+        apart = 0.0
 
-        def holds(truth: Truth) -> bool:
-            nonlocal apart, left
+        def is_touching(truth: Truth) -> bool:
+            nonlocal apart
             span = clock.advance(truth)
             apart = 0.0 if touches(truth, self.object, self.thing) else apart + span
-            left = left or apart > self.for_s + 1e-9
-            return not left
+            return apart <= self.for_s + 1e-9
 
-        return holds
+        return _unbroken(is_touching)
 
 
 class NeverTouched(BaseCondition):
@@ -238,14 +237,7 @@ class NeverTouched(BaseCondition):
 
     def monitor(self, trial: TrialLike) -> Monitor:
         """See `BaseCondition.monitor`."""
-        touched = False
-
-        def holds(truth: Truth) -> bool:
-            nonlocal touched
-            touched = touched or touches(truth, self.object, self.thing)
-            return not touched
-
-        return holds
+        return _unbroken(lambda truth: not touches(truth, self.object, self.thing))
 
 
 class Slid(BaseCondition):

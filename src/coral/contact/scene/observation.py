@@ -62,8 +62,6 @@ class HandTarget:
     """Translational stiffness in N/m; the rotational one scales with it."""
     force: Array = field(default_factory=lambda: np.zeros(3))
     """Additional force, Shape=(3,) N, world axes."""
-    torque: Array = field(default_factory=lambda: np.zeros(3))
-    """Additional torque about the tool, Shape=(3,) N m, world axes."""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.force_balance import LEAST, balances
 from coral.contact.world_model.history import most_informative_object, windows
 from coral.contact.world_model.history_replay import HistoryReplay, compare_motions
-from coral.contact.world_model.identification import fit_by_balance, fit_by_replay, replay_errors
+from coral.contact.world_model.identification import BETTER, fit_by_balance, fit_by_replay, replay_errors
 from coral.contact.world_model.parameter_correction import ParametersAnswer, verify_parameters
 
 
@@ -62,12 +62,12 @@ def correct_beliefs(
     believed = dict(world.beliefs[0])
     finer = PlanningWorld(trial, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s))
     try:
-        replay = HistoryReplay(finer, stretches, cfg.identify.replay)
+        replay = HistoryReplay(finer, stretches)
         found = balances(past.steps, name, trial) if cfg.identify.by == "balance" else None
         if found is None or len(found) < LEAST:
-            fit = fit_by_replay(replay, name, believed, cfg.identify, rng)
+            fit = fit_by_replay(replay, name, believed, rng)
         else:
-            fit = fit_by_balance(found, replay, name, believed, cfg.identify)
+            fit = fit_by_balance(found, replay, name, believed)
         tried = [fit.error_before, fit.error_after]
 
         told = {
@@ -80,10 +80,8 @@ def correct_beliefs(
             refusal = verify_parameters(answer, believed, cfg.belief)
             if refusal is not None or answer.keeps(believed):
                 return refusal
-            before, after = tried[:] = replay_errors(
-                replay, name, believed, answer.physical(believed), cfg.identify, found
-            )
-            if after < (1.0 - cfg.identify.better) * before:
+            before, after = tried[:] = replay_errors(replay, name, believed, answer.physical(believed), found)
+            if after < (1.0 - BETTER) * before:
                 return None
             return Rejection(
                 code="replay",
@@ -123,7 +121,7 @@ def correct_beliefs(
         "correction",
         object=name,
         accepted=outcome.answer is not None and not kept_values,
-        text="the values were kept" if kept_values else fit.words(cfg.identify.known),
+        text="the values were kept" if kept_values else fit.words(),
         **({} if outcome.answer is None else {"decided": "correction", "source": asker.source}),
         failure=outcome.failure,
         errors=[round(error, 4) for error in tried],

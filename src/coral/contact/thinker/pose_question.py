@@ -7,7 +7,7 @@ rest of the package calls its position, may lie elsewhere (for a board with a ha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,6 @@ from coral.contact.scene.observation import Array, BodyState, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.fallback import StandIn, stand_in
-from coral.contact.thinker.question_facts import PoseFacts, UnposedObjectFacts
 from coral.contact.thinker.scene_facts import pose
 
 BESIDE_M, BELOW_M = 0.3, 0.02
@@ -44,7 +43,7 @@ class ObjectPose(BaseModel):
 class PosesAnswer(RootModel[dict[str, ObjectPose]]):
     """Poses by the objects' names."""
 
-    def bodies(self, facts: PoseFacts) -> dict[str, BodyState]:
+    def bodies(self, facts: Mapping[str, Any]) -> dict[str, BodyState]:
         """Convert to an observation's bodies at rest, with positions at the frames' origins instead of box centres."""
         found = {}
         for name, one in self.root.items():
@@ -54,7 +53,7 @@ class PosesAnswer(RootModel[dict[str, ObjectPose]]):
         return found
 
 
-def verify_poses(answer: PosesAnswer, facts: PoseFacts) -> Rejection | None:
+def verify_poses(answer: PosesAnswer, facts: Mapping[str, Any]) -> Rejection | None:
     """Return the reason why estimated poses are impossible, or None."""
     wanted, given = list(facts["objects"]), list(answer.root)
     if set(wanted) != set(given):
@@ -81,8 +80,12 @@ def verify_poses(answer: PosesAnswer, facts: PoseFacts) -> Rejection | None:
     return None
 
 
-def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
+def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, Any]:
     """Collect the prior knowledge: shapes, usual orientations, the camera, and its measured depth.
+
+    Of each object: label and extents (m), the centre of its bounding box in its frame, its points relative to that
+    centre, the pose of the task file (x, y, z, qw, qx, qy, qz), and how many of its pixels have a measured depth, with
+    the lowest and highest corner of these points in the world, None without any.
 
     Args:
         trial: The trial; only the task file and the sizes are read from it.
@@ -90,7 +93,7 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
         frame: The first picture, with the objects' segmentation.
     """
     table = trial.task.table
-    objects: dict[str, UnposedObjectFacts] = {}
+    objects: dict[str, Any] = {}
     points = _world_points(frame)
     for item in trial.task.objects:
         T = nominal_pose(trial, item.name)
@@ -130,7 +133,7 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> PoseFacts:
     }
 
 
-def pose_prompt(facts: PoseFacts) -> dict[str, Any]:
+def pose_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
     """Fill the template "object-poses", without measured depth: a model sees only the picture.
 
     Named points, relative to the centre of the box, distinguish an object's front from its back.

@@ -15,7 +15,7 @@ from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.perception.scene_labels import PictureLabels
-from coral.contact.plan.contact_regions import RegionCfg, RegionsAnswer, region_limits
+from coral.contact.plan.contact_regions import LIMITS, RegionsAnswer
 from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, make_strategy
 from coral.contact.plan.imagined_run import stage_beginnings
 from coral.contact.plan.plan_check import judge_plan
@@ -80,7 +80,7 @@ class Questions:
         self._asker, self._trial, self._world, self._cfg = asker, trial, world, cfg
         self.load, self._emit = load, emit
         step_s = world.cfg.step_s
-        self._limits = limits or (lambda: PlannerLimits.of(ControllerCfg(), step_s, 2 * step_s))
+        self._limits = limits or (lambda: PlannerLimits(ControllerCfg(), step_s, 2 * step_s))
         self._unanswered = ""
         self.advice: tuple[str, ...] = ()
 
@@ -165,7 +165,7 @@ class Questions:
             "contact-regions",
             RegionsAnswer,
             asked,
-            regions_prompt(self.world_prompt(), plan, self._cfg.region),
+            regions_prompt(self.world_prompt(), plan),
             lambda answer: self.check_regions(answer, plan),
             with_picture=self._cfg.prompt != "paper",  # A.8 to A.10 are text
             labels=self.labels(self._seen),
@@ -316,9 +316,9 @@ class Questions:
         return PictureLabels.of(self._trial.task, now)
 
 
-def regions_prompt(shown: Mapping[str, Any], plan: PlanAnswer, cfg: RegionCfg) -> dict[str, Any]:
+def regions_prompt(shown: Mapping[str, Any], plan: PlanAnswer) -> dict[str, Any]:
     """Return the placeholders of the question where the stages of a plan touch."""
-    return {**shown, "plan": plan.outline(), "limits": region_limits(cfg)}
+    return {**shown, "plan": plan.outline(), "limits": LIMITS}
 
 
 def _rejection_reasons(outcome: Outcome[Any]) -> list[str]:

@@ -41,7 +41,9 @@ HAND = (
 
 def planner_text(limits: PlannerLimits) -> str:
     """Describe what the planner of this run can do: horizon, speeds, force, workspace."""
-    bounds = ", ".join(f"{axis} {a:g} to {b:g}" for axis, a, b in zip("xyz", limits.low_m, limits.high_m, strict=True))
+    cfg = limits.controller
+    corners = zip("xyz", cfg.workspace_low_m, cfg.workspace_high_m, strict=True)
+    bounds = ", ".join(f"{axis} {low:g} to {high:g}" for axis, low, high in corners)
     late = f"; a plan takes {limits.late_s:.3g} s, in which the hand follows the one before" if limits.late_s else ""
     kept = (
         ""
@@ -50,10 +52,10 @@ def planner_text(limits: PlannerLimits) -> str:
         "reads the hand's force or contact there."
     )
     return (
-        f"The planner compares {limits.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
+        f"The planner compares {cfg.mppi.samples} futures of {limits.horizon_s:g} s in steps of {limits.step_s:g} s, "
         f"sees nothing beyond, and plans anew every {limits.replan_s:g} s{late}. The hand moves at most "
-        f"{limits.speed_m_s:g} m/s, turns {limits.turn_rad_s:g} rad/s, has its target {100 * limits.lead_m:g} cm ahead "
-        f"at most, presses with {limits.press_n:g} N; fingers open at {limits.opening_m_s:g} m/s. ee_pos stays within "
+        f"{cfg.speed_m_s:g} m/s, turns {cfg.turn_rad_s:g} rad/s, has its target {100 * cfg.lead_m:g} cm ahead "
+        f"at most, presses with {limits.press_n:g} N; fingers open at {cfg.opening_m_s:g} m/s. ee_pos stays within "
         f"{bounds} m. It wanders by up to 1 cm about where a distance would be 0: let conditions allow 2. At a face, "
         f"half a finger keeps ee_pos 1 cm off: a distance to the face itself presses.{kept}"
     )

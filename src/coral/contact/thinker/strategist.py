@@ -67,7 +67,7 @@ class NoStrategy(RuntimeError):
 
 
 class Strategist(Protocol):
-    """Chooses strategies, and beliefs about masses and frictions."""
+    """Chooses strategies, and beliefs about masses and frictions. A subclass may leave out what does nothing here."""
 
     @property
     def counts(self) -> StrategistCounts:
@@ -90,19 +90,19 @@ class Strategist(Protocol):
 
     def attach_log(self, emit: Callable[..., None]) -> None:
         """Attach the run's log: `emit(event, **fields)` appends an event."""
-        ...
+        return
 
     def attach_camera(self, look: Look, above: Look) -> None:
         """Attach the camera whose pictures are added to questions, and the one that stands above the table."""
-        ...
+        return
 
     def attach_episode(self, thinking: Thinking) -> None:
         """Attach the episode, which continues while an advisor answers."""
-        ...
+        return
 
     def attach_planner(self, limits: Callable[[], PlannerLimits]) -> None:
         """Attach the source of the present limits of the planner, for questions about a plan."""
-        ...
+        return
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """Return the first strategy; may set the planning world's beliefs.
@@ -121,18 +121,18 @@ class Strategist(Protocol):
         Raises:
             CostError: A cost failed during planning, and there is nothing left to try.
         """
-        ...
+        return None
 
     def on_cost_error(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
         """Handle a cost that could not be evaluated; return a new strategy, or None to give up."""
-        ...
+        return None
 
     def on_end(self, reason: str) -> None:
         """Handle the end of the episode: "success", or the reason of the failure."""
-        ...
+        return
 
 
-class FixedStrategist:
+class FixedStrategist(Strategist):
     """Follows one given strategy to the end, with its author's beliefs about masses and frictions."""
 
     counts = StrategistCounts()
@@ -141,34 +141,11 @@ class FixedStrategist:
     def __init__(self, strategy: Strategy) -> None:
         self._strategy = strategy
 
-    def attach_log(self, emit: Callable[..., None]) -> None:
-        """See `Strategist.attach_log`."""
-
-    def attach_camera(self, look: Look, above: Look) -> None:
-        """See `Strategist.attach_camera`."""
-
-    def attach_episode(self, thinking: Thinking) -> None:
-        """See `Strategist.attach_episode`; it asks no advisor."""
-
-    def attach_planner(self, limits: Callable[[], PlannerLimits]) -> None:
-        """See `Strategist.attach_planner`; it asks no advisor."""
-
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
-        """See `Strategist.guess_poses`; a fixed strategy estimates no poses."""
+        """See `Strategist.guess_poses`."""
         return {}
 
     def begin(self, trial: Trial, first: Observation, world: PlanningWorld) -> Strategy:
         """See `Strategist.begin`."""
         world.believe(stated_beliefs(trial))
         return self._strategy
-
-    def on_plan(self, report: PlanReport) -> Strategy | None:
-        """See `Strategist.on_plan`."""
-        return None
-
-    def on_cost_error(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
-        """See `Strategist.on_cost_error`."""
-        return None
-
-    def on_end(self, reason: str) -> None:
-        """See `Strategist.on_end`."""

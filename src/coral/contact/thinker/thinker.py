@@ -13,7 +13,6 @@ from coral.contact.control.hand_controllers import AdjustableController
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_effort import probe_effort
 from coral.contact.control.planning_world import PlanningWorld
-from coral.contact.cost.context import Cost
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError
 from coral.contact.cost_program.worker import CostWorker
@@ -105,7 +104,7 @@ class Thinker:
         self._questions: Questions
         self._monitor: ProgressMonitor
         self._failure: CostError | None = None
-        self._last_good = self._new_last_good()
+        self._last_good = LastGoodCost(self._note_failure)
         self._camera: Look = lambda: None
         self._limits: Callable[[], PlannerLimits] | None = None
 
@@ -274,11 +273,8 @@ class Thinker:
         ends = stage_ends(self._plan, self._world.schema, self._load)
         return ProgressMonitor(self.cfg.outer, tuple(self._plan.names), ends)
 
-    def _new_last_good(self) -> LastGoodCost:
-        def note_failure(cost: Cost, error: CostError) -> None:
-            self._failure = self._failure or error
-
-        return LastGoodCost(failed=note_failure)
+    def _note_failure(self, error: CostError) -> None:
+        self._failure = self._failure or error
 
     def _repaired_strategy(self) -> Strategy:
         try:

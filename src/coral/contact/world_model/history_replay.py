@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Positive
 from coral.contact.control.planning_world import ControlSequences, PlanningWorld
 from coral.contact.control.rollouts import SLEEP
 from coral.contact.scene.geometry import angle_between
@@ -20,31 +18,27 @@ from coral.contact.world_model.history import Window
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True)
-class ReplayCfg:
-    """Units of a replay's errors: about the error of a correct belief in a coarse rollout."""
-
-    position_m: Positive = 0.0005
-    """Unit of the object's position error."""
-    angle_rad: Positive = 0.01
-    """Unit of the object's angle error."""
-    speed_m_s: Positive = 0.03
-    """Unit of the object's speed error."""
-    hand_m: Positive = 0.0002
-    """Unit of the tool's position error."""
-    force_n: Positive = 0.5
-    """Unit of the error of the mean force on the hand, plus `force_share` of the measured force."""
-    force_share: Positive = 0.3
-    """Relative part of that unit."""
-    most: Positive = 6.0
-    """Errors are clipped at this many units: one slipped contact must not decide."""
+POSITION_M = 0.0005
+"""Unit of the object's position error."""
+ANGLE_RAD = 0.01
+"""Unit of the object's angle error."""
+SPEED_M_S = 0.03
+"""Unit of the object's speed error."""
+HAND_M = 0.0002
+"""Unit of the tool's position error."""
+FORCE_N = 0.5
+"""Unit of the error of the mean force on the hand, plus `force_share` of the measured force."""
+FORCE_SHARE = 0.3
+"""Relative part of that unit."""
+MOST = 6.0
+"""Errors are clipped at this many units: one slipped contact must not decide."""
 
 
 class HistoryReplay:
     """Replays windows of a history under many beliefs at once."""
 
-    def __init__(self, world: PlanningWorld, windows: Sequence[Window], cfg: ReplayCfg | None = None) -> None:
-        self.world, self.windows, self.cfg = world, list(windows), cfg or ReplayCfg()
+    def __init__(self, world: PlanningWorld, windows: Sequence[Window]) -> None:
+        self.world, self.windows = world, list(windows)
         self.world.edges = True
 
     def parts(self, beliefs: Sequence[Mapping[str, PhysicalParameters]], name: str) -> Array:
@@ -68,7 +62,7 @@ class HistoryReplay:
         """
         share = np.full(parts.shape, np.inf)
         np.divide(parts, 1.0 + floor, out=share, where=np.broadcast_to(np.isfinite(floor), parts.shape))
-        return np.asarray(np.square(np.minimum(share, self.cfg.most)).mean(axis=-1))
+        return np.asarray(np.square(np.minimum(share, MOST)).mean(axis=-1))
 
     def controls(self, window: Window) -> ControlSequences:
         """Return the commands of a window as one control sequence."""
@@ -84,7 +78,7 @@ class HistoryReplay:
         )
 
     def _parts(self, window: Window, name: str, count: int) -> Array:
-        cfg, steps = self.cfg, window.steps
+        steps = window.steps
         states, sane = self.world.rollout(window.start, self.controls(window))
         measured = [step.after.objects[name] for step in steps]
         place = np.array([body.position for body in measured])
@@ -94,14 +88,14 @@ class HistoryReplay:
         force = np.array([step.after.wrench[:3] for step in steps])
         shape = (count, len(steps))
         felt = np.broadcast_to(states.ee_force, (*shape, 3)).mean(axis=1) - force.mean(axis=0)
-        unit = cfg.force_n + cfg.force_share * float(np.linalg.norm(force.mean(axis=0)))
+        unit = FORCE_N + FORCE_SHARE * float(np.linalg.norm(force.mean(axis=0)))
         ahead = np.linalg.norm((states.ee_pos - hand).mean(axis=1), axis=-1)
         found = np.stack(
             [
-                _rms(np.linalg.norm(states[f"{name}_pos"] - place, axis=-1)) / cfg.position_m,
-                _rms(angle_between(states[f"{name}_quat"], np.broadcast_to(turn, (*shape, 4)))) / cfg.angle_rad,
-                _rms(np.linalg.norm(states[f"{name}_vel"] - speed, axis=-1)) / cfg.speed_m_s,
-                ahead / cfg.hand_m,
+                _rms(np.linalg.norm(states[f"{name}_pos"] - place, axis=-1)) / POSITION_M,
+                _rms(angle_between(states[f"{name}_quat"], np.broadcast_to(turn, (*shape, 4)))) / ANGLE_RAD,
+                _rms(np.linalg.norm(states[f"{name}_vel"] - speed, axis=-1)) / SPEED_M_S,
+                ahead / HAND_M,
                 np.linalg.norm(felt, axis=-1) / unit,
             ],
             axis=-1,

@@ -8,48 +8,45 @@ standard deviation of each and of the product.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count, Fraction, Positive
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.world_model.force_balance import Balance, balance_error, solve_balance
-from coral.contact.world_model.history_replay import HistoryReplay, ReplayCfg
+from coral.contact.world_model.history_replay import HistoryReplay
 from coral.words import many
 
 Array = NDArray[np.float64]
+
+
+MASS_KG, FRICTION = (0.02, 5.0), (0.1, 1.5)
+"""Bounds of the fit."""
+GRID = 6
+"""Number of coarse values of each within the bounds, tried first: replay errors have several minima."""
+SAMPLES = 20
+"""Beliefs per refinement (cross-entropy method on log mass and log friction)."""
+ROUNDS = 3
+"""Number of refinements."""
+ELITE = 0.25
+"""Share of the best beliefs, about which the next round samples."""
+BETTER = 0.02
+"""A correction is accepted if it lowers the error of the held-out windows by this share."""
+KNOWN = 0.15
+"""Relative standard deviation up to which a parameter counts as known."""
+MUCH = 0.3
+"""A history that determines neither parameter well must lower the error by this share instead."""
+DOUBT = (1.0, 0.4)
+"""Relative standard deviations of believed mass and friction before any contact: they limit a correction along
+directions on which the history has no information."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class IdentifyCfg:
     """Settings of the fit."""
 
-    mass_kg: tuple[Positive, Positive] = (0.02, 5.0)
-    friction: tuple[Positive, Positive] = (0.1, 1.5)
-    """Bounds of the fit."""
-    grid: Count = 6
-    """Number of coarse values of each within the bounds, tried first: replay errors have several minima."""
-    samples: Count = 20
-    """Beliefs per refinement (cross-entropy method on log mass and log friction)."""
-    rounds: Count = 3
-    """Number of refinements."""
-    elite: Fraction = 0.25
-    """Share of the best beliefs, about which the next round samples."""
-    better: Fraction = 0.02
-    """A correction is accepted if it lowers the error of the held-out windows by this share."""
-    known: Positive = 0.15
-    """Relative standard deviation up to which a parameter counts as known."""
-    much: Fraction = 0.3
-    """A history that determines neither parameter well must lower the error by this share instead."""
-    mass_doubt: Positive = 1.0
-    friction_doubt: Positive = 0.4
-    """Relative standard deviations of the belief before any contact: they limit a correction along directions on which
-    the history has no information."""
-    replay: ReplayCfg = field(default_factory=ReplayCfg)
-    """Units of the error."""
     by: Literal["replay", "balance"] = "replay"
     """Source of corrections: "replay", the fit of replayed commands; "balance", the balance of forces on dragged or
     lifted objects, or the fit if there is none."""
@@ -76,16 +73,16 @@ class Fit:
     windows: int
     """Number of replayed windows."""
 
-    def words(self, known: float = 0.15) -> str:
+    def words(self) -> str:
         """Describe the correction in a sentence."""
         what = (
             f"{self.object}: mass {self.before.mass_kg:.3g} to {self.after.mass_kg:.3g} kg, friction "
             f"{self.before.friction:.2g} to {self.after.friction:.2g}; replay error {self.error_before:.2f} to "
             f"{self.error_after:.2f} in {many(self.windows, 'window')}"
         )
-        if max(self.mass_sd, self.friction_sd) <= known:
+        if max(self.mass_sd, self.friction_sd) <= KNOWN:
             return f"{what}; both are known to {100 * max(self.mass_sd, self.friction_sd):.0f} %"
-        if self.product_sd <= known:
+        if self.product_sd <= KNOWN:
             return f"{what}; only their product is known well: nothing sped up, slid freely or was lifted enough"
         return f"{what}; the history tells little of either"
 
@@ -94,7 +91,6 @@ def identify(
     replay: HistoryReplay,
     name: str,
     believed: Mapping[str, PhysicalParameters],
-    cfg: IdentifyCfg,
     rng: np.random.Generator,
 ) -> Fit:
     """Fit the mass m and friction mu of one object.
@@ -109,17 +105,17 @@ def identify(
         beliefs = [{**believed, name: PhysicalParameters(float(np.exp(m)), float(np.exp(f)))} for m, f in theta]
         return replay.parts(beliefs, name)
 
-    low = np.log([cfg.mass_kg[0], cfg.friction[0]])
-    high = np.log([cfg.mass_kg[1], cfg.friction[1]])
+    low = np.log([MASS_KG[0], FRICTION[0]])
+    high = np.log([MASS_KG[1], FRICTION[1]])
     present = np.log([believed[name].mass_kg, believed[name].friction])
-    axes = [np.linspace(low[k], high[k], cfg.grid) for k in (0, 1)]
+    axes = [np.linspace(low[k], high[k], GRID) for k in (0, 1)]
     theta = np.concatenate([np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2), present[None]])
     all_theta, found = theta, parts(theta)
-    spread = (high - low) / cfg.grid
-    for _ in range(cfg.rounds):
+    spread = (high - low) / GRID
+    for _ in range(ROUNDS):
         score = replay.score(found[:, seen], found.min(axis=0)[seen]).mean(axis=1)
-        best = all_theta[np.argsort(score, kind="stable")[: max(2, int(cfg.elite * cfg.samples))]]
-        theta = best[0] + spread * rng.standard_normal((cfg.samples, 2))
+        best = all_theta[np.argsort(score, kind="stable")[: max(2, int(ELITE * SAMPLES))]]
+        theta = best[0] + spread * rng.standard_normal((SAMPLES, 2))
         theta[: len(best)] = best.mean(axis=0) + 0.5 * spread * rng.standard_normal(best.shape)
         theta = np.clip(theta, low, high)
         all_theta, found = np.concatenate([all_theta, theta]), np.concatenate([found, parts(theta)])
@@ -134,7 +130,7 @@ def identify(
         after,
         float(pair[0]),
         float(pair[1]),
-        _is_accepted(float(pair[0]), float(pair[1]), sd, cfg),
+        _is_accepted(float(pair[0]), float(pair[1]), sd),
         *sd,
         len(replay.windows),
     )
@@ -144,7 +140,6 @@ def fit_by_replay(
     replay: HistoryReplay,
     name: str,
     believed: Mapping[str, PhysicalParameters],
-    cfg: IdentifyCfg,
     rng: np.random.Generator,
 ) -> Fit:
     """Fit by replay, then shrink towards the belief along directions on which the history has little information.
@@ -152,25 +147,22 @@ def fit_by_replay(
     Slow pushes determine only the product of mass and friction; fitted freely, a block of 1 kg became one of 4.6 kg
     that slides on ice. Belief and fit are treated as normal in the logarithms; the mean of their product is proposed.
     """
-    return shrink_to_belief(identify(replay, name, believed, cfg, rng), replay, believed, cfg)
+    return shrink_to_belief(identify(replay, name, believed, rng), replay, believed)
 
 
-def fit_by_balance(
-    found: Balance, replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters], cfg: IdentifyCfg
-) -> Fit:
+def fit_by_balance(found: Balance, replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters]) -> Fit:
     """Fit by the balance of forces, shrunk as in `fit_by_replay`; the replay decides whether it is better."""
-    after, covariance = solve_balance(found, np.log([cfg.mass_kg, cfg.friction]))
+    after, covariance = solve_balance(found, np.log([MASS_KG, FRICTION]))
     one = np.ones(2)
     sd = [float(np.sqrt(v)) for v in (covariance[0, 0], covariance[1, 1], one @ covariance @ one)]
     fit = Fit(name, believed[name], after, np.inf, np.inf, False, sd[0], sd[1], sd[2], len(replay.windows))
-    return shrink_to_belief(fit, replay, believed, cfg, found)
+    return shrink_to_belief(fit, replay, believed, found)
 
 
 def shrink_to_belief(
     fit: Fit,
     replay: HistoryReplay,
     believed: Mapping[str, PhysicalParameters],
-    cfg: IdentifyCfg,
     forces: Balance | None = None,
 ) -> Fit:
     """Shrink a fit towards the belief; accept it if the replay explains the history better. See `fit_by_replay`.
@@ -179,30 +171,29 @@ def shrink_to_belief(
         fit: Result of the history alone.
         replay: Replay of the history.
         believed: Present beliefs about all objects.
-        cfg: Uncertainty of the beliefs.
         forces: Balances of forces, if they count as well.
     """
     name = fit.object
     both = (fit.product_sd**2 - fit.mass_sd**2 - fit.friction_sd**2) / 2
     told = np.array([[fit.mass_sd**2, both], [both, fit.friction_sd**2]])
-    doubted = np.diag(np.square([cfg.mass_doubt, cfg.friction_doubt]))
+    doubted = np.diag(np.square(DOUBT))
     now, found = (np.log([one.mass_kg, one.friction]) for one in (fit.before, fit.after))
     mean = now + doubted @ np.linalg.solve(doubted + told, found - now)
     after = PhysicalParameters(float(np.exp(mean[0])), float(np.exp(mean[1])))
-    before_error, after_error = replay_errors(replay, name, believed, {**believed, name: after}, cfg, forces)
+    before_error, after_error = replay_errors(replay, name, believed, {**believed, name: after}, forces)
     sd = fit.mass_sd, fit.friction_sd, fit.product_sd
     return replace(
         fit,
         after=after,
         error_before=before_error,
         error_after=after_error,
-        accepted=_is_accepted(before_error, after_error, sd, cfg),
+        accepted=_is_accepted(before_error, after_error, sd),
     )
 
 
-def _is_accepted(before: float, after: float, sd: tuple[float, float, float], cfg: IdentifyCfg) -> bool:
+def _is_accepted(before: float, after: float, sd: tuple[float, float, float]) -> bool:
     """Decide whether a drop of the error is large enough, given how well the history determines the parameters."""
-    return after < (1.0 - (cfg.better if min(sd) <= cfg.known else cfg.much)) * before
+    return after < (1.0 - (BETTER if min(sd) <= KNOWN else MUCH)) * before
 
 
 def replay_errors(
@@ -210,7 +201,6 @@ def replay_errors(
     name: str,
     believed: Mapping[str, PhysicalParameters],
     proposed: Mapping[str, PhysicalParameters],
-    cfg: IdentifyCfg,
     found: Balance | None = None,
 ) -> tuple[float, float]:
     """Compute the errors of a belief and a proposal: of the replay and, if it counts, of the balance of forces.

@@ -120,7 +120,6 @@ class HandWorld:
         # The hand's actuators take a displacement, in the target's axes.
         own = target.quaternion * np.array([1.0, -1, -1, -1])
         data.ctrl[2:5] = rotate(own, target.force) / target.stiffness
-        data.ctrl[5:8] = rotate(own, target.torque) / (self.cfg.hand.lever_m2 * target.stiffness)
 
     def _observe(self) -> Observation:
         model, data = self.model, self.data

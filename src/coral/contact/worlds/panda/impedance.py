@@ -105,7 +105,6 @@ class Impedance:
         speed = data.qvel[self._dofs]
         spring = self._stiffness * self.error(target)
         spring[:3] += target.force
-        spring[3:] += target.torque
         for part, most in ((spring[:3], cfg.max_force_n), (spring[3:], cfg.max_torque_nm)):
             size = float(np.sqrt(part @ part))
             if size > most:
