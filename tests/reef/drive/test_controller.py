@@ -350,6 +350,17 @@ def test_a_robot_found_too_close_gets_away(gap, creep):
     assert trace[:, 0].max() < 6.0 + creep
 
 
+@pytest.mark.parametrize("bearing", [0.0, 0.4, math.pi / 2, 2.8])
+def test_a_speck_mapped_within_the_hull_does_not_hold_the_robot(bearing):
+    """It lies among the points of the boundary, which are all clear of it."""
+    speck = (6.0 + 0.17 * math.cos(bearing), 6.0 + 0.17 * math.sin(bearing))
+    distance = discs((*speck, 0.0))
+    controller = DdpMppi(rng=np.random.default_rng(1))
+    vehicle, trace, _ = go(controller, distance, (6.0, 6.0, bearing + math.pi), (9.0, 6.0), 30.0)
+    assert math.dist(vehicle.state[:2], (9.0, 6.0)) < 0.35
+    assert np.hypot(*(trace[:, :2] - speck).T).min() > 0.17 - 0.08
+
+
 def test_fewer_or_more_rollouts_and_steps_are_only_a_configuration():
     for cfg in (MppiCfg(n_rollouts=50, n_steps=5), MppiCfg(uniform=True, elites=10), MppiCfg(costs=CostCfg(path=0.2))):
         vehicle, _, _ = go(DdpMppi(cfg, rng=np.random.default_rng(1)), OPEN, (4.0, 6.0, 0.0), (7.0, 6.0), 20.0)

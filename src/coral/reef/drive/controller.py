@@ -290,15 +290,18 @@ class DdpMppi:
         slack = 0.5 * cell_m
         circle = self.schedule.circle[0]
         x, y = float(start[0]), float(start[1])
-        if clearance_at(distance, cell_m, x, y) > hull + margin + 2.0 * cell_m:
+        near = clearance_at(distance, cell_m, x, y)
+        if near > hull + margin + 2.0 * cell_m:
             return scene
         spare = min(clearance_at(distance, cell_m, x + hull * c, y + hull * s) for c, s in circle) - slack
+        if near < hull:  # something is mapped within the hull, all of whose boundary may be clear of it
+            spare = 0.0
         if spare >= margin:
             return scene
         if spare > 0.0:
             stopping = math.hypot(start[3], start[4]) * self.response.surge_lag_s
             return scene._replace(margin_m=max(spare - stopping, 0.0))
-        return scene._replace(margin_m=0.0, hull_m=max(clearance_at(distance, cell_m, x, y) - 2.0 * slack, 0.05))
+        return scene._replace(margin_m=0.0, hull_m=max(near - 2.0 * slack, 0.05))
 
     def _sample(self, start: Array) -> Array:
         """Sample control sequences: stop, previous plan, guided, warm-started, dynamic window. Shape=(K, T, 2)."""
