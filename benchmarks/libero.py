@@ -26,7 +26,7 @@ from coral.contact.control.planning_world import PlanningCfg
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
-from coral.contact.episode.referee import TruthReferee
+from coral.contact.episode.referee import Referee
 from coral.contact.episode.resolution import resolve_episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
 from coral.contact.libero.package import SUITES
@@ -77,7 +77,7 @@ def run_control(suite: str, task: int, state: int, cfg: EpisodeCfg, world: str, 
     episode = Episode(wrong, world, strategist, cfg, folder, variant="expert-fsm")
     truthful = episode.world
     assert isinstance(truthful, TruthfulWorld)
-    episode.referee = TruthReferee(truthful, right)
+    episode.referee = Referee("truth", Judge(right), truthful.truth)
     own = OwnGoal(Judge(wrong), truthful)
     row = episode.run([own])
     ids = {"suite": suite, "task": task, "state": state, "told": other, "own_goal": own.reached}

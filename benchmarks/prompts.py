@@ -38,7 +38,7 @@ from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.resolution import resolve_episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
-from coral.contact.plan.contact_regions import region_limits
+from coral.contact.plan.contact_regions import LIMITS
 from coral.contact.scene.task_file import every_task, shipped_tasks, suite_tasks
 from coral.contact.scene.task_names import HALVES, SUITES
 from coral.contact.scene.trial import sample_trial
@@ -131,7 +131,7 @@ def export(task: str, prompt: str, folder: Path) -> None:
     for name, question in reader.asked.items():
         (folder / f"{name}.md").write_text(question.prompt, encoding="utf-8")
     if "plan" in reader.asked:
-        shown = {**strategist._questions.world_prompt(), "plan": YOURS, "limits": region_limits(strategist.cfg.region)}
+        shown = {**strategist._questions.world_prompt(), "plan": YOURS, "limits": LIMITS}
         (folder / "regions.md").write_text(render("contact-regions", shown)[0], encoding="utf-8")
     for picture in reader.asked["plan" if "plan" in reader.asked else "parameters"].pictures:
         (folder / f"{picture.name}.txt").write_text(picture.caption, encoding="utf-8")

@@ -43,7 +43,9 @@ class OnnxFile:
         """
         name = next(iter(self.inputs))
         try:
-            values = self.session.run(None, {name: tensor.astype(np.float16) if self.kinds[name] == HALF else tensor})
+            values = self.session.run(
+                None, {name: tensor.astype(np.float16) if self.kinds.get(name) == HALF else tensor}
+            )
         except Exception as error:  # its errors have no common base but Exception
             raise InputError(
                 self.path, "inputs", f"shapes that it refuses ({first_line(error)})", "the shapes of its kind"

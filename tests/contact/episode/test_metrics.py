@@ -77,7 +77,6 @@ def test_metrics_of_a_finished_episode():
 
 def test_the_tracker_is_named_where_there_is_one():
     start = {**EVENTS[0], "event": "start", "poses": "tracked"}
-    assert metrics_of([start], [])["tracker"] == "model"  # older runs had no other, and did not say so
     assert metrics_of([{**start, "tracker": "foundationpose"}], [])["tracker"] == "foundationpose"
     assert metrics_of([{**start, "poses": "guessed"}], [])["tracker"] == ""
 

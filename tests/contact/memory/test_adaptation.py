@@ -7,7 +7,7 @@ from experiences import experience
 
 from coral.contact.memory.adaptation import adapt, renamed
 from coral.contact.memory.goal_match import match_goals
-from coral.contact.plan.plan_check import verify_plan
+from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.region_validation import verify_regions
 
 
@@ -25,7 +25,7 @@ def changed(facts, **texts):
 def test_a_remembered_plan_fits_another_size(scene):
     one, other = scene("pick-box", 0), scene("pick-box", 2)
     plan, regions = adapted(experience(one), other.facts)
-    assert verify_plan(plan, other.world.schema, other.samples) is None
+    assert judge_plan(plan, other.world.schema, other.samples).refusal is None
     assert verify_regions(regions, other.facts, plan.names) is None
 
 

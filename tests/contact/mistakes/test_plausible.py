@@ -6,7 +6,7 @@ from coral.advisor.question import Question
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES, PLANS
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
-from coral.contact.plan.plan_check import verify_plan
+from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.region_validation import verify_regions
 from coral.contact.world_model.parameter_estimates import ParameterEstimates
 
@@ -32,7 +32,7 @@ def test_a_wrong_plan_reads_like_a_plan_and_some_pass_every_check(scene, name):
         right, made = wrong(one, name, "cost-function", seed)
         assert made != right
         plans.append(PlanAnswer.model_validate(made))
-    assert any(verify_plan(plan, one.world.schema, one.samples) is None for plan in plans)
+    assert any(judge_plan(plan, one.world.schema, one.samples).refusal is None for plan in plans)
 
 
 def test_the_same_numbers_make_the_same_mistake(scene):

@@ -53,9 +53,8 @@ def go(world: PandaWorld) -> Go:
         opening=0.08,
         stiffness=600.0,
         force=(0.0, 0.0, 0.0),
-        torque=(0.0, 0.0, 0.0),
     ):
-        target = HandTarget(np.array(position), quaternion, opening, stiffness, np.array(force), np.array(torque))
+        target = HandTarget(np.array(position), quaternion, opening, stiffness, np.array(force))
         for _ in range(steps):
             observed = world.step(target)
         return observed

@@ -76,15 +76,6 @@ def test_a_force_fed_forward_arrives_at_what_the_hand_touches(go):
     assert pressed.wrench[2] - rest.wrench[2] == pytest.approx(8.0, rel=0.1)
 
 
-def test_a_torque_fed_forward_turns_the_free_hand_against_its_spring(go):
-    from coral.contact.scene.geometry import conjugate, multiply, to_rotvec
-
-    rest = go([0.0, 0.0, 0.25], 60, stiffness=300.0)
-    turned = go([0.0, 0.0, 0.25], 60, stiffness=300.0, torque=(0.0, 0.0, 1.5))
-    angle = to_rotvec(multiply(turned.tool.quaternion, conjugate(rest.tool.quaternion)))
-    assert angle[2] == pytest.approx(1.5 / (0.05 * 300.0), rel=0.1)
-
-
 def test_the_gripper_holds_a_box_and_the_wrist_feels_its_weight(world, go):
     go([-0.1, 0.1, 0.12], 50)
     go([-0.1, 0.1, 0.03], 50)
