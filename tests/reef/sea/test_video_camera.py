@@ -1,8 +1,11 @@
+import threading
+
 import cv2
 import numpy as np
 import pytest
 
 from coral.errors import InputError
+from coral.reef.sea import video_camera
 from coral.reef.sea.video_camera import VideoCamera
 
 
@@ -50,3 +53,29 @@ def test_the_password_of_a_camera_is_in_no_message(monkeypatch, video):
         VideoCamera(address)
     assert "s3cret" not in str(refused.value)
     assert "***@10.0.0.1" in str(refused.value)
+
+
+def test_a_stream_that_another_thread_waits_in_is_not_freed(monkeypatch, video):
+    monkeypatch.setattr(video_camera, "READ_S", 0.05)
+    camera, waiting, done, freed = VideoCamera(str(video)), threading.Event(), threading.Event(), []
+
+    class Stalled:
+        def read(self):
+            waiting.set()
+            done.wait(10.0)
+            return True, np.zeros((48, 64, 3), np.uint8)
+
+        def release(self):
+            freed.append(1)
+
+    camera._video.release()
+    camera._video = Stalled()
+    reader = threading.Thread(target=camera.read)
+    reader.start()
+    waiting.wait(10.0)
+    camera.close()
+    assert not freed
+    done.set()
+    reader.join(10.0)
+    camera.close()
+    assert freed

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 
@@ -14,6 +15,8 @@ from coral.reef.sea.picture import Shot
 
 OPEN_MS = 5000
 """Longest time to open an address (ms)."""
+READ_S = 2.0
+"""A stream that is read longer than this when it is closed is left to the end of the process."""
 
 
 Fit = Callable[[NDArray[np.uint8]], NDArray[np.uint8]]
@@ -44,6 +47,7 @@ class VideoCamera:
         """
         self._address, self._latency_s = without_password(address), latency_s
         self._fit, self._clock = fit, clock
+        self._reading = threading.Lock()
         digits = address.removeprefix("/dev/video")
         where: str | int = int(digits) if digits.isdigit() else address
         if "://" in address:
@@ -73,12 +77,14 @@ class VideoCamera:
         if self._file_period_s:
             self._due_s = max(self._due_s + self._file_period_s, self._clock() - 1.0)
             time.sleep(max(0.0, self._due_s - self._clock()))
-        good, bgr = self._video.read()
+        with self._reading:
+            good, bgr = self._video.read()
         if not good or bgr is None:
             raise OSError(f"{self._address} gives no more pictures")
         rgb = np.ascontiguousarray(bgr[:, :, ::-1], dtype=np.uint8)
         return Shot(stamp_s=self._clock() - self._latency_s, rgb=self._fit(rgb))
 
     def close(self) -> None:
-        """Free the stream."""
-        self._video.release()
+        """Free the stream, unless another thread waits in it for a picture: OpenCV then frees memory twice."""
+        if self._reading.acquire(timeout=READ_S):
+            self._video.release()
