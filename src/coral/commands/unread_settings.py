@@ -11,8 +11,13 @@ from typing import Any
 
 from coral.errors import InputError
 
+_AT_SEA = dict.fromkeys(
+    ("localization.use_covariance", "pilot.guard.max_sigma_m"),
+    "nothing: only a vehicle at sea says how sure it is of its pose",
+)
 UNREAD: dict[str, dict[str, str]] = {
-    "reef bench": {"record": "nothing: it keeps no pictures and no report"},
+    "reef run": _AT_SEA,
+    "reef bench": {"record": "nothing: it keeps no pictures and no report", **_AT_SEA},
     "reef sail": {
         "lane_m": "nothing: no blind sweep is driven in real time",
         "simulator.stills": "nothing: a camera at sea has its own pictures",
