@@ -45,6 +45,11 @@ def test_the_variants_unified_and_unguided_have_recordings_of_their_own():
     assert set(ask(RecordedAdvisor(), "pick-box", "unified")) >= {"parameters", "stages"}
 
 
+def test_what_was_read_in_one_picture_answers_for_no_other():
+    with pytest.raises(AdvisorUnavailable, match="this object-poses question was not recorded"):
+        ask(RecordedAdvisor(), "pick-box", "object-poses")
+
+
 @pytest.mark.parametrize(("task", "facts"), [("pull-cart", {}), ("open-door", {"contact_strategy": False})])
 def test_what_nobody_answered_is_not_answered(task, facts):
     with pytest.raises(AdvisorUnavailable, match="nobody answered"):

@@ -64,6 +64,7 @@ def test_every_recorded_answer_still_parses_to_what_it_was():
         "contact-regions": 8,
         "parameter-repair": 14,
         "cost-repair": 10,
+        "object-poses": 60,
         "no reply was waited for": 3,
     }
 

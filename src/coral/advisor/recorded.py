@@ -17,6 +17,8 @@ from coral.errors import InputError
 A = TypeVar("A", bound=BaseModel)
 CONTACT, UNIFIED, UNGUIDED = "contact-", "unified-", "unguided-"
 """Beginnings of the names of shipped recordings of contact tasks; the last two are of the variants of these names."""
+POSES = "poses"
+"""The recording of answers about pictures: each serves the trial whose picture it is about, and no other."""
 
 
 class RecordedAdvisor:
@@ -24,7 +26,8 @@ class RecordedAdvisor:
 
     A plan is a program over quantities, so one recording serves every trial of its task, whatever its poses, sizes and
     masses; a repair is given where one is asked for. One question for everything, and plans without a contact strategy,
-    have recordings of their own. There is nothing for a task that nobody answered.
+    have recordings of their own. There is nothing for a task that nobody answered, nor for a picture (`no-tracking`)
+    that nobody read.
     """
 
     latency = "recorded"
@@ -41,6 +44,10 @@ class RecordedAdvisor:
         Raises:
             AdvisorUnavailable: With code "not-recorded": there is none, or none is left.
         """
+        if question.kind == "object-poses":
+            if POSES not in self._recordings:
+                self._recordings[POSES] = ReplayAdvisor(POSES)
+            return await self._recordings[POSES].answer(question, rejections)
         task = str(question.facts.get("task", ""))
         if question.kind == "unified":
             self._asked = UNIFIED

@@ -7,12 +7,14 @@ from experiences import experience
 
 from coral.contact.memory.adaptation import adapt, renamed
 from coral.contact.memory.goal_match import match_goals
+from coral.contact.memory.memory import RememberedPlan
 from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.region_validation import verify_regions
 
 
 def adapted(held, facts):
-    return adapt(held, facts, match_goals(held.goals, facts["goals"]))
+    first, *_ = adapt(held, facts, match_goals(held.goals, facts["goals"]))
+    return first.plan, first.regions
 
 
 def changed(facts, **texts):
@@ -53,6 +55,15 @@ def test_programs_and_regions_take_the_names_of_the_scene(scene):
     assert "self.crate_" in text
     assert "self.box_" not in text
     assert "self.box_" in held.plan.model_dump_json()
+
+
+def test_its_repairs_take_the_names_too(scene):
+    one = scene("pick-box")
+    held = experience(one)
+    held = held.model_copy(update={"then": [RememberedPlan(plan=held.plan, regions=held.regions)]})
+    goals = changed(one.facts, box="crate")
+    first, second = adapt(held, goals, match_goals(held.goals, goals["goals"]))
+    assert second == first != held.then[0]
 
 
 def test_a_neighbour_that_is_not_here_is_not_read(scene):

@@ -101,15 +101,6 @@ def test_other_goals_do_not_match_however_near_the_words(scene, memory):
     assert memory.find(away) == []
 
 
-def test_a_repair_comes_after_plans_that_succeeded_from_the_beginning_until_it_has_too(scene, memory):
-    one, other = scene("pick-box"), scene("pick-box", 2)
-    repair, older = memory.add(experience(one, repairs=1)), memory.add(experience(other, repairs=0))
-    assert [match.stored.id for match in memory.find(one.facts)] == [older, repair]  # though its numbers are nearer
-    memory.used(repair, helped=True)
-    assert memory.get(repair).proven
-    assert [match.stored.id for match in memory.find(one.facts)] == [repair, older]
-
-
 def test_an_experience_that_did_not_help_ranks_lower(scene, memory):
     one = scene("pick-box")
     first, second = memory.add(experience(one)), memory.add(experience(one, seed=1))

@@ -10,7 +10,7 @@ from recorded import RULES
 from coral.advisor.question import Rejection
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.memory.embedding import HashedConcepts
-from coral.contact.memory.memory import Memory, MemoryCfg
+from coral.contact.memory.memory import Memory, MemoryCfg, RememberedPlan
 from coral.contact.plan.cost_plan import in_process
 from coral.contact.plan.imagined_outcome import ImaginedOutcome
 from coral.contact.thinker.asker import Asker
@@ -91,19 +91,17 @@ def test_a_plan_that_its_run_refuses_gives_way_to_the_next_however_far_it_came(s
     assert [fields["refused"] for fields in told] == ["it breaks", ""]
 
 
-@pytest.mark.parametrize(
-    ("repairs", "outcome", "followed"), [(0, BETTER, True), (2, BETTER, False), (2, THROUGH, True), (2, GOOD, True)]
-)
-def test_a_repair_has_to_come_through_all_its_stages(scene, memory, monkeypatch, repairs, outcome, followed):
-    """A plan that finished a trial was never followed from the beginning; its imagined run is the only proof."""
+def test_a_plan_comes_with_the_repairs_that_it_needed(scene, memory, monkeypatch):
     one = scene("pick-box", 0)
-    number = memory.add(experience(one, repairs=repairs))
-    monkeypatch.setattr("coral.contact.thinker.recall.try_recalled", lambda *_: RecallRun(outcome, 2.5, ""))
-    chosen, told, _ = choose(one, memory)
-    assert (chosen is not None) is followed
-    assert ("from the beginning it came through 60 %" in told[0]["refused"]) is not followed
-    memory.used(number, True)  # now it has been
-    assert choose(one, memory)[0] is not None
+    held = experience(one)
+    memory.add(held.model_copy(update={"then": [RememberedPlan(plan=held.plan, regions=held.regions)]}))
+    told = []
+    monkeypatch.setattr(
+        "coral.contact.thinker.recall.try_recalled", lambda *args: told.append(args[-1]) or RecallRun(BAD, 2.5, "")
+    )
+    chosen, _, _ = choose(one, memory)
+    assert [step.plan for step in chosen.then] == [chosen.plan]
+    assert told == [True]
 
 
 def test_if_all_are_refused_none_is_followed(scene, memory):
@@ -145,7 +143,7 @@ def test_an_imagined_run_follows_the_plan_in_the_planning_world(scene, memory, m
     two_plans(scene, memory)
     followed = []
 
-    def watch(world, trial, strategy, names, first, cfg):
+    def watch(world, trial, strategy, names, first, cfg, repaired):
         followed.append([stage.name for stage in strategy.stages])
         return RecallRun(BAD, 2.5, "")
 

@@ -12,10 +12,10 @@ STILL = "def state_cost(self):\n    return norm(self.ee_vel)"
 SOON = OuterCfg(n_retry=3)
 
 
-def tried(one, *stages, cfg=SOON):
+def tried(one, *stages, cfg=SOON, repaired=False):
     plan = PlanAnswer(stages=[StageAnswer(**stage) for stage in stages])
     strategy = make_strategy("x", plan, None, one.world.schema, one.sizes)
-    return try_recalled(one.world, one.trial, strategy, plan.names, one.now, cfg)
+    return try_recalled(one.world, one.trial, strategy, plan.names, one.now, cfg, repaired)
 
 
 def test_a_good_plan_succeeds_and_its_run_ends_then(scene):
@@ -32,6 +32,12 @@ def test_a_plan_that_never_leaves_its_first_stage_is_refused_once_it_is_stuck(sc
     found = tried(one, {"name": "wait", "code": STILL, "done": "self.ee_pos[2] < 0"}, {"name": "rise", "code": UP})
     assert found.refusal == "in an imagined run, it never left its first stage, 'wait'"
     assert found.length_s < 2.0 < one.trial.task.time_limit_s
+
+
+def test_a_plan_that_was_repaired_then_may_be_stuck_now(scene):
+    one = scene("pick-box")
+    stages = {"name": "wait", "code": STILL, "done": "self.ee_pos[2] < 0"}, {"name": "rise", "code": UP}
+    assert tried(one, *stages, repaired=True).refusal == ""
 
 
 def test_a_plan_of_one_stage_that_gains_nothing_is_refused(scene):

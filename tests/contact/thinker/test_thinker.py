@@ -290,9 +290,42 @@ def test_a_remembered_plan_that_was_replaced_did_not_help_and_the_one_that_did_i
     strategist.begin(one.trial, one.now, one.world)
     assert strategist.on_cost_error(CostError("runtime", "no"), "above", one.now) is not None
     strategist.on_end("success")
-    first, *others = memory.all()
+    first, other = memory.all()
     assert (first.used, first.helped) == (1, 0)
-    assert len(others) == 1
+    assert other.experience.plan == first.experience.plan
+    assert len(other.experience.then) == 1
+
+
+def test_a_plan_that_needed_a_repair_is_followed_with_it_and_nobody_is_asked(remembering):
+    one, memory = remembering
+    strategist, _ = thinker(one, memory=memory)
+    strategist.begin(one.trial, one.now, one.world)
+    strategist.on_cost_error(CostError("runtime", "no"), "above", one.now)
+    strategist.on_end("success")
+    memory.forget(1)
+
+    again, told = thinker(one, memory=memory)
+    again.begin(one.trial, one.now, one.world)
+    asked = again.counts.advisor_calls
+    assert again.on_cost_error(CostError("runtime", "no"), "above", one.now) is not None
+    assert again.counts.advisor_calls == asked
+    assert decisions(told)[-1] == ("recall_repair", "memory")
+    assert again.on_cost_error(CostError("runtime", "no"), "above", one.now) is not None
+    assert again.counts.advisor_calls > asked  # there is no second one
+    again.on_end("timeout")
+
+
+def test_a_success_by_a_remembered_repair_is_counted_and_not_stored_again(remembering):
+    one, memory = remembering
+    for _ in range(2):
+        strategist, _ = thinker(one, memory=memory)
+        strategist.begin(one.trial, one.now, one.world)
+        strategist.on_cost_error(CostError("runtime", "no"), "above", one.now)
+        strategist.on_end("success")
+        if len(memory.all()) == 2 and memory.get(2).used == 0:
+            memory.forget(1)
+    (only,) = memory.all()
+    assert (only.used, only.helped) == (1, 1)
 
 
 def test_a_success_without_regions_is_not_kept(scene, tmp_path):

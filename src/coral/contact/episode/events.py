@@ -19,6 +19,8 @@ EVENTS = {
     "candidates": "Points of `regions` that cannot be touched, and why.",
     "recall": "A remembered plan was tried: `id`, `similarity`, `distance`, `embedder`, times `used` and `helped`, "
     "`outcome` of the imagined run and its time (`rehearsed_s`), why it was `refused`; `decided`, `source`.",
+    "recall_repair": "The remembered plan was stuck, and its remembered repair was tried: why it was `refused`, its "
+    "`explanation`; `decided`, `source`.",
     "remembered": "The success was stored: `id`, `file`.",
     "strategy": "A strategy is followed: `name`, `stages`, `beliefs`.",
     "stage": "A `stage` begins: `index`, and the one `before`.",

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from coral.contact.memory.goal_match import GoalMatch
-from coral.contact.memory.memory import Experience
+from coral.contact.memory.memory import Experience, RememberedPlan
 from coral.contact.memory.scene_numbers import roles
 from coral.contact.plan.contact_regions import ObjectRegions, Region, RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer, StageAnswer
@@ -17,8 +17,8 @@ PROGRAMS = ("code", "done", "toward")
 """Fields of a stage that hold programs, beside the conditions of `next`."""
 
 
-def adapt(experience: Experience, facts: SceneFacts, goals: GoalMatch) -> tuple[PlanAnswer, RegionsAnswer]:
-    """Rewrite a remembered plan and its regions for this scene; verify them like new ones.
+def adapt(experience: Experience, facts: SceneFacts, goals: GoalMatch) -> tuple[RememberedPlan, ...]:
+    """Rewrite a remembered plan, its repairs, and their regions for this scene; verify them like new ones.
 
     Names follow the goals. Regions are stretched with their objects. Cost terms about things that are not here, such as
     a term that leaves a neighbour alone, are dropped.
@@ -28,28 +28,33 @@ def adapt(experience: Experience, facts: SceneFacts, goals: GoalMatch) -> tuple[
     def rewrite(program: str) -> str:
         return renamed(_without_terms_of(program, absent), names)
 
-    plan = experience.plan
-    stages = [
-        StageAnswer.model_validate(
-            {
-                **stage.model_dump(),
-                **{key: rewrite(getattr(stage, key)) for key in PROGRAMS},
-                "next": {to: rewrite(test) for to, test in stage.next.items()},
-            }
-        )
-        for stage in plan.stages
-    ]
-    made = plan.model_copy(update={"code": rewrite(plan.code), "stages": stages})
-    regions: dict[str, ObjectRegions] = {}
-    for name, held in experience.regions.root.items():
-        if names.get(name) not in facts["objects"]:
-            continue
-        key = f"object{roles(experience.goals).index(name)}.size" if name in roles(experience.goals) else ""
-        old = [experience.numbers.get(f"{key}.{k}", 0.0) for k in range(3)]
-        new = facts["objects"][names[name]]["size_m"]
-        stretched = [_stretch_region(region, old, new) if all(old) else region for region in held.regions]
-        regions[names[name]] = ObjectRegions(regions=stretched)
-    return made, RegionsAnswer(regions)
+    def rewrite_plan(plan: PlanAnswer) -> PlanAnswer:
+        stages = [
+            StageAnswer.model_validate(
+                {
+                    **stage.model_dump(),
+                    **{key: rewrite(getattr(stage, key)) for key in PROGRAMS},
+                    "next": {to: rewrite(test) for to, test in stage.next.items()},
+                }
+            )
+            for stage in plan.stages
+        ]
+        return plan.model_copy(update={"code": rewrite(plan.code), "stages": stages})
+
+    def stretch(remembered: RegionsAnswer) -> RegionsAnswer:
+        regions: dict[str, ObjectRegions] = {}
+        for name, held in remembered.root.items():
+            if names.get(name) not in facts["objects"]:
+                continue
+            key = f"object{roles(experience.goals).index(name)}.size" if name in roles(experience.goals) else ""
+            old = [experience.numbers.get(f"{key}.{k}", 0.0) for k in range(3)]
+            new = facts["objects"][names[name]]["size_m"]
+            stretched = [_stretch_region(region, old, new) if all(old) else region for region in held.regions]
+            regions[names[name]] = ObjectRegions(regions=stretched)
+        return RegionsAnswer(regions)
+
+    steps = (RememberedPlan(plan=experience.plan, regions=experience.regions), *experience.then)
+    return tuple(RememberedPlan(plan=rewrite_plan(step.plan), regions=stretch(step.regions)) for step in steps)
 
 
 def _counterparts(experience: Experience, facts: SceneFacts, goals: GoalMatch) -> tuple[dict[str, str], list[str]]:

@@ -33,6 +33,14 @@ from coral.errors import InputError
 FORMAT = "coral-memory/1"
 
 
+class RememberedPlan(BaseModel):
+    """A plan, and where it touches."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    plan: PlanAnswer
+    regions: RegionsAnswer
+
+
 class Experience(BaseModel):
     """One success."""
 
@@ -46,7 +54,9 @@ class Experience(BaseModel):
     """Measurements of the scene, by name: sizes, heights, distances."""
     plan: PlanAnswer
     regions: RegionsAnswer
-    """The successful plan and its regions."""
+    """The plan that it began with, and its regions."""
+    then: list[RememberedPlan] = Field(default_factory=list)
+    """The repairs that replaced it on the way to the success, in order."""
     beliefs: dict[str, tuple[FiniteFloat, FiniteFloat]]
     """Believed mass (kg) and friction of each object at the end."""
     provenance: dict[str, Any]
@@ -78,11 +88,6 @@ class Stored:
     """Name of the embedder of the vector."""
     vector: Vector = field(compare=False, repr=False)
     """Embedding of the instruction, Shape=(n,); vectors of different embedders are not comparable."""
-
-    @property
-    def proven(self) -> bool:
-        """Return whether its plan has led from the beginning of a trial to success; a repair only finished one."""
-        return bool(self.helped) or not self.experience.provenance.get("repairs")
 
     @property
     def success_rate(self) -> float:
@@ -203,8 +208,7 @@ class Memory:
 
         The goals have to be of the same kinds, directions and manner; the instructions must not contradict each other;
         sizes, masses, heights and places may differ within limits, but what had to fit the hand still has to. Of those
-        that are left, similar wording, success in earlier uses and similar numbers come first; repairs that never led
-        from the beginning to success come after those that did.
+        that are left, similar wording, success in earlier uses and similar numbers come first.
 
         Args:
             facts: The scene (`scene_facts`).
@@ -219,13 +223,12 @@ class Memory:
             if match is not None:
                 found.append(match)
 
-        def rank(match: Match) -> tuple[bool, bool, float, int]:
+        def rank(match: Match) -> tuple[bool, float, int]:
             stored = match.stored
-            # A plan that failed more often than it helped comes after all others, before them a repair that was never
-            # followed from the beginning.
+            # A plan that failed more often than it helped comes after all others.
             failed = stored.used - stored.helped > stored.helped
             score = match.similarity + stored.success_rate - 0.5 * match.distance - 0.2 * len(match.goals.missing)
-            return (failed, not stored.proven, -score, -stored.id)
+            return (failed, -score, -stored.id)
 
         return sorted(found, key=rank)[: self.cfg.candidates if most is None else most]
 
@@ -293,7 +296,8 @@ def _still_fits_hand(
     held: Experience, goals: GoalMatch, before: Mapping[str, float], numbers: Mapping[str, float], facts: SceneFacts
 ) -> bool:
     """Check that every object that was grasped between the fingers can be grasped so here."""
-    pinched = {name for name, region in held.regions.each() if region.approach == "pinch"}
+    regions = [held.regions, *(step.regions for step in held.then)]
+    pinched = {name for one in regions for name, region in one.each() if region.approach == "pinch"}
     gripped = pinched | {goal["object"] for goal in held.goals if goal["kind"] in HELD}
     keys = {name: f"object{index}" for index, name in enumerate(roles(facts["goals"]))}
     here = [keys[goals.names[name]] for name in gripped if goals.names.get(name) in keys]

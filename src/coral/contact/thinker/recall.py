@@ -10,7 +10,7 @@ from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError
 from coral.contact.memory.adaptation import adapt
-from coral.contact.memory.memory import Match, Memory
+from coral.contact.memory.memory import Match, Memory, RememberedPlan
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, make_strategy
 from coral.contact.plan.imagined_outcome import ImaginedOutcome
@@ -33,6 +33,8 @@ class RecalledPlan:
     """Its experience."""
     plan: PlanAnswer
     regions: RegionsAnswer
+    then: tuple[RememberedPlan, ...] = ()
+    """Its repairs."""
     refusal: Rejection | None = None
     """Why it is not followed."""
     outcome: ImaginedOutcome | None = None
@@ -120,13 +122,9 @@ class Recall:
 
     def _try(self, one: RecalledPlan, first: Observation) -> RecalledPlan:
         assert one.strategy is not None
-        found = try_recalled(self._world, self._trial, one.strategy, one.plan.names, first, self._cfg.outer)
-        reason = found.refusal
-        if not reason and found.outcome.stages < 1.0 and not one.match.stored.proven:
-            reason = "it finished a trial that another plan had begun, and tried from the beginning it came " + (
-                f"through {100 * found.outcome.stages:.0f} % of its stages"
-            )
-        refusal = Rejection(code="imagined-run", reason=reason) if reason else None
+        names, repaired = one.plan.names, bool(one.then)
+        found = try_recalled(self._world, self._trial, one.strategy, names, first, self._cfg.outer, repaired)
+        refusal = Rejection(code="imagined-run", reason=found.refusal) if found.refusal else None
         return replace(one, refusal=refusal, outcome=found.outcome, imagined_s=found.length_s)
 
     def _strategy(self, one: RecalledPlan) -> Strategy:
@@ -141,9 +139,9 @@ def adaptations(memory: Memory, facts: SceneFacts) -> Iterator[RecalledPlan]:
 
     One author writes the same plan more than once: equal ones are yielded once.
     """
-    seen: list[tuple[PlanAnswer, RegionsAnswer]] = []
+    seen: list[tuple[RememberedPlan, ...]] = []
     for match in memory.find(facts):
-        plan, regions = adapt(match.stored.experience, facts, match.goals)
-        if (plan, regions) not in seen:
-            seen.append((plan, regions))
-            yield RecalledPlan(match, plan, regions)
+        steps = adapt(match.stored.experience, facts, match.goals)
+        if steps not in seen:
+            seen.append(steps)
+            yield RecalledPlan(match, steps[0].plan, steps[0].regions, steps[1:])

@@ -37,7 +37,13 @@ class RecallRun:
 
 
 def try_recalled(
-    world: PlanningWorld, trial: Trial, strategy: Strategy, names: Sequence[str], first: Observation, cfg: OuterCfg
+    world: PlanningWorld,
+    trial: Trial,
+    strategy: Strategy,
+    names: Sequence[str],
+    first: Observation,
+    cfg: OuterCfg,
+    repaired: bool = False,
 ) -> RecallRun:
     """Follow a remembered plan in the planning world until its fate is clear.
 
@@ -45,7 +51,8 @@ def try_recalled(
     the outer loop would call it stuck, or at the task's time limit. Refused is a plan that breaks something or falls
     back twice, one of several stages that never leaves its first, and one of a single stage that never meets a
     condition of success more than at the beginning. Less is no evidence against a plan: under wrong masses and
-    frictions, or with so few samples, a good one may end without success in imagination.
+    frictions, or with so few samples, a good one may end without success in imagination. A plan that succeeded after a
+    repair was stuck then too: it is refused only for what it breaks.
     """
     judge, monitor = ImaginedJudge(trial, names), ProgressMonitor(cfg, tuple(names))
     length, end_s = ImaginedRunCfg(most_s=trial.task.time_limit_s, controller=CONTROLLER), first.time_s
@@ -55,15 +62,17 @@ def try_recalled(
         stuck = monitor.update(PlanReport(0, moment.now, moment.plan, moment.stage))
         if judge.succeeded or judge.broken or stuck or monitor.returns == MOST_RETURNS:
             break
-    return RecallRun(judge.outcome, round(end_s - first.time_s, 2), _refusal(judge, monitor, len(names)))
+    return RecallRun(judge.outcome, round(end_s - first.time_s, 2), _refusal(judge, monitor, len(names), repaired))
 
 
-def _refusal(judge: ImaginedJudge, monitor: ProgressMonitor, count: int) -> str:
+def _refusal(judge: ImaginedJudge, monitor: ProgressMonitor, count: int, repaired: bool) -> str:
     begun = round(judge.outcome.stages * count)
     if judge.succeeded:
         return ""
     if judge.broken:
         return f"in an imagined run, it breaks for good: {', '.join(judge.broken)}"
+    if repaired:
+        return ""
     if monitor.returns == MOST_RETURNS:
         return f"in an imagined run, it fell back to an earlier stage {MOST_RETURNS} times"
     if begun == 1 < count:

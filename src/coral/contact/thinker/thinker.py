@@ -16,7 +16,7 @@ from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError
 from coral.contact.cost_program.worker import CostWorker
-from coral.contact.memory.memory import Experience, Match, Memory
+from coral.contact.memory.memory import Experience, Match, Memory, RememberedPlan
 from coral.contact.memory.scene_numbers import scene_numbers
 from coral.contact.perception.advisor_camera import Look, to_picture
 from coral.contact.perception.scene_labels import ABOVE, PictureLabels, label_picture
@@ -92,7 +92,9 @@ class Thinker:
         self._repairs, self._harder = 0, 0
         self._attempt: Strategy
         self._match: Match | None = None
-        self._recalled: PlanAnswer | None = None
+        self._repairs_left: list[RememberedPlan] = []
+        self._followed: list[RememberedPlan] = []
+        self._asked = False
         self._history: list[Transition] = []
         self._corrected: list[str] = []
         self._evidence: list[str] = []
@@ -233,7 +235,7 @@ class Thinker:
         self._correct_if_due(last=True)
         if self.memory is None:
             return
-        followed = self._match is not None and self._plan is self._recalled
+        followed = self._match is not None and not self._asked
         if self._match is not None:
             self.memory.used(self._match.stored.id, success and followed)
         # A plan without regions cannot guide a later episode; a fallback's decisions are not the advisor's experience.
@@ -249,13 +251,17 @@ class Thinker:
         chosen = recall.choose(self.memory, first, self._emit)
         if chosen is None:
             return None
-        self._match, self._plan, self._recalled, self._regions = chosen.match, chosen.plan, chosen.plan, chosen.regions
+        self._match, self._repairs_left = chosen.match, list(chosen.then)
+        self._plan, self._regions = chosen.plan, chosen.regions
         # So are its repairs: a plan that is kept, or quoted by a repair, is as untrusted as the original.
         self._load = self._questions.load = self._worker.load
         return self._strategy(f"remembered {chosen.match.stored.id}")
 
     def _strategy(self, name: str) -> Strategy:
         regions = self._regions if self.cfg.regions else None
+        step = RememberedPlan(plan=self._plan, regions=self._regions)
+        if not self._followed or self._followed[-1] != step:
+            self._followed.append(step)
         candidates = None if regions is None else self._questions.touchable_candidates(regions, self._plan)
         self._attempt = make_strategy(
             name,
@@ -284,7 +290,25 @@ class Thinker:
         self._monitor = self._new_monitor()
         return strategy
 
+    def _repair_remembered(self, now: Observation) -> bool:
+        """Take the remembered repair of the remembered plan, if it passes the checks of any answer."""
+        if not self._repairs_left:
+            return False
+        step, *rest = self._repairs_left
+        refusal = self._questions.check_plan(step.plan, now) or (
+            self._questions.check_regions(step.regions, step.plan) if self.cfg.regions else None
+        )
+        self._repairs_left = [] if refusal else rest
+        if refusal is not None:
+            self._emit("recall_repair", refused=refusal.reason)
+            return False
+        self._emit("recall_repair", refused="", explanation=step.plan.explanation, decided="repair", source="memory")
+        self._plan, self._regions = step.plan, step.regions
+        return True
+
     def _replan(self, now: Observation, otherwise: Callable[[], PlanAnswer], error: str = "") -> None:
+        if self._repair_remembered(now):
+            return
         history = repair_values(
             self._plan,
             self._regions if self.cfg.regions else None,
@@ -303,6 +327,8 @@ class Thinker:
         before = self._plan
         self._plan = self._questions.ask_repair(now, history) or otherwise()
         if self._plan is not before:  # an unchanged plan keeps its regions
+            self._asked = True
+            self._repairs_left = []
             self._regions = self._questions.ask_regions(self._plan)
 
     def _refine(self, report: PlanReport) -> Strategy | None:
@@ -415,8 +441,9 @@ class Thinker:
             instruction=task.instruction,
             goals=[dict(goal) for goal in self._questions.facts["goals"]],
             numbers=scene_numbers(self._questions.facts),
-            plan=self._plan.model_copy(update={"begin": ""}),
-            regions=self._regions,
+            plan=self._followed[0].plan,
+            regions=self._followed[0].regions,
+            then=self._followed[1:],
             beliefs={name: (one.mass_kg, one.friction) for name, one in self._questions.beliefs.items()},
             provenance={"success": True, "repairs": self._repairs, **self._provenance},
         )

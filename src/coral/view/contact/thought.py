@@ -213,6 +213,12 @@ def _recall(event: Record) -> ThoughtPart:
     )
 
 
+def _recall_repair(event: Record) -> ThoughtPart:
+    if refused := str(event["refused"]):
+        return ThoughtPart(title="The remembered repair was not used", state="warn", refused=(refused,))
+    return ThoughtPart(title="The remembered repair was used", state="good", text=str(event["explanation"]))
+
+
 def _plan(event: Record) -> ThoughtPart:
     again = event["kind"] == "cost-repair"
     title, failure = ("A better plan" if again else "The plan"), str(event.get("failure", ""))
@@ -354,6 +360,7 @@ _PARTS: Mapping[str, Callable[[Record], ThoughtPart | None]] = {
     "poses": _poses,
     "beliefs": _beliefs,
     "recall": _recall,
+    "recall_repair": _recall_repair,
     "plan_answer": _plan,
     "regions": _regions,
     "candidates": _candidates,
