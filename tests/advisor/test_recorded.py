@@ -45,6 +45,12 @@ def test_the_variants_unified_and_unguided_have_recordings_of_their_own():
     assert set(ask(RecordedAdvisor(), "pick-box", "unified")) >= {"parameters", "stages"}
 
 
+def test_a_folder_of_the_name_of_a_recording_is_not_read(tmp_path, monkeypatch):
+    (tmp_path / "contact-pick-box").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert ask(RecordedAdvisor(), "pick-box")["stages"]
+
+
 def test_what_was_read_in_one_picture_answers_for_no_other():
     with pytest.raises(AdvisorUnavailable, match="this object-poses question was not recorded"):
         ask(RecordedAdvisor(), "pick-box", "object-poses")

@@ -9,7 +9,7 @@ from pydantic import BaseModel
 
 from coral.advisor.attribution import Source
 from coral.advisor.question import AdvisorUnavailable, Question, Rejection, Reply
-from coral.advisor.recorded_attempts import shipped_recordings
+from coral.advisor.recorded_attempts import SHIPPED, shipped_recordings
 from coral.advisor.replay import ReplayAdvisor
 from coral.advisor.setting import Setting
 from coral.errors import InputError
@@ -46,7 +46,7 @@ class RecordedAdvisor:
         """
         if question.kind == "object-poses":
             if POSES not in self._recordings:
-                self._recordings[POSES] = ReplayAdvisor(POSES)
+                self._recordings[POSES] = ReplayAdvisor(SHIPPED / f"{POSES}.jsonl")
             return await self._recordings[POSES].answer(question, rejections)
         task = str(question.facts.get("task", ""))
         if question.kind == "unified":
@@ -57,7 +57,7 @@ class RecordedAdvisor:
         if name not in shipped_recordings():
             raise AdvisorUnavailable("not-recorded", f"nobody answered {task!r} yet", final=True, latency_s=0.0)
         if name not in self._recordings:
-            self._recordings[name] = ReplayAdvisor(name, in_order=True, accepted=True)
+            self._recordings[name] = ReplayAdvisor(SHIPPED / f"{name}.jsonl", in_order=True, accepted=True)
         return await self._recordings[name].answer(question, rejections)
 
 
