@@ -49,6 +49,19 @@ def test_it_turns_once_round_then_forgets_the_doubtful_obstacles_then_gives_up()
     assert look.step(shut) is None
 
 
+@pytest.mark.parametrize("angle", [-7.0, 9.0])
+def test_it_turns_by_an_angle_beyond_a_whole_turn_on_either_side(angle):
+    belief = fenced()
+    look = LookRound(belief)
+    look.turn(angle)
+    turned, step = 0.0, math.copysign(0.05, angle)
+    while look.turning and (command := look.command()) is not None:
+        assert command == (0.0, math.copysign(look.cfg.yaw_rate_rad_s, angle))
+        belief.pose = belief.pose._replace(theta=math.remainder(belief.pose.theta + step, math.tau))
+        turned += step
+    assert turned == pytest.approx(angle, abs=0.06)
+
+
 def test_the_map_is_sure_where_obstacles_are_or_where_nothing_lies_beyond_them():
     assert LookRound(fenced(sure=True)).step(shut) is None
     assert LookRound(fenced()).step(lambda belief: True) is None

@@ -1,6 +1,7 @@
 import csv
 import errno
 import json
+import math
 import os
 from dataclasses import replace
 
@@ -226,6 +227,20 @@ def test_a_lost_link_holds_and_the_survey_goes_on_when_it_is_back(tmp_path):
     assert voyage.states[125] == "surveying"
     told = [event["ends_when"] for event in events(tmp_path / "run", "awaited") if event["state"] == "holding"]
     assert told[-1:] == ["continues when the cause has been gone for 2 s, or on your word"]
+
+
+@pytest.mark.parametrize("turns", [0.9, -0.9])
+def test_a_twisted_tether_is_unwound_before_it_holds_the_vehicle(tmp_path, turns):
+    voyage = Voyage(tmp_path / "run", time_limit_s=18.0, tether_turns=1.0)
+    voyage.on(20, lambda: setattr(voyage.link, "_turned", turns * math.tau))
+    twists = {}
+    for tick in (25, 150):
+        voyage.on(tick, lambda tick=tick: twists.update({tick: voyage.link.report().tether_turns}))
+    voyage.run()
+    assert 0.4 < abs(twists[25]) < 0.95
+    assert abs(twists[150]) < 0.4
+    assert [event["turns"] for event in events(tmp_path / "run", "unwind")] == [pytest.approx(turns, abs=0.05)]
+    assert "holding" not in voyage.states
 
 
 def test_the_way_home_leads_back_to_the_start(tmp_path):

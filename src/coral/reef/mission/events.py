@@ -34,6 +34,7 @@ EVENTS = {
     "deaf": "The sonar is silent (`deaf`), or no longer: `reason`.",
     "awaited": "At sea, what ends a state: `state`, `reason`, `ends_when`.",
     "operator": "At sea, the operator said a `word`, from a `source` (keyboard, page, ROS).",
+    "unwind": "At sea, the vehicle turns on the spot against `turns` of its tether.",
     "limit": "At sea, a limit was reached: `cause`, `reason`, and the `action` taken.",
     "alignment": "At sea, the search for the place on a saved map: `status`, `reason`; how far it is from the stated "
     "start: `moved_m`, `turned_deg`, obstacles (`bodies`) and those `matched`, `residual_m`, `score`, and that of "

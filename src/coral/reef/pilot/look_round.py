@@ -1,4 +1,4 @@
-"""What a vehicle does that only doubtful obstacles fence in: it turns and looks, then drives where they were."""
+"""Turns on the spot: to look, where only doubtful obstacles fence the vehicle in, and against twists of the tether."""
 
 from __future__ import annotations
 
@@ -49,15 +49,28 @@ class LookRound:
             return None
         if step == "turn":
             self._turns += 1
-            self._to_turn, self._heading, self._next = 2.0 * math.pi, belief.pose.theta, "forget"
+            self.turn(2.0 * math.pi)
+            self._next = "forget"
         else:
             belief.forget_doubt()
             self._next = None
         return step
 
+    @property
+    def turning(self) -> bool:
+        """Whether a turn is under way."""
+        return self._to_turn != 0.0
+
+    def turn(self, angle_rad: float) -> None:
+        """Begin to turn by an angle, which may be several turns; positive to the left."""
+        self._to_turn, self._heading = angle_rad, self.belief.pose.theta
+
     def command(self) -> tuple[float, float] | None:
         """Return the command of a turn under way."""
-        heading = self.belief.pose.theta
-        self._to_turn -= abs(wrap(heading - self._heading))
+        heading, before = self.belief.pose.theta, self._to_turn
+        self._to_turn -= wrap(heading - self._heading)
         self._heading = heading
-        return (0.0, self.cfg.yaw_rate_rad_s) if self._to_turn > 0.0 else None
+        if before * self._to_turn <= 0.0:
+            self._to_turn = 0.0
+            return None
+        return 0.0, math.copysign(self.cfg.yaw_rate_rad_s, before)

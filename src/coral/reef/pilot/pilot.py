@@ -171,6 +171,16 @@ class Pilot:
         self.homing, self.end_reason = True, ""
         self.goals.go_home(x, y, self._now)
 
+    def unwind(self, turns: float) -> bool:
+        """Begin to turn on the spot against turns of the tether, positive to the left; False while it turns already.
+
+        The hull is a circle: wherever the vehicle fits, it can turn.
+        """
+        if self._look_round.turning:
+            return False
+        self._look_round.turn(-2.0 * math.pi * turns)
+        return True
+
     def stop(self, reason: str) -> None:
         """End the survey."""
         self.safety.states.move(self._now, Mover.MISSION, "end", reason)

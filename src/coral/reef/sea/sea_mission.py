@@ -49,6 +49,8 @@ from coral.reef.world.world import ReefWorld
 from coral.run_files import RunFiles
 from coral.run_loop import Observer, timing_of
 
+UNWIND = 0.8
+"""At this share of the turns that the tether may have, the vehicle turns back on the spot, by all of them."""
 ORDER_S = 6.0
 """Longest wait for the last order at the end."""
 
@@ -269,6 +271,10 @@ class SeaMission:
         self._tell_awaited()
         if self.states.state is not PilotState.SURVEYING:
             self.robot.command = (0.0, 0.0)
+        elif abs(twist := self.report.tether_turns) > UNWIND * self.cfg.safety.tether_turns and self.pilot.unwind(
+            twist
+        ):
+            self.emit("unwind", turns=round(twist, 2))
         if isinstance(self.robot.driver, DelayAwareDriver):
             self.robot.driver.note(self.robot.command)
         self.vehicle.sends = self.supervisor.sends_commands
