@@ -315,6 +315,19 @@ def test_a_plan_that_needed_a_repair_is_followed_with_it_and_nobody_is_asked(rem
     again.on_end("timeout")
 
 
+def test_a_success_is_found_again_by_the_scene_that_its_plan_began_in(remembering):
+    one, memory = remembering
+    strategist, _ = thinker(one, memory=memory)
+    strategist.begin(one.trial, one.now, one.world)
+    box = one.now.objects["box"]
+    higher = dataclasses.replace(box, position=box.position + np.array([0.0, 0.0, 0.2]))
+    lifted = dataclasses.replace(one.now, objects={**one.now.objects, "box": higher})
+    strategist.on_cost_error(CostError("runtime", "no"), "above", lifted)
+    strategist.on_end("success")
+    first, repaired = memory.all()
+    assert repaired.experience.numbers == first.experience.numbers
+
+
 def test_a_success_by_a_remembered_repair_is_counted_and_not_stored_again(remembering):
     one, memory = remembering
     for _ in range(2):

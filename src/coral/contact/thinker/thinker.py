@@ -92,6 +92,8 @@ class Thinker:
         self._repairs, self._harder = 0, 0
         self._attempt: Strategy
         self._match: Match | None = None
+        self._numbers: dict[str, float] = {}
+        """Measurements of the scene as the first plan found it."""
         self._repairs_left: list[RememberedPlan] = []
         self._followed: list[RememberedPlan] = []
         self._asked = False
@@ -178,6 +180,7 @@ class Thinker:
         questions = self._questions
         questions.ask_parameters(self._given)
         questions.update_facts(first)
+        self._numbers = scene_numbers(questions.facts)
         strategy = self._recall(first)
         if strategy is not None:
             return strategy
@@ -440,7 +443,7 @@ class Thinker:
             task=task.name,
             instruction=task.instruction,
             goals=[dict(goal) for goal in self._questions.facts["goals"]],
-            numbers=scene_numbers(self._questions.facts),
+            numbers=self._numbers,
             plan=self._followed[0].plan,
             regions=self._followed[0].regions,
             then=self._followed[1:],
