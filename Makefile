@@ -51,9 +51,9 @@ demo: setup  ## survey the S-shaped reef, make its report and a video
 # The tests' two processes would compile each kernel twice; the compiled ones stay in the package's __pycache__.
 kernels: setup-dev  ## compile the kernels that most commands need
 	@folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
-	$(BIN)/coral contact track flip-box --no-losses --rate-hz 2 >"$$folder/track" & track=$$!; \
+	$(BIN)/coral contact poses flip-box --camera drawn:flip-box --quiet >"$$folder/poses" & poses=$$!; \
 	$(BIN)/coral reef run s1 --quiet --sonar --preset hard --perception rgb --cfg.simulator.pictures --cfg.time-limit-s 5 \
-		--out "$$folder/run" >"$$folder/told" && wait $$track
+		--out "$$folder/run" >"$$folder/told" && wait $$poses
 
 test: kernels  ## the test suite, without what is slow and end to end
 	$(BIN)/python -m pytest -n 2 --dist worksteal

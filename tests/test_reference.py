@@ -19,7 +19,6 @@ from coral.contact.franka.stream import StopCause
 from coral.contact.franka.world import CODES as STOP_CODES
 from coral.contact.plan import codes as contact_codes
 from coral.contact.policy.client import CODES as policy_codes
-from coral.contact.real_scenes.bop_writing import BopWriter
 from coral.contact.tasks import load_task
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis
 from coral.reef.decide import codes as reef_codes
@@ -145,13 +144,6 @@ def test_every_topic_of_ros_has_a_row():
 )
 def test_every_value_of_a_kind_has_a_row(kinds, rows):
     assert set(kinds) == set(rows)
-
-
-def test_every_file_of_a_recorded_scene_has_a_row(tmp_path):
-    BopWriter(tmp_path).close()
-    left = [path.name for path in tmp_path.rglob("*.json")]
-    assert len(left) == 1
-    assert set(left) <= words("files-bop")
 
 
 def test_every_command_that_fails_by_its_result_is_named_beside_the_exit_code():

@@ -4,10 +4,10 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from recorded_scenes import write_frames
 
 from coral.cli import main
 from coral.contact.perception.camera import RgbdFrame, look_at
-from coral.contact.real_scenes.bop_writing import BopWriter
 from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
 from coral.contact.scene.rigid_transform import inverse_transform
 
@@ -22,9 +22,8 @@ def table(tmp_path):
     rays = np.stack([(u - LENS[2]) / LENS[0], (v - LENS[3]) / LENS[1], np.ones(u.shape)], axis=2)
     depth = (-PLACED[2, 3] / (rays @ PLACED[2, :3])).clip(0, 3).astype(np.float32)
     rgb = np.full((240, 320, 3), 180, np.uint8)
-    writer = BopWriter(tmp_path / "table")
-    writer.add(RgbdFrame(depth, np.zeros(depth.shape, np.uint8), (), LENS, np.eye(4), 0.0, rgb))
-    writer.close()
+    frame = RgbdFrame(depth, np.zeros(depth.shape, np.uint8), (), LENS, np.eye(4), 0.0, rgb)
+    write_frames(tmp_path / "table", [frame])
     pixels = [(100, 140), (220, 150), (110, 220), (230, 230)]
     seen = [rays[row, column] * depth[row, column] for column, row in pixels]
     touched = [(PLACED @ [*point, 1.0])[:3].tolist() for point in seen]

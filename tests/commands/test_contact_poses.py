@@ -10,19 +10,10 @@ from coral.contact.franka.object_poses import ObjectPoses
 from coral.errors import InputError
 
 
-@pytest.fixture(scope="module")
-def recording(tmp_path_factory):
-    """Three pictures of pick-box."""
-    folder = tmp_path_factory.mktemp("recording") / "pick-box"
-    words = ["contact", "track", "pick-box", "--width", "160", "--rate-hz", "1", "--export", str(folder)]
-    assert main(words) == 0
-    return folder
-
-
-def test_the_objects_of_a_recording_are_tracked_sent_and_drawn(recording, tmp_path, capsys):
+def test_the_objects_in_pictures_are_tracked_sent_and_drawn(tmp_path, capsys):
     receiver = ObjectPoses(("box",), "127.0.0.1", 0)
     picture = tmp_path / "p.png"
-    words = ["contact", "poses", "pick-box", "--camera", f"recording:{recording}", "--pictures", "2", "--json"]
+    words = ["contact", "poses", "pick-box", "--camera", "drawn:pick-box", "--pictures", "2", "--json"]
     assert main([*words, "--send", f"localhost:{receiver.port}", "--picture", str(picture)]) == 0
     result = json.loads(capsys.readouterr().out)
     assert result["pictures"] == 2
@@ -34,8 +25,8 @@ def test_the_objects_of_a_recording_are_tracked_sent_and_drawn(recording, tmp_pa
     assert main([*words, "--picture", str(picture)]) == 2  # not overwritten
 
 
-def test_people_read_a_line_for_each_object(recording, capsys):
-    words = ["contact", "poses", "pick-box", "--camera", f"recording:{recording}", "--pictures", "1"]
+def test_people_read_a_line_for_each_object(capsys):
+    words = ["contact", "poses", "pick-box", "--camera", "drawn:pick-box", "--pictures", "1"]
     assert main(words) == 0
     told = capsys.readouterr()
     assert "box: last at " in told.out

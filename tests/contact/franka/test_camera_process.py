@@ -35,7 +35,7 @@ def poses():
 @pytest.fixture
 def job(trial, tmp_path, poses):
     """A camera that sees two pictures; colours of the fixture's objects are equal, so a file names them."""
-    write_scene(tmp_path / "scene", trial, colours="shaded")
+    write_scene(tmp_path / "scene", trial)
     (tmp_path / "colours.yaml").write_text("objects: {box: {hue_deg: [0, 60]}, can: {hue_deg: [0, 60]}}")
     camera, masks = f"recording:{tmp_path / 'scene'}", f"colour:{tmp_path / 'colours.yaml'}"
     return CameraJob(trial, camera, masks, None, TrackedCfg(), ("127.0.0.1", poses.port))

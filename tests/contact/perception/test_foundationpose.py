@@ -10,11 +10,11 @@ from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.foundationpose import FoundationPoseCfg, FoundationPoseTracker
 from coral.contact.perception.foundationpose_server import Sessions, encode
 from coral.contact.perception.object_model import from_trial
+from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.perception.tracker import TrackerFailed
-from coral.contact.real_scenes.benchmark_motions import motion_of
-from coral.contact.real_scenes.posed_scene import PosedScene
+from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
 from coral.contact.scene.geometry import from_rotvec, rotation_of
-from coral.contact.scene.rigid_transform import inverse_transform
+from coral.contact.scene.rigid_transform import body_to_matrix, inverse_transform, matrix_to_body
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.errors import InputError
@@ -26,11 +26,19 @@ def url():
         yield server.url
 
 
+def picture_of_the_box(trial, camera, T_world_box=None):
+    """Return the model of the box, a picture, and the true pose."""
+    cfg = TrackedCfg(camera=camera, noise=False, eye_m=(-0.35, -0.75, 0.6), target_m=(0.05, 0.0, 0.05))
+    stage, state = PosedScene(trial, cfg), scene_at_start(trial)
+    if T_world_box is not None:
+        state = replace(state, objects={**state.objects, "box": matrix_to_body(T_world_box)})
+    frame = stage.take(state, np.random.default_rng(0))
+    return from_trial(stage.model, trial, "box"), frame, body_to_matrix(state.objects["box"])
+
+
 @pytest.fixture(scope="module")
 def seen(trial):
-    stage = PosedScene(trial, RgbdCameraCfg(width=160, height=120), None, colours="shaded")
-    moment = motion_of(trial).at(0.0)
-    return from_trial(stage.model, trial, "box"), stage.take(moment, np.random.default_rng(0)), moment.objects["box"]
+    return picture_of_the_box(trial, RgbdCameraCfg(width=160, height=120))
 
 
 def test_poses_go_through_the_server_and_are_judged(url, seen):
@@ -78,15 +86,13 @@ def test_the_server_s_complaint_reaches_the_user(url, seen, monkeypatch):
         tracker.register(frame, frame.mask("box"))
 
 
-def test_bad_addresses_and_colourless_pictures(url, seen, trial):
-    model, _, _ = seen
+def test_bad_addresses_and_colourless_pictures(url, seen):
+    model, frame, _ = seen
     with pytest.raises(TrackerFailed, match="does not answer"):
         FoundationPoseTracker(model, FoundationPoseCfg(url="http://127.0.0.1:9"))
-    stage = PosedScene(trial, RgbdCameraCfg(width=160, height=120), None)
-    frame = stage.take(motion_of(trial).at(0.0), np.random.default_rng(0))
     tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url))
     with pytest.raises(InputError, match="colours"):
-        tracker.register(frame, frame.mask("box"))
+        tracker.register(replace(frame, rgb=None), frame.mask("box"))
 
 
 def test_a_hint_is_taken_and_left_alone(url, seen):
@@ -164,9 +170,7 @@ def test_a_pose_out_of_this_world_is_a_lost_object(url, seen, monkeypatch, place
 def seen_in_full():
     """The box of pick-box in pictures of the size that episodes use."""
     trial = sample_trial(load_task("pick-box"), 0, "pick-box")
-    stage = PosedScene(trial, RgbdCameraCfg(), None, colours="shaded")
-    moment = motion_of(trial).at(0.0)
-    return from_trial(stage.model, trial, "box"), stage.take(moment, np.random.default_rng(0)), moment.objects["box"]
+    return picture_of_the_box(trial, RgbdCameraCfg())
 
 
 @pytest.mark.parametrize(
@@ -198,9 +202,7 @@ def test_a_server_that_repeats_itself_is_found_out_once_the_object_has_moved(url
     tracker = FoundationPoseTracker(model, FoundationPoseCfg(url=url), expected=truth)
     monkeypatch.setattr(Oracle, "answer", inverse_transform(frame.T_world_camera) @ truth)
     assert not tracker.track(frame, frame.mask("box")).lost
-    stage = PosedScene(trial, RgbdCameraCfg(width=160, height=120), None, colours="shaded")
-    moment = motion_of(trial).at(0.0)
-    moved = {name: pose.copy() for name, pose in moment.objects.items()}
-    moved["box"][0, 3] += 0.05
-    later = stage.take(replace(moment, objects=moved), np.random.default_rng(0))
+    moved = truth.copy()
+    moved[0, 3] += 0.05
+    _, later, _ = picture_of_the_box(trial, RgbdCameraCfg(width=160, height=120), moved)
     assert tracker.track(later, later.mask("box")).lost

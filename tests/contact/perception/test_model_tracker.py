@@ -1,29 +1,34 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from coral.contact.perception.camera import RgbdCameraCfg
-from coral.contact.perception.depth_noise import DepthNoise
 from coral.contact.perception.model_tracker import ModelTracker
 from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
 from coral.contact.perception.object_model import from_trial
-from coral.contact.real_scenes.benchmark_motions import MotionSample, motion_of
-from coral.contact.real_scenes.posed_scene import PosedScene
-from coral.contact.real_scenes.tracking_accuracy import AccuracyCfg
+from coral.contact.perception.tracked_cfg import TrackedCfg
+from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
 from coral.contact.scene.geometry import rotation_about
-from coral.contact.scene.rigid_transform import pose_matrix
+from coral.contact.scene.observation import BodyState
+from coral.contact.scene.rigid_transform import body_to_matrix, matrix_to_body, pose_matrix
 
-CFG = AccuracyCfg(camera=RgbdCameraCfg(width=240, height=180), noise=DepthNoise(), period_s=0.2, registrations=3)
+CFG = TrackedCfg(camera=RgbdCameraCfg(width=240, height=180))
 
 
 @pytest.fixture(scope="module")
 def stage(trial):
-    return PosedScene(trial, CFG.camera, CFG.noise)
+    return PosedScene(trial, CFG)
 
 
 @pytest.fixture(scope="module")
 def at_rest(trial):
-    start = motion_of(trial).at(0.0)
-    return MotionSample(start.objects, pose_matrix(start.tool[:3, :3], np.array([-0.5, 0.4, 0.5])), 0.04)
+    return scene_at_start(trial)
+
+
+def box_at(state, T_world_box, time_s=0.0):
+    """Return the state with the box elsewhere."""
+    return replace(state, time_s=time_s, objects={**state.objects, "box": matrix_to_body(T_world_box)})
 
 
 def error(tracker, estimate, truth):
@@ -42,7 +47,7 @@ def test_a_mask_of_something_else_is_noticed_and_forgotten(stage, at_rest, trial
     np.testing.assert_array_equal(wrong.T_world_object, first.T_world_object)
     found = tracker.track(frame, frame.mask("box"))
     assert not found.lost
-    assert error(tracker, found, at_rest.objects["box"])[0] < 5
+    assert error(tracker, found, body_to_matrix(at_rest.objects["box"]))[0] < 5
 
 
 def test_a_narrow_strip_beside_the_hand_is_called_covered(stage, at_rest, trial):
@@ -65,18 +70,49 @@ def test_a_jump_within_one_picture_is_found_again(stage, at_rest, trial):
     tracker = ModelTracker(from_trial(stage.model, trial, "box"))
     frame = stage.take(at_rest, rng)
     tracker.register(frame, frame.mask("box"))
-    here = at_rest.objects["box"]
+    here = body_to_matrix(at_rest.objects["box"])
     there = pose_matrix(rotation_about(np.array([0, 0, 1.0]), 0.9) @ here[:3, :3], here[:3, 3] + [-0.05, -0.15, 0.05])
-    frame = stage.take(MotionSample(at_rest.objects | {"box": there}, at_rest.tool, 0.04), rng)
+    frame = stage.take(box_at(at_rest, there), rng)
     estimate = tracker.track(frame, frame.mask("box"))
     assert not estimate.lost
     assert error(tracker, estimate, there)[0] < 5
 
 
+def test_an_object_that_is_carried_past_the_hand_is_followed(stage, at_rest, trial):
+    tracker = ModelTracker(from_trial(stage.model, trial, "box"))
+    here, rng = body_to_matrix(at_rest.objects["box"]), np.random.default_rng(0)
+    for share in np.linspace(0.0, 1.0, 16):
+        lift = [0.15 * share, 0.1 * share, 0.14 * share]
+        there = pose_matrix(rotation_about(np.array([0.3, 0, 1.0]), 0.7 * share) @ here[:3, :3], here[:3, 3] + lift)
+        held = BodyState(there[:3, 3] + [0.0, 0.0, 0.02], at_rest.tool.quaternion)
+        frame = stage.take(replace(box_at(at_rest, there), tool=held), rng)
+        estimate = tracker.track(frame, frame.mask("box"))
+        shift_mm, turn_deg = error(tracker, estimate, there)
+        assert not estimate.lost
+        assert shift_mm < 5
+        assert turn_deg < 5
+
+
+def test_an_object_out_of_view_is_lost_at_once_and_found_elsewhere(stage, at_rest, trial):
+    tracker = ModelTracker(from_trial(stage.model, trial, "box"))
+    here, rng = body_to_matrix(at_rest.objects["box"]), np.random.default_rng(0)
+    gone = pose_matrix(here[:3, :3], here[:3, 3] - [0.0, 0.0, 5.0])
+    turn = rotation_about(np.array([0.0, 0.0, 1.0]), np.radians(40.0))
+    there = pose_matrix(turn @ here[:3, :3], here[:3, 3] + [0.08, 0.0, 0.0])
+    lost = []
+    for T_world_box in (here, gone, gone, there):
+        frame = stage.take(box_at(at_rest, T_world_box), rng)
+        estimate = tracker.track(frame, frame.mask("box"))
+        lost.append(estimate.reason)
+    assert lost == ["", "not seen", "not seen", ""]
+    assert error(tracker, estimate, there)[0] < 5
+    assert error(tracker, estimate, there)[1] < 3
+
+
 def test_the_first_pose_is_the_expected_one_among_equals(stage, at_rest, trial):
     model = from_trial(stage.model, trial, "box")
     frame = stage.take(at_rest, np.random.default_rng(0))
-    truth = at_rest.objects["box"]
+    truth = body_to_matrix(at_rest.objects["box"])
     expected = truth @ pose_matrix(rotation_about(np.array([0, 0, 1.0]), np.pi), np.zeros(3))
     estimate = ModelTracker(model, expected=expected).register(frame, frame.mask("box"))
     assert np.trace(expected[:3, :3].T @ estimate.T_world_object[:3, :3]) > 2.9
@@ -100,14 +136,14 @@ def test_the_same_pictures_give_the_same_poses(stage, at_rest, trial):
 
 
 def test_objects_tracked_together_have_the_velocities_of_their_motions(trial, at_rest):
-    stage = PosedScene(trial, CFG.camera, None)
+    stage = PosedScene(trial, replace(CFG, noise=False))
     trackers = {name: ModelTracker(from_trial(stage.model, trial, name)) for name in trial.objects}
-    here, rng, filters = at_rest.objects["box"], np.random.default_rng(0), {}
+    here, rng, filters = body_to_matrix(at_rest.objects["box"]), np.random.default_rng(0), {}
     for k in range(20):
         time_s = 0.04 * k
         turn = rotation_about(np.array([0, 0, 1.0]), 0.5 * time_s)
         there = pose_matrix(turn @ here[:3, :3], here[:3, 3] + [0.1 * time_s, 0, 0])
-        frame = stage.take(MotionSample(at_rest.objects | {"box": there}, at_rest.tool, 0.04), rng, time_s)
+        frame = stage.take(box_at(at_rest, there, time_s), rng)
         for name, tracker in trackers.items():
             estimate = tracker.track(frame, frame.mask(name))
             assert not estimate.lost

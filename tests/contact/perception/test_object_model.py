@@ -3,9 +3,9 @@ import numpy as np
 import pytest
 from solid_object import solid
 
-from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.object_model import from_body, from_trial
 from coral.contact.perception.surface_kernels import distance
+from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.real_scenes.posed_scene import PosedScene
 from coral.errors import InputError
 
@@ -57,7 +57,7 @@ def test_points_are_spread_evenly_by_area():
 
 
 def test_an_object_of_a_trial_has_its_own_shape_and_the_larger_symmetry(trial):
-    model = PosedScene(trial, RgbdCameraCfg(width=32, height=24), None).model
+    model = PosedScene(trial, TrackedCfg()).model
     box, can = (from_trial(model, trial, name) for name in ("box", "can"))
     assert box.diameter == pytest.approx(np.linalg.norm([0.12, 0.08, 0.06]))
     assert (len(box.symmetry.rotations), can.symmetry.axis is not None) == (4, True)

@@ -1,8 +1,8 @@
 import mujoco
 import pytest
 
-from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.scene_geoms import hidden_geoms, instance_names
+from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.real_scenes.posed_scene import PosedScene
 
 SCENE = """<mujoco><worldbody>
@@ -42,5 +42,5 @@ def test_people_see_the_robot_as_it_looks_and_no_room(model, trial):
 
 
 def test_in_a_scene_of_a_trial_every_object_has_its_geoms(trial):
-    scene = PosedScene(trial, RgbdCameraCfg(width=32, height=24), None).model
+    scene = PosedScene(trial, TrackedCfg()).model
     assert set(instance_names(scene, trial).values()) == {"box", "can", "robot"}

@@ -72,7 +72,7 @@ def test_a_mistyped_tracker_is_told_the_forms_and_the_nearest_name():
     assert "did you mean 'foundationpose'?" in str(error.value)
 
 
-@pytest.mark.parametrize("command", ["run", "bench", "track"])
+@pytest.mark.parametrize("command", ["run", "bench", "poses"])
 def test_every_tracker_is_in_the_help_of_the_commands(command, capsys):
     main(["contact", command, "--help", "--tracker"])
     text = re.sub(r"\s+", "", capsys.readouterr().out)  # lines break anywhere

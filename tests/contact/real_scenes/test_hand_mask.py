@@ -5,20 +5,21 @@ import dataclasses
 import numpy as np
 import pytest
 
-from coral.contact.perception.camera import RgbdCameraCfg
-from coral.contact.real_scenes.benchmark_motions import MotionSample
+from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.real_scenes.cameras.bare_frame import bare_frame
 from coral.contact.real_scenes.hand_mask import HandMask, HandReading
-from coral.contact.real_scenes.posed_scene import PosedScene
-from coral.contact.scene.rigid_transform import body_to_matrix, pose_matrix
+from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
+from coral.contact.scene.rigid_transform import matrix_to_body, pose_matrix
+
+FROM_ABOVE = TrackedCfg(noise=False, eye_m=(-0.35, -0.75, 0.6), target_m=(0.05, 0.0, 0.05))
 
 
 @pytest.fixture(scope="module")
 def seen(trial):
     """A picture of the hand among the objects, and the true mask of the hand."""
     tool = pose_matrix(np.diag([1.0, -1.0, -1.0]), [0.0, 0.0, 0.2])
-    objects = {name: body_to_matrix(one.pose) for name, one in trial.objects.items()}
-    full = PosedScene(trial, RgbdCameraCfg(), None).take(MotionSample(objects, tool, 0.05), np.random.default_rng(0))
+    state = dataclasses.replace(scene_at_start(trial), tool=matrix_to_body(tool), opening_m=0.05)
+    full = PosedScene(trial, FROM_ABOVE).take(state, np.random.default_rng(0))
     return full, bare_frame(full.depth, None, full.lens, full.T_world_camera, 0.0), HandReading(tool, 0.05, 0.05)
 
 

@@ -1,25 +1,30 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from coral.contact.perception.camera import RgbdCameraCfg
-from coral.contact.perception.depth_noise import DepthNoise
-from coral.contact.real_scenes.benchmark_motions import MotionSample, motion_of
-from coral.contact.real_scenes.posed_scene import PosedScene
-from coral.contact.scene.rigid_transform import pose_matrix
+from coral.contact.perception.tracked_cfg import TrackedCfg
+from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
+from coral.contact.scene.observation import BodyState
 
-SMALL = RgbdCameraCfg(width=160, height=120)
+SMALL = TrackedCfg(camera=RgbdCameraCfg(width=160, height=120), noise=False)
 
 
 @pytest.fixture(scope="module")
 def stage(trial):
-    return PosedScene(trial, SMALL, None)
+    return PosedScene(trial, SMALL)
 
 
 @pytest.fixture(scope="module")
 def aside(trial):
-    """Everything at its start, the hand out of the way."""
-    start = motion_of(trial).at(0.0)
-    return MotionSample(start.objects, pose_matrix(start.tool[:3, :3], np.array([-0.5, 0.4, 0.5])), 0.04)
+    return scene_at_start(trial)
+
+
+def moved(state, name, by):
+    """Return the state with an object moved."""
+    one = state.objects[name]
+    return replace(state, objects={**state.objects, name: BodyState(one.position + by, one.quaternion)})
 
 
 def middle(stage, frame, name):
@@ -34,9 +39,8 @@ def middle(stage, frame, name):
 
 def test_objects_are_seen_where_they_are_put(stage, aside):
     rng = np.random.default_rng(0)
-    moved = pose_matrix(aside.objects["box"][:3, :3], aside.objects["box"][:3, 3] + np.array([0.1, 0.05, 0.08]))
     before = stage.take(aside, rng)
-    after = stage.take(MotionSample(aside.objects | {"box": moved}, aside.tool, 0.04), rng)
+    after = stage.take(moved(aside, "box", np.array([0.1, 0.05, 0.08])), rng)
     way = middle(stage, after, "box") - middle(stage, before, "box")
     np.testing.assert_allclose(way, [0.1, 0.05, 0.08], atol=0.01)
     assert np.linalg.norm(middle(stage, after, "can") - middle(stage, before, "can")) < 0.005
@@ -45,19 +49,19 @@ def test_objects_are_seen_where_they_are_put(stage, aside):
 def test_a_hand_before_an_object_hides_it(stage, aside):
     rng = np.random.default_rng(0)
     camera = stage.camera.T_world_camera[:3, 3]
-    between = 0.4 * camera + 0.6 * aside.objects["can"][:3, 3]
-    covered = stage.take(MotionSample(aside.objects, pose_matrix(aside.tool[:3, :3], between), 0.04), rng)
+    between = 0.4 * camera + 0.6 * aside.objects["can"].position
+    covered = stage.take(replace(aside, tool=BodyState(between, aside.tool.quaternion)), rng)
     assert covered.mask("can").sum() < 0.5 * stage.take(aside, rng).mask("can").sum()
     assert covered.mask("robot").any()
 
 
 def test_without_noise_a_picture_depends_on_nothing_but_the_poses(stage, aside):
-    first, second = (stage.take(aside, np.random.default_rng(seed), time_s=seed) for seed in (1, 2))
+    first, second = (stage.take(replace(aside, time_s=seed), np.random.default_rng(seed)) for seed in (1, 2))
     np.testing.assert_array_equal(first.depth, second.depth)
 
 
 def test_noise_is_the_seeds(trial, aside):
-    stage = PosedScene(trial, SMALL, DepthNoise())
+    stage = PosedScene(trial, replace(SMALL, noise=True))
     first, again, other = (stage.take(aside, np.random.default_rng(seed)).depth for seed in (1, 1, 2))
     np.testing.assert_array_equal(first, again)
     assert (first != other).any()

@@ -21,22 +21,20 @@ from typing import Any
 
 import numpy as np
 
-from coral.contact.franka.double import SimulatedState
 from coral.contact.franka.object_poses import poses_datagram
 from coral.contact.franka.shared_block import SharedBlock
-from coral.contact.franka.simulated_camera import SimulatedRgbdCamera
-from coral.contact.perception.camera import look_at
-from coral.contact.perception.tracked_cfg import TrackedCfg, viewpoint
+from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.perception.tracked_world import nominal_pose
-from coral.contact.real_scenes.benchmark_motions import MotionSample
 from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
 from coral.contact.real_scenes.cameras.camera_registry import make_camera_by_name
+from coral.contact.real_scenes.cameras.drawn_camera import DrawnRgbdCamera
 from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
 from coral.contact.real_scenes.hand_mask import HandReading
 from coral.contact.real_scenes.masks.colour_masks import paint_regions
 from coral.contact.real_scenes.masks.mask_registry import MaskSetting, make_masks
 from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models
-from coral.contact.real_scenes.posed_scene import PosedScene
+from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
+from coral.contact.scene.observation import Observation
 from coral.contact.scene.rigid_transform import matrix_to_body
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError, RunError
@@ -61,7 +59,7 @@ class CameraJob:
     """The tracker; of a simulated camera, its size, place and noise too."""
     poses_to: tuple[str, int]
     """Receiver of the poses."""
-    state: SharedBlock[SimulatedState | None] | None = None
+    state: SharedBlock[Observation | None] | None = None
     """Of the simulated arm, which its camera draws."""
 
 
@@ -157,16 +155,11 @@ def warm_up(job: CameraJob) -> None:
     if job.tracked.by != TrackedCfg().by:  # another tracker's server is not bothered
         return
     trial, models = job.trial, object_models(job.trial)
-    eye = look_at(*viewpoint(trial, job.tracked))
-    scene = PosedScene(trial, job.tracked.camera, job.tracked.make_noise(), eye, colours="shaded")
-    above = np.diag([1.0, -1.0, -1.0, 1.0])
-    above[2, 3] = 0.4
-    moment = MotionSample({name: nominal_pose(trial, name) for name in models}, above, 0.08)
-    rng = np.random.default_rng(0)
+    scene, start, rng = PosedScene(trial, job.tracked), scene_at_start(trial), np.random.default_rng(0)
     for name, model in models.items():
         with closing(job.tracked.choice().make(model, nominal_pose(trial, name))) as tracker:
             for _ in range(2):
-                frame = scene.take(moment, rng)
+                frame = scene.take(start, rng)
                 tracker.track(frame, frame.mask(name))
 
 
@@ -178,7 +171,7 @@ def _prepare(job: CameraJob) -> tuple[RgbdCamera, ObjectTracking]:
     choice.check()
     placed = None if job.camera_pose is None else read_camera_pose(job.camera_pose)
     if job.camera == SIMULATED and job.state is not None:
-        camera: RgbdCamera = SimulatedRgbdCamera(trial, job.tracked, job.state, placed)
+        camera: RgbdCamera = DrawnRgbdCamera(trial, job.tracked, job.state.read, placed)
     else:
         camera = make_camera_by_name(job.camera, placed)
     tracking = ObjectTracking(

@@ -10,8 +10,8 @@ import contextlib
 import os
 import socket
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
 from typing import Any
@@ -29,7 +29,7 @@ from coral.contact.franka.double_scene import (
 from coral.contact.franka.object_poses import poses_datagram
 from coral.contact.franka.shared_block import SharedBlock
 from coral.contact.scene.geometry import from_rotvec, multiply, rotate
-from coral.contact.scene.observation import Array, BodyState, Truth
+from coral.contact.scene.observation import Array, BodyState, Observation, Truth
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import InputError, RunError
@@ -53,16 +53,6 @@ POSES_EVERY = 33
 """Steps of 1 ms from one pose of the objects to the next."""
 POSES_NOISE_M, POSES_NOISE_RAD = 0.001, 0.01
 """Standard deviations of the poses."""
-
-
-@dataclass(frozen=True)
-class SimulatedState:
-    """What a simulated camera draws."""
-
-    time_s: float
-    tool: BodyState
-    opening_m: float
-    objects: Mapping[str, BodyState]
 
 
 def cfg_for_double(cfg: FrankaCfg, silence_s: float = 2.0) -> FrankaCfg:
@@ -112,7 +102,7 @@ class Double:
         except ImportError as error:
             raise InputError("--robot", "", f"sim ({error})", f"the package franky-sim: {MISSING}") from None
         self._connection, self._theirs = Pipe()
-        self.state: SharedBlock[SimulatedState | None] = SharedBlock(None)
+        self.state: SharedBlock[Observation | None] = SharedBlock(None)
         """The true state, for a simulated camera and nobody else."""
         self._process = (make_process or get_context("spawn").Process)(
             target=_serve,
@@ -167,7 +157,7 @@ class Double:
 
 
 def _serve(
-    trial: Trial, arm: FrankaCfg, speed: float, state: SharedBlock[SimulatedState | None], connection: Connection
+    trial: Trial, arm: FrankaCfg, speed: float, state: SharedBlock[Observation | None], connection: Connection
 ) -> None:
     """Body of the process."""
     import signal
@@ -189,7 +179,7 @@ class _Server:
         trial: Trial,
         arm: FrankaCfg,
         speed: float,
-        state: SharedBlock[SimulatedState | None],
+        state: SharedBlock[Observation | None],
         connection: Connection,
     ) -> None:
         import franky_sim
@@ -278,7 +268,8 @@ class _Server:
 
     def _send_poses(self) -> None:
         poses = self._scene.poses()
-        self._state.write(SimulatedState(float(self._simulator.data.time), self._tool(), self._opening(), poses))
+        now = float(self._simulator.data.time)
+        self._state.write(Observation(now, self._tool(), self._opening(), self._wrench, poses))
         if self._sending is None:
             return
         noisy = {}

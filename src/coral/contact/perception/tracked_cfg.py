@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from coral.config import Count, NonNegative, Positive, Signed
-from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
+from coral.contact.perception.camera import Colours, RayCamera, RgbdCameraCfg, look_at
 from coral.contact.perception.depth_noise import SENSORS, DepthNoise, Sensor
 from coral.contact.perception.scene_geoms import instance_names
 from coral.contact.perception.tracker_registry import TrackerCfgs, TrackerChoice, choose_tracker
@@ -91,8 +91,8 @@ def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:
     return eye, target
 
 
-def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg) -> RayCamera:
-    """Make an episode's camera, with noise and colours as configured."""
+def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg, colours: Colours | None = None) -> RayCamera:
+    """Make an episode's camera, with noise as configured, and by default the colours that its tracker wants."""
     return RayCamera(
         model,
         cfg.camera,
@@ -100,5 +100,5 @@ def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg) -> RayCame
         instance_names(model, trial),
         groups=_DRAWN,
         noise=cfg.make_noise(),
-        colours="shaded" if cfg.choice().wants_colours else "none",
+        colours=colours or ("shaded" if cfg.choice().wants_colours else "none"),
     )

@@ -10,9 +10,10 @@ from coral.errors import InputError
 def test_a_word_makes_a_camera(trial, tmp_path):
     write_scene(tmp_path / "scene", trial)
     assert make_camera_by_name(f"recording:{tmp_path / 'scene'}").newest() is not None
+    assert make_camera_by_name("drawn:flip-box").newest() is not None
 
 
-@pytest.mark.parametrize("word", ["recording", "recording:", "bag", "kinect", ""])
+@pytest.mark.parametrize("word", ["recording", "recording:", "bag", "drawn", "kinect", ""])
 def test_a_word_that_names_none_is_one_line(word):
     with pytest.raises(InputError, match=r"^--camera: found"):
         make_camera_by_name(word)

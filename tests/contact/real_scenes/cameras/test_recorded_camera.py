@@ -10,8 +10,19 @@ from coral.errors import InputError
 
 @pytest.fixture
 def folder(trial, tmp_path):
-    write_scene(tmp_path / "scene", trial, colours="shaded")
+    write_scene(tmp_path / "scene", trial)
     return tmp_path / "scene"
+
+
+def test_pictures_are_read_as_they_were_written(trial, tmp_path):
+    frames = write_scene(tmp_path / "scene", trial)
+    camera = RecordedRgbdCamera(tmp_path / "scene")
+    for frame in frames:
+        read = camera.newest()
+        assert np.abs(read.depth - frame.depth).max() <= 0.00005 + 1e-6
+        assert np.allclose(read.lens, frame.lens)
+        assert np.allclose(read.T_world_camera, frame.T_world_camera)
+        assert np.array_equal(read.rgb, frame.rgb)
 
 
 def test_pictures_come_one_after_the_other_and_end(folder):
@@ -34,11 +45,6 @@ def test_a_folder_without_pictures_is_one_line(folder, tmp_path):
     shutil.rmtree(folder / "depth")
     with pytest.raises(InputError, match="no picture"):
         RecordedRgbdCamera(folder)
-
-
-def test_colours_are_read_in_the_order_in_which_they_were_written(trial, tmp_path):
-    frames = write_scene(tmp_path / "scene", trial, colours="shaded")
-    assert np.array_equal(RecordedRgbdCamera(tmp_path / "scene").newest().rgb, frames[0].rgb)
 
 
 def test_colours_of_another_size_than_depth_are_refused(folder):

@@ -48,7 +48,18 @@ CAMERAS: dict[str, CameraKind] = {
         f"a RealSense with {WIDTH} x {HEIGHT} pixels, {RATE_HZ} Hz, depth aligned to the colours (extra realsense)",
         lambda rest, placed: RealSenseCamera(rest or None, placed),
     ),
+    "drawn": CameraKind(
+        "drawn:TASK",
+        "noisy drawn pictures of a task's scene as it begins, to practise with",
+        lambda rest, placed: _still_camera(rest, placed),
+    ),
 }
+
+
+def _still_camera(task: str, T_world_camera: Array | None) -> RgbdCamera:
+    from coral.contact.real_scenes.cameras.drawn_camera import still_camera  # MuJoCo is slow to import
+
+    return still_camera(task, T_world_camera)
 
 
 def camera_help() -> str:
@@ -71,6 +82,6 @@ def make_camera_by_name(word: str, T_world_camera: Array | None = None) -> RgbdC
         made: RgbdCamera = named_plugin(GROUP, name, "--camera")(rest, T_world_camera)
         return made
     kind = CAMERAS.get(name) or named_plugin(GROUP, name, "--camera", ours=[kind.form for kind in CAMERAS.values()])
-    if not rest and kind.form.endswith((":FOLDER", ":FILE")):
+    if not rest and kind.form.endswith((":FOLDER", ":FILE", ":TASK")):
         raise InputError("--camera", "", repr(word), kind.form)
     return kind.make(rest, T_world_camera)

@@ -21,7 +21,7 @@ SUFFIXES = (".png", ".jpg", ".tif")
 
 
 class RecordedRgbdCamera:
-    """Plays a folder that `coral contact track --export` wrote, or a scene of BOP. Masks and true poses are not read.
+    """Plays a scene in the format of BOP. Masks and true poses are not read.
 
     Args:
         folder: The folder, with `depth`, `rgb`, and `scene_camera.json` or `camera.json`.
