@@ -64,7 +64,6 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     from coral.reef.map.belief import BeliefCfg
     from coral.reef.map.mapping import MapCfg
     from coral.reef.recordings.autopilot_log import read_log
-    from coral.reef.sea.dvl_a50 import DvlState, parse_line
     from coral.reef.sea.saved_survey import load_survey
     from coral.reef.vehicle.camera import CameraCfg
     from coral.rotating_log import read_parts
@@ -76,18 +75,6 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     pictures = tuple(cv2.imencode(form, colour)[1].tobytes() for form in (".png", ".jpg", ".webp", ".tiff", ".bmp"))
     pose = {"position": [0.1, 0.2, 0.3], "quaternion": [1, 0, 0, 0]}
     poses = json.dumps({"objects": {"box": pose, "lid": pose | {"in": "tool"}}}).encode()
-    dvl = {
-        "type": "velocity",
-        "velocity_valid": True,
-        "vx": 0.1,
-        "vy": 0.0,
-        "altitude": 1.2,
-        "fom": 0.01,
-        "time_of_validity": 1,
-        "time_of_transmission": 2,
-        "covariance": [[1e-4, 0, 0], [0, 1e-4, 0], [0, 0, 1e-4]],
-    }
-    place = {"type": "position_local", "x": 1.0, "y": 2.0, "yaw": 90.0, "std": 0.1, "status": 0}
 
     def saved(path: Path) -> object:
         (path.parent / SurveyFiles.SAVED).write_bytes(path.read_bytes())
@@ -112,8 +99,6 @@ def binary_parsers(home: Path) -> dict[str, Given]:
         "colours": (read_colours, (COLOURS,), refused, ".yaml"),
         "object model": (read_model, (MODEL,), refused, ".xml"),
         "poses of a tracker": (lambda path: parse_poses(path.read_bytes()), (poses,), (), ""),
-        "DVL": (lambda path: parse_line(path.read_bytes(), 1.0, DvlState()),
-                (json.dumps(dvl).encode(), json.dumps(place).encode()), (), ""),
         "MAVLink": (vehicle_link, (heartbeats(),), (), ""),
         "telemetry log": (read_log, (b"".join(bytes(8) + frame for frame in frames_of_a_vehicle()),), refused, ".tlog"),
         "dataflash log": (read_log, (a_dataflash_log(),), refused, ".BIN"),

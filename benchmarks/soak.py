@@ -64,7 +64,7 @@ def sail(args: argparse.Namespace) -> None:
         folder = args.out / f"leg-{number}"
         leg(world, folder, earlier, min(60.0 * args.leg_minutes, ends_at - time.monotonic()))
         if (folder / "survey.npz").exists():
-            earlier = ["--resume", str(folder), "--place", "stated"]
+            earlier = ["--resume", str(folder)]
 
 
 def leg(world: Path, folder: Path, earlier: Sequence[str], limit_s: float) -> None:

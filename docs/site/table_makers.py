@@ -26,7 +26,7 @@ from coral.reef.vehicle.states import CHANGES
 from coral.reef.world.kinds import catalogue
 from coral.reef.world.water_types import water_of_visibility
 from coral.surface import described
-from coral.view.live.controls import BUTTONS, RESUME_BUTTONS
+from coral.view.live.controls import BUTTONS
 
 Rows = Iterable[Iterable[object]]
 
@@ -175,7 +175,7 @@ def states() -> str:
 
 def operator() -> str:
     """Return what the operator of a vehicle may say, by keyboard and page."""
-    labels = {word: label for word, label, *_ in (*BUTTONS, *RESUME_BUTTONS)}
+    labels = {word: label for word, label, *_ in BUTTONS}
 
     def keys_of(said: str) -> str:
         return ", ".join(f"`{key.strip() or 'space'}`" for key, word in KEYS.items() if word == said)

@@ -58,8 +58,6 @@ def test_the_simulated_vehicle_begins_where_the_area_does_and_sees_the_reef():
     [
         ({"vehicle": "mavlink:carrier:pigeon"}, "--vehicle"),
         ({"vehicle": "bluerov"}, "--vehicle"),
-        ({"dvl": "a50:"}, "--dvl"),
-        ({"dvl": "sonar"}, "--dvl"),
         ({"sonar": "/nowhere/dive.sonar"}, "--sonar"),
         ({"sonar": "udp:fast"}, "--sonar"),
         ({"sonar": "udp:70000"}, "--sonar"),

@@ -18,13 +18,10 @@ KEYS: dict[str, Word] = {
     "r": "resume",
     "q": "stop",
     "s": "surface",
-    "a": "align",
-    "n": "unaligned",
 }
 """Keys while the survey runs. Disarming has no key: it has to be written."""
 HELP = "space: hold  r: resume  s: surface  q: stop"
 HELP_INSTRUCT = "i: another instruction"
-HELP_ALIGN = "a: use the alignment  n: go on without the saved map"
 WAIT_S = 0.1
 
 

@@ -20,7 +20,7 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.commands.config_flag import configured
-from coral.commands.keyboard import HELP, HELP_ALIGN, HELP_INSTRUCT, Keyboard
+from coral.commands.keyboard import HELP, HELP_INSTRUCT, Keyboard
 from coral.commands.notice import mission_notice
 from coral.commands.reef_run import fulfilled
 from coral.commands.render import render
@@ -48,7 +48,6 @@ from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.sea_mission import Crew, SeaMission
-from coral.reef.sea.survey_alignment import SavedMap
 from coral.reef.sea.video_camera import Fit
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.vehicle.response import VehicleResponse
@@ -78,9 +77,6 @@ class ReefSail:
     network that comes with CORAL (rgb) or one of yours, on the camera's colour pictures."""
     lens: Path | None = None
     """Camera file (camera.yaml) of a real camera: size, lens and tilt. Its pictures are rectified."""
-    dvl: str = "autopilot"
-    """Where position and speed come from: the autopilot, or a Water Linked A50 on the network (a50:HOST). watch:HOST:
-    from the autopilot, but lost as soon as the A50 that feeds it falls silent."""
     sonar: str = "none"
     """none; simulated: of the simulated reef. udp:PORT: a Water Linked Sonar 3D-15, whose own port is 4747
     (udp:ADDRESS:PORT with this computer's address on the sonar's network). ros2:TOPIC: a cloud of
@@ -100,13 +96,8 @@ class ReefSail:
     response: Path | None = None
     """File of `coral reef identify`: how this vehicle follows its set-points; by default, like the simulated one."""
     resume: Path | None = None
-    """Run folder of an earlier survey of the same area, to continue with its map. `--start` says where the vehicle is
-    now; by default it is at the area's start again."""
-    place: Literal["map", "stated"] = "map"
-    """With --resume. map: the vehicle may be 3 m and 30° off the stated start. It surveys with a new map until that is
-    matched with the saved one, shows the alignment, and uses it on your word. stated: it is exactly where stated."""
-    put_in: tuple[float, float, float] | None = None
-    """Rehearsals only: x, y (m) and heading (rad) where the vehicle truly begins, hidden from the program."""
+    """Run folder of an earlier survey of the same area, to continue with its map. The vehicle must be where `--start`
+    says, by default at the area's start again: the saved map is off by as much as it is."""
     fault: Annotated[tuple[str, ...], Option(repeated=True, metavar="NAME@START:DURATION")] = ()
     """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. For rehearsals only,
     like `--yes`."""
@@ -167,23 +158,17 @@ class ReefSail:
             area = area.begun_at(self.start, "--start")
         depth = self.depth or file_depth
         response = None if self.response is None else read_config(self.response, VehicleResponse())
-        truly = area if self.put_in is None else area.begun_at(self.put_in, "--put-in")
         fit: Fit = partial(resized, camera=cfg.simulator.camera)
         if self.lens is not None:
             view = LiveView.of_file(self.lens)
             cfg, fit = with_camera(cfg, view.camera), view.picture
-        belief = saved = None
+        belief, sim = None, cfg.simulator
         if self.resume is not None:
-            sim = cfg.simulator
-            known, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
-            if self.place == "map":
-                saved = SavedMap(belief=known, confirmed=self.yes)
-            else:
-                belief = known
-        parts = opened.enter_context(open_parts(self, truly, world, cfg, depth, fit))
+            belief, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
+        parts = opened.enter_context(open_parts(self, area, world, cfg, depth, fit))
         for line in parts.camera.eyes.about if parts.camera.eyes else ():
             self._say(line)
-        rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else "--put-in" if self.put_in else ""
+        rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else ""
         if rehearsed and not parts.proven_simulation:
             raise InputError(
                 rehearsed,
@@ -218,6 +203,7 @@ class ReefSail:
             and text is not None
             and text.instruction.strip() == cfg.planner.instruction.text,
             heading_trusted=parts.trust_heading,
+            resumed="" if self.resume is None else str(self.resume),
         )
 
         def look() -> list[CheckLine]:
@@ -228,13 +214,13 @@ class ReefSail:
             self._print(lines)
             return {"ready": not blocking(lines), "preflight": [str(line).strip() for line in lines]}
         sail = SailCfg(mission=cfg, safety=self.safety, depth_m=depth, response=response)
-        about = {"vehicle": self.vehicle, "camera": self.camera, "dvl": self.dvl, "sonar": self.sonar}
-        about |= {"resumed": str(self.resume), "place": self.place} if self.resume is not None else {}
+        about = {"vehicle": self.vehicle, "camera": self.camera, "sonar": self.sonar}
+        about |= {"resumed": str(self.resume)} if self.resume is not None else {}
         lines = look()
         self._print(lines)
         if wrong := blocking(lines):
             raise RunError(f"will not arm: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
-        mission = SeaMission(area, sail, crew, folder, belief=belief, saved=saved, seed=self.seed, about=about)
+        mission = SeaMission(area, sail, crew, folder, belief=belief, seed=self.seed, about=about)
         write_whole(folder / SurveyFiles.PREFLIGHT, "".join(f"{line}\n" for line in lines).encode())
         inbox = self.inbox or folder / SurveyFiles.INBOX
         asked = asks_person(self.advisor)
@@ -333,8 +319,7 @@ class ReefSail:
         if refusals or not mission.crew.link.report().armed:
             mission.record.close()
             raise RunError(f"the vehicle did not arm: {'; '.join(refusals) or 'no answer'}")
-        told = [HELP, HELP_ALIGN if mission.alignment else "", HELP_INSTRUCT if mission.instruction else ""]
-        self._say(f"armed. {'  '.join(filter(None, told))}")
+        self._say(f"armed. {HELP}{f'  {HELP_INSTRUCT}' if mission.instruction else ''}")
 
     @contextmanager
     def _page(self, mission: SeaMission) -> Iterator[list[Any]]:
@@ -355,7 +340,7 @@ class ReefSail:
         from coral.view.live.viewer import Viewer
         from coral.view.live.watching import WatchedSurvey, reef_sketch
 
-        controls = SurveyControls(mission.crew.words, mission.alignment, mission.instructing)
+        controls = SurveyControls(mission.crew.words, mission.instructing)
         viewer = opened.enter_context(Viewer(mission.record.folder, controls, port=self.live_port, flag="--live-port"))
         self._say(f"watch and steer the survey at {viewer.url}")
         opened.callback(lambda: viewer.stay() if viewer.watched else None)
@@ -377,7 +362,6 @@ class ReefSail:
             f"run folder: {result['run']}",
         ]
         lines += fulfilled(result)
-        lines += [f"saved map: {result['alignment']}"] if result.get("alignment") else []
         lines += [result["lens"]] if result.get("lens") else []
         lines += [f"recording stopped: {result['recording_failure']}"] if result["recording_failure"] else []
         lines += [f"{name}: {result[name]}" for name in ("report", "video") if result.get(name)]

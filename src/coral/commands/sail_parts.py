@@ -1,4 +1,4 @@
-"""The parts of `coral reef sail`, by the names on its command line: area, vehicle, camera, DVL."""
+"""The parts of `coral reef sail`, by the names on its command line: area, vehicle, camera, sonar."""
 
 from __future__ import annotations
 
@@ -24,7 +24,6 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.address import parse_address
-from coral.reef.sea.dvl_a50 import PORT, DvlA50, LinkWatchedByDvl, LinkWithDvl
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import CameraSource, LatestShot
@@ -73,8 +72,6 @@ class SailFlags(Protocol):
     def vehicle(self) -> str: ...  # noqa: D102
     @property
     def camera(self) -> str: ...  # noqa: D102
-    @property
-    def dvl(self) -> str: ...  # noqa: D102
     @property
     def sonar(self) -> str: ...  # noqa: D102
     @property
@@ -141,7 +138,7 @@ def open_parts(
     depth_m: float,
     fit: Fit = lambda rgb: rgb,
 ) -> Iterator[Parts]:
-    """Open vehicle, DVL, camera and eyes, and close them at the end; `fit` makes a real camera's pictures fit `cfg`.
+    """Open vehicle, camera, sonar and eyes, and close them at the end; `fit` makes a real camera's pictures fit `cfg`.
 
     Raises:
         InputError: A name is wrong, or something does not answer.
@@ -154,14 +151,6 @@ def open_parts(
         else:
             parts = _mavlink(flags, area, world, opened)
         opened.append(parts.link)
-        if flags.dvl != "autopilot":
-            dvl, place = _dvl(flags.dvl, opened), flags.dvl.partition(":")[2]
-            if flags.dvl.startswith("watch:"):
-                parts.link = LinkWatchedByDvl(parts.link, dvl)
-                parts.pose_source = f"{parts.pose_source}, watched at the DVL A50 at {place}"
-            else:
-                parts.link = LinkWithDvl(parts.link, dvl)
-                parts.pose_source = f"DVL A50 at {place}"
         source: CameraSource
         if flags.camera == "simulated":
             if world is None:
@@ -296,16 +285,6 @@ def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Pa
         expected = "udp, udp:PORT or udp:ADDRESS:PORT of this computer, ros2:TOPIC, simulated or none"
         raise InputError("--sonar", "", repr(flags.sonar), expected)
     return UdpSonar(int(port) if port else SONAR_PORT, interface or "0.0.0.0")
-
-
-def _dvl(text: str, opened: list[Any]) -> DvlA50:
-    kind, _, place = text.partition(":")
-    host, _, port = place.partition(":")
-    if kind not in ("a50", "watch") or not host or (port and not port.isdigit()):
-        raise InputError("--dvl", "", repr(text), "autopilot, a50:HOST, watch:HOST, or these with :PORT")
-    dvl = DvlA50(host, int(port) if port else PORT)
-    opened.append(dvl)
-    return dvl
 
 
 def warm_up(cfg: MissionCfg) -> None:

@@ -10,7 +10,7 @@ from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.sea_mission import SeaMission
 from coral.view.svg import clock
 
-TOLD = ("state", "awaited", "alignment", "limit", "recording_stopped", "order_refused", "instruction")
+TOLD = ("state", "awaited", "limit", "recording_stopped", "order_refused", "instruction")
 """Events that the operator is told of."""
 
 
@@ -27,16 +27,15 @@ def survey_told(
     """
     work = BackgroundWork()
 
-    def show(event: Mapping[str, Any], asked: str) -> None:
-        for line in lines(event, asked):
+    def show(event: Mapping[str, Any]) -> None:
+        if line := told(event):
             say(line)
         if desk is not None:
             desk(event)
 
     def hear(event: Mapping[str, Any]) -> None:
         if event["event"] in TOLD:
-            asked = "" if mission.alignment is None else mission.alignment.status
-            work.offer(lambda: show(event, asked))
+            work.offer(lambda: show(event))
 
     mission.record.listeners.append(hear)
     try:
@@ -45,31 +44,17 @@ def survey_told(
         work.close(2.0)
 
 
-def lines(event: Mapping[str, Any], asked: str = "") -> list[str]:
-    """Return what an event says to the operator.
-
-    Args:
-        event: One of the events in `TOLD`.
-        asked: What the operator is asked about an alignment.
-    """
+def told(event: Mapping[str, Any]) -> str:
+    """Return what one of the events in `TOLD` says to the operator; "" for nothing."""
     at, kind, reason = clock(float(event["t"])), event["event"], event.get("reason", "")
     if kind == "state":
-        return [f"{at} {event['state']}: {reason}"]
+        return f"{at} {event['state']}: {reason}"
     if kind == "instruction":
-        return [f"{at} instruction, by {event['by']}: {event['text']}"]
+        return f"{at} instruction, by {event['by']}: {event['text']}"
     if kind == "awaited":
-        return [f"{at}   {event['ends_when']}"] if event["ends_when"] else []
+        return f"{at}   {event['ends_when']}" if event["ends_when"] else ""
     if kind == "limit":
-        return [f"{at} limit: {reason}; {event['action']}"]
+        return f"{at} limit: {reason}; {event['action']}"
     if kind == "recording_stopped":
-        return [f"{at} the recording has stopped, the vehicle has not: {reason}"]
-    if kind == "order_refused":
-        return [f"{at} the vehicle refused {event['order']}: {reason}"]
-    if event["status"] == "proposed":
-        return [f"{at} {asked}", f"{at}   a: use it   n: go on without"]
-    said = {
-        "used": "the survey continues with the saved map",
-        "unaligned": "the survey continues without the saved map",
-    }
-    text = said.get(event["status"], "no place on the saved map yet")
-    return [f"{at} {text}: {reason}" if reason else f"{at} {text}"]
+        return f"{at} the recording has stopped, the vehicle has not: {reason}"
+    return f"{at} the vehicle refused {event['order']}: {reason}"

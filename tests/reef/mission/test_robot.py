@@ -20,9 +20,7 @@ from coral.reef.mission.robot import Robot
 from coral.reef.pilot.pilot import Pilot
 from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
 from coral.reef.simulation.simulator import ReefSimulator, SimulatorCfg
-from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.sensing import Attitude, Stamped
-from coral.reef.vehicle.states import PilotState
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
@@ -86,18 +84,6 @@ def test_it_senses_decides_and_drives(robot):
     x, y = one.vehicle.position
     assert x > 3.1
     assert y == pytest.approx(5.0, abs=0.05)
-
-
-def test_another_map_brings_another_pilot_and_keeps_the_state(robot):
-    one = robot()
-    one.sense(0.0)
-    one.localize(0.0)
-    before, states, belief = one.pilot, one.pilot.safety.states, Belief(OccupancyMap(POOL.size_m, CameraCfg()))
-    assert states.state is PilotState.SURVEYING
-    one.rebuild(belief, Localizer(CameraCfg()))
-    assert one.pilot is not before
-    assert one.pilot.belief is one.belief is belief
-    assert one.pilot.safety.states is states
 
 
 def test_a_covariance_and_an_old_velocity_reach_guard_and_localizer(robot, monkeypatch):

@@ -27,5 +27,9 @@ def estimator(flags=831):
     return sent(mavlink.MAVLink_ekf_status_report_message(flags, 0.1, 0.2, 0.0, 0.0, 0.0))
 
 
+def height(centimetres, looks=25, least=20, most=5000):
+    return sent(mavlink.MAVLink_distance_sensor_message(0, least, most, centimetres, 0, 0, looks, 0))
+
+
 def text(words, severity=4, number=0, chunk=0):
     return sent(mavlink.MAVLink_statustext_message(severity, words.encode(), number, chunk))

@@ -81,6 +81,13 @@ def test_the_instruction_is_one_line_that_says_who_judges():
     assert judged.text.endswith("judged by the truth of the simulated reef")
 
 
+def test_a_resumed_survey_says_where_the_vehicle_must_be():
+    assert "map" not in listed()[0]
+    assert (
+        "runs/a: it fits only if the vehicle is now at (" in listed(gear=replace(GEAR, resumed="runs/a"))[0]["map"].text
+    )
+
+
 @pytest.mark.parametrize(
     ("change", "subject"),
     [

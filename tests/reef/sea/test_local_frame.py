@@ -1,11 +1,10 @@
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from coral.reef.sea.local_frame import LocalFrame, shift_points, turned_about
+from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.world.geometry import Pose, to_world
 
 POSES = st.builds(Pose, st.floats(-50, 50), st.floats(-50, 50), st.floats(-3, 3))
@@ -29,18 +28,3 @@ def test_what_lies_ahead_in_one_frame_lies_ahead_in_the_other(reported, start):
 def test_a_compass_heading_is_kept():
     frame = LocalFrame.from_start(Pose(100.0, 50.0, 1.0), Pose(2.0, 3.0, 0.0), trust_heading=True)
     assert frame.to_survey(Pose(101.0, 50.0, 1.0)) == pytest.approx((3.0, 3.0, 1.0))
-
-
-@given(POSES, POSES, POSES)
-def test_one_frame_after_another_and_back(pose, first, second):
-    a, b = LocalFrame(*first), LocalFrame(*second)
-    there = a.then(b).to_survey(pose)
-    assert there[:2] == pytest.approx(b.to_survey(a.to_survey(pose))[:2], abs=1e-6)
-    assert a.inverse().to_survey(a.to_survey(pose))[:2] == pytest.approx(pose[:2], abs=1e-6)
-
-
-@given(POSES, POSES)
-def test_points_move_as_poses_do(pose, start):
-    frame = turned_about(start, 1.0, -2.0, 0.7)
-    assert shift_points(frame, np.array([pose[:2]]))[0] == pytest.approx(frame.to_survey(pose)[:2], abs=1e-6)
-    assert frame.to_survey(start)[:2] == pytest.approx((start.x + 1.0, start.y - 2.0), abs=1e-6)

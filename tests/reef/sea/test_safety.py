@@ -55,6 +55,15 @@ def test_each_limit_has_its_action(change, cause, action):
     assert (breach.cause, breach.action) == (cause, action)
 
 
+def test_a_range_to_the_floor_that_falls_silent_may_hold():
+    silent = replace(FINE, altitude_stamp_s=NOW - 0.8)
+    assert check(silent) is None
+    holds = SafetyCfg(on_floor_lost="hold")
+    assert check(silent, cfg=holds).reason == "range to the floor lost: none for 0.8 s"
+    assert check(replace(FINE, altitude_stamp_s=NOW - 0.6), cfg=holds) is None
+    assert check(FINE, cfg=holds) is None  # none ever came
+
+
 def test_silence_on_all_channels_is_a_lost_link():
     assert check(FINE, now=NOW + 0.6) is None
     assert check(FINE, now=NOW + 0.8).cause == "link"

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from messages import attitude, estimator, heartbeat, mavlink, position, sent, text
+from messages import attitude, estimator, heartbeat, height, mavlink, position, sent, text
 
 from coral.reef.sea.telemetry import Telemetry
 from coral.reef.world.geometry import Pose
@@ -54,6 +54,12 @@ def test_a_late_packet_has_an_old_stamp_and_does_not_replace_a_newer_one():
     assert telemetry.report(101.0).pose_stamp_s == pytest.approx(100.3)
     telemetry.take(position(1050, north=9.0), 100.95)
     assert telemetry.report(101.0).pose.y == pytest.approx(2.0)
+
+
+def test_a_height_above_the_floor_is_dropped_when_it_is_old_but_its_stamp_stays():
+    telemetry = told(heartbeat(), height(140), height(300, looks=0), height(9, least=20))
+    assert (telemetry.report(100.5).altitude_m, telemetry.report(101.2).altitude_m) == (pytest.approx(1.4), None)
+    assert telemetry.report(101.2).altitude_stamp_s == pytest.approx(100.1)
 
 
 def test_other_vehicles_and_components_do_not_speak_for_ours():

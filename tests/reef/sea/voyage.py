@@ -97,8 +97,7 @@ class Voyage:
         area=None,
         time_limit_s=20.0,
         sonar=False,
-        put_in=None,
-        saved=None,
+        belief=None,
         cfg=None,
         drift=None,
         world=WORLD,
@@ -112,7 +111,7 @@ class Voyage:
         small = dataclasses.replace(sim.sonar, width=96, height=32)
         mission = dataclasses.replace(mission, simulator=dataclasses.replace(sim, sonar=small))
         self.area = area or SurveyArea.of_world(world)
-        self.link = SimulatedLink(mission.simulator.vehicle, put_in or self.area.start, drift=drift, clock=self.clock)
+        self.link = SimulatedLink(mission.simulator.vehicle, self.area.start, drift=drift, clock=self.clock)
         self.camera = FakeCamera(self.link, self.clock, mission.simulator.camera, world)
         self.sonar = SentSonar(self.link, self.clock, small) if sonar else None
         crew = Crew(
@@ -133,10 +132,8 @@ class Voyage:
             sleep=self.clock.sleep,
             decision_clock=SimulatedClock("fixed:1", np.random.default_rng(0)),
             threaded=False,
-            saved=saved,
+            belief=belief,
         )
-        if put_in is not None:
-            self.mission.align(trust_heading=False)
         self.at = {}
         self.states = []
         self.link.arm()

@@ -56,22 +56,11 @@ def test_a_survey_is_armed_once_and_steered_until_its_end():
     assert not under_way["hold"]["disabled"]
     assert all(button["disabled"] for button in ended.values())
     assert controls.press("hold", None)
-    assert not controls.press("align", None)
+    assert not controls.press("speed", 2)
     assert said == [("hold", "page")]
 
 
-def test_an_alignment_is_used_when_it_is_proposed():
-    search = SimpleNamespace(outcome="", proposal=None)
-    controls = SurveyControls(SimpleNamespace(say=lambda *_: None), search)
-    buttons = by_name(controls.panel("surveying"))
-    assert (buttons["align"]["disabled"], buttons["unaligned"]["disabled"]) == (True, False)
-    search.proposal = object()
-    assert not by_name(controls.panel("surveying"))["align"]["disabled"]
-    search.outcome = "used"
-    assert by_name(controls.panel("surveying"))["unaligned"]["disabled"]
-
-
-@pytest.mark.parametrize("made", [lambda f: RunControls(Pace(), instruct=f), lambda f: SurveyControls(None, None, f)])
+@pytest.mark.parametrize("made", [lambda f: RunControls(Pace(), instruct=f), lambda f: SurveyControls(None, f)])
 def test_the_instruction_of_a_mission_in_words_is_changed_on_the_page(made):
     told = []
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 EVENTS = {
     "start": "`world`, `advisor`, `variant`, `preset`, `seed`, `clusters_total`; `own_parts`: parts exchanged in "
-    "Python. At sea also `judged_by`, `vehicle`, `camera`, `dvl`, `sonar`, "
-    "and `resumed` with `place`.",
+    "Python. At sea also `judged_by`, `vehicle`, `camera`, `sonar` and `resumed`.",
     "instruction": "The words of a mission, at the start or changed under way: `text`, and `by` whom.",
     "question": "A question was asked: number of the `decision`, `attempt` (0: the first), `mode`, digests of its "
     "`pictures`, `centroids` of the chain, and what would be `acceptable`.",
@@ -36,10 +35,6 @@ EVENTS = {
     "operator": "At sea, the operator said a `word`, from a `source` (keyboard, page, ROS).",
     "unwind": "At sea, the vehicle turns on the spot against `turns` of its tether.",
     "limit": "At sea, a limit was reached: `cause`, `reason`, and the `action` taken.",
-    "alignment": "At sea, the search for the place on a saved map: `status`, `reason`; how far it is from the stated "
-    "start: `moved_m`, `turned_deg`, obstacles (`bodies`) and those `matched`, `residual_m`, `score`, and that of "
-    "the `second` best place.",
-    "frame": "At sea, the place on a saved map was found: `x`, `y`, `turn` of the frame, `start`, `shift`.",
     "vehicle_text": "At sea, a message of the autopilot: `severity`, `text`.",
     "late_tick": "At sea, a tick ended late: by `behind_ms`, of which it began `woken_ms` late and computed for "
     "`control_ms`.",

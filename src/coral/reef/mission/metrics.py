@@ -56,7 +56,6 @@ DEFINITIONS = {
     "seconds_in_state": "Time (s) in each state of the vehicle.",
     "clusters_left": "Clusters that the robot knew of at the end and had not finished; the event `left` says why.",
     "preset": "Name of the water and sensors (`--preset`); null where it was not recorded.",
-    "alignment": "How the search for the place on a saved map ended (`reef sail --resume --place map`).",
     "success": "Whether the conditions of a mission in words were all met in truth, without a contact; null "
     "for words without known conditions, which nobody judges.",
     "answer": "What the advisor answered when it said that such a mission was done; null if it did not.",

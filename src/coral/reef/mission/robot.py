@@ -58,7 +58,6 @@ class Robot:
         self.vehicle, self.belief, self.driver, self.clock, self.emit = vehicle, belief, driver, clock, emit
         self.localizer, self.pose = localizer, start
         """Where the robot believes it is: the odometry, corrected."""
-        self._build = build
         self.observed = VehicleObservation(t=0.0)
         """What the vehicle measured, before any fault."""
         self.faults, self._eyes = faults or FaultySensors(()), eyes
@@ -71,15 +70,6 @@ class Robot:
         """Where odometry alone put the last picture."""
         self.command: Command = (0.0, 0.0)
         self.pilot = build(self)
-
-    def rebuild(self, belief: Belief, localizer: Localizer) -> None:
-        """Continue with another map: a new pilot keeps only the vehicle's state."""
-        self.clock.withdraw()
-        self.belief, self.localizer, states = belief, localizer, self.pilot.safety.states
-        told, change = self.pilot.planner.cfg, self.pilot.change
-        self.pilot = self._build(self)
-        self.pilot.planner.cfg, self.pilot.safety.states, self.pilot.change = told, states, change
-        self.driver.reset()
 
     def sense(self, t: float) -> VehicleObservation:
         """Measure at time `t` (s). Faults that are due spoil what is measured."""

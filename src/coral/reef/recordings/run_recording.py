@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +11,11 @@ from coral.errors import MALFORMED, InputError
 from coral.reef.map.mapping import MapCfg
 from coral.reef.recordings.perception import PicturePerception
 from coral.reef.recordings.picture_folder import read_folder
-from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
-from coral.reef.sea.local_frame import LocalFrame
+from coral.reef.recordings.recording import RECORDED, Recording
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
 from coral.run_files import RunFiles, SurveyFiles, TaskFiles
-from coral.runs import read_events
 
 
 def is_run(path: Path) -> bool:
@@ -51,7 +48,6 @@ def read_run(path: Path, perception: PicturePerception | None = None, period_s: 
     name, size, start = _world(path, config)
     return dataclasses.replace(
         recording,
-        keyframes=_in_one_frame(path, recording.keyframes),
         name=name,
         source=str(path),
         area=None if size is None else (0.0, 0.0, *size),
@@ -59,22 +55,6 @@ def read_run(path: Path, perception: PicturePerception | None = None, period_s: 
         start=start or recording.start,
         seen_by=perception.name if perception else str(_mission(config).get("perception", RECORDED)),
     )
-
-
-def _in_one_frame(path: Path, read: Callable[[], Iterator[PosedFrame]]) -> Callable[[], Iterator[PosedFrame]]:
-    """Move the keyframes from before a resumed survey found its place into the frame of the saved map."""
-    logged = read_events(path / RunFiles.EVENTS) if (path / RunFiles.EVENTS).is_file() else ()
-    found = [event for event in logged if event.get("event") == "frame" and len(event.get("shift", ())) == 3]
-    if not found:
-        return read
-    until_s, shift = float(found[0]["t"]), LocalFrame(*(float(value) for value in found[0]["shift"]))
-
-    def keyframes() -> Iterator[PosedFrame]:
-        for keyframe in read():
-            early = keyframe.t <= until_s
-            yield dataclasses.replace(keyframe, pose=shift.to_survey(keyframe.pose)) if early else keyframe
-
-    return keyframes
 
 
 def camera_of(config: dict[str, Any], where: str) -> CameraCfg:

@@ -63,7 +63,7 @@ class Equipment:
 
     vehicle: str
     pose_source: str
-    """Such as "autopilot" or "DVL A50 at 192.168.2.95"."""
+    """Such as "autopilot"."""
     advisor: str
     folder: str
     time_limit_s: float
@@ -75,6 +75,8 @@ class Equipment:
     """Whether its conditions are known, and the truth."""
     heading_trusted: bool
     """Whether the vehicle's heading is taken as it is (compass), or the start's heading in its place."""
+    resumed: str = ""
+    """Run folder of the survey whose map goes on; "" for a new one."""
 
 
 def preflight_list(
@@ -122,6 +124,7 @@ def preflight_list(
         CheckLine(
             "time", f"{equipment.time_limit_s:g} s, then {safety.on_time}; home within {safety.reserve_s:g} s of it"
         ),
+        *([_resumed(equipment, area)] if equipment.resumed else []),
         *([_instruction(equipment)] if equipment.instruction else []),
         CheckLine("advisor", equipment.advisor),
         CheckLine("recording", equipment.folder),
@@ -135,6 +138,12 @@ def blocking(lines: Sequence[CheckLine]) -> list[CheckLine]:
 
 def _bad(wrong: bool) -> Level:
     return "blocking" if wrong else "good"
+
+
+def _resumed(equipment: Equipment, area: SurveyArea) -> CheckLine:
+    x, y, theta = area.start
+    place = f"({x:g}, {y:g}) m, heading {math.degrees(theta):.0f} degrees"
+    return CheckLine("map", f"that of {equipment.resumed}: it fits only if the vehicle is now at {place}")
 
 
 def _instruction(equipment: Equipment) -> CheckLine:

@@ -58,7 +58,8 @@ class VehicleReport:
     """Below the surface, positive down."""
     depth_stamp_s: float = -math.inf
     altitude_m: float | None = None
-    """Height above the sea floor, as a DVL measures it; None: unknown."""
+    """Height above the sea floor, as a range finder or a DVL measures it; None: unknown, or no longer."""
+    altitude_stamp_s: float = -math.inf
     velocity: tuple[float, float, float] | None = None
     """Over ground, in the level body frame: m/s forward, m/s to the left, rad/s to the left."""
     velocity_stamp_s: float = -math.inf

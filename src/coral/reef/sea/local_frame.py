@@ -42,30 +42,8 @@ class LocalFrame:
         c, s = math.cos(self.turn), math.sin(self.turn)
         return Pose(self.x + c * pose.x - s * pose.y, self.y + s * pose.x + c * pose.y, wrap(pose.theta + self.turn))
 
-    def then(self, onward: LocalFrame) -> LocalFrame:
-        """Return the frame that converts by this one, and then by another."""
-        x, y, turn = onward.to_survey(Pose(self.x, self.y, self.turn))
-        return LocalFrame(x, y, turn)
-
     def turned(self, covariance: NDArray[np.float64]) -> NDArray[np.float64]:
         """Convert the covariance of a pose: x, y (m), theta (rad). Shape=(3, 3)."""
         c, s = math.cos(self.turn), math.sin(self.turn)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         return np.asarray(turn @ covariance @ turn.T)
-
-    def inverse(self) -> LocalFrame:
-        """Return the frame that converts back."""
-        c, s = math.cos(self.turn), math.sin(self.turn)
-        return LocalFrame(-(c * self.x + s * self.y), s * self.x - c * self.y, wrap(-self.turn))
-
-
-def shift_points(frame: LocalFrame, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Convert places (m), Shape=(N, 2), as `LocalFrame.to_survey` converts poses."""
-    c, s = math.cos(frame.turn), math.sin(frame.turn)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]) + (frame.x, frame.y))
-
-
-def turned_about(start: Pose, x: float, y: float, turn: float) -> LocalFrame:
-    """Return the frame that turns about a start (rad) and then shifts by (x, y) in metres."""
-    c, s = math.cos(turn), math.sin(turn)
-    return LocalFrame(start.x + x - (c * start.x - s * start.y), start.y + y - (s * start.x + c * start.y), wrap(turn))

@@ -19,8 +19,9 @@ from coral.reef.sea.telemetry import Telemetry
 from coral.reef.sea.transport import Transport, open_transport
 from coral.reef.world.geometry import Pose
 
-STREAMS = {30: 20.0, 32: 20.0, 74: 10.0, 193: 5.0, 1: 2.0, 65: 10.0}
-"""Messages asked for, per second: ATTITUDE, LOCAL_POSITION_NED, VFR_HUD, EKF_STATUS_REPORT, SYS_STATUS, RC_CHANNELS."""
+STREAMS = {30: 20.0, 32: 20.0, 74: 10.0, 193: 5.0, 1: 2.0, 65: 10.0, 132: 10.0}
+"""Messages asked for, per second: ATTITUDE, LOCAL_POSITION_NED, VFR_HUD, EKF_STATUS_REPORT, SYS_STATUS, RC_CHANNELS,
+DISTANCE_SENSOR."""
 POLL_S = 0.02
 """The line is read for this long at a time."""
 SET_MESSAGE_INTERVAL, REQUEST_MESSAGE, SET_MODE, ARM_DISARM = 511, 512, 176, 400

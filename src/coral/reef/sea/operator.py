@@ -11,7 +11,7 @@ from typing import Literal
 from coral.errors import first_line
 from coral.reef.sea.link import LinkRefused, VehicleLink
 
-Word = Literal["arm", "hold", "resume", "stop", "surface", "disarm", "align", "unaligned"]
+Word = Literal["arm", "hold", "resume", "stop", "surface", "disarm"]
 WORDS: dict[Word, str] = {
     "arm": "Let the survey begin.",
     "hold": "Stay here; the survey waits.",
@@ -19,8 +19,6 @@ WORDS: dict[Word, str] = {
     "stop": "End the survey, and hold.",
     "surface": "End the survey, and come up.",
     "disarm": "Stop the thrusters, now.",
-    "align": "Use the alignment with the saved map that is proposed: both maps become one, in the saved frame.",
-    "unaligned": "Continue without the saved map.",
 }
 """What the operator may say."""
 Order = Literal["arm", "hold", "surface", "disarm"]

@@ -14,6 +14,8 @@ from coral.reef.world.geometry import Pose
 Action = Literal["none", "hold", "return", "surface"]
 """none: only reported. hold: the autopilot keeps the vehicle where it is. return: back to the start, around what is on
 the map, and then as `after_return` says. surface: the autopilot brings it up."""
+FLOOR_S = 0.7
+"""A DVL A50 sends at least twice a second; ArduSub forgets a range after another 0.5 s."""
 GRAVITY: dict[str, int] = {"none": 0, "hold": 1, "return": 2, "surface": 3}
 
 
@@ -31,6 +33,9 @@ class SafetyCfg:
     """A position older than this is no position."""
     on_pose_lost: Action = "hold"
     """The position is old or lost."""
+    on_floor_lost: Action = "none"
+    """The range to the floor came, and is silent. Where it is a DVL's (`RNGFND1_TYPE` 10), a silent DVL shows here
+    first: ArduSub continues by dead reckoning, and keeps its position for 7 s."""
     on_clock_jump: Action = "hold"
     """The clock of the autopilot jumped."""
     on_reboot: Action = "hold"
@@ -68,7 +73,7 @@ class Breach:
     """A limit that has been reached."""
 
     cause: str
-    """link, pose, clock, reboot, fence, leak, battery, tether or time."""
+    """link, pose, floor, clock, reboot, fence, leak, battery, tether or time."""
     reason: str
     """In words, with the numbers."""
     action: Action
@@ -133,6 +138,9 @@ class SafetyMonitor:
             age = now - report.pose_stamp_s
             told = f"{age:.1f} s old" if math.isfinite(age) else "none yet"
             found.append(Breach("pose", f"position lost: the last one is {told}", cfg.on_pose_lost, True))
+        elif report.altitude_stamp_s < now - FLOOR_S and math.isfinite(report.altitude_stamp_s):
+            silent = now - report.altitude_stamp_s
+            found.append(Breach("floor", f"range to the floor lost: none for {silent:.1f} s", cfg.on_floor_lost, True))
         if report.reboots > self.reboots:
             found.append(Breach("reboot", "the autopilot restarted", cfg.on_reboot))
         if report.clock_jumps > self.clock_jumps:

@@ -5,9 +5,8 @@ The loop and the robot are those of a simulated mission. Nothing here knows the 
 
 from __future__ import annotations
 
-import dataclasses
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,6 @@ from coral.advisor.thread import AdvisorThread
 from coral.reef.decide.planner import Draw
 from coral.reef.drive.delay_aware_driver import DelayAwareDriver
 from coral.reef.map.belief import Belief
-from coral.reef.map.localization import Localizer
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.mission.assembly import Deciding, decider_of, latency_in_real_time, make_robot, with_response
 from coral.reef.mission.loop import MissionLoop
@@ -31,7 +29,7 @@ from coral.reef.pilot.pilot import Pilot
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.link_vehicle import LinkVehicle
 from coral.reef.sea.local_frame import LocalFrame
-from coral.reef.sea.operator import OperatorWords, VehicleOrders, Word
+from coral.reef.sea.operator import OperatorWords, VehicleOrders
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.real_time import IdleCollector, RealTicks, collected_when_idle, prompt_threads
 from coral.reef.sea.record import SeaRecord
@@ -39,7 +37,6 @@ from coral.reef.sea.safety import SafetyMonitor
 from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.supervisor import Supervisor
-from coral.reef.sea.survey_alignment import SavedMap, SurveyAlignment
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.sea.survey_head import write_head
 from coral.reef.vehicle.response import VehicleResponse
@@ -85,7 +82,6 @@ class SeaMission:
         *,
         frame: LocalFrame | None = None,
         belief: Belief | None = None,
-        saved: SavedMap | None = None,
         seed: int = 0,
         about: dict[str, Any] | None = None,
         clock: Callable[[], float] = time.monotonic,
@@ -101,8 +97,7 @@ class SeaMission:
             crew: Vehicle, camera, advisor.
             folder: Run folder, new or empty.
             frame: From the vehicle's frame to the survey's.
-            belief: What an earlier survey found, where the vehicle is in its frame; empty by default.
-            saved: What an earlier survey found, where the vehicle's place on it must be found first.
+            belief: What an earlier survey found, in whose frame the vehicle begins; empty by default.
             seed: Seed of the controller's samples.
             about: Further entries of config.yaml, such as the names on the command line.
             clock: Monotonic time (s), that of the vehicle's stamps.
@@ -114,8 +109,7 @@ class SeaMission:
         self.area, self.cfg, self.crew, self.seed, self.about = area, cfg, crew, seed, about or {}
         self._clock, self._sleep, self._threaded = clock, sleep, threaded
         belief = belief or Belief(OccupancyMap(area.size_m, sim.camera, mission.map, sim.sonar), mission.belief)
-        self._forbidden = area.forbidden(mission.map.cell_m, belief.map.target.shape)
-        belief.map.close_off(self._forbidden)
+        belief.map.close_off(area.forbidden(mission.map.cell_m, belief.map.target.shape))
         self.calls = self.collisions = 0
         self.answer: str | None = None
         """What the advisor answered when it said that a mission in words was done."""
@@ -146,10 +140,6 @@ class SeaMission:
         self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, self._go_home)
         self.ticks = RealTicks(mission.control_period_s, clock, sleep)
         self.loop = MissionLoop(self.robot, self.ticks, self)
-        self.alignment: SurveyAlignment | None = None
-        """The search for the vehicle's place on the saved map, in a survey that needs one."""
-        if saved is not None:
-            self.alignment = SurveyAlignment(saved, area.start, self._forbidden, self.emit, threaded=threaded)
         self._recording, self._awaited = True, ""
         self.picture_age_ms: list[float] = []
         """Age of each new picture in the tick that used it (ms): latency of the camera, time of the eyes, waiting."""
@@ -196,9 +186,8 @@ class SeaMission:
 
     @property
     def notice(self) -> str:
-        """What would end the vehicle's state, and what the operator is asked; "" if there is nothing to say."""
-        alignment = "" if self.alignment is None else self.alignment.status
-        return " - ".join(text for text in (self._awaited, alignment) if text)
+        """What would end the vehicle's state; "" if there is nothing to say."""
+        return self._awaited
 
     @property
     def coverage(self) -> float:
@@ -264,10 +253,7 @@ class SeaMission:
 
     def decided(self) -> None:
         """Let the operator, the limits and the person at the joystick decide whether the vehicle drives."""
-        words = self.crew.words.take()
-        self.supervisor.update(self.ticks.now_s, self.t, self.report, self.pose, words)
-        if self.alignment is not None:
-            self._seek_place(words)
+        self.supervisor.update(self.ticks.now_s, self.t, self.report, self.pose, self.crew.words.take())
         self._tell_awaited()
         if self.states.state is not PilotState.SURVEYING:
             self.robot.command = (0.0, 0.0)
@@ -306,36 +292,6 @@ class SeaMission:
         self.vehicle.began_s = self.ticks.start()
         if isinstance(self.clock, WallClock):
             self.clock.restart()
-
-    def _seek_place(self, words: Iterable[tuple[Word, str]]) -> None:
-        """Keep looking for the vehicle's place on the saved map; take that map over on the operator's word."""
-        assert self.alignment is not None
-        for word, source in words:
-            self.alignment.say(word, source)
-        if self.supervisor.returning or self.states.state not in (PilotState.SURVEYING, PilotState.HOLDING):
-            return
-        found = self.alignment.update(self.t, self.belief)
-        if found is None:
-            return
-        belief, shift = found
-        belief.map.close_off(self._forbidden)
-        self.area = self.safety.area = self.area.with_start(shift.to_survey(self.area.start))
-        self.vehicle.frame = self._frame_of(shift)
-        mission = self.cfg.mission
-        self.robot.rebuild(belief, Localizer(mission.simulator.camera, mission.localization))
-        self.emit(
-            "frame",
-            **dataclasses.asdict(self.vehicle.frame),
-            start=list(self.area.start),
-            shift=list(dataclasses.astuple(shift)),
-        )
-
-    def _frame_of(self, shift: LocalFrame) -> LocalFrame:
-        """Return the frame in which the present corrected pose, shifted, is what odometry alone says."""
-        reported, here = self.report.pose, self.pose
-        if reported is None or here is None:
-            return self.vehicle.frame.then(shift)
-        return LocalFrame.from_start(reported, shift.to_survey(here), trust_heading=False)
 
     def _tell_texts(self, report: VehicleReport) -> None:
         for text in report.texts:
@@ -402,8 +358,6 @@ class SeaMission:
         self.emit("end", reason=self.end_reason)
         record.offer_survey(self.t, self.belief, last=True)
         self.clock.close()
-        if self.alignment is not None:
-            self.alignment.close()
         if self._thread is not None:
             self._thread.close()
         record.close()
@@ -421,7 +375,6 @@ class SeaMission:
             "recording_failure": record.work.failure,
             "recording_dropped": record.work.dropped,
             "tether_turns": round(self.report.tether_turns, 2),
-            **({} if self.alignment is None else {"alignment": self.alignment.outcome or "not decided"}),
         }
         loop, wall_s = self.loop, self._clock() - self.vehicle.began_s
         ages = {"picture_age_ms": self.picture_age_ms}

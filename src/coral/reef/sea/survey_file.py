@@ -112,13 +112,9 @@ class SurveyArea:
         Raises:
             InputError: No hull fits there.
         """
-        area = self.with_start(Pose(*start))
+        area = SurveyArea(self.name, self.size_m, Pose(*start), self.fence, self.keep_out)
         check_start(area, where, "")
         return area
-
-    def with_start(self, start: Pose) -> SurveyArea:
-        """Return the same area with another start, unchecked: where a vehicle has already been put in."""
-        return SurveyArea(self.name, self.size_m, start, self.fence, self.keep_out)
 
     def breach(self, x: float, y: float) -> str:
         """Return what a position (m) violates, in words, or ""."""

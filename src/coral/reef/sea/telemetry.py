@@ -15,6 +15,10 @@ from coral.reef.sea.stations import NO_AUTOPILOT
 from coral.reef.world.geometry import Pose, wrap
 
 TEXTS = 64
+DOWN = 25
+"""MAV_SENSOR_ROTATION_PITCH_270."""
+RANGE_S = 1.0
+"""A height older than this is none: the attitude that it is told with is a newer one."""
 STICK_PWM = 30
 """A channel further from 1500 than this is a hand on the joystick."""
 
@@ -47,6 +51,7 @@ class Telemetry:
         self._yaw_rate = 0.0
         self._turned = 0.0
         self._depth: float | None = None
+        self._range: tuple[float, float] = (math.nan, -math.inf)
         self._stamps = {"pose": -math.inf, "velocity": -math.inf, "attitude": -math.inf, "depth": -math.inf}
         self._test_ratio: float | None = None
         self._battery: tuple[float | None, float | None] = (None, None)
@@ -59,6 +64,7 @@ class Telemetry:
             "LOCAL_POSITION_NED": self._position,
             "EKF_STATUS_REPORT": self._estimator,
             "VFR_HUD": self._depth_gauge,
+            "DISTANCE_SENSOR": self._range_finder,
             "SYS_STATUS": self._system_status,
             "STATUSTEXT": self._text,
             "AUTOPILOT_VERSION": self._version,
@@ -155,6 +161,11 @@ class Telemetry:
     def _depth_gauge(self, message: Any, now: float) -> None:
         self._depth, self._stamps["depth"] = -message.alt, now
 
+    def _range_finder(self, message: Any, now: float) -> None:
+        """Take the height above the floor; ArduSub sends none as soon as its range finder has no data."""
+        if message.orientation == DOWN and message.min_distance <= message.current_distance <= message.max_distance:
+            self._range = (0.01 * message.current_distance, now)
+
     def _system_status(self, message: Any, now: float) -> None:
         volts = message.voltage_battery
         left = message.battery_remaining
@@ -216,6 +227,8 @@ class Telemetry:
             attitude_stamp_s=self._stamps["attitude"],
             depth_m=self._depth,
             depth_stamp_s=self._stamps["depth"],
+            altitude_m=self._range[0] if now - self._range[1] <= RANGE_S else None,
+            altitude_stamp_s=self._range[1],
             velocity=self._velocity,
             velocity_stamp_s=self._stamps["velocity"],
             mode=self.mode,

@@ -11,7 +11,6 @@ from coral.view.live.pace import Pace
 if TYPE_CHECKING:
     from coral.contact.control.term_weights import TermWeights
     from coral.reef.sea.operator import OperatorWords, Word
-    from coral.reef.sea.survey_alignment import SurveyAlignment
 
 MOST = 4.0
 """Largest factor on a term of a cost."""
@@ -110,11 +109,6 @@ BUTTONS: tuple[tuple[Word, str, str, str], ...] = (
     ("stop", "Stop the survey", "bad", "Ends the survey; the vehicle holds where it is."),
 )
 """Word, label, tone and hint of each button."""
-RESUME_BUTTONS: tuple[tuple[Word, str, str, str], ...] = (
-    ("align", "Use the alignment", "good", "Continue with the saved map, placed as proposed."),
-    ("unaligned", "Continue without the saved map", "", "Survey with the new map alone."),
-)
-"""Of a survey that looks for its place on a saved map."""
 
 
 class SurveyControls:
@@ -122,15 +116,11 @@ class SurveyControls:
 
     Args:
         words: Takes them.
-        alignment: The search of a resumed survey for its place on the saved map.
         instruct: Changes the instruction; None for a survey without one.
     """
 
-    def __init__(
-        self, words: OperatorWords, alignment: SurveyAlignment | None = None, instruct: Instruct | None = None
-    ) -> None:
-        self._words, self._alignment, self._instruct = words, alignment, instruct
-        self._buttons = BUTTONS + (RESUME_BUTTONS if alignment is not None else ())
+    def __init__(self, words: OperatorWords, instruct: Instruct | None = None) -> None:
+        self._words, self._instruct = words, instruct
 
     def panel(self, status: str) -> Panel:
         """Return the buttons; disabled are those without meaning now: arming once under way, all after the end."""
@@ -141,25 +131,18 @@ class SurveyControls:
                 "label": label,
                 "tone": tone,
                 "hint": hint,
-                "disabled": ended or (word == "arm") != waiting or not self._offers(word),
+                "disabled": ended or (word == "arm") != waiting,
             }
-            for word, label, tone, hint in self._buttons
+            for word, label, tone, hint in BUTTONS
         ]
         made += [] if self._instruct is None else [_instruction_button(ended)]
         return {"buttons": made, "speed": None, "weights": False}
-
-    def _offers(self, word: Word) -> bool:
-        """Check whether the operator is asked about an alignment, or may give it up."""
-        if word not in ("align", "unaligned"):
-            return True
-        search = self._alignment
-        return search is not None and not search.outcome and (word == "unaligned" or search.proposal is not None)
 
     def press(self, name: str, value: Any) -> bool:
         """Say a word, or change the instruction."""
         if name == INSTRUCT:
             return _instructed(self._instruct, value)
-        word = next((word for word, *_ in self._buttons if word == name), None)
+        word = next((word for word, *_ in BUTTONS if word == name), None)
         if word is not None:
             self._words.say(word, "page")
         return word is not None

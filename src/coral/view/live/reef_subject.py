@@ -160,17 +160,6 @@ class ReefSubject:
     def _on_sensor(self, event: Record) -> Moment:
         return {"line": f"{event.get('input', 'sensor')} {event.get('refused') or 'is good again'}"}
 
-    def _on_alignment(self, event: Record) -> Moment:
-        """Tell what became of a resumed survey's search for its place."""
-        evidence = f"{event.get('matched')} of {event.get('bodies')} bodies match, residual {event.get('residual_m')} m"
-        said = {
-            "proposed": f"alignment proposed: {evidence}",
-            "used": f"on the saved map: {evidence}",
-            "none yet": f"no place on the saved map yet: {event.get('reason', '')}",
-            "unaligned": f"continues without the saved map: {event.get('reason', '')}",
-        }
-        return {"line": said.get(str(event.get("status")), "alignment")}
-
     def _on_planner_failure(self, event: Record) -> Moment:
         return {"line": f"no way found: {event.get('reason', '')}"}
 
