@@ -33,6 +33,7 @@ from coral.reef.rehearsal.simulated_camera import SimulatedCamera
 from coral.reef.rehearsal.simulated_sonar import SimulatedSonar
 from coral.reef.rehearsal.truth import TruthFeed
 from coral.reef.sea.address import parse_address
+from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
 from coral.reef.simulation.frame_painter import make_painter
 from coral.reef.simulation.simulator import SimulatorCfg
@@ -177,10 +178,15 @@ def main() -> None:
     cfg, world = apply_preset(said.preset, MissionCfg(), find_world(said.world))
     sim = cfg.simulator
     start = Pose(world.start.x, world.start.y, world.start.theta)
-    feed = TruthFeed(parse_address(said.vehicle), start).run()
+    feed = TruthFeed(parse_address(said.vehicle)).run()
+    begun: list[LocalFrame] = []
 
     def where() -> tuple[float, Pose] | None:
-        return None if feed.state is None else (feed.state.stamp_s, feed.state.pose)
+        if (state := feed.state) is None:
+            return None
+        if not begun:  # the vehicle stands at the world's start
+            begun.append(LocalFrame.from_start(state.pose, start, trust_heading=False))
+        return state.stamp_s, begun[0].to_survey(state.pose)
 
     judge, scene = Judge(world, sim, Path(tempfile.mkdtemp())), Scene.from_world(world)
     painter = make_painter(scene, sim.camera, sim.picture_water(), sim.painter, world.seed)

@@ -11,19 +11,19 @@ from coral.reef.rehearsal.truth import TruthFeed
 from coral.reef.world.geometry import Pose
 
 
-def test_it_follows_the_vehicle_in_the_frame_of_the_start():
+def test_it_follows_the_vehicle_from_its_first_position_on():
     autopilot = SimulatedAutopilot(Body(OpenWater(start=Pose(100.0, 50.0, 2.0))))
     line = AutopilotLine(autopilot)
-    feed = TruthFeed(line, Pose(3.0, 4.0, 0.5), clock=line.clock)
+    feed = TruthFeed(line, clock=line.clock)
     for _ in range(20):
         feed.poll()
-    assert feed.state.pose == pytest.approx((3.0, 4.0, 0.5), abs=0.02)
+    assert feed.state.pose == pytest.approx((0.0, 0.0, 2.0), abs=0.02)
     ahead = Pose(100.0 + 5 * math.cos(2.0), 50.0 + 5 * math.sin(2.0), 2.0)
     autopilot.body.mover.vehicle.reset(ahead)
     autopilot.body.depth_m = 1.5
     for _ in range(20):
         feed.poll()
-    assert feed.state.pose == pytest.approx((3.0 + 5 * math.cos(0.5), 4.0 + 5 * math.sin(0.5), 0.5), abs=0.03)
+    assert feed.state.pose == pytest.approx((5 * math.cos(2.0), 5 * math.sin(2.0), 2.0), abs=0.03)
     assert feed.state.depth_m == pytest.approx(1.5, abs=0.1)
     assert feed.state.stamp_s > 0.0
     feed.close()

@@ -42,7 +42,7 @@ class MavlinkVoyage:
         self.line = AutopilotLine(self.autopilot)
         cfg = MissionCfg(time_limit_s=time_limit_s, record=RecordCfg(pictures=False), faults=tuple(faults))
         area = SurveyArea.of_world(WORLD)
-        self.link = MavlinkLink(self.line, area.start, self.line.clock, threaded=False)
+        self.link = MavlinkLink(self.line, self.line.clock, threaded=False)
         self.sleep(3.0)
         camera = TrueCamera(self, cfg.simulator.camera)
         crew = Crew(link=self.link, camera=camera, advisor=RuleAdvisor(REEF_RULES))
@@ -57,6 +57,7 @@ class MavlinkVoyage:
             decision_clock=SimulatedClock("fixed:1", np.random.default_rng(0)),
             threaded=False,
         )
+        self.mission.align(trust_heading=False)
         self.link.arm()
 
     def sleep(self, seconds):

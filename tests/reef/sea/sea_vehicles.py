@@ -7,9 +7,6 @@ from autopilot.body import Body, OpenWater
 from autopilot.line import AutopilotLine
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.mavlink_link import MavlinkLink
-from coral.reef.world.geometry import Pose
-
-START = Pose(1.0, 2.0, 0.0)
 
 
 class SimulatedVehicle:
@@ -20,7 +17,7 @@ class SimulatedVehicle:
     def __init__(self, **autopilot):
         self.autopilot = SimulatedAutopilot(Body(OpenWater()), AutopilotCfg(position_after_s=1.0, **autopilot))
         self.line = AutopilotLine(self.autopilot)
-        self.link = MavlinkLink(self.line, START, self.line.clock, threaded=False)
+        self.link = MavlinkLink(self.line, self.line.clock, threaded=False)
 
     def run(self, seconds, command=None):
         """Let time pass; repeat a command ten times a second."""
@@ -50,7 +47,7 @@ class ArduSub:
     name = "ardusub"
 
     def __init__(self, port):
-        self.link = MavlinkLink(parse_address(f"mavlink:tcp:127.0.0.1:{port}"), start=START)
+        self.link = MavlinkLink(parse_address(f"mavlink:tcp:127.0.0.1:{port}"))
 
     def run(self, seconds, command=None):
         until = time.monotonic() + seconds

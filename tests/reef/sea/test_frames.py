@@ -7,8 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from coral.reef.sea.frames import (
-    alignment,
-    compose,
     pose_from_ned,
     pose_to_ned,
     tilt_from_frd,
@@ -45,16 +43,3 @@ def test_there_and_back(x, y, theta, velocity):
     assert velocity_from_ned(*velocity_to_ned(velocity, yaw)[:2], yaw, -velocity[2]) == pytest.approx(
         velocity, abs=1e-9
     )
-
-
-@given(first=st.builds(Pose, metres, metres, angles), start=st.builds(Pose, metres, metres, angles))
-def test_alignment_brings_the_first_pose_to_the_start(first, start):
-    seen = compose(alignment(first, start), first)
-    assert (seen.x, seen.y) == pytest.approx((start.x, start.y), abs=1e-9)
-    assert wrap(seen.theta - start.theta) == pytest.approx(0.0, abs=1e-9)
-
-
-def test_alignment_turns_what_follows():
-    """Heading north in the autopilot's frame, east in ours: a metre ahead is a metre along x."""
-    frame = alignment(Pose(5.0, 5.0, math.pi / 2), Pose(0.0, 0.0, 0.0))
-    assert compose(frame, Pose(5.0, 6.0, math.pi / 2)) == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from messages import mavlink
-from sea_vehicles import START, SimulatedVehicle, set_parameter
+from sea_vehicles import SimulatedVehicle, set_parameter
 
 from autopilot.autopilot import SimulatedAutopilot
 from autopilot.body import Body, OpenWater
@@ -423,7 +423,7 @@ def test_a_failsafe_that_surfaces_is_not_fought(simulated):
 
 def test_the_thread_reads_and_close_ends_it():
     line = AutopilotLine(SimulatedAutopilot(Body(OpenWater())), np.random.default_rng(0))
-    link = MavlinkLink(line, start=START, clock=line.clock)
+    link = MavlinkLink(line, clock=line.clock)
     with link._heard:
         assert link._heard.wait_for(lambda: link.telemetry.mode == "MANUAL", 60.0)
     link.close()

@@ -6,11 +6,10 @@ import pytest
 from messages import attitude, estimator, heartbeat, height, mavlink, position, sent, text
 
 from coral.reef.sea.telemetry import Telemetry
-from coral.reef.world.geometry import Pose
 
 
-def told(*messages, start=None, system=0):
-    telemetry = Telemetry(system, start)
+def told(*messages, system=0):
+    telemetry = Telemetry(system)
     for k, message in enumerate(messages):
         telemetry.take(message, 100.0 + 0.1 * k)
     return telemetry
@@ -27,16 +26,6 @@ def test_a_pose_in_our_frames():
     assert report.position_test_ratio == pytest.approx(0.2)
     assert (report.mode, report.armed) == ("GUIDED", True)
     assert report.heartbeat_age_s == pytest.approx(0.5)
-
-
-def test_the_first_pose_is_the_start_and_the_rest_follows():
-    telemetry = told(
-        heartbeat(), estimator(), attitude(1000, yaw=0.0), position(1000, north=10.0), start=Pose(1.0, 2.0, 0.0)
-    )
-    assert telemetry.report(101.0).pose == pytest.approx((1.0, 2.0, 0.0), abs=1e-6)
-    telemetry.take(position(1100, north=11.0), 100.5)
-    assert telemetry.report(101.0).pose == pytest.approx((2.0, 2.0, 0.0), abs=1e-6)
-    assert telemetry.report(101.0).yaw_rad == pytest.approx(0.0, abs=1e-6)
 
 
 def test_without_an_estimate_positions_are_no_poses_and_stamps_stand_still():
@@ -114,10 +103,10 @@ def test_battery_and_unknown_battery():
     assert told(heartbeat(), unknown).report(0).battery_v is None
 
 
-def test_a_restart_forgets_the_pose_and_its_frame():
+def test_a_restart_forgets_the_pose():
     before = [heartbeat(), estimator(), attitude(50_000), position(50_000, north=9.0)]
     after = [attitude(100 + k) for k in range(3)]
-    telemetry = told(*before, *after, start=Pose(1.0, 2.0, 0.0))
+    telemetry = told(*before, *after)
     report = telemetry.report(101.0)
     assert (report.reboots, report.pose, report.has_position) == (1, None, False)
     telemetry.take(estimator(), 101.0)

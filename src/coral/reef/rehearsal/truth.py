@@ -12,7 +12,7 @@ from typing import Any
 
 from coral.reef.sea import ardusub
 from coral.reef.sea.address import VehicleAddress
-from coral.reef.sea.frames import alignment, compose, pose_from_ned
+from coral.reef.sea.frames import pose_from_ned
 from coral.reef.sea.transport import Transport, open_transport
 from coral.reef.world.geometry import Pose
 
@@ -26,7 +26,7 @@ class TrueState:
     """A simulation's own state of its vehicle."""
 
     pose: Pose
-    """World ENU, in the frame where the first pose was `start`. The position comes in steps of 1.1 cm."""
+    """ENU, from the first position on, which comes in steps of 1.1 cm."""
     depth_m: float
     stamp_s: float
     """Monotonic time of arrival."""
@@ -38,18 +38,16 @@ class TruthFeed:
     def __init__(
         self,
         address: VehicleAddress | Transport,
-        start: Pose | None = None,
         system: int = 1,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Open the line; see `MavlinkLink` for `start`. The first state is the origin."""
+        """Open the line. The first position is the origin."""
         self._dialect = ardusub.load_dialect()
         self._line = open_transport(address) if isinstance(address, VehicleAddress) else address
-        self._clock, self._start, self._system = clock, start, system
+        self._clock, self._system = clock, system
         self._codec = self._dialect.MAVLink(None, 254, 191)
         self._codec.robust_parsing = True
         self._origin: tuple[float, float] | None = None
-        self._frame = Pose(0.0, 0.0, 0.0)
         self._state: TrueState | None = None
         self._asked_s = -math.inf
         self._closed = threading.Event()
@@ -100,9 +98,7 @@ class TruthFeed:
             return
         if self._origin is None:
             self._origin = (latitude, longitude)
-            own = pose_from_ned(0.0, 0.0, message.yaw)
-            self._frame = Pose(0.0, 0.0, 0.0) if self._start is None else alignment(own, self._start)
         north = math.radians(latitude - self._origin[0]) * EARTH_M
         east = math.radians(longitude - self._origin[1]) * EARTH_M * math.cos(math.radians(self._origin[0]))
-        pose = compose(self._frame, pose_from_ned(north, east, message.yaw))
+        pose = pose_from_ned(north, east, message.yaw)
         self._state = TrueState(pose=pose, depth_m=-message.alt, stamp_s=now)

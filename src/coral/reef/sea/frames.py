@@ -35,16 +35,3 @@ def velocity_to_ned(velocity: tuple[float, float, float], yaw_rad: float) -> tup
 def tilt_from_frd(roll_rad: float, pitch_rad: float) -> tuple[float, float]:
     """Convert roll and pitch: roll keeps its sign, pitch is positive nose down in FLU and nose up in FRD."""
     return roll_rad, -pitch_rad
-
-
-def compose(frame: Pose, pose: Pose) -> Pose:
-    """Return a pose that is given in a frame as seen from the world: SE(2) composition."""
-    c, s = math.cos(frame.theta), math.sin(frame.theta)
-    return Pose(frame.x + c * pose.x - s * pose.y, frame.y + s * pose.x + c * pose.y, wrap(frame.theta + pose.theta))
-
-
-def alignment(first: Pose, start: Pose) -> Pose:
-    """Return the frame T for which `compose(T, first)` is `start`: where the autopilot's frame lies in ours."""
-    theta = wrap(start.theta - first.theta)
-    turned = compose(Pose(0.0, 0.0, theta), Pose(first.x, first.y, 0.0))
-    return Pose(start.x - turned.x, start.y - turned.y, theta)

@@ -36,7 +36,7 @@ class VehicleReport:
     """
 
     pose: Pose | None = None
-    """Position and heading (m, m, rad). None until the autopilot has a position."""
+    """Position and heading (m, m, rad) in the vehicle's own frame. None until the autopilot has a position."""
     pose_stamp_s: float = -math.inf
     """Stands still while the autopilot has no valid position, even if numbers still come."""
     has_position: bool = False

@@ -17,7 +17,6 @@ from coral.reef.sea.setpoints import FRESH_S, NEUTRAL, VELOCITY_AND_YAW_RATE, St
 from coral.reef.sea.stations import MOST, Stations, place
 from coral.reef.sea.telemetry import Telemetry
 from coral.reef.sea.transport import Transport, open_transport
-from coral.reef.world.geometry import Pose
 
 STREAMS = {30: 20.0, 32: 20.0, 74: 10.0, 193: 5.0, 1: 2.0, 65: 10.0, 132: 10.0}
 """Messages asked for, per second: ATTITUDE, LOCAL_POSITION_NED, VFR_HUD, EKF_STATUS_REPORT, SYS_STATUS, RC_CHANNELS,
@@ -75,7 +74,6 @@ class MavlinkLink:
     def __init__(
         self,
         address: VehicleAddress | Transport,
-        start: Pose | None = None,
         clock: Callable[[], float] = time.monotonic,
         threaded: bool = True,
     ) -> None:
@@ -83,8 +81,6 @@ class MavlinkLink:
 
         Args:
             address: Where the vehicle is, or a line to it.
-            start: Where the vehicle stands in the survey's frame when its first pose comes. None: poses are relative
-                to the estimator's origin, x east.
             clock: Monotonic time (s).
             threaded: Read in a thread. Otherwise `poll` has to be called, and orders call it while they wait.
 
@@ -99,7 +95,7 @@ class MavlinkLink:
         self._codecs: dict[Hashable, Any] = {}
         self._out = self._dialect.MAVLink(None, OWN_SYSTEM, OWN_COMPONENT)
         system = address.system if isinstance(address, VehicleAddress) else 0
-        self.telemetry = Telemetry(system, start)
+        self.telemetry = Telemetry(system)
         self._stations = Stations(system)
         self._warned: tuple[str, ...] = ()
         self._sticks = StickLoop()

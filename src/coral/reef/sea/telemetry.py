@@ -9,7 +9,7 @@ from typing import Any
 
 from coral.reef.sea import ardusub
 from coral.reef.sea.boot_clock import BootClock
-from coral.reef.sea.frames import alignment, compose, pose_from_ned, tilt_from_frd, velocity_from_ned
+from coral.reef.sea.frames import pose_from_ned, tilt_from_frd, velocity_from_ned
 from coral.reef.sea.link import StatusText, VehicleReport
 from coral.reef.sea.stations import NO_AUTOPILOT
 from coral.reef.world.geometry import Pose, wrap
@@ -26,8 +26,8 @@ STICK_PWM = 30
 class Telemetry:
     """What the autopilot has said, about one vehicle."""
 
-    def __init__(self, system: int = 0, start: Pose | None = None) -> None:
-        """Listen to a system id (0: the first autopilot heard), in the frame where the first pose is `start`."""
+    def __init__(self, system: int = 0) -> None:
+        """Listen to a system id (0: the first autopilot heard)."""
         self.system = system
         self.clock = BootClock()
         self.mode = ""
@@ -42,8 +42,6 @@ class Telemetry:
         self.channels: tuple[int, ...] = ()
         self.channels_s = -math.inf
         self.foreign_stick_s = -math.inf
-        self._start = start
-        self._frame: Pose | None = None if start else Pose(0.0, 0.0, 0.0)
         self._pose: Pose | None = None
         self._velocity: tuple[float, float, float] | None = None
         self._tilt: tuple[float, float] | None = None
@@ -125,7 +123,6 @@ class Telemetry:
     def _restarted(self) -> None:
         self.flags = self.version = 0
         self._pose = self._velocity = None
-        self._frame = Pose(0.0, 0.0, 0.0)  # where the old frame lies in the new one is unknown
         self._stamps = dict.fromkeys(self._stamps, -math.inf)
         self.tell(1, "coral: the autopilot restarted")
 
@@ -146,11 +143,7 @@ class Telemetry:
             return
         if not ardusub.has_position(self.flags):
             return
-        own = pose_from_ned(message.x, message.y, self._yaw_ned)
-        if self._frame is None:
-            assert self._start is not None
-            self._frame = alignment(own, self._start)
-        self._pose = compose(self._frame, own)
+        self._pose = pose_from_ned(message.x, message.y, self._yaw_ned)
         self._velocity = velocity_from_ned(message.vx, message.vy, self._yaw_ned, self._yaw_rate)
         self._stamps["pose"] = self._stamps["velocity"] = stamp
 
@@ -213,9 +206,6 @@ class Telemetry:
         """Return the state at `now` (monotonic s), with the texts since the last report."""
         texts, self._texts = tuple(self._texts), deque(maxlen=TEXTS)
         roll, pitch = self._tilt or (None, None)
-        yaw = None
-        if self._yaw_ned is not None:
-            yaw = wrap(math.pi / 2 - self._yaw_ned + (self._frame.theta if self._frame else 0.0))
         return VehicleReport(
             pose=self._pose,
             pose_stamp_s=self._stamps["pose"],
@@ -223,7 +213,7 @@ class Telemetry:
             position_test_ratio=self._test_ratio,
             roll_rad=roll,
             pitch_rad=pitch,
-            yaw_rad=yaw,
+            yaw_rad=None if self._yaw_ned is None else wrap(math.pi / 2 - self._yaw_ned),
             attitude_stamp_s=self._stamps["attitude"],
             depth_m=self._depth,
             depth_stamp_s=self._stamps["depth"],
