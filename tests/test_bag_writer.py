@@ -7,7 +7,7 @@ from coral.bag_writer import nanoseconds_of, open_bag
 from coral.errors import InputError
 
 pytest.importorskip("rosbags")
-TOPICS = {"/told": "std_msgs/msg/String", "/silent": "std_msgs/msg/String"}
+TOPICS = dict.fromkeys(("/told", "/silent"), ("std_msgs/msg/String", "a text"))
 
 
 @pytest.mark.parametrize("single_file", [True, False])

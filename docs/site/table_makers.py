@@ -129,9 +129,8 @@ def layouts() -> str:
 
 def topics(bag: ModuleType) -> str:
     """Return the topics of a bag."""
-    return table(
-        "topic | type | what", ((f"`{name}`", kind.split("/")[-1], bag.WHAT[name]) for name, kind in bag.TOPICS.items())
-    )
+    rows = ((f"`{name}`", kind.split("/")[-1], what) for name, (kind, what) in bag.TOPICS.items())
+    return table("topic | type | what", rows)
 
 
 def suite(suite: str) -> str:

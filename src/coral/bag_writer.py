@@ -21,10 +21,10 @@ class BagWriter:
 
     Args:
         writer: An open `Writer` of rosbags.
-        topics: Type of the messages on each topic.
+        topics: Type of the messages on each topic, and what they are.
     """
 
-    def __init__(self, writer: Any, topics: Mapping[str, str]) -> None:
+    def __init__(self, writer: Any, topics: Mapping[str, tuple[str, str]]) -> None:
         from rosbags.typesys import Stores, get_typestore
 
         self._writer, self._store, self._topics = writer, get_typestore(Stores.ROS2_HUMBLE), topics
@@ -38,7 +38,7 @@ class BagWriter:
 
     def send(self, topic: str, t: float, message: Any) -> None:
         """Write a message at a time (s)."""
-        kind = self._topics[topic]
+        kind, _ = self._topics[topic]
         if topic not in self._connections:
             self._connections[topic] = self._writer.add_connection(topic, kind, typestore=self._store)
         self.counts[topic] = self.counts.get(topic, 0) + 1
@@ -82,12 +82,12 @@ class BagWriter:
 
 
 @contextmanager
-def open_bag(path: Path, topics: Mapping[str, str], *, single_file: bool) -> Iterator[BagWriter]:
+def open_bag(path: Path, topics: Mapping[str, tuple[str, str]], *, single_file: bool) -> Iterator[BagWriter]:
     """Open a new bag; it stands at its place when it is whole.
 
     Args:
         path: The bag's folder, or the MCAP file; it must not exist.
-        topics: Type of the messages on each topic.
+        topics: Type of the messages on each topic, and what they are.
         single_file: Whether to write one MCAP file and no folder.
 
     Raises:

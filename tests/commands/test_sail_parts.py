@@ -1,14 +1,20 @@
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from coral.commands import sail_parts
 from coral.commands.reef_sail import ReefSail
-from coral.commands.sail_parts import open_parts, read_area
+from coral.commands.sail_parts import open_parts, read_area, watch_sensors
 from coral.errors import InputError
 from coral.reef.eyes.painted_or_real import PaintedOrRealEyes
+from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import with_sonar
+from coral.reef.sea.checklist import CheckLine
+from coral.reef.sea.link import VehicleReport
+from coral.reef.sea.safety import SafetyCfg
 
 SURVEY = "format: coral-survey/1\nname: tank\nsize_m: [22, 22]\nstart: {x: 4, y: 5}\ndepth_m: 2.5\n"
 
@@ -101,3 +107,46 @@ def test_a_real_sonar_is_listened_to_on_its_port():
     with opened(ReefSail(area="s1", sonar="udp:127.0.0.1:0")) as parts:
         assert parts.sonar.source.port > 0
         assert parts.sonar.latest is None
+
+
+NO_CAMERA = CheckLine("camera", "no picture yet", "blocking")
+LEAK = CheckLine("leak", "water inside the hull", "blocking")
+
+
+@pytest.fixture
+def watched(monkeypatch):
+    """Watches with a clock that only sleep advances; returns the lines, and how long that took (s)."""
+
+    def watch(listed):
+        now = [100.0]
+
+        def sleep(seconds):
+            now[0] += seconds
+
+        def lines(*_):
+            return listed(now[0] - 100.0)
+
+        monkeypatch.setattr(sail_parts, "time", SimpleNamespace(monotonic=lambda: now[0], sleep=sleep))
+        monkeypatch.setattr(sail_parts, "preflight_list", lines)
+        link = SimpleNamespace(report=VehicleReport)
+        parts = SimpleNamespace(link=link, camera=SimpleNamespace(rate_hz=10.0), sonar=None, place=lambda: None)
+        return watch_sensors(parts, None, SafetyCfg(), None, SonarCfg()), now[0] - 100.0
+
+    return watch
+
+
+def test_a_sensor_that_comes_late_is_waited_for(watched):
+    lines, took_s = watched(lambda t: [NO_CAMERA] if t < 15.0 else [])
+    assert lines == []
+    assert 15.0 <= took_s < 25.0
+
+
+def test_a_sensor_that_never_comes_is_told_in_the_end(watched):
+    lines, took_s = watched(lambda t: [NO_CAMERA])
+    assert lines == [NO_CAMERA]
+    assert 30.0 < took_s < 40.0
+
+
+def test_what_waiting_does_not_mend_is_told_at_once(watched):
+    lines, took_s = watched(lambda t: [LEAK])
+    assert (lines, took_s < 7.0) == ([LEAK], True)

@@ -25,8 +25,7 @@ from coral.commands.notice import mission_notice
 from coral.commands.reef_run import fulfilled
 from coral.commands.render import render
 from coral.commands.sail_conduct import conduct
-from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up
-from coral.commands.sail_preflight import watch_sensors
+from coral.commands.sail_parts import Parts, open_parts, read_area, warm_up, watch_sensors
 from coral.commands.sail_told import survey_told
 from coral.config import Positive, checked, read_config
 from coral.errors import InputError, RunError
@@ -41,14 +40,14 @@ from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_camera, with_c
 from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import CheckLine, Equipment, blocking
-from coral.reef.sea.live_view import LiveView, resized
 from coral.reef.sea.operator import OperatorWords
 from coral.reef.sea.priority import prefer_process
+from coral.reef.sea.recorded_camera import read_camera
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.sea_mission import Crew, SeaMission
-from coral.reef.sea.video_camera import Fit
+from coral.reef.sea.video_camera import WIDEST_PX, Fit, resized
 from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.world_names import shipped_worlds
@@ -160,8 +159,8 @@ class ReefSail:
         response = None if self.response is None else read_config(self.response, VehicleResponse())
         fit: Fit = partial(resized, camera=cfg.simulator.camera)
         if self.lens is not None:
-            view = LiveView.of_file(self.lens)
-            cfg, fit = with_camera(cfg, view.camera), view.picture
+            camera = read_camera(self.lens, WIDEST_PX)
+            cfg, fit = with_camera(cfg, camera.view), camera.picture
         belief, sim = None, cfg.simulator
         if self.resume is not None:
             belief, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)

@@ -18,17 +18,19 @@ from coral.errors import InputError
 from coral.plugins import has_plugin, named_plugin, our_part
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.eyes.backends import open_eyes
-from coral.reef.map.sonar_3d15 import Sonar3d15
+from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.address import parse_address
+from coral.reef.sea.checklist import CheckLine, Equipment, StampRates, blocking, preflight_list
+from coral.reef.sea.latest_reading import HeardImage, LatestReading, SensorSource
 from coral.reef.sea.link import VehicleLink
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import CameraSource, LatestShot
+from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sea_mission import SeaMission
-from coral.reef.sea.sonar_reading import LatestHeard, SonarSource
 from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
 from coral.reef.sea.udp_sonar import UdpSonar
@@ -44,6 +46,11 @@ from coral.reef.world.world import ReefWorld, load_world
 
 DEPTH_M = 1.0
 WARM_UP_S = 6.0
+LOOK_S = 2.0
+"""The checks before arming watch the sensors for this long, to measure their rates."""
+PATIENCE_S = 30.0
+"""Longest wait for sensors that are not there yet."""
+AWAITED = "vehicle", "pose", "velocity", "depth", "camera", "sonar"
 
 
 def read_area(name: str) -> tuple[SurveyArea, ReefWorld | None, float]:
@@ -102,7 +109,7 @@ class Parts:
     """Whether the vehicle cannot be a real one."""
     truth: Callable[[], tuple[float, Pose] | None]
     """Monotonic time and true pose, in the frame of the simulation."""
-    sonar: LatestHeard | None = None
+    sonar: LatestReading[HeardImage] | None = None
     frame: LocalFrame = field(default_factory=LocalFrame)
     placed: bool = False
     """Whether the survey has begun: the frame stays from then on."""
@@ -179,7 +186,7 @@ def open_parts(
         parts.camera = LatestShot(source, eyes, cfg.simulator.camera)
         opened.append(parts.camera)
         if flags.sonar != "none":
-            parts.sonar = LatestHeard(_sonar(flags, world, cfg, parts))
+            parts.sonar = LatestReading(_sonar(flags, world, cfg, parts), "coral-sonar")
             opened.append(parts.sonar)
         yield parts
     finally:
@@ -265,7 +272,7 @@ def proves_simulation(feed: Any, timeout_s: float = 10.0) -> bool:
     return True
 
 
-def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Parts) -> SonarSource:
+def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Parts) -> SensorSource[HeardImage]:
     kind, _, place = flags.sonar.partition(":")
     if flags.sonar == "simulated":
         if world is None:
@@ -273,18 +280,41 @@ def _sonar(flags: SailFlags, world: ReefWorld | None, cfg: MissionCfg, parts: Pa
         surface_z = None if world.water_depth_m is None else world.seabed.z_m + world.water_depth_m
         rng = np.random.default_rng([flags.seed, 3])
         sonar = Sonar3d15(Scene.from_world(world).resting, cfg.simulator.sonar, rng, surface_z=surface_z)
-        simulated: SonarSource = our_part("rehearsal", "sonar", "--sonar")(
+        simulated: SensorSource[HeardImage] = our_part("rehearsal", "sonar", "--sonar")(
             sonar, parts.where, cfg.simulator.camera.altitude_m
         )
         return simulated
     if kind == "ros2":
-        ranges: SonarSource = our_part("ros2", "sonar", "--sonar")(place, cfg.simulator.sonar)
+        ranges: SensorSource[HeardImage] = our_part("ros2", "sonar", "--sonar")(place, cfg.simulator.sonar)
         return ranges
     interface, _, port = place.rpartition(":")
     if kind != "udp" or (port and not (port.isdigit() and int(port) < 65536)):
         expected = "udp, udp:PORT or udp:ADDRESS:PORT of this computer, ros2:TOPIC, simulated or none"
         raise InputError("--sonar", "", repr(flags.sonar), expected)
     return UdpSonar(int(port) if port else SONAR_PORT, interface or "0.0.0.0")
+
+
+def watch_sensors(
+    parts: Parts, area: SurveyArea, safety: SafetyCfg, equipment: Equipment, sonar: SonarCfg
+) -> list[CheckLine]:
+    """Watch the sensors for a while and make the preflight list; wait for those that are not there yet."""
+    rates, began = StampRates(), time.monotonic()
+
+    def measured() -> bool:
+        known = (rates.rate_hz("pose"), parts.camera.rate_hz, 0.0 if parts.sonar is None else parts.sonar.rate_hz)
+        return None not in known
+
+    while True:
+        looked = time.monotonic()
+        while (spent := time.monotonic() - looked) < LOOK_S or (spent < 3.0 * LOOK_S and not measured()):
+            rates.note(time.monotonic(), parts.link.report())
+            parts.place()
+            time.sleep(0.02)
+        now, report = time.monotonic(), parts.link.report()
+        lines = preflight_list(now, report, rates, parts.camera, area, safety, equipment, parts.sonar, sonar)
+        waits = [line for line in blocking(lines) if line.subject in AWAITED]
+        if not waits or now - began > PATIENCE_S:
+            return lines
 
 
 def warm_up(cfg: MissionCfg) -> None:

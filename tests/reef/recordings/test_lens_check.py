@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from coral.reef.recordings.lens_check import check_lens, check_run_lens, fit_lens, floor_error
-from coral.reef.recordings.picture_files import frame_of
+from coral.reef.recordings.picture_files import NO_OBJECTS
 from coral.reef.recordings.recording import PosedFrame, Recording
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera
-from coral.reef.world.geometry import Pose
+from coral.reef.world.geometry import Frame, Pose
 
 TRUE = CameraCfg(width=160, height=120, hfov_deg=90.0, pitch_down_deg=40.0)
 FLOOR_M = 0.02
@@ -36,7 +36,7 @@ def dive():
     for k in range(14):
         pose = Pose(4.0 + 0.3 * k, 8.0 + 0.1 * (k % 3), 0.05 * k)
         frames.append(
-            PosedFrame(t=float(k), pose=pose, height_m=1.0, frame=frame_of(nothing, far, taken(pose, texture)))
+            PosedFrame(t=float(k), pose=pose, height_m=1.0, frame=Frame(far, nothing, NO_OBJECTS, taken(pose, texture)))
         )
     return frames
 

@@ -7,13 +7,12 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.recordings.picture_files import (
-    decode_depth,
-    decode_labels,
-    decode_rgb,
+    colours_of,
     depth_of,
     encode_depth,
     encode_jpeg,
     encode_png,
+    labels_of,
     read_picture,
 )
 from coral.reef.sea.recorded_camera import RecordedCamera
@@ -22,53 +21,62 @@ from coral.reef.vehicle.camera import CameraCfg
 CAMERA = RecordedCamera.plain(CameraCfg(width=4, height=3))
 
 
-def test_depth_comes_back_in_millimetres_and_nothing_seen_stays_nothing():
+@pytest.fixture
+def stored(tmp_path):
+    def store(content, field):
+        (tmp_path / "picture").write_bytes(content)
+        return read_picture(tmp_path / "picture", "x", field)
+
+    return store
+
+
+def test_depth_comes_back_in_millimetres_and_nothing_seen_stays_nothing(stored):
     depth = np.array([[0.2504, 1.5, 3.0, 12.0], [np.inf] * 4, [70.0] * 4], np.float32)
-    read = decode_depth(encode_png(encode_depth(depth)), CAMERA, "x")
+    read = depth_of(stored(encode_png(encode_depth(depth)), "depth"), CAMERA, "x")
     np.testing.assert_allclose(read[0], [0.25, 1.5, 3.0, 12.0])
     assert np.isinf(read[1]).all()
     assert (read[2] == np.float32(65.535)).all()
 
 
-def test_labels_come_back_as_they_were():
+def test_labels_come_back_as_they_were(stored):
     labels = np.arange(12, dtype=np.uint8).reshape(3, 4) % 4
-    np.testing.assert_array_equal(decode_labels(encode_png(labels), CAMERA, "x"), labels)
+    np.testing.assert_array_equal(labels_of(stored(encode_png(labels), "labels"), CAMERA, "x"), labels)
 
 
-def test_colours_keep_their_order():
+def test_colours_keep_their_order(stored):
     rgb = np.zeros((3, 4, 3), np.uint8)
     rgb[..., 0] = 200
-    read = decode_rgb(encode_jpeg(rgb), CAMERA, "x")
+    read = colours_of(stored(encode_jpeg(rgb), "rgb"), CAMERA, "x")
     assert read[..., 0].min() > 180
     assert read[..., 2].max() < 30
 
 
-def test_pixels_stay_as_they_lie_in_the_file_whatever_orientation_it_tells():
+def test_pixels_stay_as_they_lie_in_the_file_whatever_orientation_it_tells(stored):
     rgb = np.zeros((3, 4, 3), np.uint8)
     rgb[0] = 250
     plain = encode_jpeg(rgb)
     exif = b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x03\0\0\0\0\0\0\0"  # 3: turned by 180 degrees
     turned = plain[:2] + b"\xff\xe1" + (len(exif) + 2).to_bytes(2, "big") + exif + plain[2:]
-    np.testing.assert_array_equal(decode_rgb(turned, CAMERA, "x"), decode_rgb(plain, CAMERA, "x"))
+    np.testing.assert_array_equal(stored(turned, "rgb"), stored(plain, "rgb"))
 
 
 @pytest.mark.parametrize(
-    ("decode", "image", "said"),
+    ("as_kind", "image", "said"),
     [
-        (decode_labels, np.full((3, 4), 9, np.uint8), "classes 0 to 3"),
-        (decode_labels, np.zeros((3, 4), np.uint16), "8 bits in one channel"),
-        (decode_depth, np.zeros((3, 4), np.uint8), "millimetres, 16 bits"),
-        (decode_depth, np.zeros((6, 8), np.uint16), "found 8 x 6 pixels, expected 4 x 3"),
+        (labels_of, np.full((3, 4), 9, np.uint8), "classes 0 to 3"),
+        (labels_of, np.zeros((3, 4), np.uint16), "8 bits in one channel"),
+        (depth_of, np.zeros((3, 4), np.uint8), "millimetres, 16 bits"),
+        (depth_of, np.zeros((6, 8), np.uint16), "found 8 x 6 pixels, expected 4 x 3"),
     ],
 )
-def test_a_picture_of_another_kind_is_refused(decode, image, said):
+def test_a_picture_of_another_kind_is_refused(as_kind, image, said):
     with pytest.raises(InputError, match=said):
-        decode(encode_png(image), CAMERA, "x")
+        as_kind(image, CAMERA, "x")
 
 
-def test_no_picture_is_refused(tmp_path):
+def test_no_picture_is_refused(tmp_path, stored):
     with pytest.raises(InputError, match="found no picture"):
-        decode_rgb(b"text", CAMERA, "x")
+        stored(b"text", "rgb")
     with pytest.raises(InputError, match=r"gone\.png"):
         read_picture(tmp_path / "gone.png", "x", "rgb")
 

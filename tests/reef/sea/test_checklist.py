@@ -6,10 +6,10 @@ import pytest
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.checklist import Equipment, StampRates, blocking, preflight_list
+from coral.reef.sea.latest_reading import HeardImage, LatestReading
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot, Shot
 from coral.reef.sea.safety import SafetyCfg
-from coral.reef.sea.sonar_reading import HeardImage, LatestHeard
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.vehicle.range_image import RangeImage
 from coral.reef.world.geometry import Pose
@@ -164,7 +164,7 @@ class Echoes:
 
 def listening(*found, period_s=0.2):
     times = iter(NOW + period_s * k for k in range(10))
-    sonar = LatestHeard(Echoes(*found), clock=lambda: next(times), threaded=False)
+    sonar = LatestReading(Echoes(*found), "sonar", clock=lambda: next(times), threaded=False)
     for _ in found:
         sonar.step()
     return sonar

@@ -2,33 +2,32 @@ import threading
 
 import pytest
 
+from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.latest_reading import KEPT, LatestReading, rate_of, rate_told
 
 
 class Source:
+    """Measures the numbers of a list; an error in it is raised."""
+
     def __init__(self, found):
         self.found, self.closed = list(found), False
+
+    def read(self):
+        value = self.found.pop(0) if self.found else None
+        if isinstance(value, Exception):
+            raise value
+        return value
 
     def close(self):
         self.closed = True
 
 
-class Numbers(LatestReading[float]):
-    """Measures the numbers of a list; an error in it is raised."""
-
-    def __init__(self, source, **options):
-        self.source = source
-        super().__init__(source, "numbers", **options)
-
-    def _read(self):
-        value = self.source.found.pop(0) if self.source.found else None
-        if isinstance(value, Exception):
-            raise value
-        return value
+def reading_of(source, **options):
+    return LatestReading(source, "numbers", **options)
 
 
 def test_the_newest_is_kept_while_none_comes():
-    reading = Numbers(Source([1.0, None, 2.0, None]), threaded=False)
+    reading = reading_of(Source([1.0, None, 2.0, None]), threaded=False)
     assert reading.latest is None
     seen = []
     for _ in range(4):
@@ -38,7 +37,7 @@ def test_the_newest_is_kept_while_none_comes():
 
 
 def test_a_failure_is_told_until_the_sensor_is_back():
-    reading = Numbers(Source([OSError("no signal\nmore"), None, 3.0]), threaded=False)
+    reading = reading_of(Source([OSError("no signal\nmore"), None, 3.0]), threaded=False)
     reading._closing.set()  # no pause
     reading.step()
     assert reading.failure == "no signal"
@@ -48,9 +47,18 @@ def test_a_failure_is_told_until_the_sensor_is_back():
     assert (reading.failure, reading.latest) == ("", 3.0)
 
 
+def test_refused_measurements_are_counted_by_name_and_change_nothing():
+    spoiled = UnfitMeasurement("wrong checksum"), UnfitMeasurement("wrong checksum"), UnfitMeasurement("cut off", "3")
+    reading = reading_of(Source([1.0, *spoiled]), threaded=False)
+    for _ in range(4):
+        reading.step()
+    assert reading.refused == {"wrong checksum": 2, "cut off": 1}
+    assert (reading.failure, reading.latest) == ("cut off (3)", 1.0)
+
+
 def test_the_rate_is_that_of_the_last_measurements():
     now = iter([*range(100)])
-    reading = Numbers(Source(range(60)), clock=lambda: 0.5 * next(now), threaded=False)
+    reading = reading_of(Source(range(60)), clock=lambda: 0.5 * next(now), threaded=False)
     assert reading.rate_hz is None
     for _ in range(60):
         reading.step()
@@ -74,7 +82,7 @@ def test_a_rate_is_told_of_a_second_at_least(times, told):
 
 def test_a_thread_reads_until_it_is_closed():
     source = Source(range(1000))
-    reading = Numbers(source)
+    reading = reading_of(source)
     reading.close()
     assert source.closed
     assert not any(thread.name == "numbers" for thread in threading.enumerate())

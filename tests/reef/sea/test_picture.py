@@ -76,28 +76,3 @@ def test_without_eyes_a_picture_has_no_frame():
     camera = LatestShot(Source([rgb(1.0)]), threaded=False)
     camera.step()
     assert camera.latest.frame is None
-
-
-def test_a_broken_camera_says_why_and_comes_back():
-    camera = LatestShot(Source([rgb(1.0), OSError("no signal"), rgb(3.0)]), threaded=False)
-    camera._closing.set()  # no pause after the error
-    camera.step()
-    camera.step()
-    assert camera.failure == "no signal"
-    assert camera.latest.stamp_s == 1.0  # it grows old, which the guard sees
-    camera.step()
-    assert (camera.failure, camera.latest.stamp_s) == ("", 3.0)
-
-
-def test_the_rate_is_measured():
-    now = iter(0.1 * k for k in range(100))
-    camera = LatestShot(Source([rgb(k) for k in range(20)]), clock=lambda: next(now), threaded=False)
-    for _ in range(20):
-        camera.step()
-    assert round(camera.rate_hz, 6) == 10.0
-
-
-def test_closing_frees_the_camera():
-    source = Source([])
-    LatestShot(source, threaded=False).close()
-    assert source.closed

@@ -3,10 +3,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 
 from coral.reef.mission.record import COLUMNS, PicturePose, RecordCfg
+from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.record import OWN_COLUMNS, SeaRecord
+from coral.reef.sea.sail_cfg import SailCfg
+from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.simulation.simulator import SimulatorCfg
+from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.world import load_world
 from coral.run_files import SurveyFiles
@@ -84,3 +89,28 @@ def test_keyframes_are_kept_twice_a_second_with_colour_and_pose(tmp_path):
     assert (float(rows[2]["x"]), float(rows[2]["yaw"]), float(rows[2]["pitch"])) == (1.0, 0.3, 0.1)
     assert (tmp_path / "run" / "frames" / rows[2]["rgb"]).is_file()
     assert len(list((tmp_path / "run" / "frames").glob("*_map.png"))) == 1
+
+
+def headed(folder, world):
+    area = SurveyArea(
+        "pier", (9.0, 8.0), Pose(1, 2, 0), ((0, 0), (9, 0), (9, 8)), (("wall", ((1, 1), (2, 1), (2, 2))),)
+    )
+    record = made(folder, world)
+    response = VehicleResponse.of_vehicle(SailCfg().mission.simulator.vehicle)
+    record.head(area, {"world": "pier", "seed": 3}, SailCfg(depth_m=2.0), response, LocalFrame(1.0, 2.0, 0.5))
+    record.close()
+    return [yaml.safe_load((folder / name).read_text()) for name in ("config.yaml", "world.yaml")]
+
+
+def test_the_head_has_the_whole_configuration_and_the_areas_outlines(tmp_path):
+    config, world = headed(tmp_path / "run", None)
+    assert (config["system"], config["world"], config["seed"], config["depth_m"]) == ("reef", "pier", 3, 2.0)
+    assert config["frame"] == {"x": 1.0, "y": 2.0, "turn": 0.5}
+    assert config["safety"]["on_leak"] == "surface"
+    assert config["mission"]["pilot"]
+    assert world["size_m"] == [9.0, 8.0]
+    assert world["keep_out"] == [{"name": "wall", "metres": [[1, 1], [2, 1], [2, 2]]}]
+
+
+def test_a_simulated_reef_is_kept_whole(tmp_path):
+    assert headed(tmp_path / "run", load_world("s1"))[1]["clusters"]

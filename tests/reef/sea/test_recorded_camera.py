@@ -1,5 +1,6 @@
 """Camera files."""
 
+import numpy as np
 import pytest
 
 from coral.errors import InputError
@@ -58,3 +59,16 @@ def test_a_camera_of_ours_is_taken_as_it_is():
 def test_a_file_that_is_wrong_names_the_field(tmp_path, text, said):
     with pytest.raises(InputError, match=said):
         camera(tmp_path, text)
+
+
+def test_pictures_are_rectified_and_reduced_at_once(tmp_path):
+    path = tmp_path / "camera.yaml"
+    path.write_text("width: 1280\nheight: 720\nfx: 900\nfy: 900\ndistortion: [-0.2, 0.05, 0, 0]\npitch_down_deg: 20\n")
+    found = read_camera(path, most_width=320)
+    assert (found.view.width, found.view.pitch_down_deg) == (320, 20.0)
+    assert 60.0 < found.view.hfov_deg < 90.0
+    picture = found.picture(np.full((720, 1280, 3), 80, np.uint8))
+    assert picture.shape == (found.view.height, 320, 3)
+    assert (picture == 80).mean() > 0.95
+    with pytest.raises(ValueError, match="640x480 px, where the camera file says 1280x720"):
+        found.picture(np.zeros((480, 640, 3), np.uint8))

@@ -6,7 +6,8 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.sea import video_camera
-from coral.reef.sea.video_camera import VideoCamera
+from coral.reef.sea.video_camera import VideoCamera, resized
+from coral.reef.vehicle.camera import CameraCfg
 
 
 @pytest.fixture
@@ -79,3 +80,10 @@ def test_a_stream_that_another_thread_waits_in_is_not_freed(monkeypatch, video):
     reader.join(10.0)
     camera.close()
     assert freed
+
+
+def test_without_a_lens_only_the_size_may_differ():
+    camera = CameraCfg()
+    assert resized(np.zeros((480, 640, 3), np.uint8), camera).shape == (120, 160, 3)
+    with pytest.raises(ValueError, match="give its size and lens by --lens"):
+        resized(np.zeros((720, 1280, 3), np.uint8), camera)

@@ -15,12 +15,12 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.rehearsal.simulated_link import SimulatedLink
+from coral.reef.sea.latest_reading import LatestReading
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.safety import SafetyCfg
 from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
-from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.vehicle.camera import Camera
@@ -67,7 +67,7 @@ class SentSonar:
     def __init__(self, link, clock, cfg):
         self.link, self.clock, self.deaf = link, clock, False
         self.sonar = Sonar3d15(Scene.from_world(WORLD), cfg, np.random.default_rng(3))
-        self.reader = LatestHeard(UdpSonar(0, clock=clock), clock=clock, threaded=False)
+        self.reader = LatestReading(UdpSonar(0, clock=clock), "sonar", clock=clock, threaded=False)
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.sent, self.due_s = 0, clock.now
         self.last_image = None

@@ -26,11 +26,11 @@ ROWS = {
     "-": ("coral/stop", "std_srvs/Trigger", "A service that stops the arm."),
 }
 """By ROS parameter: the name that holds without it, the type, and what it is."""
-TOPICS = {name or f"({parameter})": kind for parameter, (name, kind, _) in ROWS.items()}
-WHAT = {
-    name or f"({parameter})": what if parameter == "-" else f"{what} Parameter `{parameter}`."
-    for parameter, (name, _, what) in ROWS.items()
+TOPICS = {
+    name or f"({parameter})": (kind, what if parameter == "-" else f"{what} Parameter `{parameter}`.")
+    for parameter, (name, kind, what) in ROWS.items()
 }
+"""Type of each topic, and what is on it."""
 
 
 def topic(ros: RosNode, parameter: str, name: str = "") -> str:

@@ -10,9 +10,16 @@ from numpy.typing import NDArray
 from coral.config import Fraction, Positive
 from coral.reef.pictures.floor_mosaic import FloorMosaic
 from coral.reef.products.seen_points import grid_shape, transform_of
-from coral.reef.recordings.class_colours import CLASS_COLOURS
 from coral.reef.recordings.recording import Recording
 from coral.reef.world.geometry import Frame, Label
+
+CLASS_COLOURS = {
+    Label.WATER: (20, 60, 90),
+    Label.OYSTER: (64, 160, 92),
+    Label.OBSTACLE: (70, 72, 78),
+    Label.SEABED: (205, 188, 150),
+}
+"""Red, green, blue of classes where people look at them."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,6 +6,7 @@ the robot's own localization corrects. The origin of z is the sea floor.
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,50 +23,38 @@ from coral.reef.recordings.transforms import body_transform, camera_in_body, qua
 from coral.reef.world.geometry import Frame
 
 TOPICS = {
-    "/camera/image/compressed": "sensor_msgs/msg/CompressedImage",
-    "/camera/depth/compressed": "sensor_msgs/msg/CompressedImage",
-    "/camera/classes/compressed": "sensor_msgs/msg/CompressedImage",
-    "/camera/doubt/compressed": "sensor_msgs/msg/CompressedImage",
-    "/camera/depth_doubt/compressed": "sensor_msgs/msg/CompressedImage",
-    "/camera/seen_by": "std_msgs/msg/String",
-    "/camera/camera_info": "sensor_msgs/msg/CameraInfo",
-    "/camera/points": "sensor_msgs/msg/PointCloud2",
-    "/odometry": "nav_msgs/msg/Odometry",
-    "/tf": "tf2_msgs/msg/TFMessage",
-    "/tf_static": "tf2_msgs/msg/TFMessage",
-    "/map": "nav_msgs/msg/OccupancyGrid",
-    "/oysters": "nav_msgs/msg/OccupancyGrid",
+    "/camera/image/compressed": ("sensor_msgs/msg/CompressedImage", "Colour, if the run took it."),
+    "/camera/depth/compressed": ("sensor_msgs/msg/CompressedImage", "PNG without loss."),
+    "/camera/classes/compressed": ("sensor_msgs/msg/CompressedImage", "PNG without loss."),
+    "/camera/doubt/compressed": (
+        "sensor_msgs/msg/CompressedImage",
+        "Doubt of classes in steps of 1/255, where a network saw the pictures.",
+    ),
+    "/camera/depth_doubt/compressed": ("sensor_msgs/msg/CompressedImage", "Doubt of depths in percent."),
+    "/camera/seen_by": ("std_msgs/msg/String", "What found classes and depth, if known: `exact`, `rgb` or a file."),
+    "/camera/camera_info": ("sensor_msgs/msg/CameraInfo", "The camera."),
+    "/camera/points": ("sensor_msgs/msg/PointCloud2", "x, y, z, class; every third pixel, every 2 s."),
+    "/odometry": ("nav_msgs/msg/Odometry", "`odom` to `base_link`, by odometry alone."),
+    "/tf": ("tf2_msgs/msg/TFMessage", "`map` to `odom` (what localization corrects), `odom` to `base_link`."),
+    "/tf_static": ("tf2_msgs/msg/TFMessage", "`base_link` to `camera_optical`."),
+    "/map": ("nav_msgs/msg/OccupancyGrid", "Every 20 s and at the end, made from the kept pictures."),
+    "/oysters": ("nav_msgs/msg/OccupancyGrid", "The same, of oysters."),
 }
-WHAT = {
-    "/camera/image/compressed": "Colour, if the run took it.",
-    "/camera/depth/compressed": "PNG without loss.",
-    "/camera/classes/compressed": "PNG without loss.",
-    "/camera/doubt/compressed": "Doubt of classes in steps of 1/255, where a network saw the pictures.",
-    "/camera/depth_doubt/compressed": "Doubt of depths in percent.",
-    "/camera/seen_by": "What found classes and depth, if known: `exact`, `rgb` or a file.",
-    "/camera/camera_info": "The camera.",
-    "/camera/points": "x, y, z, class; every third pixel, every 2 s.",
-    "/odometry": "`odom` to `base_link`, by odometry alone.",
-    "/tf": "`map` to `odom` (what localization corrects), `odom` to `base_link`.",
-    "/tf_static": "`base_link` to `camera_optical`.",
-    "/map": "Every 20 s and at the end, made from the kept pictures.",
-    "/oysters": "The same, of oysters.",
-}
-"""What is on each topic."""
+"""Type of each topic, and what is on it."""
 MAP_EVERY_S = 20.0
 POINTS_EVERY_S = 2.0
 POINTS_STRIDE = 3
 """Every third pixel of every third row becomes a point."""
 
 
-def write_bag(recording: Recording, path: Path, *, single_file: bool, only_colour: bool = False) -> dict[str, int]:
+def write_bag(recording: Recording, path: Path, only_colour: bool = False, *, single_file: bool) -> dict[str, int]:
     """Write a located recording.
 
     Args:
         recording: What is written.
         path: The bag's folder, or the MCAP file; it must not exist.
-        single_file: Whether to write one MCAP file and no folder.
         only_colour: Whether to leave out all that was made of the pictures: classes, depth, points, maps.
+        single_file: Whether to write one MCAP file and no folder.
 
     Returns:
         Number of messages on each topic that has some.
@@ -78,20 +67,10 @@ def write_bag(recording: Recording, path: Path, *, single_file: bool, only_colou
     return bag.counts
 
 
-def export_mcap(recording: Recording, path: Path, only_colour: bool) -> dict[str, int]:
-    """Write one MCAP file, for Foxglove and every reader of MCAP.
-
-    See `write_bag`.
-    """
-    return write_bag(recording, path, single_file=True, only_colour=only_colour)
-
-
-def export_bag(recording: Recording, path: Path, only_colour: bool) -> dict[str, int]:
-    """Write a ROS 2 bag (`ros2 bag info`, `ros2 bag play`), a folder with MCAP storage.
-
-    See `write_bag`.
-    """
-    return write_bag(recording, path, single_file=False, only_colour=only_colour)
+export_mcap = partial(write_bag, single_file=True)
+"""One MCAP file, for Foxglove and every reader of MCAP."""
+export_bag = partial(write_bag, single_file=False)
+"""A ROS 2 bag (`ros2 bag info`, `ros2 bag play`): a folder with MCAP storage."""
 
 
 class _SurveyWriter:

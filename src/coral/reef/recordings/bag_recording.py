@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -15,22 +16,20 @@ from coral.bag_reader import count_messages, read_messages, stamp_of
 from coral.camera_pictures import colours_in, values_in
 from coral.errors import InputError, first_line
 from coral.reef.eyes.backends import RGB
-from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.map.echo_points import project_points
 from coral.reef.map.mapping import MapCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.recordings.bag_sonar import open_sonar
 from coral.reef.recordings.frame_tree import BodyTrack, frame_name, points_down
-from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
-from coral.reef.recordings.picture_files import colours_of, depth_of, doubt_of, frame_of, labels_of
+from coral.reef.recordings.perception import PicturePerception, recorded_frame
 from coral.reef.recordings.pose_track import NEAR_S
 from coral.reef.recordings.recording import EXACT, RECORDED, PosedFrame, PosedPing, Recording
 from coral.reef.recordings.transforms import camera_in_body, euler_of, transform_from
 from coral.reef.sea.lens import Lens
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.vehicle.camera import CameraCfg
-from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.geometry import Pose
 
 UPRIGHT = 0.5
 """Sine of the angle by which the picture's down axis or the line of sight may rise above the body's plane."""
@@ -101,6 +100,10 @@ def read_bag(
     contents = _collect(path, topics)
     if not contents.track.odometry.times:
         raise InputError(where, topics.odometry, "no messages", f"nav_msgs/Odometry; {_known(contents)}")
+    kinds = {
+        topics.doubt: "doubt", topics.depth_doubt: "depth_doubt", topics.classes: "labels", topics.depth: "depth",
+        topics.image: "rgb",
+    }  # fmt: skip
     wanted = (topics.image,) if perception else (topics.classes, topics.depth, topics.image)
     pictured = [name for name in wanted if contents.counts.get(name)]
     if topics.image not in pictured and len(pictured) < 2:
@@ -149,7 +152,8 @@ def read_bag(
                 raise InputError(place, "height", f"{height_m:g} m", "a height above the sea floor, z = 0 in the map")
             heard = [project_points(cloud, found.view) for when, cloud in clouds if abs(when - t) <= NEAR_S]
             attitude = CameraAttitude(height_m, roll, pitch, heard[0] if heard else None)
-            frame = _frame(images, topics, found, perception, attitude, place)
+            named = {kinds[topic]: partial(_image, message, place, kinds[topic]) for topic, message in images.items()}
+            frame = recorded_frame(named, found, perception, attitude, place)
             yield PosedFrame(
                 t=t, pose=pose, height_m=height_m, frame=frame, roll=roll, pitch=pitch, odometry=at[1],
                 pings=tuple(pings),
@@ -170,36 +174,8 @@ def read_bag(
     )  # fmt: skip
 
 
-def _frame(
-    images: dict[str, Any],
-    topics: BagTopics,
-    camera: RecordedCamera,
-    perception: PicturePerception | None,
-    attitude: CameraAttitude,
-    where: str,
-) -> Frame:
-    colours = None
-    if topics.image in images:
-        colours = colours_of(colours_in(images[topics.image], where), camera, where)
-    if perception is None and topics.classes in images and topics.depth in images:
-        labels = labels_of(values_in(images[topics.classes], where, "labels"), camera, where)
-        depth = depth_of(values_in(images[topics.depth], where, "depth"), camera, where)
-        doubts = {
-            name: doubt_of(values_in(images[topic], where, name), camera, where, name, whole)
-            for name, topic, whole in (
-                ("doubt", topics.doubt, LABEL_STEPS), ("depth_doubt", topics.depth_doubt, DEPTH_STEPS),
-            )
-            if topic in images
-        }  # fmt: skip
-        return replace(
-            frame_of(labels, depth, colours), doubt=doubts.get("doubt"), depth_doubt=doubts.get("depth_doubt")
-        )
-    if colours is None:
-        found = "classes without depth, or depth without classes"
-        raise InputError(where, "", found, "colour, or both classes and depth")
-    if perception is None:
-        raise refuse_colour_only(where)
-    return perception.frame(colours, camera, attitude, where)
+def _image(message: Any, where: str, name: str) -> NDArray[Any]:
+    return colours_in(message, where) if name == "rgb" else values_in(message, where, name)
 
 
 def _moments(path: Path, pictures: set[str], others: set[str], where: str) -> Iterator[tuple[float, dict[str, Any]]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,21 @@ from coral.file_writer import write_whole
 from coral.foreign_file import read_picture_file
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt, unpack_doubt
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
-from coral.reef.recordings.picture_files import encode_depth, encode_png, frame_of
+from coral.reef.recordings.picture_files import (
+    NO_OBJECTS,
+    colours_of,
+    depth_of,
+    doubt_of,
+    encode_depth,
+    encode_png,
+    labels_of,
+)
 from coral.reef.sea.recorded_camera import RecordedCamera
-from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Frame, Label
 
 _PARTS = ("labels", "depth", "doubt", "depth_doubt")
+DOUBTS = {"doubt": LABEL_STEPS, "depth_doubt": DEPTH_STEPS}
+"""Pictures of doubt, as a run of a network keeps them, with the steps that make 1."""
 
 
 class PicturePerception:
@@ -46,7 +56,7 @@ class PicturePerception:
         """
         number = self._seen.get(where)
         if number is None:
-            seen = perceive_frame(frame_of(*_nothing(camera.view), rgb), self._eyes, camera.view, attitude)
+            seen = perceive_frame(_unseen(rgb), self._eyes, camera.view, attitude)
             number = self._seen[where] = len(self._seen)
             self._keep(number, seen, camera)
             self._real[number] = seen.real
@@ -55,7 +65,7 @@ class PicturePerception:
         return Frame(
             depth=metres.astype(np.float32),
             labels=np.asarray(labels, np.uint8),
-            instances=np.empty((0, 0), np.int32),
+            instances=NO_OBJECTS,
             rgb=rgb,
             doubt=unpack_doubt(doubt, LABEL_STEPS),
             depth_doubt=unpack_doubt(depth_doubt, DEPTH_STEPS) if depth_doubt.size else None,
@@ -82,14 +92,44 @@ class PicturePerception:
         return Path(self._folder.name) / f"{number:06d}_{part}.png"
 
 
-def refuse_colour_only(where: str) -> InputError:
-    """Return the error of a picture without classes and depth, where no eyes were chosen."""
-    return InputError(
-        where, "labels, depth", "colour pictures only",
-        "--perception rgb or FILE.onnx, or pictures of classes and depth beside them",
-    )  # fmt: skip
+def recorded_frame(
+    images: Mapping[str, Callable[[], NDArray[Any]]],
+    camera: RecordedCamera,
+    perception: PicturePerception | None,
+    attitude: CameraAttitude,
+    where: str,
+) -> Frame:
+    """Return the pictures of one moment, with the recording's own classes and depth, or with those that eyes see.
+
+    Args:
+        images: Each decodes one: rgb, labels, depth, doubt, depth_doubt, as far as they are there.
+        camera: The camera.
+        perception: The eyes; None: what the recording has.
+        attitude: Of the camera then.
+        where: The moment, for errors.
+
+    Raises:
+        InputError: Something is missing, or a picture is none of its kind.
+    """
+    rgb = colours_of(images["rgb"](), camera, where) if "rgb" in images else None
+    if perception is None and "labels" in images and "depth" in images:
+        doubt, depth_doubt = (
+            doubt_of(images[name](), camera, where, name, whole) if name in images else None
+            for name, whole in DOUBTS.items()
+        )
+        labels, depth = labels_of(images["labels"](), camera, where), depth_of(images["depth"](), camera, where)
+        return Frame(depth, labels, NO_OBJECTS, rgb, doubt=doubt, depth_doubt=depth_doubt)
+    if rgb is None:
+        found = f"no colours, only {', '.join(images) or 'nothing'}"
+        raise InputError(where, "rgb", found, "colour, or both labels and depth" if perception is None else "colour")
+    if perception is None:
+        raise InputError(
+            where, "labels, depth", "colour pictures only",
+            "--perception rgb or FILE.onnx, or pictures of classes and depth beside them",
+        )  # fmt: skip
+    return perception.frame(rgb, camera, attitude, where)
 
 
-def _nothing(camera: CameraCfg) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-    shape = (camera.height, camera.width)
-    return np.zeros(shape, np.uint8), np.full(shape, np.inf, np.float32)
+def _unseen(rgb: NDArray[np.uint8]) -> Frame:
+    shape = rgb.shape[:2]
+    return Frame(np.full(shape, np.inf, np.float32), np.zeros(shape, np.uint8), NO_OBJECTS, rgb)

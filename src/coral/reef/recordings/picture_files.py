@@ -15,7 +15,7 @@ from coral.foreign_file import read_bytes
 from coral.limits import PICTURE_BYTES
 from coral.reef.eyes.doubt import unpack_doubt
 from coral.reef.sea.recorded_camera import RecordedCamera
-from coral.reef.world.geometry import Frame, Label
+from coral.reef.world.geometry import Label
 
 Image = NDArray[Any]
 
@@ -23,55 +23,17 @@ NO_OBJECTS = np.empty((0, 0), np.int32)
 """A recording knows no objects."""
 
 
-def read_picture(path: Path, where: str, field: str) -> bytes:
-    """Read a file of a recording.
+def read_picture(path: Path, where: str, field: str) -> Image:
+    """Read and decode a file of a recording; colours, of the field rgb, red first.
 
     Raises:
-        InputError: It cannot be read, is no regular file, or is larger than any picture.
+        InputError: It cannot be read, is no regular file, is larger than any picture, or is none.
     """
     try:
-        return read_bytes(path, "a picture", PICTURE_BYTES)
+        content = read_bytes(path, "a picture", PICTURE_BYTES)
     except InputError as error:
         raise InputError(where, field, f"{path.name}: {error.found}", "a picture") from None
-
-
-def decode_labels(content: bytes, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:
-    """Decode a picture of classes (`Label`), 8 bits in one channel. Shape=(H, W) of the camera's view.
-
-    Raises:
-        InputError: It is none, or has another size than the camera's.
-    """
-    return labels_of(decode(content, where, "labels"), camera, where)
-
-
-def decode_depth(content: bytes, camera: RecordedCamera, where: str) -> NDArray[np.float32]:
-    """Decode a picture of depth along the optical axis, in millimetres of 16 bits; 0 where nothing is seen.
-
-    Returns:
-        Metres, inf where nothing is seen. Shape=(H, W) of the camera's view, float32.
-
-    Raises:
-        InputError: It is none, or has another size than the camera's.
-    """
-    return depth_of(decode(content, where, "depth"), camera, where)
-
-
-def decode_doubt(content: bytes, camera: RecordedCamera, where: str, field: str, whole: int) -> NDArray[np.float32]:
-    """Decode a picture of doubt, 8 bits in one channel, in steps of 1 / whole. Shape=(H, W) of the camera's view.
-
-    Raises:
-        InputError: It is none, or has another size than the camera's.
-    """
-    return doubt_of(decode(content, where, field), camera, where, field, whole)
-
-
-def decode_rgb(content: bytes, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:
-    """Decode a colour picture. Shape=(H, W, 3) of the camera's view, red first.
-
-    Raises:
-        InputError: It is none, or has another size than the camera's.
-    """
-    return colours_of(decode(content, where, "rgb", COLOUR)[:, :, ::-1], camera, where)
+    return decode(content, where, field, COLOUR)[:, :, ::-1] if field == "rgb" else decode(content, where, field)
 
 
 def labels_of(image: Image, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:
@@ -146,11 +108,6 @@ def encode_png(image: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
 def encode_jpeg(rgb: NDArray[np.uint8], quality: int = 92) -> bytes:
     """Encode a colour picture, Shape=(H, W, 3), red first."""
     return _encoded(".jpg", rgb[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])
-
-
-def frame_of(labels: NDArray[np.uint8], depth: NDArray[np.float32], rgb: NDArray[np.uint8] | None) -> Frame:
-    """Return the pictures of one moment."""
-    return Frame(depth=depth, labels=labels, instances=NO_OBJECTS, rgb=rgb)
 
 
 def _check_size(image: Image, camera: RecordedCamera, where: str, field: str) -> None:

@@ -6,26 +6,18 @@ import csv
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from coral.errors import InputError
 from coral.foreign_file import read_text
 from coral.limits import LARGEST_NUMBER, LATEST_S, TABLE_BYTES
-from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.recordings.perception import PicturePerception, refuse_colour_only
-from coral.reef.recordings.picture_files import (
-    decode_depth,
-    decode_doubt,
-    decode_labels,
-    decode_rgb,
-    frame_of,
-    read_picture,
-)
+from coral.reef.recordings.perception import DOUBTS, PicturePerception, recorded_frame
+from coral.reef.recordings.picture_files import read_picture
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.sea.recorded_camera import RecordedCamera
-from coral.reef.world.geometry import Frame, Pose, wrap
+from coral.reef.world.geometry import Pose, wrap
 from coral.reef.world.local_plane import MOST_DEGREES, LocalPlane
 
 TABLE = "poses.csv"
@@ -37,8 +29,6 @@ GLOBAL = ("lat", "lon", "heading")
 EXPECTED = "columns t, x, y, yaw or t, lat, lon, heading; z, roll, pitch, rgb, depth, labels if known"
 FASTEST_M_S, FIX_M = 20.0, 30.0
 """No vehicle in the water is faster, and no fix of a satellite receiver is further off without being a bad one."""
-DOUBTS = {"doubt": LABEL_STEPS, "depth_doubt": DEPTH_STEPS}
-"""Columns of pictures of doubt, as a run of a network keeps them, with the steps that make 1."""
 
 
 def read_folder(
@@ -97,7 +87,9 @@ def placed_pictures(
             due = values["t"] + period_s
             height_m = values.get("z", camera.view.altitude_m)
             attitude = CameraAttitude(height_m, values.get("roll", 0.0), values.get("pitch", 0.0))
-            frame = _frame(path, names, camera, perception, attitude, f"{table}: {place}")
+            where = f"{table}: {place}"
+            images = {each: partial(read_picture, path / file, where, each) for each, file in names.items() if file}
+            frame = recorded_frame(images, camera, perception, attitude, where)
             yield PosedFrame(
                 t=values["t"], pose=pose, height_m=height_m, frame=frame, roll=attitude.roll, pitch=attitude.pitch,
                 odometry=odometry,
@@ -108,34 +100,6 @@ def placed_pictures(
         seen_by=perception.name if perception else RECORDED,
         datum=None if plane is None else (plane.latitude, plane.longitude),
     )  # fmt: skip
-
-
-def _frame(
-    path: Path,
-    names: dict[str, str],
-    camera: RecordedCamera,
-    perception: PicturePerception | None,
-    attitude: CameraAttitude,
-    where: str,
-) -> Frame:
-    rgb = None
-    if names.get("rgb"):
-        rgb = decode_rgb(read_picture(path / names["rgb"], where, "rgb"), camera, where)
-    if perception is None and names.get("labels") and names.get("depth"):
-        labels = decode_labels(read_picture(path / names["labels"], where, "labels"), camera, where)
-        depth = decode_depth(read_picture(path / names["depth"], where, "depth"), camera, where)
-        doubts = {
-            name: decode_doubt(read_picture(path / names[name], where, name), camera, where, name, whole)
-            for name, whole in DOUBTS.items()
-            if names.get(name)
-        }
-        return replace(frame_of(labels, depth, rgb), doubt=doubts.get("doubt"), depth_doubt=doubts.get("depth_doubt"))
-    if rgb is None:
-        expected = "rgb, or both labels and depth" if perception is None else "rgb: --perception needs a colour picture"
-        raise InputError(where, "", "no names of pictures", expected)
-    if perception is None:
-        raise refuse_colour_only(where)
-    return perception.frame(rgb, camera, attitude, where)
 
 
 def _pose(values: dict[str, float], plane: LocalPlane | None) -> tuple[Pose, Pose | None]:

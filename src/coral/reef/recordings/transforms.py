@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,21 +17,9 @@ Quaternion = tuple[float, float, float, float]
 
 def quaternion_of(rotation: NDArray[np.float64]) -> Quaternion:
     """Return a rotation matrix as a quaternion (x, y, z, w), w not negative. Shape=(3, 3)."""
-    m = rotation
-    squares = np.array([1 + m[0, 0] - m[1, 1] - m[2, 2], 1 - m[0, 0] + m[1, 1] - m[2, 2],
-                        1 - m[0, 0] - m[1, 1] + m[2, 2], 1 + m[0, 0] + m[1, 1] + m[2, 2]])  # fmt: skip
-    k = int(np.argmax(squares))
-    s = math.sqrt(float(squares[k])) * 2.0
-    if k == 3:
-        q = ((m[2, 1] - m[1, 2]) / s, (m[0, 2] - m[2, 0]) / s, (m[1, 0] - m[0, 1]) / s, s / 4)
-    elif k == 0:
-        q = (s / 4, (m[0, 1] + m[1, 0]) / s, (m[0, 2] + m[2, 0]) / s, (m[2, 1] - m[1, 2]) / s)
-    elif k == 1:
-        q = ((m[0, 1] + m[1, 0]) / s, s / 4, (m[1, 2] + m[2, 1]) / s, (m[0, 2] - m[2, 0]) / s)
-    else:
-        q = ((m[0, 2] + m[2, 0]) / s, (m[1, 2] + m[2, 1]) / s, s / 4, (m[1, 0] - m[0, 1]) / s)
-    sign = -1.0 if q[3] < 0.0 else 1.0
-    x, y, z, w = (sign * float(part) for part in q)
+    found = np.empty(4)
+    mujoco.mju_mat2Quat(found, np.ravel(rotation))
+    w, x, y, z = (found if found[0] >= 0.0 else -found).tolist()
     return x, y, z, w
 
 
@@ -44,13 +33,9 @@ def rotation_of(q: Quaternion) -> NDArray[np.float64]:
     if not 1e-6 < length < math.inf:
         raise ValueError("a quaternion without length")
     x, y, z, w = (part / length for part in q)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    rotation = np.empty(9)
+    mujoco.mju_quat2Mat(rotation, np.array([w, x, y, z]))
+    return rotation.reshape(3, 3)
 
 
 def transform_from(translation: tuple[float, float, float], q: Quaternion) -> NDArray[np.float64]:
@@ -87,15 +72,11 @@ def euler_of(rotation: NDArray[np.float64]) -> tuple[float, float, float]:
 
 def interpolate_transform(before: NDArray[np.float64], after: NDArray[np.float64], share: float) -> NDArray[np.float64]:
     """Return the transform at a share of the way between two: straight, and turning evenly (slerp). Shape=(4, 4)."""
-    one, other = (np.array(quaternion_of(transform[:3, :3])) for transform in (before, after))
-    cosine = float(np.dot(one, other))
-    if cosine < 0.0:
-        other, cosine = -other, -cosine
-    angle = math.acos(min(cosine, 1.0))
-    if angle < 1e-6:
-        mixed = (1.0 - share) * one + share * other
-    else:
-        mixed = (math.sin((1.0 - share) * angle) * one + math.sin(share * angle) * other) / math.sin(angle)
-    x, y, z, w = (float(part) for part in mixed)
+    turned, way, whole = np.empty(4), np.empty(3), np.empty(4)
+    mujoco.mju_mat2Quat(turned, before[:3, :3].ravel())
+    mujoco.mju_mat2Quat(whole, after[:3, :3].ravel())
+    mujoco.mju_subQuat(way, whole, turned)
+    mujoco.mju_quatIntegrate(turned, way, share)
+    w, x, y, z = turned.tolist()
     place = (1.0 - share) * before[:3, 3] + share * after[:3, 3]
     return transform_from((float(place[0]), float(place[1]), float(place[2])), (x, y, z, w))

@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 from coral.reef.map.sonar_3d15 import Sonar3d15
 from coral.reef.rehearsal.simulated_camera import Where
+from coral.reef.sea.latest_reading import HeardImage
 from coral.reef.sea.real_time import FixedRate
-from coral.reef.sea.sonar_reading import HeardImage
 
 
 class SimulatedSonar:

@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.reef.recordings.frame_tree import points_down
+from coral.reef.recordings.transforms import euler_of, rotation_of
 from coral.reef.world.geometry import Pose
 
 PLANAR = (0, 1, 5)
 """Rows of x, y and yaw in a covariance of six."""
-OTHER_FRAMES = ("ned", "frd")
-"""Parts of frame names that contradict REP-103."""
 
 
 def frame_fault(message: Any) -> str:
     """Return why an odometry's frames are not east-north-up and forward-left-up, or ""."""
     for frame in (str(message.header.frame_id), str(message.child_frame_id)):
-        if any(other in frame.lower().replace("-", "_").split("_") for other in OTHER_FRAMES):
+        if points_down(frame):
             return f"odometry in {frame!r}: x east, y north, z up is needed (REP-103)"
     return ""
 
@@ -31,10 +31,7 @@ def pose_of(message: Any) -> tuple[Pose, float, float, float] | None:
     length = math.sqrt(q.x**2 + q.y**2 + q.z**2 + q.w**2)
     if not all(map(math.isfinite, values)) or not 0.9 < length < 1.1:
         return None
-    x, y, z, w = (each / length for each in (q.x, q.y, q.z, q.w))
-    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
-    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    roll, pitch, yaw = euler_of(rotation_of((q.x, q.y, q.z, q.w)))
     return Pose(at.x, at.y, yaw), at.z, roll, pitch
 
 

@@ -22,7 +22,7 @@ from coral.reef.recordings.frame_tree import FrameTree, frame_name
 from coral.reef.recordings.point_clouds import points_in, range_image_of
 from coral.reef.recordings.transforms import transform_from
 from coral.reef.ros.newest import Newest
-from coral.reef.sea.sonar_reading import HeardImage
+from coral.reef.sea.latest_reading import HeardImage
 from coral.ros_node import RosNode, ros_type
 
 FIRST_S, NEXT_S = 10.0, 0.2

@@ -1,16 +1,7 @@
 """What a survey finds and decides as topics, and the operator's words as services, while it runs.
 
-In the namespace of the vehicle, for RViz and Foxglove; frame `map` is the survey's own:
-
-    coral/map       nav_msgs/OccupancyGrid, latched: free 0, obstacle 100, oysters 50, unexplored -1
-    coral/path      nav_msgs/Path: where the vehicle was
-    coral/oysters   visualization_msgs/MarkerArray: clusters, green when done
-    coral/goal      geometry_msgs/PoseStamped
-    coral/events    std_msgs/String: each event of the run as JSON, decisions among them
-    coral/instruction    std_msgs/String, latched: the instruction of a mission in words, as it is now
-    coral/instruct       std_msgs/String, taken: another instruction
-    diagnostics     diagnostic_msgs/DiagnosticArray: state and its reason, late ticks
-    coral/start, hold, resume, surface, stop, disarm    std_srvs/Trigger
+In the namespace of the vehicle, for RViz and Foxglove, as `coral.reef.ros.topics` lists them; frame `map` is the
+survey's own.
 """
 
 from __future__ import annotations

@@ -9,11 +9,10 @@ from typing import Literal
 
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot.checks import UnfitMeasurement, check_range_image
-from coral.reef.sea.latest_reading import KEPT, rate_of, rate_told
+from coral.reef.sea.latest_reading import KEPT, HeardImage, LatestReading, rate_of, rate_told
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.picture import LatestShot
 from coral.reef.sea.safety import SafetyCfg
-from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.world.geometry import wrap
 
@@ -87,7 +86,7 @@ def preflight_list(
     area: SurveyArea,
     safety: SafetyCfg,
     equipment: Equipment,
-    sonar: LatestHeard | None = None,
+    sonar: LatestReading[HeardImage] | None = None,
     sonar_cfg: SonarCfg | None = None,
 ) -> list[CheckLine]:
     """Make the list.
@@ -216,7 +215,7 @@ def _camera(now: float, camera: LatestShot, perception: str) -> list[CheckLine]:
     return [*lines, CheckLine("labels", told, "blocking")]
 
 
-def _sonar(now: float, sonar: LatestHeard | None, cfg: SonarCfg) -> CheckLine:
+def _sonar(now: float, sonar: LatestReading[HeardImage] | None, cfg: SonarCfg) -> CheckLine:
     if sonar is None:
         return CheckLine("sonar", "none - obstacles from the camera alone", "lacking")
     name, heard = sonar.source.name, sonar.latest

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import threading
 import time
-from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 from coral.errors import first_line
+from coral.reef.pilot.checks import UnfitMeasurement
+from coral.reef.vehicle.range_image import RangeImage
 
 PAUSE_S = 0.2
 """A sensor that fails is asked again after this time."""
@@ -17,10 +20,33 @@ KEPT = 200
 RATE_S = 1.0
 """Over a shorter time no rate is told: sensors send bursts after a pause, a link after a gap."""
 T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
 
 
-class Closable(Protocol):
-    """A sensor that can be freed."""
+@dataclass(frozen=True)
+class HeardImage:
+    """One range image of a sonar."""
+
+    stamp_s: float
+    """Monotonic time of its ping (s)."""
+    image: RangeImage
+
+
+class SensorSource(Protocol[T_co]):
+    """A sensor."""
+
+    @property
+    def name(self) -> str:
+        """As in the preflight list: kind, size, where it comes from."""
+        ...
+
+    def read(self) -> T_co | None:
+        """Wait for the next measurement; None when there is none this time.
+
+        Raises:
+            UnfitMeasurement: What came is no measurement, with the name of what is wrong.
+        """
+        ...
 
     def close(self) -> None:
         """Free the sensor."""
@@ -38,7 +64,7 @@ def rate_told(rate_hz: float | None) -> str:
     return "rate not known" if rate_hz is None else f"{rate_hz:.0f} Hz" if rate_hz >= 1.0 else f"{rate_hz:.1f} Hz"
 
 
-class LatestReading(ABC, Generic[T]):
+class LatestReading(Generic[T]):
     """The newest measurement of a sensor, its rate, and what the sensor last complained of.
 
     Args:
@@ -49,11 +75,13 @@ class LatestReading(ABC, Generic[T]):
     """
 
     def __init__(
-        self, source: Closable, name: str, *, clock: Callable[[], float] = time.monotonic, threaded: bool = True
+        self, source: SensorSource[T], name: str, *, clock: Callable[[], float] = time.monotonic, threaded: bool = True
     ) -> None:
         self.failure = ""
         """What the sensor last complained of, or ""."""
-        self._opened, self._clock = source, clock
+        self.refused: Counter[str] = Counter()
+        """Measurements that were refused, by the name of what was wrong."""
+        self.source, self._clock = source, clock
         self._latest: T | None = None
         self._times: list[float] = []
         self._closing = threading.Event()
@@ -61,9 +89,8 @@ class LatestReading(ABC, Generic[T]):
         if self._thread is not None:
             self._thread.start()
 
-    @abstractmethod
     def _read(self) -> T | None:
-        """Wait for the next measurement; None when there is none this time, or it was refused."""
+        return self.source.read()
 
     @property
     def latest(self) -> T | None:
@@ -79,6 +106,10 @@ class LatestReading(ABC, Generic[T]):
         """Read one measurement."""
         try:
             found = self._read()
+        except UnfitMeasurement as unfit:
+            self.refused[unfit.reason] += 1
+            self.failure = f"{unfit.reason} ({unfit.detail})" if unfit.detail else unfit.reason
+            return
         except Exception as error:  # a sensor may fail in any way; the guard stops the vehicle when nothing comes
             self.failure = first_line(error)
             self._closing.wait(PAUSE_S)
@@ -92,7 +123,7 @@ class LatestReading(ABC, Generic[T]):
         self._closing.set()
         if self._thread is not None:
             self._thread.join(2.0)
-        self._opened.close()
+        self.source.close()
 
     def _work(self) -> None:
         while not self._closing.is_set():

@@ -98,16 +98,17 @@ def check_lens(lens: Lens, where: str) -> Lens:
     return lens
 
 
-def rectified_size(lens: Lens, where: str) -> tuple[int, int, float]:
+def rectified_size(lens: Lens, where: str, most_width: int = LARGEST_WIDTH) -> tuple[int, int, float]:
     """Return width, height (px) and horizontal field of view (degrees) of pictures after rectification.
 
-    The view is the largest symmetric one whose edges the picture still reaches in the middle of each side.
+    The view is the largest symmetric one whose edges the picture still reaches in the middle of each side. Wider
+    pictures than `most_width` (px) are reduced.
 
     Raises:
         InputError: The picture does not reach both sides of its optical axis.
     """
     if lens.is_plain:
-        width = min(lens.width, LARGEST_WIDTH)
+        width = min(lens.width, most_width)
         fov = math.degrees(2.0 * math.atan(0.5 * lens.width / lens.fx))
         return width, round(lens.height * width / lens.width), round(fov, 9)
     right, bottom = lens.width - 0.5, lens.height - 0.5
@@ -118,7 +119,7 @@ def rectified_size(lens: Lens, where: str) -> tuple[int, int, float]:
         raise InputError(where, "distortion", list(lens.distortion), "a lens whose picture reaches all four sides")
     if not lens.width * down / across <= _MOST_PIXELS:
         raise InputError(where, "fx, fy", f"{lens.fx:g} and {lens.fy:g}", "focal lengths of one camera, nearly equal")
-    width = min(lens.width, LARGEST_WIDTH)
+    width = min(lens.width, most_width)
     return width, max(round(width * down / across), 2), round(math.degrees(2.0 * math.atan(across)), 9)
 
 

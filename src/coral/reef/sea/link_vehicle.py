@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from coral.reef.sea.latest_reading import HeardImage, LatestReading
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.picture import LatestShot
-from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.vehicle.sensing import Attitude, Stamped, VehicleObservation
 from coral.reef.world.geometry import Pose
@@ -20,7 +20,7 @@ class LinkVehicle:
         self,
         link: VehicleLink,
         camera: LatestShot,
-        sonar: LatestHeard | None,
+        sonar: LatestReading[HeardImage] | None,
         frame: LocalFrame,
         response: VehicleResponse,
         depth_m: float,

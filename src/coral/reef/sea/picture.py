@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
-from coral.reef.sea.latest_reading import LatestReading
+from coral.reef.sea.latest_reading import LatestReading, SensorSource
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Frame, Label
 
@@ -28,25 +28,17 @@ class Shot:
     """Depth and class of every pixel; None until eyes have found them."""
 
 
-class CameraSource(Protocol):
+class CameraSource(SensorSource[Shot], Protocol):
     """A camera."""
 
-    name: str
-    """As in the preflight list: kind and size."""
     labelled: bool
     """Whether its pictures have depth and classes of their own."""
-
-    def read(self) -> Shot | None:
-        """Wait for the next picture; None when there is none this time."""
-        ...
-
-    def close(self) -> None:
-        """Free the camera."""
-        ...
 
 
 class LatestShot(LatestReading[Shot]):
     """Reads a camera on a thread of its own and keeps the newest picture, with what eyes saw in it."""
+
+    source: CameraSource
 
     def __init__(
         self,
@@ -66,7 +58,7 @@ class LatestShot(LatestReading[Shot]):
             clock: Monotonic time (s).
             threaded: Whether to read on a thread.
         """
-        self.source, self.eyes, self._camera = source, eyes, camera or CameraCfg()
+        self.eyes, self._camera = eyes, camera or CameraCfg()
         self.attitude: Callable[[], CameraAttitude] = CameraAttitude
         """Tells the camera's attitude as it is measured."""
         self.seeing_s = 0.0

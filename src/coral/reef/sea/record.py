@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
+from coral.config import to_mapping
 from coral.reef.map.belief import Belief
 from coral.reef.mission.record import COLUMNS, FrameRecorder, PicturePose, RecordCfg
 from coral.reef.mission.reef_truth import ReefTruth
 from coral.reef.sea.background import BackgroundWork
+from coral.reef.sea.local_frame import LocalFrame
+from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.saved_survey import save_survey
+from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.simulation.simulator import SimulatorCfg
+from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.geometry import Frame, Pose
-from coral.reef.world.world import ReefWorld
-from coral.runs import RunWriter
+from coral.reef.world.world import ReefWorld, save_world
+from coral.run_files import RunFiles, SurveyFiles
+from coral.runs import RunWriter, provenance
 
 OWN_COLUMNS = tuple(name for name in COLUMNS if not name.startswith("est_"))
 """Columns of a vehicle of which nobody knows the truth: x, y and theta are where it believed it was."""
@@ -54,7 +61,7 @@ class SeaRecord:
         Raises:
             InputError: The folder cannot be used.
         """
-        self.folder = folder
+        self.folder, self._world = folder, world
         self.writer = RunWriter(folder, COLUMNS if world is not None else OWN_COLUMNS)
         self.work = BackgroundWork(threaded=threaded)
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
@@ -66,6 +73,39 @@ class SeaRecord:
         self._save_due_s = SAVE_S
         self._step, self._t = 0, 0.0
         self.truth = None if world is None else ReefTruth(world, simulator, folder, self._told_by_truth)
+
+    def head(
+        self, area: SurveyArea, about: Mapping[str, Any], cfg: SailCfg, response: VehicleResponse, frame: LocalFrame
+    ) -> None:
+        """Write world.yaml (in real water the area with its outlines) and config.yaml, before the first tick.
+
+        Args:
+            area: Where the survey is.
+            about: First entries of config.yaml: world, advisor, seed, names on the command line.
+            cfg: Configuration.
+            response: How the vehicle follows its set-points.
+            frame: From the vehicle's frame to the survey's.
+        """
+        if self._world is not None:
+            save_world(self._world, self.folder / SurveyFiles.WORLD)
+        else:
+            outlines = [{"name": name, "metres": [list(p) for p in ring]} for name, ring in area.keep_out]
+            fence = [list(p) for p in area.fence]
+            content = {"name": area.name, "size_m": list(area.size_m), "geofence": fence, "keep_out": outlines}
+            self.writer.yaml(SurveyFiles.WORLD, content)
+        self.writer.yaml(
+            RunFiles.CONFIG,
+            {
+                "system": "reef",
+                **about,
+                "mission": to_mapping(cfg.mission),
+                "safety": to_mapping(cfg.safety),
+                "depth_m": cfg.depth_m,
+                "response": to_mapping(response),
+                "frame": dataclasses.asdict(frame),
+                "provenance": provenance(),
+            },
+        )
 
     def event(self, step: int, t: float, event: str, **fields: Any) -> None:
         """Record an event."""

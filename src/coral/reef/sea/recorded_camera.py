@@ -7,12 +7,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from coral.config import Positive, Signed, merge, read_yaml
 from coral.errors import InputError
 from coral.reef.sea.calibration_file import own_keys
-from coral.reef.sea.lens import DistortionModel, Lens, Rectifier, check_lens, rectified_size
+from coral.reef.sea.lens import LARGEST_WIDTH, DistortionModel, Lens, Rectifier, check_lens, rectified_size
 from coral.reef.vehicle.camera import CameraCfg
 
 Pixels = Annotated[int, Field(ge=1, le=65_536)]
@@ -65,18 +67,19 @@ class RecordedCamera:
         return cls(view, (view.width, view.height))
 
     @classmethod
-    def of(cls, lens: Lens, mount: CameraCfg, where: str) -> RecordedCamera:
+    def of(cls, lens: Lens, mount: CameraCfg, where: str, most_width: int = LARGEST_WIDTH) -> RecordedCamera:
         """Return the camera with a lens.
 
         Args:
             lens: Its lens.
             mount: Tilt, height and range; size and field of view are those of the lens.
             where: File or topic that it comes from, for errors.
+            most_width: Wider pictures are reduced to this (px).
 
         Raises:
             InputError: The lens cannot be used.
         """
-        width, height, hfov_deg = rectified_size(check_lens(lens, where), where)
+        width, height, hfov_deg = rectified_size(check_lens(lens, where), where, most_width)
         view = CameraCfg(
             width=width, height=height, hfov_deg=hfov_deg, pitch_down_deg=mount.pitch_down_deg,
             altitude_m=mount.altitude_m, range_m=mount.range_m, near_m=mount.near_m,
@@ -84,9 +87,20 @@ class RecordedCamera:
         same = lens.is_plain and (width, height) == (lens.width, lens.height)
         return cls(view, (lens.width, lens.height), None if same else Rectifier(lens, view))
 
+    def picture(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Return a colour picture as `view` shows it. Shape=(H, W, 3).
 
-def read_camera(path: Path) -> RecordedCamera:
-    """Read a camera file, or a calibration that another tool has written.
+        Raises:
+            ValueError: It has another size than the camera's.
+        """
+        (height, width), size = rgb.shape[:2], self.size
+        if (width, height) != size:
+            raise ValueError(f"pictures of {width}x{height} px, where the camera file says {size[0]}x{size[1]}")
+        return rgb if self.rectifier is None else self.rectifier.colours(rgb)
+
+
+def read_camera(path: Path, most_width: int = LARGEST_WIDTH) -> RecordedCamera:
+    """Read a camera file, or a calibration that another tool has written, for pictures of at most so many columns.
 
     Raises:
         InputError: A key is unknown, a value is out of range, or field of view and focal lengths contradict.
@@ -114,4 +128,4 @@ def read_camera(path: Path) -> RecordedCamera:
         model=cfg.model,
         distortion=cfg.distortion,
     )
-    return replace(RecordedCamera.of(lens, mount, where), altitude_given=cfg.altitude_m is not None)
+    return replace(RecordedCamera.of(lens, mount, where, most_width), altitude_given=cfg.altitude_m is not None)

@@ -26,6 +26,7 @@ from coral.reef.mission.metrics import OWN_MAP, TRUTH, compute_metrics
 from coral.reef.mission.word_judge import told_verdict
 from coral.reef.pilot.leftover import chain_of, what_is_left
 from coral.reef.pilot.pilot import Pilot
+from coral.reef.sea.latest_reading import HeardImage, LatestReading
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.link_vehicle import LinkVehicle
 from coral.reef.sea.local_frame import LocalFrame
@@ -35,10 +36,8 @@ from coral.reef.sea.real_time import IdleCollector, RealTicks, collected_when_id
 from coral.reef.sea.record import SeaRecord
 from coral.reef.sea.safety import SafetyMonitor
 from coral.reef.sea.sail_cfg import SailCfg
-from coral.reef.sea.sonar_reading import LatestHeard
 from coral.reef.sea.supervisor import Supervisor
 from coral.reef.sea.survey_file import SurveyArea
-from coral.reef.sea.survey_head import write_head
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.vehicle.states import PilotState, StateMachine
 from coral.reef.world.geometry import Pose
@@ -59,7 +58,7 @@ class Crew:
     link: VehicleLink
     camera: LatestShot
     advisor: Advisor
-    sonar: LatestHeard | None = None
+    sonar: LatestReading[HeardImage] | None = None
     """None: the vehicle has none."""
     words: OperatorWords = field(default_factory=OperatorWords)
     world: ReefWorld | None = None
@@ -281,7 +280,7 @@ class SeaMission:
         crew = self.crew
         about = {"world": self.area.name, "advisor": crew.advisor.name, "variant": "full", "seed": self.seed}
         about |= self.about
-        write_head(self.record.writer, self.area, crew.world, about, self.cfg, self.response, self.vehicle.frame)
+        self.record.head(self.area, about, self.cfg, self.response, self.vehicle.frame)
         total = 0 if crew.world is None else len(crew.world.clusters)
         self.emit("start", **about, clusters_total=total, judged_by=OWN_MAP if crew.world is None else TRUTH)
         if self.instruction:

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from coral.errors import InputError
 from coral.reef.pilot.checks import UnfitMeasurement
 from coral.reef.sea.boot_clock import BootClock
+from coral.reef.sea.latest_reading import HeardImage
 from coral.reef.sea.sonar_packets import decode_packet, load_protocol
-from coral.reef.sea.sonar_reading import HeardImage
 
 GROUP, PORT = "224.0.0.96", 4747
 """Where the sonar sends as it comes from its maker."""

@@ -12,14 +12,35 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError, without_password
 from coral.reef.sea.picture import Shot
+from coral.reef.vehicle.camera import CameraCfg
 
 OPEN_MS = 5000
 """Longest time to open an address (ms)."""
 READ_S = 2.0
 """A stream that is read longer than this when it is closed is left to the end of the process."""
-
+WIDEST_PX = 320
+"""Wider pictures are reduced to this: eyes and map keep a camera's rate with it. Twice what the networks here see."""
+ALIKE = 0.02
+"""Relative difference of two pictures' proportions that makes no difference."""
 
 Fit = Callable[[NDArray[np.uint8]], NDArray[np.uint8]]
+
+
+def resized(rgb: NDArray[np.uint8], camera: CameraCfg) -> NDArray[np.uint8]:
+    """Return a picture in the size of a camera with the same view. Shape=(H, W, 3).
+
+    Raises:
+        ValueError: It has other proportions: then it is not of this camera.
+    """
+    height, width = rgb.shape[:2]
+    if abs(width * camera.height / (height * camera.width) - 1.0) > ALIKE:
+        raise ValueError(
+            f"pictures of {width}x{height} px, where the camera is configured with {camera.width}x{camera.height}: "
+            "give its size and lens by --lens camera.yaml"
+        )
+    if (width, height) == (camera.width, camera.height):
+        return rgb
+    return np.asarray(cv2.resize(rgb, (camera.width, camera.height), interpolation=cv2.INTER_AREA), np.uint8)
 
 
 class VideoCamera:

@@ -23,24 +23,18 @@ from coral.view.contact.replay import trial_of_run
 from coral.view.run import RunFolder
 
 TOPICS = {
-    "/tf": "tf2_msgs/msg/TFMessage",
-    "/hand/wrench": "geometry_msgs/msg/WrenchStamped",
-    "/hand/opening": "sensor_msgs/msg/JointState",
-    "/plan/aim": "geometry_msgs/msg/PointStamped",
-    "/plan/cost": "std_msgs/msg/Float64",
-    "/events": "std_msgs/msg/String",
-    "/scene": "visualization_msgs/msg/MarkerArray",
+    "/tf": (
+        "tf2_msgs/msg/TFMessage",
+        "`world` to `hand` (as measured), to `hand_target`, and to each object (in a simulation, its true pose).",
+    ),
+    "/hand/wrench": ("geometry_msgs/msg/WrenchStamped", "Force and torque on the hand, on its own axes."),
+    "/hand/opening": ("sensor_msgs/msg/JointState", "Its opening and the commanded one (m)."),
+    "/plan/aim": ("geometry_msgs/msg/PointStamped", "Where each plan leads the hand."),
+    "/plan/cost": ("std_msgs/msg/Float64", "The cost of each plan."),
+    "/events": ("std_msgs/msg/String", "Every line of `events.jsonl`."),
+    "/scene": ("visualization_msgs/msg/MarkerArray", "Table, fixtures and objects, once; meshes are left out."),
 }
-WHAT = {
-    "/tf": "`world` to `hand` (as measured), to `hand_target`, and to each object (in a simulation, its true pose).",
-    "/hand/wrench": "Force and torque on the hand, on its own axes.",
-    "/hand/opening": "Its opening and the commanded one (m).",
-    "/plan/aim": "Where each plan leads the hand.",
-    "/plan/cost": "The cost of each plan.",
-    "/events": "Every line of `events.jsonl`.",
-    "/scene": "Table, fixtures and objects, once; meshes are left out.",
-}
-"""What is on each topic."""
+"""Type of each topic, and what is on it."""
 Array = NDArray[np.float64]
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 WORLD, HAND, TARGET = "world", "hand", "hand_target"
