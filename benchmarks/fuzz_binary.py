@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import gzip
 import io
 import json
 import sqlite3
@@ -59,14 +58,13 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     from coral.contact.memory.memory import Memory
     from coral.contact.real_scenes.masks.colour_masks import read_colours
     from coral.exam.question_set import load_set
-    from coral.foreign_file import decode_picture, read_arrays, read_json
+    from coral.foreign_file import decode_picture, read_arrays, read_json, read_log_lines
     from coral.onnx_file import open_onnx
     from coral.reef.map.belief import BeliefCfg
     from coral.reef.map.mapping import MapCfg
     from coral.reef.recordings.autopilot_log import read_log
     from coral.reef.sea.saved_survey import load_survey
     from coral.reef.vehicle.camera import CameraCfg
-    from coral.rotating_log import read_parts
     from coral.run_files import SurveyFiles
 
     refused = (InputError,)
@@ -88,7 +86,7 @@ def binary_parsers(home: Path) -> dict[str, Given]:
         return Memory(path.parent / "new.sqlite").load(content, str(path)) if isinstance(content, dict) else None
 
     return {
-        "packed log": (lambda path: list(read_parts([path])), (gzip.compress(event),), refused, ".jsonl.gz"),
+        "log": (lambda path: list(read_log_lines(path)), (event,), refused, ".jsonl"),
         "arrays": (read_arrays, (an_archive(),), (ValueError,), ".npz"),
         "saved survey": (saved, (a_survey(),), refused, ".npz"),
         "picture": (lambda path: decode_picture(path.read_bytes()), pictures, (ValueError,), ""),

@@ -1,6 +1,5 @@
 """Bytes from elsewhere: each bomb is one line, within 500 MB of memory and 5 s of processor time."""
 
-import gzip
 import io
 import json
 import os
@@ -102,10 +101,8 @@ def npz_claim(path):
         archive.writestr("map.npy", head.getvalue() + bytes(80))
 
 
-def gzip_line(path):
-    with gzip.open(path, "wb", compresslevel=1) as out:
-        for _ in range(1000):
-            out.write(b" " * 1_000_000)
+def long_line(path):
+    path.write_bytes(b" " * 20_000_000)
 
 
 def sparse(path):
@@ -120,7 +117,7 @@ def wide_png(path):
 BOMBS = {
     "arrays.npz": (npz_bomb, "read_arrays(path)", "more than 200 MB when unpacked"),
     "claim.npz": (npz_claim, "read_arrays(path)", "map.npy: no array"),
-    "events.0001.jsonl.gz": (gzip_line, "list(read_log_lines(path))", "found a line of more than 16000000 characters"),
+    "events.jsonl": (long_line, "list(read_log_lines(path))", "found a line of more than 16000000 characters"),
     "sparse.json": (sparse, "read_json(path, 'a memory')", "found more than 100 MB"),
     "sparse.yaml": (sparse, "read_text(path, 'a world')", "found more than 20 MB"),
     "wide.png": (wide_png, "decode_picture(path.read_bytes())", "30000 x 20000 pixels, where 64 million are the most"),
@@ -219,14 +216,6 @@ def test_a_mark_before_utf_8_is_no_part_of_the_text(tmp_path):
     (tmp_path / "latin").write_bytes("Großes Riff".encode("latin-1"))
     with pytest.raises(InputError, match="bytes that are not UTF-8 text"):
         read_text(tmp_path / "latin", "a file")
-
-
-@pytest.mark.parametrize("keep", [0, 5, 20])
-def test_a_broken_packed_log_is_one_line(keep, tmp_path):
-    path = tmp_path / "events.0001.jsonl.gz"
-    path.write_bytes(gzip.compress(b'{"a": 1}\n' * 1000)[:keep] + b"damage")
-    with pytest.raises(InputError, match=r"events\.0001\.jsonl\.gz: found .*, expected a whole log"):
-        list(read_log_lines(path))
 
 
 def test_a_zip_file_is_opened_if_its_content_is_small(tmp_path):

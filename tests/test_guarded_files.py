@@ -19,7 +19,6 @@ EXCEPTIONS = {
     "exam/question_set.py": "writes a zip file into a scratch path of scratch_for",
     "interface/result.py": "copies the caller's own run to a new or empty folder",
     "reef/sea/saved_survey.py": "writes into memory",
-    "rotating_log.py": "packs a part into a scratch path of scratch_for",
     "yaml_file.py": "text of read_text, counted before anything is built of it",
 }
 """Modules that touch files or parse bytes otherwise, each with its reason."""

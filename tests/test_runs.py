@@ -104,6 +104,8 @@ def test_a_run_folder_takes_any_text(tmp_path):
 class Full:
     """A disk that takes nothing more."""
 
+    name = "events.jsonl"
+
     def write(self, text):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
@@ -113,7 +115,7 @@ class Full:
 
 def test_a_full_disk_names_the_file_and_the_log_can_still_be_closed(tmp_path):
     writer = RunWriter(tmp_path / "run", ("step",))
-    writer._events._log = Full()
+    writer._events = Full()
     with pytest.raises(OSError, match=r"No space left on device: .*events\.jsonl"):
         writer.event(0, 0.0, "start")
     writer.close()

@@ -18,7 +18,6 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from gzip import GzipFile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -174,18 +173,14 @@ def read_json(path: Path, expected: str, most_bytes: int = limits.JSON_BYTES) ->
 
 
 def read_log_lines(path: Path, most_chars: int = limits.LOG_BYTES) -> Iterator[str]:
-    """Read the lines of a text file, packed by gzip or not, with their ends.
+    """Read the lines of a text file, with their ends.
 
     Raises:
-        InputError: It is no regular file, broken, or longer than `most_chars`; or a line is longer than any.
+        InputError: It is no regular file, or longer than `most_chars`; or a line is longer than any.
     """
     try:
         with open_regular(path) as raw:
-            file = io.TextIOWrapper(
-                GzipFile(fileobj=raw) if path.suffix == ".gz" else raw,  # type: ignore[arg-type]
-                encoding="utf-8",
-                errors="replace",
-            )
+            file = io.TextIOWrapper(raw, encoding="utf-8", errors="replace")
             total = 0
             while line := file.readline(limits.LINE_CHARS + 1):
                 total += len(line)
@@ -198,8 +193,8 @@ def read_log_lines(path: Path, most_chars: int = limits.LOG_BYTES) -> Iterator[s
         raise InputError(str(path), "", error.kind, "a regular file: the log of a run") from None
     except FileNotFoundError:
         raise
-    except (OSError, EOFError, zlib.error) as error:
-        raise InputError(str(path), "", getattr(error, "strerror", None) or first_line(error), "a whole log") from None
+    except OSError as error:
+        raise InputError(str(path), "", error.strerror or first_line(error), "the log of a run") from None
 
 
 def picture_size(content: bytes) -> tuple[int, int] | None:

@@ -13,14 +13,13 @@ from collections.abc import Iterator, Mapping
 from datetime import datetime
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
-from coral.errors import InputError, without_password
-from coral.file_writer import PRIVATE, write_whole
-from coral.foreign_file import parse_json
+from coral.errors import InputError, naming, without_password
+from coral.file_writer import PRIVATE, open_log, write_whole
+from coral.foreign_file import parse_json, read_log_lines
 from coral.odd_text import encodable, encodable_values
 from coral.package_version import __version__
-from coral.rotating_log import RotatingLog, read_lines
 from coral.run_files import RunFiles
 from coral.yaml_file import to_yaml
 
@@ -38,8 +37,8 @@ class RunWriter:
         try:
             folder.mkdir(PRIVATE, parents=True, exist_ok=True)
             require_empty(folder)
-            self._events = RotatingLog(folder / RunFiles.EVENTS)
-            self._rows = RotatingLog(folder / RunFiles.TRAJECTORY, ",".join(columns))
+            self._events, self._rows = open_log(folder / RunFiles.EVENTS), open_log(folder / RunFiles.TRAJECTORY)
+            self._rows.write(",".join(columns) + "\n")
         except OSError as error:
             raise InputError(str(folder), "--out", error.strerror or error, "a folder that can be written") from None
 
@@ -49,11 +48,11 @@ class RunWriter:
         text = json.dumps(line, allow_nan=False, default=float)
         if "\\ud" in text:  # a letter beyond 16 bits, or half of one
             text = json.dumps(encodable_values(line), allow_nan=False, default=float)
-        self._events.append(without_password(text))
+        _append(self._events, without_password(text))
 
     def row(self, *values: float | int | str) -> None:
         """Append one row of the trajectory."""
-        self._rows.append(encodable(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values)))
+        _append(self._rows, encodable(",".join(v if isinstance(v, str) else f"{v:.6g}" for v in values)))
 
     def yaml(self, name: str, content: Mapping[str, Any]) -> None:
         """Write a YAML file into the folder."""
@@ -81,6 +80,11 @@ class RunWriter:
                 log.close()
 
 
+def _append(log: IO[str], line: str) -> None:
+    with naming(Path(log.name)):
+        log.write(line + "\n")
+
+
 def require_empty(folder: Path) -> None:
     """Refuse a run folder that contains anything.
 
@@ -101,7 +105,7 @@ def read_events(path: Path) -> Iterator[dict[str, Any]]:
 
 def read_records(path: Path) -> Iterator[dict[str, Any]]:
     """Read the JSON objects of a log, in order; skip an incomplete last line of a killed run."""
-    for line in read_lines(path):
+    for line in read_log_lines(path):
         try:
             record = parse_json(line)
         except ValueError:
@@ -112,7 +116,7 @@ def read_records(path: Path) -> Iterator[dict[str, Any]]:
 
 def read_rows(path: Path) -> Iterator[dict[str, str]]:
     """Read the complete rows of a trajectory, by column name."""
-    yield from csv.DictReader(line for line in read_lines(path, headed=True) if line.endswith("\n"))
+    yield from csv.DictReader(line for line in read_log_lines(path) if line.endswith("\n"))
 
 
 def file_stem(name: str) -> str:

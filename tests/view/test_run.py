@@ -1,4 +1,3 @@
-import gzip
 import json
 
 import cv2
@@ -80,23 +79,6 @@ def test_what_the_camera_saw_is_read_with_colours_where_they_were_kept(fresh):
     assert np.array_equal(seen.labels, np.minimum(labels, 3))
     cv2.imwrite(str(fresh / "frames" / "000400_rgb.jpg"), rgb[..., 0])
     assert read_camera_frame(run.path, 400).rgb is None
-
-
-def test_a_log_that_was_cut_into_parts_is_read_whole(fresh):
-    whole = RunFolder.read(fresh)
-    for name, header in (("events.jsonl", 0), ("trajectory.csv", 1)):
-        lines = (fresh / name).read_text().splitlines(keepends=True)
-        stem, _, suffix = name.partition(".")
-        with gzip.open(fresh / f"{stem}.0001.{suffix}.gz", "wt") as part:
-            part.writelines(lines[:20])
-        (fresh / name).write_text("".join(lines[:header] + lines[20:]))
-    again = RunFolder.read(fresh)
-    assert again.events == whole.events
-    assert all(
-        np.array_equal(again.trajectory[name], whole.trajectory[name], equal_nan=True) for name in whole.trajectory
-    )
-    (fresh / "events.0001.jsonl.gz").write_bytes(b"no pack")
-    assert any("an earlier part cannot be read" in note for note in RunFolder.read(fresh).notes)
 
 
 def test_a_table_without_a_header_is_left_out(fresh):

@@ -13,12 +13,11 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import InputError, first_line
+from coral.errors import InputError
 from coral.foreign_file import parse_json, read_picture_file, regular_bytes
 from coral.limits import LARGEST_NUMBER, LOG_BYTES
 from coral.odd_text import encodable_values
 from coral.reef.world.geometry import Frame
-from coral.rotating_log import earlier_parts, read_parts
 from coral.run_files import RunFiles, SurveyFiles, TaskFiles
 from coral.view.records import figures, is_extent, is_number, shallow, sound
 from coral.words import many
@@ -191,32 +190,10 @@ def _text(path: Path, notes: list[str]) -> str:
     return ""
 
 
-def _log(path: Path, notes: list[str], *, headed: bool = False) -> str:
-    """Read a log with its earlier parts."""
-    text = _text(path, notes)
-    parts = earlier_parts(path)
-    if not parts:
-        return text
-    before: list[str] = []
-    size = len(text)
-    try:
-        for line in read_parts(parts, headed=headed):
-            size += len(line)
-            if size > LOG_BYTES:
-                notes.append(
-                    f"{path.name}: with its earlier parts it is longer than {LOG_BYTES} bytes; the rest was left out."
-                )
-                return "".join(before)
-            before.append(line)
-    except (OSError, InputError) as error:
-        notes.append(f"{path.name}: an earlier part cannot be read: {first_line(error)}.")
-    return "".join(before) + (text.partition("\n")[2] if headed and before else text)
-
-
 def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
     """Read the objects of a JSON-lines file; other lines are left out and noted."""
     records: list[Record] = []
-    lines = _log(path, notes).splitlines()
+    lines = _text(path, notes).splitlines()
     for number, line in enumerate(lines, 1):
         if not line.strip():
             continue
@@ -234,7 +211,7 @@ def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
 
 def _table(path: Path, notes: list[str]) -> dict[str, NDArray[np.float64]]:
     """Read the columns of a CSV file of numbers with a header line."""
-    text = _log(path, notes, headed=True)
+    text = _text(path, notes)
     try:
         rows = list(csv.reader(io.StringIO(text)))
     except csv.Error as error:

@@ -47,8 +47,8 @@ def test_axes_keep_to_their_range(speed, turn):
     ("depth", "rate"), [(0.0, 0.25), (1.9, 0.08), (2.0, 0.0), (2.1, -0.08), (9.0, -0.25), (None, 0.0), (math.nan, 0.0)]
 )
 def test_climb_rate_goes_to_the_depth_within_its_limit(depth, rate):
-    assert climb_rate(depth, 2.0, 0.8, 0.25) == pytest.approx(rate)
+    assert climb_rate(depth, 2.0) == pytest.approx(rate)
 
 
 def test_a_wanted_depth_that_is_no_number_changes_nothing():
-    assert climb_rate(1.0, math.nan, 0.8, 0.25) == 0.0
+    assert climb_rate(1.0, math.nan) == 0.0

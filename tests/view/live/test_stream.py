@@ -2,7 +2,6 @@ import json
 
 import pytest
 
-from coral.rotating_log import RotatingLog
 from coral.view.live.stream import RunStream, Tail
 
 
@@ -41,18 +40,6 @@ def test_lines_come_once_and_only_when_they_are_complete(run):
     assert tail.lines() == ["two"]
     assert tail.lines() == []
     tail.close()
-
-
-def test_a_rotated_log_is_followed_without_its_second_header(run):
-    log, early = RotatingLog(run / "log.csv", "t", most_bytes=4), Tail(run / "log.csv", headed=True)
-    seen = early.lines()
-    for k in range(5):
-        log.append(str(k))
-        seen += early.lines()
-    assert seen == ["t", "0", "1", "2", "3", "4"]
-    assert Tail(run / "log.csv", headed=True).lines() == seen
-    log.close()
-    early.close()
 
 
 def test_a_page_gets_what_it_does_not_have(run):

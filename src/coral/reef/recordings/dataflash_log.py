@@ -7,7 +7,7 @@ import struct
 from collections.abc import Iterator
 from mmap import mmap
 
-from coral.reef.sea.ardusub import has_position
+from coral.reef.sea.ardusub import DOWN, has_position
 
 SYNC, FORMAT = b"\xa3\x95", 128
 _NEEDED = {
@@ -21,8 +21,6 @@ _CODES = {code: code for code in "bBhHiIfdqQ"} | {
 _SCALES = {"c": 0.01, "C": 0.01, "e": 0.01, "E": 0.01, "L": 1e-7}
 GPS_EPOCH_S, LEAP_S = 315_964_800, 18
 """Beginning of GPS time in Unix time, and the leap seconds between them since 2017 (s)."""
-DOWN = 25
-"""MAV_SENSOR_ROTATION_PITCH_270, a range finder that looks down."""
 RANGE_GOOD, FIX_3D = 4, 3
 
 Sample = tuple[str, float, tuple[float, ...]]

@@ -7,8 +7,8 @@ from mmap import mmap
 from typing import Any
 
 from coral.errors import InputError
-from coral.reef.recordings.dataflash_log import DOWN, Sample
-from coral.reef.sea.ardusub import AUTOPILOT_COMPONENT, has_position, load_dialect
+from coral.reef.recordings.dataflash_log import Sample
+from coral.reef.sea.ardusub import AUTOPILOT_COMPONENT, has_position, load_dialect, range_down
 
 LOCAL_NED = 1
 """MAV_FRAME_LOCAL_NED."""
@@ -73,6 +73,6 @@ def _sample(m: Any) -> tuple[str, tuple[float, ...]] | None:
         return "standing", (float(not has_position(m.flags)),)
     if name == "RANGEFINDER" and m.distance > 0.0:
         return "range", (m.distance,)
-    if name == "DISTANCE_SENSOR" and m.orientation == DOWN and m.min_distance <= m.current_distance <= m.max_distance:
-        return "range", (0.01 * m.current_distance,)
+    if name == "DISTANCE_SENSOR" and (found := range_down(m)) is not None:
+        return "range", (found,)
     return None

@@ -28,6 +28,8 @@ ARDUPILOT = 3
 MAKERS = {ARDUPILOT: "ArduPilot", 12: "PX4"}
 AUTOPILOT_COMPONENT = 1
 ARMED_BIT = 128
+DOWN = 25
+"""MAV_SENSOR_ROTATION_PITCH_270: a range finder that looks down."""
 EKF_POSITION = 8 | 16
 """EKF_STATUS_REPORT flags of a horizontal position, relative or absolute."""
 EKF_CONST_POSITION = 128
@@ -84,3 +86,9 @@ def version_warning(number: int) -> str:
 def has_position(flags: int) -> bool:
     """Check whether the estimator's flags promise a horizontal position."""
     return bool(flags & EKF_POSITION) and not flags & EKF_CONST_POSITION
+
+
+def range_down(message: Any) -> float | None:
+    """Return the distance to the floor (m) in a DISTANCE_SENSOR; None if it looks elsewhere, or is out of range."""
+    valid = message.min_distance <= message.current_distance <= message.max_distance
+    return 0.01 * message.current_distance if valid and message.orientation == DOWN else None

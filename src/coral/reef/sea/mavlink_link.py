@@ -49,10 +49,6 @@ SETTLE_S = 3.0
 """A mode, or the motors, must be seen as ordered within this time."""
 WORDS_S = 0.3
 """Longest wait for the autopilot's words after a refusal."""
-DEPTH_GAIN_1_S = 0.8
-"""Downward speed per metre of depth error."""
-DEPTH_SPEED_M_S = 0.25
-"""Largest speed up or down."""
 RESULTS = {
     1: "temporarily rejected",
     2: "denied",
@@ -129,7 +125,7 @@ class MavlinkLink:
             state, now = self.telemetry, self._clock()
             if not self._driving or self._override or not state.armed:
                 return
-            down = climb_rate(state.depth_m, depth_m, DEPTH_GAIN_1_S, DEPTH_SPEED_M_S)
+            down = climb_rate(state.depth_m, depth_m)
             dt = min(max(now - self._commanded_s, 0.0), COMMAND_S)
             self._commanded_s = now
             if self._ordered == "GUIDED":
@@ -148,12 +144,10 @@ class MavlinkLink:
         )  # fmt: skip
 
     def _fresh(self, now: float) -> tuple[float | None, float | None]:
-        limit = FRESH_S
-        speed = self.telemetry.measured_speed
-        turn = self.telemetry.measured_turn
+        speed, turn = self.telemetry.measured_speed, self.telemetry.measured_turn
         return (
-            speed[0] if speed is not None and now - speed[1] <= limit else None,
-            turn[0] if now - turn[1] <= limit else None,
+            speed[0] if speed is not None and now - speed[1] <= FRESH_S else None,
+            turn[0] if now - turn[1] <= FRESH_S else None,
         )
 
     def _throttle(self, down_m_s: float) -> int:

@@ -139,7 +139,8 @@ class SeaMission:
         self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, self._go_home)
         self.ticks = RealTicks(mission.control_period_s, clock, sleep)
         self.loop = MissionLoop(self.robot, self.ticks, self)
-        self._recording, self._awaited = True, ""
+        self._recording, self.notice = True, ""
+        """notice: what would end the vehicle's state; "" if there is nothing to say."""
         self.picture_age_ms: list[float] = []
         """Age of each new picture in the tick that used it (ms): latency of the camera, time of the eyes, waiting."""
 
@@ -184,11 +185,6 @@ class SeaMission:
         return None if self.vehicle.pose is None else self.robot.localizer.locate(self.vehicle.pose)
 
     @property
-    def notice(self) -> str:
-        """What would end the vehicle's state; "" if there is nothing to say."""
-        return self._awaited
-
-    @property
     def coverage(self) -> float:
         """Share of the clusters: of the true ones in a simulated reef, else of those on the vehicle's own map."""
         return self._own()[1] if self.record.truth is None else self.record.truth.coverage
@@ -207,12 +203,11 @@ class SeaMission:
         """How the instruction is changed; None where there is none to change."""
         return self.instruct if self.instruction else None
 
-    def align(self, start: Pose | None = None, *, trust_heading: bool) -> None:
+    def align(self, *, trust_heading: bool) -> None:
         """Take what the vehicle reports now as the survey's start."""
         report = self.crew.link.report()
         if report.pose is not None:
-            frame = LocalFrame.from_start(report.pose, start or self.area.start, trust_heading=trust_heading)
-            self.vehicle.frame = frame
+            self.vehicle.frame = LocalFrame.from_start(report.pose, self.area.start, trust_heading=trust_heading)
 
     def emit(self, event: str, **fields: Any) -> None:
         """Record an event at the present tick."""
@@ -299,8 +294,8 @@ class SeaMission:
     def _tell_awaited(self) -> None:
         guard = self.cfg.mission.pilot.guard
         found = self.supervisor.awaits(guard.recover_s, guard.surface_after_s)
-        if found != self._awaited:
-            self._awaited = found
+        if found != self.notice:
+            self.notice = found
             self.emit("awaited", state=self.states.state.value, reason=self.states.reason, ends_when=found)
 
     def _go_home(self) -> None:

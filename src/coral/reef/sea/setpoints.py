@@ -19,6 +19,8 @@ R_DEAD = 100.0
 """Axis units about the middle that turn nothing."""
 SPEED_P, SPEED_I, YAW_P = 400.0, 200.0, 300.0
 """Axis units per m/s of error, per m of it (the integral is limited to half an axis), and per rad/s."""
+DEPTH_GAIN_1_S, DEPTH_SPEED_M_S = 0.8, 0.25
+"""Vertical speed per metre of depth error, and its limit."""
 FRESH_S = 0.5
 """Older measurements are not used: then the axis is the feed-forward alone."""
 
@@ -67,8 +69,8 @@ def _axis(value: float) -> int:
     return round(min(max(value, -1000.0), 1000.0))
 
 
-def climb_rate(depth_m: float | None, wanted_m: float, gain_1_s: float, limit_m_s: float) -> float:
+def climb_rate(depth_m: float | None, wanted_m: float) -> float:
     """Return the downward speed (m/s) that brings the vehicle to a depth; 0 where one of them is no number."""
     if depth_m is None or not math.isfinite(depth_m) or not math.isfinite(wanted_m):
         return 0.0
-    return min(max(gain_1_s * (wanted_m - depth_m), -limit_m_s), limit_m_s)
+    return min(max(DEPTH_GAIN_1_S * (wanted_m - depth_m), -DEPTH_SPEED_M_S), DEPTH_SPEED_M_S)

@@ -15,8 +15,6 @@ from coral.reef.sea.stations import NO_AUTOPILOT
 from coral.reef.world.geometry import Pose, wrap
 
 TEXTS = 64
-DOWN = 25
-"""MAV_SENSOR_ROTATION_PITCH_270."""
 RANGE_S = 1.0
 """A height older than this is none: the attitude that it is told with is a newer one."""
 STICK_PWM = 30
@@ -156,8 +154,9 @@ class Telemetry:
 
     def _range_finder(self, message: Any, now: float) -> None:
         """Take the height above the floor; ArduSub sends none as soon as its range finder has no data."""
-        if message.orientation == DOWN and message.min_distance <= message.current_distance <= message.max_distance:
-            self._range = (0.01 * message.current_distance, now)
+        found = ardusub.range_down(message)
+        if found is not None:
+            self._range = (found, now)
 
     def _system_status(self, message: Any, now: float) -> None:
         volts = message.voltage_battery

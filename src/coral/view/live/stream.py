@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import os
 import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import IO, Any, Protocol
 
 from coral.foreign_file import open_regular, parse_json
 from coral.odd_text import encodable_values
-from coral.rotating_log import earlier_parts, read_parts
 from coral.run_files import RunFiles
 from coral.view.records import shallow, sound
 from coral.view.run import Record, numbers_of
@@ -37,37 +35,21 @@ class Subject(Protocol):
 
 
 class Tail:
-    """The lines of a log that have been completed since the last look. A log that was rotated meanwhile is followed."""
+    """The lines of a log that have been completed since the last look."""
 
-    def __init__(self, path: Path, *, headed: bool = False) -> None:
-        self._path, self._headed = path, headed
+    def __init__(self, path: Path) -> None:
+        self._path = path
         self._file: IO[bytes] | None = None
         self._begun = b""
 
     def lines(self) -> list[str]:
-        """Return the new lines; the header of a later part is left out."""
-        found: list[str] = []
+        """Return the new lines."""
         if self._file is None:
             if not self._path.is_file():
                 return []
-            parts = earlier_parts(self._path)
             self._file = open_regular(self._path)
-            found += [line.rstrip("\n") for line in read_parts(parts, headed=self._headed)]
-            if parts and self._headed:
-                self._file.readline()
-        while True:
-            text = self._begun + self._file.read()
-            *whole, self._begun = text.split(b"\n")
-            found += [line.decode("utf-8", "replace") for line in whole]
-            try:
-                if self._path.stat().st_ino == _inode(self._file):
-                    return found
-            except OSError:
-                return found
-            self._file.close()
-            self._file, self._begun = open_regular(self._path), b""
-            if self._headed:
-                self._file.readline()
+        *whole, self._begun = (self._begun + self._file.read()).split(b"\n")
+        return [line.decode("utf-8", "replace") for line in whole]
 
     def close(self) -> None:
         """Close the file."""
@@ -134,7 +116,7 @@ class _Table(Tail):
     """The rows of the trajectory as the page gets them."""
 
     def __init__(self, path: Path) -> None:
-        super().__init__(path, headed=True)
+        super().__init__(path)
         self.rows: list[list[float | None]] = []
         self._header: list[str] = []
         self._seen = self._stride = 0
@@ -170,7 +152,3 @@ def _event(line: str) -> Record | None:
         return None
     known: Record = encodable_values(event) if "\\ud" in line.lower() else event
     return known
-
-
-def _inode(file: IO[bytes]) -> int:
-    return os.fstat(file.fileno()).st_ino
