@@ -102,8 +102,6 @@ class ReefSail:
     like `--yes`."""
     camera_latency: float = 0.0
     """Time from exposure to the picture's arrival (s), as calibrated."""
-    camera_rate: Positive = 10.0
-    """Pictures a second of the simulated camera."""
     priority: Literal["high", "normal"] = "high"
     """high: the program and its control thread go before other programs, where the system allows it (root, or limits
     for nice and rtprio)."""

@@ -88,8 +88,6 @@ class SailFlags(Protocol):
     @property
     def camera_latency(self) -> float: ...  # noqa: D102
     @property
-    def camera_rate(self) -> float: ...  # noqa: D102
-    @property
     def lens(self) -> Path | None: ...  # noqa: D102
 
 
@@ -170,7 +168,6 @@ def open_parts(
                 scene,
                 sim.camera,
                 parts.where,
-                flags.camera_rate,
                 painter=painter,
                 stills=make_stills(scene, sim, world.seed).make_ready() if sim.stills else None,
                 noise=SensorNoise(sim.noise, np.random.default_rng([flags.seed, 5]), sim.camera),

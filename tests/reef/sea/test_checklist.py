@@ -28,7 +28,7 @@ FINE = VehicleReport(
     pose=Pose(0.0, 0.0, 0.0),
     pose_stamp_s=NOW,
     has_position=True,
-    position_std_m=0.02,
+    covariance=np.diag([0.0001, 0.0004, 0.01]),
     yaw_rad=0.1,
     depth_m=1.0,
     depth_stamp_s=NOW,
@@ -54,14 +54,16 @@ class Source:
     def close(self): ...
 
 
-def listed(report=FINE, labelled=True, shots=1, sonar=None, gear=GEAR):
+def listed(report=FINE, labelled=True, shots=1, sonar=None, gear=GEAR, safety=None):
     rates = StampRates()
     for k in range(21):
         rates.note(NOW - 2.0 + 0.125 * k, replace(report, pose_stamp_s=NOW - 2.0 + 0.125 * k))
     camera = LatestShot(Source(labelled), threaded=False)
     for _ in range(shots):
         camera.step()
-    lines = preflight_list(NOW, report, rates, camera, AREA, SafetyCfg(), gear, sonar, SonarCfg(width=8, height=4))
+    lines = preflight_list(
+        NOW, report, rates, camera, AREA, safety or SafetyCfg(), gear, sonar, SonarCfg(width=8, height=4)
+    )
     return {line.subject: line for line in lines}, lines
 
 
@@ -79,6 +81,12 @@ def test_the_instruction_is_one_line_that_says_who_judges():
     assert str(listed(gear=words)[0]["instruction"]) == "  instruction: Find the net. Keep off. - nobody judges it"
     judged = listed(gear=replace(words, judged=True))[0]["instruction"]
     assert judged.text.endswith("judged by the truth of the simulated reef")
+
+
+def test_a_height_is_told_and_missed_where_its_loss_would_act():
+    assert listed(replace(FINE, altitude_m=1.24))[0]["depth"].text.endswith("1.2 m above the floor")
+    missed = listed(safety=SafetyCfg(on_floor_lost="hold"))[0]["depth"]
+    assert (missed.level, "its limit cannot act" in missed.text) == ("lacking", True)
 
 
 def test_a_resumed_survey_says_where_the_vehicle_must_be():

@@ -52,11 +52,6 @@ def test_what_is_not_known_is_none():
     assert (seen.pose, seen.velocity, seen.attitude, seen.covariance, seen.sonar) == (None,) * 5
 
 
-def test_a_deviation_of_the_position_becomes_a_covariance():
-    seen = behind(Link(position_std_m=0.2)).observe(0.0)
-    np.testing.assert_allclose(np.diag(seen.covariance), (0.04, 0.04, 0.0))
-
-
 def test_commands_become_set_points_while_they_may_be_sent():
     link = Link()
     vehicle = behind(link, response=VehicleResponse(surge_gain=0.5))

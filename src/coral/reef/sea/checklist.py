@@ -107,7 +107,7 @@ def preflight_list(
         _pose(now, report, rates, equipment, safety),
         *([_heading(report, area)] if equipment.heading_trusted and report.yaw_rad is not None else []),
         _velocity(report, rates),
-        _depth(report, rates),
+        _depth(report, rates, safety),
         *_camera(now, camera, equipment.perception),
         _sonar(now, sonar, sonar_cfg or SonarCfg()),
         _battery(report, safety),
@@ -164,8 +164,8 @@ def _pose(now: float, report: VehicleReport, rates: StampRates, equipment: Equip
     source, rate = equipment.pose_source, rates.rate_hz("pose")
     if not report.has_position or report.pose is None:
         return CheckLine("pose", f"none from the {source} - will not arm without a position", "blocking")
-    if report.position_std_m is not None:
-        spread = f"standard deviation {report.position_std_m:.2g} m"
+    if report.covariance is not None:
+        spread = f"standard deviation {math.sqrt(max(report.covariance[0, 0], report.covariance[1, 1])):.2g} m"
     elif report.position_test_ratio is not None:
         spread = f"no covariance reported, innovation {report.position_test_ratio:.2f} of its limit"
     else:
@@ -189,15 +189,18 @@ def _heading(report: VehicleReport, area: SurveyArea) -> CheckLine:
 def _velocity(report: VehicleReport, rates: StampRates) -> CheckLine:
     if report.velocity is None:
         return CheckLine("velocity", "none - the controller needs it; will not arm", "blocking")
-    std = report.velocity_std_m_s
-    spread = "no covariance reported" if std is None else f"standard deviation {std:.2g} m/s"
-    return CheckLine("velocity", f"{rate_told(rates.rate_hz('velocity'))}, {spread}")
+    return CheckLine("velocity", rate_told(rates.rate_hz("velocity")))
 
 
-def _depth(report: VehicleReport, rates: StampRates) -> CheckLine:
+def _depth(report: VehicleReport, rates: StampRates, safety: SafetyCfg) -> CheckLine:
     if report.depth_m is None:
         return CheckLine("depth", "none - the depth cannot be held; will not arm", "blocking")
-    return CheckLine("depth", f"{report.depth_m:.1f} m, {rate_told(rates.rate_hz('depth'))}")
+    text = f"{report.depth_m:.1f} m, {rate_told(rates.rate_hz('depth'))}"
+    if report.altitude_m is not None:
+        return CheckLine("depth", f"{text}; {report.altitude_m:.1f} m above the floor")
+    if safety.on_floor_lost != "none":
+        return CheckLine("depth", f"{text}; no range to the floor - its limit cannot act", "lacking")
+    return CheckLine("depth", text)
 
 
 def _camera(now: float, camera: LatestShot, perception: str) -> list[CheckLine]:

@@ -41,10 +41,8 @@ class VehicleReport:
     """Stands still while the autopilot has no valid position, even if numbers still come."""
     has_position: bool = False
     """Whether the autopilot trusts its horizontal position now."""
-    position_std_m: float | None = None
-    """Standard deviation of the position; None where the vehicle does not tell it, as ArduSub does not."""
     covariance: NDArray[np.float64] | None = None
-    """Of the pose: x, y (m), theta (rad); None where the vehicle does not tell it. Shape=(3, 3)."""
+    """Of the pose: x, y (m), theta (rad); None where it is not told, as by ArduSub. Shape=(3, 3)."""
     position_test_ratio: float | None = None
     """The estimator's innovation over its limit: near 0 is good, at 1 measurements are rejected. No covariance."""
     roll_rad: float | None = None
@@ -63,8 +61,6 @@ class VehicleReport:
     velocity: tuple[float, float, float] | None = None
     """Over ground, in the level body frame: m/s forward, m/s to the left, rad/s to the left."""
     velocity_stamp_s: float = -math.inf
-    velocity_std_m_s: float | None = None
-    """Standard deviation of the velocity; None where the vehicle does not tell it."""
 
     mode: str = ""
     """The autopilot's name for its mode, such as GUIDED or ALT_HOLD; "" until the first heartbeat."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from coral.reef.sea.latest_reading import HeardImage, LatestReading
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.local_frame import LocalFrame
@@ -57,15 +55,12 @@ class LinkVehicle:
             attitude = Attitude(
                 roll=report.roll_rad, pitch=report.pitch_rad, depth_m=report.depth_m, altitude_m=report.altitude_m
             )
-        covariance, std = report.covariance, report.position_std_m
-        if covariance is None and std is not None:
-            covariance = np.diag([std**2, std**2, 0.0])
         return VehicleObservation(
             t=t,
             pose=None if pose is None else Stamped(report.pose_stamp_s - began, pose),
             velocity=None if report.velocity is None else Stamped(report.velocity_stamp_s - began, report.velocity),
             frame=None if shot is None or shot.frame is None else Stamped(shot.stamp_s - began, shot.frame),
-            covariance=None if covariance is None else self.frame.turned(covariance),
+            covariance=None if report.covariance is None else self.frame.turned(report.covariance),
             attitude=None if attitude is None else Stamped(report.attitude_stamp_s - began, attitude),
             sonar=None if heard is None else Stamped(heard.stamp_s - began, heard.image),
         )
