@@ -231,3 +231,34 @@ def test_a_hold_by_the_time_left_ends_at_the_time_limit():
     assert bench.tick(seconds=5.0) is PilotState.HOLDING
     bench.tick(seconds=20.0)
     assert bench.supervisor.end_reason == "time limit"
+
+
+def test_every_state_says_what_ends_it_but_surveying(bench):
+    said = {}
+    for state in PilotState:
+        bench.states.state = state
+        said[state] = bench.supervisor.awaits(1.0, None)
+    assert [state for state, text in said.items() if not text] == [PilotState.SURVEYING, PilotState.STOPPED]
+
+
+@pytest.mark.parametrize(
+    ("move", "surface_after_s", "text"),
+    [
+        ((Mover.GUARD, "sensors lost"), None, "good for 1 s, or on your word"),
+        ((Mover.GUARD, "sensors lost"), 60.0, "surfaces after 60 s"),
+        ((Mover.OPERATOR, "hold"), None, "only on your word"),
+        ((Mover.OPERATOR, "take over"), None, "given back"),
+        ((Mover.VEHICLE, "must surface"), None, "at the surface"),
+    ],
+)
+def test_a_hold_ends_by_whoever_began_it(bench, move, surface_after_s, text):
+    bench.states.move(0.1, *move)
+    assert text in bench.supervisor.awaits(1.0, surface_after_s)
+
+
+@pytest.mark.parametrize(
+    ("report", "text"), [({"pose_stamp_s": 0.0}, "gone for 2 s"), ({"reboots": 1}, "only on your")]
+)
+def test_a_fault_that_may_pass_ends_by_itself(bench, report, text):
+    assert bench.tick(seconds=1.0, **report) is PilotState.HOLDING
+    assert text in bench.supervisor.awaits(1.0, None)

@@ -91,4 +91,4 @@ def has_position(flags: int) -> bool:
 def range_down(message: Any) -> float | None:
     """Return the distance to the floor (m) in a DISTANCE_SENSOR; None if it looks elsewhere, or is out of range."""
     valid = message.min_distance <= message.current_distance <= message.max_distance
-    return 0.01 * message.current_distance if valid and message.orientation == DOWN else None
+    return 0.01 * float(message.current_distance) if valid and message.orientation == DOWN else None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 
-from coral.reef.sea.awaited import awaited
 from coral.reef.sea.link import VehicleReport
 from coral.reef.sea.operator import Order, VehicleOrders, Word
 from coral.reef.sea.safety import Breach, SafetyMonitor
@@ -64,16 +63,27 @@ class Supervisor:
         return state in (PilotState.READY, PilotState.SURVEYING) or (state is PilotState.HOLDING and not self._held)
 
     def awaits(self, recover_s: float, surface_after_s: float | None) -> str:
-        """Return what would end the present state, in words; the sensors' times (s) as `GuardCfg` has them."""
+        """Return what would end the present state, in words; "" for surveying, which every limit ends.
+
+        Args:
+            recover_s: Sensors must be good for this long (s).
+            surface_after_s: After this long without sensors it comes up (s); None for never.
+        """
         if self.returning and self.states.state is PilotState.SURVEYING:
             return f"on the way back, because of {self.returning}; ends within {HOME_M:g} m of the start"
-        return awaited(
-            self.states,
-            passing=self._breach is not None and self._breach.passing,
-            settle_s=self.safety.cfg.settle_s,
-            recover_s=recover_s,
-            surface_after_s=math.inf if surface_after_s is None else surface_after_s,
-        )
+        state, by = self.states.state, self.states.by
+        if state is PilotState.READY:
+            return "begins when every sensor has delivered something good"
+        if state is PilotState.HOLDING and by is Mover.GUARD:
+            after = "" if surface_after_s is None else f"; surfaces after {surface_after_s:.0f} s"
+            return f"continues when all sensors have been good for {recover_s:g} s{after}, or on your word"
+        if state is PilotState.HOLDING and by is _VEHICLE and self._breach is not None and self._breach.passing:
+            return f"continues when the cause has been gone for {self.safety.cfg.settle_s:g} s, or on your word"
+        if state is PilotState.HOLDING:
+            return "continues only on your word"
+        if state is PilotState.SURFACING:
+            return "ends at the surface"
+        return "continues only on your word, when the vehicle is given back" if state is PilotState.TAKEN_OVER else ""
 
     def update(
         self, now: float, t: float, report: VehicleReport, pose: Pose | None, words: Iterable[tuple[Word, str]]
