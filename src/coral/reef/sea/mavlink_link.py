@@ -131,7 +131,7 @@ class MavlinkLink:
             if self._ordered == "GUIDED":
                 self._send_velocity(forward_m_s, yaw_rate_rad_s, down)
                 return
-            x, y, _, r = self._sticks.axes(forward_m_s, yaw_rate_rad_s, self._fresh(now), dt)
+            x, y, _, r = self._sticks.axes(forward_m_s, yaw_rate_rad_s, state.motion(now - FRESH_S), dt)
             self._axes = (x, y, self._throttle(down), r)
             self._stick(now)
 
@@ -142,13 +142,6 @@ class MavlinkLink:
                 VELOCITY_AND_YAW_RATE, 0.0, 0.0, 0.0, forward_m_s, 0.0, down_m_s, 0.0, 0.0, 0.0, 0.0, -yaw_rate_rad_s,
             )
         )  # fmt: skip
-
-    def _fresh(self, now: float) -> tuple[float | None, float | None]:
-        speed, turn = self.telemetry.measured_speed, self.telemetry.measured_turn
-        return (
-            speed[0] if speed is not None and now - speed[1] <= FRESH_S else None,
-            turn[0] if now - turn[1] <= FRESH_S else None,
-        )
 
     def _throttle(self, down_m_s: float) -> int:
         """Return the z axis for a downward speed, past ArduSub's dead zone."""

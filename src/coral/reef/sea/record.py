@@ -71,7 +71,7 @@ class SeaRecord:
         self._keyframe_s = record.keyframe_period_s if record.frames and record.keyframes else float("inf")
         self._due_s = self._keyframe_due_s = 0.0
         self._save_due_s = SAVE_S
-        self._step, self._t = 0, 0.0
+        self._truth_step, self._truth_t = 0, 0.0
         self.truth = None if world is None else ReefTruth(world, simulator, folder, self._told_by_truth)
 
     def head(
@@ -109,7 +109,6 @@ class SeaRecord:
 
     def event(self, step: int, t: float, event: str, **fields: Any) -> None:
         """Record an event."""
-        self._step, self._t = step, t
         self.work.offer(lambda: self.writer.event(step, t, event, **fields))
         for hear in self.listeners:
             hear({"step": step, "t": t, "event": event, **fields})
@@ -139,7 +138,21 @@ class SeaRecord:
             state: From u to goal_y, as in `OWN_COLUMNS`; nan where there is no goal. Then planner_ok.
             own: By the vehicle's own map: distance to an obstacle (m), share of its clusters done, their number.
         """
-        self.work.offer(lambda: self._write_tick(step, t, pose, odometry, true_pose, state, own))
+
+        def write() -> None:
+            u, v, r, v_cmd, omega_cmd, goal_x, goal_y, planner_ok = state
+            goal = ("", "") if goal_x != goal_x else (goal_x, goal_y)
+            if self.truth is None or true_pose is None:
+                self.writer.row(
+                    step, t, *pose, u, v, r, v_cmd, omega_cmd, *goal, own[0], planner_ok, *own[1:], *odometry
+                )
+                return
+            self._truth_step, self._truth_t = step, t
+            self.truth.follow(step, t, true_pose)
+            judged = (self.truth.clearance_m(true_pose), planner_ok, self.truth.coverage, len(self.truth.covered))
+            self.writer.row(step, t, *true_pose, u, v, r, *pose, v_cmd, omega_cmd, *goal, *judged, *odometry)
+
+        self.work.offer(write)
 
     def offer_frame(
         self, step: int, t: float, cells: Callable[[], Any], frame: Frame, taken_at: PicturePose | None = None
@@ -200,23 +213,3 @@ class SeaRecord:
         self.writer.event(self._truth_step, self._truth_t, event, **fields)
         for hear in self.listeners:
             hear({"step": self._truth_step, "t": self._truth_t, "event": event, **fields})
-
-    def _write_tick(
-        self,
-        step: int,
-        t: float,
-        pose: Pose,
-        odometry: Pose,
-        true_pose: Pose | None,
-        state: tuple[float, ...],
-        own: tuple[float, float, int],
-    ) -> None:
-        u, v, r, v_cmd, omega_cmd, goal_x, goal_y, planner_ok = state
-        goal = ("", "") if goal_x != goal_x else (goal_x, goal_y)
-        if self.truth is None or true_pose is None:
-            self.writer.row(step, t, *pose, u, v, r, v_cmd, omega_cmd, *goal, own[0], planner_ok, *own[1:], *odometry)
-            return
-        self._truth_step, self._truth_t = step, t
-        self.truth.follow(step, t, true_pose)
-        judged = (self.truth.clearance_m(true_pose), planner_ok, self.truth.coverage, len(self.truth.covered))
-        self.writer.row(step, t, *true_pose, u, v, r, *pose, v_cmd, omega_cmd, *goal, *judged, *odometry)

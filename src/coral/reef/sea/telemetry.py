@@ -46,7 +46,8 @@ class Telemetry:
         self._yaw_ned: float | None = None
         self._yaw_rate = 0.0
         self._turned = 0.0
-        self._depth: float | None = None
+        self.depth_m: float | None = None
+        """Below the surface."""
         self._range: tuple[float, float] = (math.nan, -math.inf)
         self._stamps = {"pose": -math.inf, "velocity": -math.inf, "attitude": -math.inf, "depth": -math.inf}
         self._test_ratio: float | None = None
@@ -89,20 +90,10 @@ class Telemetry:
         """Add a message of our own to those of the autopilot."""
         self._texts.append(StatusText(severity=severity, text=text))
 
-    @property
-    def measured_speed(self) -> tuple[float, float] | None:
-        """Forward speed (m/s) and its stamp."""
-        return None if self._velocity is None else (self._velocity[0], self._stamps["velocity"])
-
-    @property
-    def measured_turn(self) -> tuple[float, float]:
-        """Yaw rate (rad/s, left) and its stamp."""
-        return -self._yaw_rate, self._stamps["attitude"]
-
-    @property
-    def depth_m(self) -> float | None:
-        """Depth below the surface."""
-        return self._depth
+    def motion(self, since_s: float) -> tuple[float | None, float | None]:
+        """Return the forward speed (m/s) and the yaw rate (rad/s, left); None for what was measured before a time."""
+        speed = None if self._velocity is None or self._stamps["velocity"] < since_s else self._velocity[0]
+        return speed, None if self._stamps["attitude"] < since_s else -self._yaw_rate
 
     def _heartbeat(self, message: Any, now: float) -> None:
         self.heartbeat_s = now
@@ -150,7 +141,7 @@ class Telemetry:
         self._test_ratio = max(message.velocity_variance, message.pos_horiz_variance)
 
     def _depth_gauge(self, message: Any, now: float) -> None:
-        self._depth, self._stamps["depth"] = -message.alt, now
+        self.depth_m, self._stamps["depth"] = -message.alt, now
 
     def _range_finder(self, message: Any, now: float) -> None:
         """Take the height above the floor; ArduSub sends none as soon as its range finder has no data."""
@@ -214,7 +205,7 @@ class Telemetry:
             pitch_rad=pitch,
             yaw_rad=None if self._yaw_ned is None else wrap(math.pi / 2 - self._yaw_ned),
             attitude_stamp_s=self._stamps["attitude"],
-            depth_m=self._depth,
+            depth_m=self.depth_m,
             depth_stamp_s=self._stamps["depth"],
             altitude_m=self._range[0] if now - self._range[1] <= RANGE_S else None,
             altitude_stamp_s=self._range[1],
