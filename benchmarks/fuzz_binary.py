@@ -8,7 +8,6 @@ import json
 import sqlite3
 import struct
 import tempfile
-import zipfile
 from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import Any
@@ -57,7 +56,6 @@ def binary_parsers(home: Path) -> dict[str, Given]:
     from coral.contact.libero.object_model import read_model
     from coral.contact.memory.memory import Memory
     from coral.contact.real_scenes.masks.colour_masks import read_colours
-    from coral.exam.question_set import load_set
     from coral.foreign_file import decode_picture, read_arrays, read_json, read_log_lines
     from coral.onnx_file import open_onnx
     from coral.reef.map.belief import BeliefCfg
@@ -93,7 +91,6 @@ def binary_parsers(home: Path) -> dict[str, Given]:
         "network": (open_onnx, ((home / "reef/eyes/weights/reef_net.onnx").read_bytes()[:KEPT],), refused, ".onnx"),
         "memory": (remembered, (a_memory(),), refused, ".sqlite"),
         "exported memory": (imported, (b'{"format": "coral-memory/1", "experiences": [{}]}',), refused, ".json"),
-        "question set": (lambda path: load_set(str(path)), (a_set(home),), refused, ".zip"),
         "colours": (read_colours, (COLOURS,), refused, ".yaml"),
         "object model": (read_model, (MODEL,), refused, ".xml"),
         "poses of a tracker": (lambda path: parse_poses(path.read_bytes()), (poses,), (), ""),
@@ -147,19 +144,6 @@ def a_memory() -> bytes:
             base.execute("PRAGMA wal_checkpoint")
         base.close()
         return path.read_bytes()
-
-
-def a_set(home: Path) -> bytes:
-    """Make a set of the first question of the shipped one."""
-    out = io.BytesIO()
-    with zipfile.ZipFile(home / "exam/sets/public.zip") as whole, zipfile.ZipFile(out, "w") as small:
-        texts = {name: whole.read(name) for name in whole.namelist() if not name.startswith("pictures/")}
-        texts = {name: text.splitlines()[0] if name.endswith(".jsonl") else text for name, text in texts.items()}
-        named = b"".join(texts.values()).decode()
-        pictures = [name for name in whole.namelist() if name.startswith("pictures/") and Path(name).name in named]
-        for name, content in [*texts.items(), *((name, whole.read(name)) for name in pictures)]:
-            small.writestr(name, content)
-    return out.getvalue()
 
 
 def a_dataflash_log() -> bytes:

@@ -18,12 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from clairvoyant import clairvoyant
+from clairvoyant import STEP_M, clairvoyant
 
 from coral.advisor.question import Advisor, Rejection
 from coral.advisor.registry import make_advisor
 from coral.advisor.rules import RuleAdvisor
-from coral.exam.controls import control
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
@@ -62,6 +61,35 @@ class Corrected:
         return (one, None) if isinstance(one, int) else (None, WaypointStep(forward_m=one[0], left_m=one[1]))
 
 
+class Random:
+    """Draws a dot of the map, or a waypoint in whole metres, whatever the map says."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self._rng = rng
+
+    def centroid(self, facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> CentroidChoice:
+        """Answer a question about dots."""
+        dots = facts["centroids"]
+        return CentroidChoice(selected_centroid_index=dots[int(self._rng.integers(len(dots)))]["index"])
+
+    def waypoint(self, facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> WaypointChoice:
+        """Answer a question about open water."""
+        forward, left = (int(v) for v in self._rng.integers(-STEP_M, STEP_M + 1, 2))
+        return WaypointChoice(forward_m=forward, left_m=left)
+
+
+class Constant:
+    """Chooses the first dot, or drives straight ahead, whatever the map says."""
+
+    def centroid(self, facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> CentroidChoice:
+        """Answer a question about dots."""
+        return CentroidChoice(selected_centroid_index=min(c["index"] for c in facts["centroids"]))
+
+    def waypoint(self, facts: Mapping[str, Any], rejections: Sequence[Rejection]) -> WaypointChoice:
+        """Answer a question about open water."""
+        return WaypointChoice(forward_m=5, left_m=0)
+
+
 ADVISORS = ("clairvoyant", "heuristic", "random", "sloppy:0.3:heuristic", "sloppy:0.6:heuristic", "constant")
 VARIANTS = {"with": "full", "without": "no-verification"}
 
@@ -71,11 +99,10 @@ def advisor_of(name: str, world: ReefWorld, seed: int) -> Advisor:
     rng = np.random.default_rng([seed, 7])
     if name == "clairvoyant":
         return clairvoyant(world)
-    if name == "corrected":
-        one = Corrected(rng)
+    controls = {"corrected": Corrected(rng), "random": Random(rng), "constant": Constant()}
+    if name in controls:
+        one = controls[name]
         return RuleAdvisor({"reef-centroid": one.centroid, "reef-waypoint": one.waypoint}, name=name)
-    if name in ("random", "constant"):
-        return control(name, rng)
     return make_advisor(name, rules=REEF_RULES, rng=rng, mistakes=REEF_MISTAKES)
 
 

@@ -23,7 +23,6 @@ from coral.foreign_file import (
     decode_picture,
     parse_json,
     picture_size,
-    read_archive,
     read_arrays,
     read_bytes,
     read_json,
@@ -216,14 +215,6 @@ def test_a_mark_before_utf_8_is_no_part_of_the_text(tmp_path):
     (tmp_path / "latin").write_bytes("Großes Riff".encode("latin-1"))
     with pytest.raises(InputError, match="bytes that are not UTF-8 text"):
         read_text(tmp_path / "latin", "a file")
-
-
-def test_a_zip_file_is_opened_if_its_content_is_small(tmp_path):
-    with zipfile.ZipFile(tmp_path / "x.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("a", bytes(5000))
-    assert read_archive(tmp_path / "x.zip", 6000).read("a") == bytes(5000)
-    with pytest.raises(ValueError, match="when unpacked"):
-        read_archive(tmp_path / "x.zip", 4000)
 
 
 @pytest.mark.parametrize(

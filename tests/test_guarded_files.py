@@ -16,7 +16,6 @@ EXCEPTIONS = {
     "contact/perception/foundationpose_server.py": "runs alone on another machine, without this package; has its bound",
     "contact/franka/shared_block.py": "no file: memory of processes that this program started, as their pipes are",
     "contact/franka/double_scene.py": "no file: XML that MuJoCo has just written",
-    "exam/question_set.py": "writes a zip file into a scratch path of scratch_for",
     "interface/result.py": "copies the caller's own run to a new or empty folder",
     "reef/sea/saved_survey.py": "writes into memory",
     "yaml_file.py": "text of read_text, counted before anything is built of it",

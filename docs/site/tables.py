@@ -81,7 +81,6 @@ NAMED = {
     "codes-survey": ("code | what", "coral.reef.decide.codes:CODES"),
     "codes-task": ("code | what", "coral.contact.plan.codes:CODES"),
     "diagnoses": ("diagnosis | what", "coral.contact.thinker.diagnosis:TEXTS"),
-    "exam": ("kind | worth", "coral.exam.score:WORTH"),
     "libero": ("kind | what", "coral.contact.libero.task:KINDS"),
     "addresses": ("address | what", "coral.reef.sea.address:FORMS"),
     "policy-observation": ("key | what", "coral.contact.policy.libero_convention:OBSERVATION"),

@@ -52,8 +52,6 @@ COMMANDS = {
     "gui": ("coral.commands.gui:Gui", "start, watch, answer and compare runs in a browser"),
     "advisor show": ("coral.commands.advisor_show:AdvisorShow", "print a prompt and write its pictures"),
     "advisor probe": ("coral.commands.advisor_probe:AdvisorProbe", "test what a model's endpoint can do"),
-    "advisor bench": ("coral.commands.advisor_bench:AdvisorBench", "measure whether a model is good enough"),
-    "advisor questions": ("coral.commands.advisor_questions:AdvisorQuestions", "make a set of questions for it"),
     "config": ("coral.commands.config:ListConfig", "list or explain the configuration of a survey or an attempt"),
     "doctor": ("coral.commands.doctor:Doctor", "check this installation"),
     "version": ("coral.commands.version:Version", "print the version"),

@@ -277,23 +277,6 @@ def read_picture_file(path: Path, mode: int | None = None, *, channels: int | No
     return found if fits else None
 
 
-def read_archive(path: Path, most_bytes: int = limits.ARCHIVE_BYTES) -> zipfile.ZipFile:
-    """Open a zip file whose whole content is small enough to be unpacked.
-
-    Raises:
-        ValueError: It is too large.
-        OSError: It cannot be read.
-        zipfile.BadZipFile: It is no zip file.
-    """
-    content = regular_bytes(path, most_bytes)
-    if len(content) > most_bytes:
-        raise ValueError(f"more than {most_bytes / 1e6:.0f} MB")
-    archive = zipfile.ZipFile(io.BytesIO(content))
-    if sum(member.file_size for member in archive.infolist()) > most_bytes:
-        raise ValueError(f"more than {most_bytes / 1e6:.0f} MB when unpacked")
-    return archive
-
-
 def read_arrays(source: Path | bytes, most_bytes: int = limits.ARRAYS_BYTES) -> dict[str, NDArray[Any]]:
     """Read the arrays of an .npz file, as large as each says before it is unpacked.
 
@@ -302,12 +285,12 @@ def read_arrays(source: Path | bytes, most_bytes: int = limits.ARRAYS_BYTES) -> 
         OSError: It cannot be read.
     """
     try:
-        if isinstance(source, bytes):
-            archive = zipfile.ZipFile(io.BytesIO(source))
-            if sum(member.file_size for member in archive.infolist()) > most_bytes:
-                raise ValueError(f"more than {most_bytes / 1e6:.0f} MB when unpacked")
-        else:
-            archive = read_archive(source, most_bytes)
+        content = source if isinstance(source, bytes) else regular_bytes(source, most_bytes)
+        if len(content) > most_bytes:
+            raise ValueError(f"more than {most_bytes / 1e6:.0f} MB")
+        archive = zipfile.ZipFile(io.BytesIO(content))
+        if sum(member.file_size for member in archive.infolist()) > most_bytes:
+            raise ValueError(f"more than {most_bytes / 1e6:.0f} MB when unpacked")
         with archive:
             return {
                 name.removesuffix(".npy"): _array(archive.read(name), name)

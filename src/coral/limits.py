@@ -35,8 +35,6 @@ PICTURE_PIXELS = 64_000_000
 """Of a picture before it is decoded: no underwater camera has more, and in colour they take 200 MB."""
 ARRAYS_BYTES = 200_000_000
 """Of the unpacked arrays of an .npz file: the map of a survey of 500 x 500 m."""
-ARCHIVE_BYTES = 300_000_000
-"""Of the unpacked content of a zip file: the largest shipped set of questions takes a tenth."""
 MESH_BYTES = 100_000_000
 """Of a mesh: a million triangles as text."""
 CHUNK_BYTES = 100_000_000

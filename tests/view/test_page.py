@@ -7,10 +7,9 @@ from coral.view.run import RunFolder
 
 def test_a_page_says_what_is_missing_and_escapes_every_text():
     with pytest.raises(jinja2.UndefinedError):
-        render_page("exam.html.j2", about="x")
-    rows = [{"name": "<b>", "score": 0.5, "low": 0.4, "high": 0.6, "answered": 1, "questions": 1, "refused": 0}]
-    rows[0] |= {"tokens_in": None, "cost_usd": None, "latency_s_median": None, "by_kind": {}}
-    page = render_page("exam.html.j2", about="x", questions=1, rows=rows, kinds=[], headline="<script>", worst=[])
+        render_page("tables.html.j2", title="x")
+    table = {"name": "<script>", "caption": "", "header": ["a", "b"], "rows": [["x", "<b>"]], "notes": []}
+    page = render_page("tables.html.j2", title="x", tables=[table], shared=[])
     assert "&lt;script&gt;" in page
     assert "<td>&lt;b&gt;</td>" in page
     assert page.count("<style>") == page.count("</html>") == 1

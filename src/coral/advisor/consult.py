@@ -10,7 +10,6 @@ from typing import Any, Generic, Literal, Protocol, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from coral.advisor.inner_loop import run_alone
 from coral.advisor.question import Advisor, AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Usage, Withdrawn
 from coral.advisor.scrub import scrub, scrub_values
 from coral.config import Positive
@@ -162,34 +161,6 @@ async def consult(
         failure="requeries-used-up",
         rejections=tuple(rejections),
     )
-
-
-class _NoClock:
-    """A clock that stands still: for advisors that answer at once."""
-
-    def now(self) -> float:
-        return 0.0
-
-    async def reply(self, asking: Callable[[], Any], timeout_s: float) -> Any:
-        return await asking()
-
-
-def consult_at_once(
-    advisor: Advisor,
-    observe: Callable[[Sequence[Rejection]], Question[A] | None],
-    verify: Callable[[Question[A], A], Rejection | None],
-    tries: int = BudgetCfg.max_requeries + 1,
-) -> Outcome[A]:
-    """Let rules decide, through the same loop and the same checks as any advisor, but without a clock and a log.
-
-    Args:
-        advisor: Rules, which answer without waiting for anything.
-        observe: See `consult`.
-        verify: See `consult`.
-        tries: Number of answers that may be refused.
-    """
-    budget = BudgetCfg(max_requeries=tries - 1)
-    return run_alone(consult(advisor, observe, verify, budget, _NoClock(), lambda attempt: None))
 
 
 @dataclass(frozen=True, kw_only=True)

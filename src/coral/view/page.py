@@ -1,4 +1,4 @@
-"""Self-contained pages: one builder for the reports of surveys, tasks, exams and products."""
+"""Self-contained pages: one builder for the reports of surveys, tasks and products."""
 
 from __future__ import annotations
 

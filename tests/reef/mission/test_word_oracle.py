@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from coral.reef.mission.word_oracle import _targets, next_things, true_answer, word_tour
+from coral.reef.mission.word_oracle import _targets, true_answer, word_tour
 from coral.reef.vehicle.tour_kernels import advance
 from coral.reef.vehicle.vehicle import VehicleCfg
 from coral.reef.world.geometry import Pose
@@ -49,13 +49,3 @@ def test_it_sees_three_sides_from_beyond_the_distance_to_keep():
     net = next(thing for thing in world.things if thing.kind == "ghost-net")
     targets, *_ = _targets(world, (2.5, 10.0))
     assert min(math.dist(target, (net.x, net.y)) for target in targets) == pytest.approx(3.4)
-
-
-def test_what_is_next_depends_on_what_was_seen_and_on_the_order():
-    world = word_mission("words:order:0")
-    named = next(one.of for one in world.mission.conditions if one.kind == "in_order")
-    order = [next(thing.name for thing in world.things if one in (thing.kind, thing.name)) for one in named]
-    assert next_things(world, ()) == {order[0]}
-    assert next_things(world, order[:1]) == {order[1]}
-    assert next_things(world, (), in_order=False) == set(order)
-    assert next_things(world, order) == set()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,19 +44,6 @@ def true_answer(world: ReefWorld) -> str:
     """Return the right answer to what a mission asks; empty if it asks for nothing."""
     assert world.mission is not None
     return next((one.right[0] for one in world.mission.conditions if isinstance(one, Answered)), "")
-
-
-def next_things(world: ReefWorld, seen: Collection[str], *, in_order: bool = True) -> set[str]:
-    """Return the names of the things to go to next, when some have been seen from near; empty if that was all.
-
-    Args:
-        world: A world with a mission.
-        seen: Names of those that were.
-        in_order: Whether an order that the mission gives counts; if not, all that are still to be gone to are returned.
-    """
-    visits, fixed, ring, end = _wanted(world)
-    left = [name for name in (*visits, ring, end) if name not in ("", "start", *seen)]
-    return set(left[:1] if fixed and in_order else left)
 
 
 def _wanted(world: ReefWorld) -> tuple[list[str], bool, str, str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -11,10 +10,12 @@ from numpy.typing import NDArray
 
 from coral.drawing import Image, draw_text
 from coral.reef.map.belief import Belief
-from coral.reef.map.best_views import HALF_M, View
+from coral.reef.map.best_views import HALF_M
 
 TILE_PX, COLUMNS, MOST = 240, 4, 12
 """Edge of a tile, tiles in a row, and most tiles: those of the clusters that lie nearest."""
+BAR_PX = round(TILE_PX * 0.5 / (2.0 * HALF_M))
+"""Half a metre in a tile, which is `2 HALF_M` wide where the crop is whole."""
 MOST_GAIN, MOST_TINT = 5.0, 2.0
 """Contrast is stretched by no more than this, and that of one colour by no more than this over another: what far water
 leaves of red is noise."""
@@ -24,14 +25,9 @@ def things_picture(belief: Belief) -> Image | None:
     """Draw the sheet; None if no cluster has been in view. Shape=(H, W, 3) RGB."""
     found = belief.best_views.of(belief.tracks)
     found.sort(key=lambda each: math.dist((each[0].x, each[0].y), belief.pose[:2]))
-    return crops_picture([(t.index, view, age_s) for t, view, age_s in sorted(found[:MOST], key=lambda f: f[0].index)])
-
-
-def crops_picture(found: Sequence[tuple[int, View, float]]) -> Image | None:
-    """Draw labels, views and their ages (s) as tiles; None if there are none. Shape=(H, W, 3) RGB."""
     tiles = [
-        _tile(view.crop, f"{label}: {view.distance_m:.1f} m, {age_s:.0f} s ago", _bar_px(view.crop))
-        for label, view, age_s in found
+        _tile(view.crop, f"{track.index}: {view.distance_m:.1f} m, {age_s:.0f} s ago")
+        for track, view, age_s in sorted(found[:MOST], key=lambda each: each[0].index)
     ]
     if not tiles:
         return None
@@ -40,18 +36,13 @@ def crops_picture(found: Sequence[tuple[int, View, float]]) -> Image | None:
     return np.concatenate([np.concatenate(tiles[k : k + width], 1) for k in range(0, len(tiles), width)], 0)
 
 
-def _bar_px(crop: NDArray[np.uint8]) -> int:
-    """Return the length of half a metre in the tile of a crop, which is `2 HALF_M` wide where it is whole."""
-    return round(TILE_PX * 0.5 / (2.0 * HALF_M))
-
-
-def _tile(crop: NDArray[np.uint8], words: str, bar_px: int) -> Image:
+def _tile(crop: NDArray[np.uint8], words: str) -> Image:
     height, width = crop.shape[:2]
     scale = TILE_PX / max(height, width)
     size = max(1, round(width * scale)), max(1, round(height * scale))
     tile = np.zeros((TILE_PX, TILE_PX, 3), np.uint8)
     tile[: size[1], : size[0]] = cv2.resize(stretched(crop), size, interpolation=cv2.INTER_AREA)
-    tile[-8:-5, 6 : 6 + bar_px] = 255
+    tile[-8:-5, 6 : 6 + BAR_PX] = 255
     tile[:20] //= 3
     draw_text(tile, words, 5, 10, size=14, color=(255, 255, 255), anchor="lm")
     return tile

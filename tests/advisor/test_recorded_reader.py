@@ -12,16 +12,22 @@ from coral.advisor.prompt import version
 from coral.advisor.recorded_attempts import SHIPPED, read_attempts, shipped_recordings
 from coral.advisor.replay import ReplayAdvisor
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
+from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
 from coral.contact.episode.variants import AdvisorSetup, make_strategist
+from coral.contact.plan.contact_regions import RegionsAnswer
+from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.task_file import shipped_tasks, suite_tasks, unseen_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
+from coral.contact.thinker.pose_question import PosesAnswer
+from coral.contact.thinker.unified_question import UnifiedAnswer
+from coral.contact.world_model.parameter_correction import ParametersAnswer
+from coral.contact.world_model.parameter_estimates import ParameterEstimates
 from coral.contact.worlds.registry import make_world
-from coral.exam.contact_outcome import episode_cfg
-from coral.exam.item import ANSWERS
+from coral.reef.decide.answers import CentroidChoice, WaypointChoice
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
@@ -29,6 +35,17 @@ from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.world import load_world
 
 ROOT = Path(__file__).parents[2]
+ANSWERS = {
+    "reef-centroid": CentroidChoice,
+    "reef-waypoint": WaypointChoice,
+    "physical-parameters": ParameterEstimates,
+    "contact-regions": RegionsAnswer,
+    "object-poses": PosesAnswer,
+    "parameter-repair": ParametersAnswer,
+    "cost-function": PlanAnswer,
+    "cost-repair": PlanAnswer,
+    "unified": UnifiedAnswer,
+}
 NAMES = shipped_recordings()
 CONTACT = {
     **{name: (name, 300) for name in shipped_tasks()},
@@ -94,9 +111,11 @@ def attempted(name, folder, limit_s):
     advisor = f"in-order:contact-{name}"
     task = load_task(task).model_copy(update={"time_limit_s": limit_s})
     strategist = make_strategist("full", task, AdvisorSetup(advisor=advisor, folder=folder))
-    episode = Episode(
-        sample_trial(task, seed), "hand", strategist, episode_cfg(), folder, variant="full", advisor=advisor
-    )
+    cfg = EpisodeCfg(poses="ground-truth")
+    controller = dataclasses.replace(cfg.controller, mppi=dataclasses.replace(cfg.controller.mppi, samples=16))
+    record = dataclasses.replace(cfg.record, states=False, report=False)
+    cfg = dataclasses.replace(cfg, controller=controller, record=record)
+    episode = Episode(sample_trial(task, seed), "hand", strategist, cfg, folder, variant="full", advisor=advisor)
     return episode.run()
 
 
