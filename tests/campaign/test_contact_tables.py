@@ -105,7 +105,7 @@ def test_what_broke_off_is_told_where_it_belongs():
     made = tables([row(advisor="a", variant="full"), {**broken, "status": "failed"}])
     assert [("Advisor: a." in table.caption, any("left out" in note for note in table.notes)) for table in made] == [
         (True, False)
-    ] * 4 + [(False, True)] * 4
+    ] * 4 + [(False, True)] * 2
 
 
 def test_the_papers_table_is_complete():
@@ -138,3 +138,77 @@ def test_who_decided_has_a_table_and_marks_what_nobody_or_a_fallback_did():
 def test_a_benchmarks_scene_keeps_its_name():
     assert short_name("libero:object-swap/3") == "libero:object-swap/3"
     assert short_name("my/tasks/stack.yaml") == "stack"
+
+
+def trial(variant, seed, success, time_s=5.0, calls=2):
+    return row(variant=variant, seed=seed, success=success, advisor="a", sim_time_s=time_s, advisor_calls=calls)
+
+
+def against(rows):
+    return next((table for table in tables(rows) if table.name.startswith("Against")), None)
+
+
+def test_variants_are_compared_trial_by_trial_with_full():
+    full = [trial("full", seed, seed != 3) for seed in range(4)]
+    other = [trial("unified", 0, True, 9.0), trial("unified", 1, False), trial("unified", 3, True, calls=8)]
+    first, second = against([*full, *other]).rows
+    assert first == ("CoRAL (full)", "3/4", "30–95", "–", "–", "–", "–", "2.0", "5.0")
+    assert second[:2] == ("unified VLM", "2/3")
+    assert second[3:] == ("1 : 1", "1", "2 : 1", "1", "4.0", "7.0")
+
+
+def test_who_is_sooner_counts_a_failure_as_later_and_equal_times_not_at_all():
+    full = [trial("full", seed, True, 5.0) for seed in range(8)]
+    other = [trial("no-memory", seed, seed < 7, 6.0 if seed < 6 else 5.0) for seed in range(8)]
+    assert against([*full, *other]).rows[1][3:7] == ("1 : 0", "1", "7 : 0", "0.016")
+
+
+def test_two_failures_are_no_difference():
+    rows = [trial(variant, 0, False) for variant in ("full", "unified")]
+    assert against(rows).rows[1][3:] == ("0 : 0", "1", "0 : 0", "1", "2.0", "–")
+
+
+def test_without_full_or_without_another_variant_there_is_nothing_to_compare():
+    assert against([trial("unified", 0, True), trial("unguided", 0, True)]) is None
+    assert against([trial("full", 0, True)]) is None
+
+
+def strategy(variant, seed, steps, task="flip-wall", **fields):
+    measured = {"path_length_m": steps / 100, "first_touch_s": 1.0, "plan_cost": 2.0, "plan_cost_jump": None}
+    return row(task, variant, seed, place="hand", advisor="a", steps=steps, **{**measured, **fields})
+
+
+STRATEGIES = [
+    strategy("full", 0, 100),
+    strategy("full", 1, 120),
+    strategy("full", 2, 140),
+    strategy("unguided", 0, 200),
+    strategy("unguided", 1, 240, success=False),
+    strategy("unguided", 3, 999),
+]
+
+
+def ablation(rows):
+    return next((table for table in tables(rows) if table.name == "Contact-strategy ablation"), None)
+
+
+def test_the_ablation_has_medians_over_the_seeds_that_both_have_beside_the_papers():
+    table = ablation(STRATEGIES)
+    assert any("Seeds: 0, 1." in note for note in table.notes)
+    assert table.header[1:8] == ("success", "steps", "Δ steps (%)", "paper", "path (m)", "Δ path (%)", "paper")
+    guided, unguided = (line[1:] for line in table.rows)
+    paper_s = ("32 (−83.9 %)", "1.33 (−63.9 %)")
+    assert guided == ("2/2", "110", "−50", paper_s[0], "1.10", "−50", paper_s[1], "1.00", "0", "2.00", "–")
+    assert unguided == ("1/2", "220", "–", "199", "2.20", "–", "3.69", "1.00", "–", "2.00", "–")
+
+
+def test_the_plan_without_guidance_stands_between_where_it_was_run():
+    table = ablation([*STRATEGIES, strategy("no-regions", 0, 160), strategy("no-regions", 1, 180)])
+    assert [line[0] for line in table.rows] == ["CoRAL (full)", "w/o guided sampling", "w/o contact strategy"]
+    assert table.rows[1][2] == "170"
+
+
+def test_other_tasks_have_no_number_of_the_paper_and_one_variant_makes_no_ablation():
+    table = ablation([strategy("full", 0, 10, "flip-box"), strategy("unguided", 0, 20, "flip-box")])
+    assert table.rows[0][4] == "–"
+    assert ablation([strategy("full", 0, 10)]) is None

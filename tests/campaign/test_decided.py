@@ -1,6 +1,7 @@
 import json
 
-from coral.campaign.decided import decided_table, mark_notes, marked, share
+from coral.campaign.columns import Group
+from coral.campaign.decided import decided_table, mark_notes, share
 
 
 def row(advisor, fallback, policy="rules", **more):
@@ -11,15 +12,14 @@ def row(advisor, fallback, policy="rules", **more):
         "tokens_out": 10,
         "cost_usd": None,
         "thinking_s": 20.0,
+        "world": "l1",
+        "seed": advisor,
         "fallback": policy,
         **more,
     }
 
 
-def test_rows_in_which_a_fallback_decided_are_marked():
-    assert marked("full", [row(5, 0), row(4, 1)]) == "full §"
-    assert marked("full", [row(5, 0)]) == "full"
-    assert marked("full", [{"coverage": 1.0}]) == "full"  # of a version that did not count
+def test_the_mark_is_explained():
     assert mark_notes([row(5, 0)]) == ()
     (note,) = mark_notes([row(5, 0), row(4, 1)])
     assert note.startswith("§: 1 of 10 decisions were made by the fallback’s rules")
@@ -33,7 +33,7 @@ def test_shares_are_of_the_decisions_of_an_episode():
 
 
 def test_the_table_has_who_decided_what_came_back_and_what_it_cost():
-    table = decided_table({"full": [row(5, 0), row(3, 2)]}, "c", (), runs="missions")
+    table = decided_table([Group("full", [row(5, 0), row(3, 2)])], "c", (), runs="missions")
     assert dict(zip(table.header, table.rows[0], strict=True)) == {
         "variant": "full §",
         "missions": "2",
@@ -53,5 +53,5 @@ def test_the_table_has_who_decided_what_came_back_and_what_it_cost():
 
 def test_memory_and_recordings_have_a_column_where_they_decided():
     one = row(0, 0, decided_by={"advisor": 0, "memory": 1, "recording": 0, "fallback": 0})
-    table = decided_table({"full": [one]}, "c", (), runs="trials")
+    table = decided_table([Group("full", [one])], "c", (), runs="trials")
     assert table.header[3:6] == ("by advisor", "by memory", "by fallback")

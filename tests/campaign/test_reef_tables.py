@@ -1,6 +1,7 @@
 import pytest
 
-from coral.campaign.reef_tables import paper, reef_tables
+from coral.campaign.reef_tables import paper, reef_tables, word_tables
+from coral.reef.world.word_missions import half_of
 
 ABOUT = {"commit": "abc1234", "machine": "x86_64, 2 cores, Linux"}
 
@@ -84,7 +85,7 @@ def test_our_means_stand_beside_the_papers_numbers():
     assert table.rows[1][4] == "60", "when the second cluster was covered, as many as DREAM covered"
 
 
-def test_differences_are_paired_and_a_variant_that_does_not_matter_is_named():
+def test_differences_are_paired():
     tables = tables_by_name(ROWS)
     dream = tables["Table I, differences"].rows[0]
     assert dream == (
@@ -95,9 +96,7 @@ def test_differences_are_paired_and_a_variant_that_does_not_matter_is_named():
         "+2.50 [+2.50, +2.50]",
         "≈ 0.0 [0.0, 0.0]",
     )
-    second = tables["Table II, differences"]
-    assert [row[0] for row in second.rows] == ["w/o DDP"]
-    assert "No difference in any of these numbers could be shown for: w/o DDP." in second.notes
+    assert [row[0] for row in tables["Table II, differences"].rows] == ["w/o DDP"]
 
 
 def test_ablations_that_the_paper_lacks_have_no_number_of_it():
@@ -171,5 +170,79 @@ def test_baselines_are_rows_of_the_papers_tables_too():
         assert {"blind sweep", "oracle tour (bound)"} <= {row[0] for row in tables[name].rows}
 
 
+def test_what_was_inspected_stands_with_the_share_of_missions_that_got_there():
+    table = tables_by_name([*JUDGED, mission("pd")])["Inspection"]
+    rows = {row[0]: dict(zip(table.header, row, strict=True)) for row in table.rows}
+    assert list(rows) == ["CORAL (full)", "blind sweep", "oracle tour (bound)"]  # pd was not judged
+    assert rows["CORAL (full)"]["to 90 % (s)"] == "120 (1/2)"
+    assert rows["CORAL (full)"]["× oracle, to 90 %"] == "2.00 (1/2)"
+    assert rows["blind sweep"]["to 90 % (s)"] == "—"
+    assert rows["oracle tour (bound)"]["to 90 % (s)"] == "60 [60, 60]"
+    assert any("not a proven optimum" in note for note in table.notes)
+    assert "position error (m)" not in table.header, "no mission has that number"
+    more = tables_by_name([mission("full", inspected=1.0, position_error_m=0.5)])["Inspection"]
+    assert "position error (m)" in more.header
+
+
 def test_missions_that_were_not_judged_make_no_such_table():
     assert "Inspection" not in tables_by_name(ROWS)
+
+
+@pytest.mark.parametrize(("count", "time"), [(1, "5"), (3, "40"), (4, "—"), (0, "—"), (None, "—")])
+def test_coverage_time_is_when_dreams_count_was_reached(count, time):
+    rows = [mission("full", coverage=0.75, covered_at_s=[5.0, 9.0, 40.0])]
+    rows += [] if count is None else [mission("dream", coverage=count / 4)]
+    assert line(tables_by_name(rows)["Table I"], "CORAL")[4] == time
+
+
+SWEPT = [
+    mission("full", world, seed, coverage=coverage, collisions=hits, overrides=overrides)
+    for world in ("l1", "s1")
+    for seed in (0, 1)
+    for overrides, coverage, hits in (
+        ('{"current": 0.5}', 0.5, 1 + seed),
+        ("{}", 1.0, 0),
+        ('{"current": 0.1}', 1.0, 0),
+    )
+]
+
+
+def test_a_sweep_stands_with_the_nominal_setting_first_and_paired_differences_from_it():
+    tables = tables_by_name(SWEPT)
+    means, differences = tables["Sweep"], tables["Sweep, differences"]
+    assert means.header[:3] == ("setting", "missions", "coverage (%)")
+    assert [row[:3] for row in means.rows] == [
+        ("nominal", "4", "100.0 [100.0, 100.0]"),
+        ("current=0.1", "4", "100.0 [100.0, 100.0]"),
+        ("current=0.5", "4", "50.0 [50.0, 50.0]"),
+    ]
+    assert [row[:3] for row in differences.rows] == [
+        ("current=0.1", "4", "≈ 0.0 [0.0, 0.0]"),
+        ("current=0.5", "4", "−50.0 [−50.0, −50.0]"),
+    ]
+
+
+def test_without_the_nominal_setting_there_are_no_differences_and_nothing_swept_makes_no_table():
+    rows = [row for row in SWEPT if row["overrides"] != "{}"]
+    assert set(tables_by_name(rows)) == {"Sweep"}
+    assert "Sweep" not in tables_by_name(ROWS)
+
+
+def in_words(world, variant, success, time_s=60.0, spared=True, advisor="none"):
+    conditions = [{"condition": "spared", "met": spared, "found": ""}]
+    return mission(variant, world, 0, advisor, success=success, sim_time_s=time_s, conditions=conditions)
+
+
+def test_missions_in_words_have_their_halves_apart_and_times_over_the_oracle():
+    rows = [
+        in_words("words:net:0", "oracle", True, 50.0),
+        in_words("words:net:0", "full", True, 100.0, advisor="heuristic"),
+        in_words("words:net:1", "full", False, spared=False, advisor="heuristic"),
+        in_words("words:net:100", "oracle", True),
+        in_words("s1", "full", None),
+    ]
+    development, test = word_tables(rows, half_of)
+    assert development.rows[0][0] == "oracle"
+    assert development.rows[1][1:] == ("1/2", "9–91", "2.00", "50", "—", "0")
+    assert len(test.rows) == 1
+    assert word_tables([in_words("s1", "full", None)], half_of) == []

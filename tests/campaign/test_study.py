@@ -2,10 +2,8 @@ import json
 
 import pytest
 
-from coral.campaign.inspection_table import RESTRICTED
-from coral.campaign.measures import mean
-from coral.campaign.presets import by_preset, with_presets
-from coral.campaign.reef_tables import reef_tables
+from coral.campaign.columns import mean
+from coral.campaign.reef_tables import RESTRICTED, reef_tables
 
 ABOUT = {"commit": "abc1234", "machine": "x86_64, 2 cores, Linux"}
 
@@ -117,23 +115,6 @@ def test_effects_put_all_conditions_side_by_side():
     )
     row = next(row for row in effects.rows if row[0] == "w/o self-verification")
     assert [cell.split(" [")[0] for cell in row[1:]] == ["+40", "+450", "+400", "+300"]
-
-
-def test_presets_multiply_the_settings_and_clear_water_needs_no_key():
-    assert with_presets(("clear", "hard"), ({}, {"current": 0.2})) == (
-        {},
-        {"current": 0.2},
-        {"preset": "hard"},
-        {"preset": "hard", "current": 0.2},
-    )
-
-
-def test_rows_are_grouped_by_preset_and_lose_its_key():
-    found = by_preset([{"overrides": "{}"}, {"overrides": '{"current": 0.2, "preset": "hard"}'}])
-    assert found == {
-        "clear": [{"overrides": "{}", "setting": "nominal"}],
-        "hard": [{"overrides": '{"current": 0.2}', "setting": "current=0.2"}],
-    }
 
 
 @pytest.mark.parametrize("name", ["Table I", "Table III", "All variants", "Inspection"])

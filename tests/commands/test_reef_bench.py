@@ -196,7 +196,7 @@ def test_a_reader_outside_is_asked_in_an_inbox_and_scored(tmp_path, in_process, 
     assert row["success"] is False
     (tmp_path / "out" / "tables.md").unlink()
     ReefBench(out=tmp_path / "out", collect=True, quiet=True)()
-    assert re.search(r"full, desk \|\s+1 \|\s+0 \[0, 79\]", (tmp_path / "out" / "tables.md").read_text())
+    assert re.search(r"full, desk \|\s+0/1 \|\s+0–79 ", (tmp_path / "out" / "tables.md").read_text())
 
 
 @pytest.mark.parametrize(

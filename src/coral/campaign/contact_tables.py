@@ -1,23 +1,76 @@
-"""Table 1 of the CoRAL paper from a campaign's rows, beside the paper's own numbers."""
+"""Table 1 of the CoRAL paper from a campaign's rows beside its numbers, trials in pairs, and the strategy ablation."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from statistics import fmean, median
 from typing import Any
 
-from coral.campaign.contact_pairs import paired_table
-from coral.campaign.decided import decided_table, left_out, made_by, mark_notes, marked, share
-from coral.campaign.measures import Row, mean_text, number
+from coral.campaign.columns import (
+    WON,
+    WON_INTERVAL,
+    Column,
+    Group,
+    Measure,
+    Row,
+    column_measure,
+    group_by,
+    mean_text,
+    of_successes,
+    pair,
+    successes,
+    tabulate,
+)
+from coral.campaign.decided import decided_table, left_out, made_by, mark_notes, share
 from coral.campaign.spec import NO_ADVISOR, called
-from coral.campaign.stats import wilson
+from coral.campaign.stats import sign_test
 from coral.campaign.table import Table
 from coral.foreign_file import parse_json, read_json
 
-SHARES = (share("advisor"), share("fallback"))
+REFERENCE = "full"
+
+
+def _with_thinking(row: Row) -> float | None:
+    return float(row.get("time_with_thinking_s") or row["sim_time_s"])
+
+
+def _ends(group: Group) -> str:
+    ends = Counter(str(row["end_reason"]) for row in group.rows if not row["success"])
+    return ", ".join(f"{reason} {count}" for reason, count in ends.most_common()) or "–"
+
+
+SIMULATED = column_measure("time", "time (s)", "sim_time_s")
+WALL = column_measure("wall_time", "wall time (s)", "wall_time_s")
+REQUESTS = column_measure("requests", "requests", "advisor_calls")
+EVERY_TASK = (
+    WON,
+    WON_INTERVAL,
+    of_successes(SIMULATED.mean()),
+    of_successes(Measure("thinking", "with thinking (s)", _with_thinking).mean()),
+    of_successes(WALL.mean()),
+    column_measure("path", "path (m)", "path_length_m", digits=2).mean(),
+    column_measure("force", "peak force (N)", "peak_hand_force_n").mean(),
+    column_measure("plan", "ms per plan", "plan_ms_median", digits=0).median(),
+    share("advisor").mean(),
+    share("fallback").mean(),
+    Column("otherwise ended by", _ends),
+)
+ABLATION = ("full", "no-regions", "unguided")
+"""With a contact strategy; its plan with unguided samples; without."""
+STEPS = column_measure("steps", "steps", "steps", digits=0)
+PATH = column_measure("path", "path (m)", "path_length_m", digits=2)
+TOUCH = column_measure("touch", "first touch (s)", "first_touch_s", digits=2)
+ABLATED = (
+    WON,
+    *(column for measure in (STEPS, PATH) for column in (measure.median(), measure.change(), measure.paper())),
+    TOUCH.median(),
+    TOUCH.change(),
+    column_measure("cost", "planning cost", "plan_cost", digits=2).median(),
+    column_measure("jumps", "its jumps", "plan_cost_jump", digits=3).median(),
+)
 
 
 @cache
@@ -37,17 +90,15 @@ def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) 
     """
     advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
     tables: list[Table] = []
-    for place in dict.fromkeys(map(_place, rows)):
+    for place, there in group_by(rows, _place).items():
         for advisor in advisors:
-            here = [row for row in rows if _place(row) == place and row["advisor"] in (advisor, NO_ADVISOR)]
+            here = [row for row in there if row["advisor"] in (advisor, NO_ADVISOR)]
             chosen = [row for row in here if row["status"] == "done"]
-            failed = [row for row in here if row["status"] == "failed"]
-            source = _source(chosen, failed, about, command)
+            source = _source(chosen, [row for row in here if row["status"] == "failed"], about, command)
             caption = f"World: {place}. Advisor: {called(advisor)}."
-            tables += [make(chosen, caption, source) for make in (_success, _times, _trials_table)]
-            paired = paired_table(chosen, caption, source, _name)
-            tables += [*([] if paired is None else [paired]), _decided(chosen, caption, source)]
-    return tables
+            tables += [make(chosen, caption, source) for make in (_success, _times, _every_task, _pairs, _decided)]
+            tables += _ablations(chosen, caption, source)
+    return [table for table in tables if table.rows]
 
 
 def _place(row: Row) -> str:
@@ -55,159 +106,169 @@ def _place(row: Row) -> str:
     return str(parse_json(row["overrides"])["world"])
 
 
-def poses_of(rows: Sequence[Row]) -> str:
-    """Return the source of the trials' object poses; a tracker is named unless it is the embedded one."""
-    return ", ".join(
-        sorted(
-            {
-                f"{row.get('poses')} ({row['tracker']})"
-                if row.get("tracker") not in (None, "", "model")
-                else str(row.get("poses"))
-                for row in rows
-            }
-        )
-    )
-
-
 def _success(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     """Count the successful trials, beside the paper's out of ten."""
 
-    def cells(own: Sequence[Row], printed: list[int | None] | None) -> tuple[str, str]:
-        ours = f"{sum(map(_is_success, own))}/{len(own)}" if own else "not run"
-        return ours, f"{printed[0]}/10" if printed else "–"
+    def cell(own: Group) -> str:
+        return WON.text(own) if own.rows else "not run"
 
-    return _beside_paper(rows, cells, "success", "", f"Successful trials beside the paper’s. {caption}", source)
+    what = f"Successful trials beside the paper’s. {caption}"
+    return _table_1(rows, "success", "", what, cell, lambda printed: f"{printed[0]}/10", source)
 
 
 def _times(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     """Return the mean completion time of the successes: simulated and wall seconds, beside the paper's."""
 
-    def cells(own: Sequence[Row], printed: list[int | None] | None) -> tuple[str, str]:
-        won = [row for row in own if _is_success(row)]
-        simulated, wall = (_mean([row[key] for row in won]) for key in ("sim_time_s", "wall_time_s"))
-        theirs = "–" if printed is None or printed[1] is None else str(printed[1])
-        return f"{simulated} ({wall})" if won else "–", theirs
+    def cell(own: Group) -> str:
+        won = successes(own.rows)
+        return f"{mean_text(won, SIMULATED)} ({mean_text(won, WALL)})" if won else "–"
+
+    def theirs(printed: Sequence[int | None]) -> str:
+        return "–" if printed[1] is None else str(printed[1])
 
     what = f"Mean completion time of the successes: simulated seconds (wall seconds). {caption}"
-    return _beside_paper(rows, cells, "time", " (s)", what, source)
+    return _table_1(rows, "time", " (s)", what, cell, theirs, source)
 
 
-def _beside_paper(
+def _table_1(
     rows: Sequence[Row],
-    cells: Callable[[Sequence[Row], list[int | None] | None], tuple[str, str]],
     what: str,
     unit: str,
     caption: str,
+    cell: Callable[[Group], str],
+    theirs: Callable[[Sequence[int | None]], str],
     source: tuple[str, ...],
 ) -> Table:
-    """Make a part of Table 1: for each method and task our cell and the paper's.
+    """Make a part of Table 1: a line for each method, ours and the paper's cell for each task.
 
     Args:
         rows: Trials.
-        cells: Returns both cells of a method's trials of a task, given the paper's numbers.
         what: What the part shows.
         unit: Its unit, after the name of a task.
         caption: Caption of the table.
+        cell: Returns our cell of a method's trials of a task.
+        theirs: Returns the paper's, from its successes and seconds.
         source: Notes on where the rows come from.
     """
-    tasks = _tasks(rows)
-    lines = [
-        (
-            _marked(variant, rows),
-            *(cell for task in tasks for cell in cells(_of(rows, variant, task), _paper_numbers(variant, task))),
-        )
-        for variant in _variants(rows)
-    ]
-    header = ("method", *(label for task in tasks for label in (f"{_task(task)}{unit}", "paper")))
-    return Table(f"Table 1, {what}", caption, header, tuple(lines), (*paper()["notes"], *source))
+    tasks, by_variant = list(paper()["tasks"]), group_by(rows, lambda row: row["variant"])
+    groups = []
+    for variant in dict.fromkeys((*paper()["1"], *by_variant)):
+        printed = dict(zip(tasks, map(theirs, paper()["1"].get(variant, ())), strict=False))
+        groups.append(Group(_name(variant), by_variant.get(variant, []), printed=printed))
+    columns = []
+    for task in sorted(group_by(rows, lambda row: row["world"]), key=lambda t: tasks.index(t) if t in tasks else 99):
+        columns.append(Column(f"{paper()['tasks'].get(task, short_name(task))}{unit}", partial(_of_task, task, cell)))
+        columns.append(Measure(task, "", lambda row: None).paper())
+    return tabulate(f"Table 1, {what}", caption, "method", groups, columns, (*paper()["notes"], *source))
 
 
-def _trials_table(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
+def _of_task(task: str, cell: Callable[[Group], str], group: Group) -> str:
+    return cell(Group(group.name, [row for row in group.rows if row["world"] == task]))
+
+
+def _every_task(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
     """Make a line for each variant and task."""
-    lines = []
-    for variant in dict.fromkeys(str(row["variant"]) for row in rows):
-        for task in _tasks(rows):
-            own = _of(rows, variant, task)
-            if not own:
-                continue
-            won = [row for row in own if _is_success(row)]
-            low, high = wilson(len(won), len(own))
-            ends = Counter(str(row["end_reason"]) for row in own if not _is_success(row))
-            lines.append(
-                (
-                    marked(f"{_name(variant)}, {short_name(task)}", own),
-                    f"{len(won)}/{len(own)}",
-                    f"{number(100 * low, 0)}–{number(100 * high, 0)}",
-                    _mean([row["sim_time_s"] for row in won]),
-                    _mean([row.get("time_with_thinking_s") or row["sim_time_s"] for row in won]),
-                    _mean([row["wall_time_s"] for row in won]),
-                    _mean([row["path_length_m"] for row in own], 2),
-                    _mean([row["peak_hand_force_n"] for row in own]),
-                    number(median(float(row["plan_ms_median"]) for row in own), 0),
-                    *(mean_text(own, measure) for measure in SHARES),
-                    ", ".join(f"{reason} {count}" for reason, count in ends.most_common()) or "–",
-                )
-            )
-    return Table(
-        "Every task",
-        f"Trials of each task. {caption}",
-        (
-            "method, task",
-            "success",
-            "95 % interval (%)",
-            "time (s)",
-            "with thinking (s)",
-            "wall time (s)",
-            "path (m)",
-            "peak force (N)",
-            "ms per plan",
-            *(measure.label for measure in SHARES),
-            "otherwise ended by",
-        ),
-        tuple(lines),
-        (
-            "Times: means over successes; path and force: over all trials. Interval: Wilson’s, of the success rate.",
-            *source,
-        ),
+    groups = [
+        Group(f"{_name(variant)}, {short_name(task)}", own)
+        for (variant, task), own in group_by(rows, lambda row: (row["variant"], row["world"])).items()
+    ]
+    note = "Times: means over successes; path and force: over all trials. Interval: Wilson’s, of the success rate."
+    return tabulate(
+        "Every task", f"Trials of each task. {caption}", "method, task", groups, EVERY_TASK, (note, *source)
     )
 
 
+def _pairs(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
+    """Compare the variants with `full`, trial by trial; without it, or without another, there are no lines."""
+    by_variant = group_by(rows, lambda row: row["variant"])
+    full = by_variant.get(REFERENCE, [])
+    groups = [
+        Group(_name(variant), own, full if variant != REFERENCE else ())
+        for variant, own in by_variant.items()
+        if full and len(by_variant) > 1
+    ]
+    columns = (
+        WON,
+        WON_INTERVAL,
+        Column("better : worse", lambda group: _counted(_outcomes(group))),
+        Column("p", lambda group: _tested(_outcomes(group))),
+        Column("sooner : later", lambda group: _counted(_endings(group))),
+        Column("p", lambda group: _tested(_endings(group))),
+        REQUESTS.mean(),
+        of_successes(SIMULATED.mean()),
+    )
+    note = (
+        f"Better : worse: trials that only {_name(REFERENCE)} solved, and only the method. Sooner : later: trials "
+        f"that {_name(REFERENCE)} solved sooner than the method, and later; a failure is later than any success. p: "
+        "two-sided sign tests. Requests: per trial; time: mean of the successes, simulated."
+    )
+    what = f"Trial by trial, the same task and seed. {caption}"
+    return tabulate(f"Against {_name(REFERENCE)}", what, "method", groups, columns, (note, *source))
+
+
+def _both(group: Group) -> list[tuple[Row, Row]]:
+    """Return the reference's and the group's trials of the same task and seed."""
+    full = {pair(row): row for row in group.reference}
+    return [(full[pair(row)], row) for row in group.rows if pair(row) in full]
+
+
+def _outcomes(group: Group) -> list[tuple[float, float]]:
+    return [(ours["success"], row["success"]) for ours, row in _both(group)]
+
+
+def _endings(group: Group) -> list[tuple[float, float]]:
+    return [(-_solved_s(ours), -_solved_s(row)) for ours, row in _both(group)]
+
+
+def _solved_s(row: Row) -> float:
+    return float(row["sim_time_s"]) if row["success"] else math.inf
+
+
+def _larger(pairs: Sequence[tuple[float, float]]) -> tuple[int, int]:
+    return sum(a > b for a, b in pairs), sum(b > a for a, b in pairs)
+
+
+def _counted(pairs: Sequence[tuple[float, float]]) -> str:
+    return "{} : {}".format(*_larger(pairs)) if pairs else "–"
+
+
+def _tested(pairs: Sequence[tuple[float, float]]) -> str:
+    return f"{sign_test(*_larger(pairs)):.2g}" if pairs else "–"
+
+
 def _decided(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> Table:
-    """Make the table of who decided, for each variant that asks an advisor."""
-    groups = {
-        _name(variant): [row for row in rows if row["variant"] == variant]
-        for variant in dict.fromkeys(str(row["variant"]) for row in rows)
-    }
+    """Make the table of who decided, for each variant."""
+    groups = [Group(_name(variant), own) for variant, own in group_by(rows, lambda row: row["variant"]).items()]
     note = "Experts and served policies ask no advisor."
     return decided_table(groups, caption, (note, *source), runs="trials")
 
 
-def _is_success(row: Row) -> bool:
-    return bool(row["success"])
-
-
-def _of(rows: Sequence[Row], variant: str, task: str) -> list[Row]:
-    return [row for row in rows if (row["variant"], row["world"]) == (variant, task)]
-
-
-def _tasks(rows: Sequence[Row]) -> list[str]:
-    """Return the tasks that were run, the paper's first and in its order."""
-    there = dict.fromkeys(str(row["world"]) for row in rows)
-    known = list(paper()["tasks"])
-    return [task for task in known if task in there] + [task for task in there if task not in known]
-
-
-def _variants(rows: Sequence[Row]) -> list[str]:
-    """Return the paper's rows in its order, then our additional ones."""
-    return [*paper()["1"], *dict.fromkeys(str(row["variant"]) for row in rows if row["variant"] not in paper()["1"])]
-
-
-def _paper_numbers(variant: str, task: str) -> list[int | None] | None:
-    tasks = list(paper()["tasks"])
-    if variant not in paper()["1"] or task not in tasks:
-        return None
-    cell: list[int | None] = paper()["1"][variant][tasks.index(task)]
-    return cell
+def _ablations(rows: Sequence[Row], caption: str, source: tuple[str, ...]) -> list[Table]:
+    """Make the contact-strategy ablation (section 4.1.4, Fig. 5) of each task that ran with a strategy and without."""
+    tables = []
+    for task, own in group_by([row for row in rows if row["variant"] in ABLATION], lambda row: row["world"]).items():
+        by_variant = group_by(own, lambda row: row["variant"])
+        seeds = set.intersection(*({row["seed"] for row in found} for found in by_variant.values()))
+        shared = {v: [row for row in by_variant.get(v, []) if row["seed"] in seeds] for v in ABLATION}
+        without = shared["unguided"]
+        if not shared["full"] or not without:
+            continue
+        printed = paper()["ablation"] if task == paper()["ablation"]["task"] else {}
+        groups = [
+            Group(_name(variant), found, without if variant != "unguided" else (), printed.get(variant, {}))
+            for variant, found in shared.items()
+            if found
+        ]
+        notes = (
+            "Medians over the seeds that all of them have; a failed trial counts all its steps. Δ: of the median, "
+            f"against {_name('unguided')}, whose cost is of outcomes alone. Planning cost: mean expected cost of a "
+            "trial's plans, no comparison between different costs; its jumps: mean change from one plan to the next in "
+            "a stage. First touch: of the hand on an object, of the trials that have one.",
+            f"Seeds: {', '.join(map(str, sorted(seeds)))}. The paper's object poses are the true ones.",
+        )
+        what = f"{short_name(task)}. {caption}"
+        tables.append(tabulate("Contact-strategy ablation", what, "method", groups, ABLATED, (*notes, *source)))
+    return tables
 
 
 def short_name(task: str) -> str:
@@ -215,28 +276,16 @@ def short_name(task: str) -> str:
     return task if ":" in task else Path(task).stem
 
 
-def _task(task: str) -> str:
-    return str(paper()["tasks"].get(task, short_name(task)))
-
-
 def _name(variant: str) -> str:
     return str(paper()["names"].get(variant, variant))
-
-
-def _marked(variant: str, rows: Sequence[Row]) -> str:
-    """Return the name of a variant, marked if a fallback decided in one of its trials."""
-    return marked(_name(variant), [row for row in rows if row["variant"] == variant])
-
-
-def _mean(values: Sequence[float], digits: int = 1) -> str:
-    return number(fmean(float(value) for value in values), digits) if values else "–"
 
 
 def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, Any], command: str) -> tuple[str, ...]:
     """Describe how the table was made."""
     seeds = sorted({int(row["seed"]) for row in chosen})
+    poses = ", ".join(sorted({_poses(row) for row in chosen}))
     made = made_by(chosen, about, command)
-    parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {poses_of(chosen)}. {made}"]
+    parts = [f"Seeds: {', '.join(map(str, seeds))}. Object poses: {poses}. {made}"]
     remembering = [row for row in chosen if row.get("memory_known") is not None]
     if remembering:
         known = sorted({int(row["memory_known"]) for row in remembering})
@@ -247,3 +296,9 @@ def _source(chosen: Sequence[Row], failed: Sequence[Row], about: Mapping[str, An
         )
     names = left_out(failed, lambda row: f"{row['variant']} in {short_name(row['world'])}, seed {row['seed']}")
     return (*parts, *mark_notes(chosen), *names)
+
+
+def _poses(row: Row) -> str:
+    """Return the source of a trial's object poses; a tracker is named unless it is the embedded one."""
+    embedded = row.get("tracker") in (None, "", "model")
+    return str(row.get("poses")) if embedded else f"{row.get('poses')} ({row['tracker']})"

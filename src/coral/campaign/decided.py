@@ -1,48 +1,56 @@
-"""Table of who decided: shares of the advisor and the fallback, and the cost of the answers."""
+"""Who decided, and what it cost: columns, and the notes about origin and fallback under every table."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from statistics import fmean
+from functools import partial
 from typing import Any
 
 from coral.advisor.attribution import FATES, SOURCES, Source
-from coral.campaign.measures import Measure, Row, field, number
+from coral.campaign.columns import Column, Group, Measure, Row, column_measure, count, counts, tabulate
 from coral.campaign.table import Table
-from coral.foreign_file import parse_json
-
-MARK = " §"
-"""Mark of a row in which a fallback decided; the paper's own tables use † and ‡."""
 
 COSTS = (
-    field("tokens_in", "tokens in", "tokens_in", digits=0),
-    field("tokens_out", "tokens out", "tokens_out", digits=0),
-    field("cost", "cost (USD)", "cost_usd", digits=4),
-    field("thinking", "thinking (s)", "thinking_s"),
+    column_measure("tokens_in", "tokens in", "tokens_in", digits=0),
+    column_measure("tokens_out", "tokens out", "tokens_out", digits=0),
+    column_measure("cost", "cost (USD)", "cost_usd", digits=4),
+    column_measure("thinking", "thinking (s)", "thinking_s"),
 )
-
-
-def counts(row: Row, name: str) -> Mapping[str, int]:
-    """Return `decided_by` or `answers` of a row, stored as JSON text in a data set; empty for older versions."""
-    value = row.get(name) or {}
-    found: Mapping[str, int] = parse_json(value) if isinstance(value, str) else value
-    return found
 
 
 def share(source: Source) -> Measure:
     """Return the share of an episode's decisions that a source made, in percent; None without any."""
 
     def of(row: Row) -> float | None:
-        by = counts(row, "decided_by")
-        total = sum(by.values())
-        return 100.0 * by.get(source, 0) / total if total else None
+        total = _decisions(row)
+        return 100.0 * _by(source, row) / total if total else None
 
     return Measure(f"by_{source}", f"by {source} (%)", of)
 
 
-def marked(name: str, rows: Sequence[Row]) -> str:
-    """Return the name of a row, marked if a fallback decided in one of its episodes."""
-    return name + MARK if any(counts(row, "decided_by").get("fallback") for row in rows) else name
+def decided_table(groups: Sequence[Group], caption: str, notes: Sequence[str], *, runs: str) -> Table:
+    """Make a line for each group of episodes: who decided, the fate of the answers, tokens, cost and thinking time.
+
+    Args:
+        groups: Finished episodes.
+        caption: Caption of the table.
+        notes: Notes after the explanation of the columns; with `mark_notes`.
+        runs: The word for episodes, in the plural.
+    """
+    everything = [row for group in groups for row in group.rows]
+    sources = [s for s in SOURCES if s in ("advisor", "fallback") or any(_by(s, row) for row in everything)]
+    columns = (
+        count(runs),
+        Column("decisions", lambda group: str(sum(map(_decisions, group.rows)))),
+        *(Column(f"by {source}", partial(_part, source)) for source in sources),
+        *(Measure(fate, fate, partial(_fate, fate)).mean() for fate in FATES),
+        *(cost.mean() for cost in COSTS),
+    )
+    told = (
+        f"Decisions are counted over all {runs}; answers, tokens, cost and thinking are means of the {runs}. "
+        "Missing: no reply. “—”: unknown."
+    )
+    return tabulate("Who decided", caption, "variant", groups, columns, (told, *notes))
 
 
 def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
@@ -50,7 +58,7 @@ def mark_notes(rows: Sequence[Row]) -> tuple[str, ...]:
     notes = []
     for policy in sorted({str(row.get("fallback", "")) for row in rows}):
         own = [row for row in rows if str(row.get("fallback", "")) == policy]
-        total, fell = sum(map(_all, own)), sum(map(_fallback_count, own))
+        total, fell = sum(map(_decisions, own)), sum(_by("fallback", row) for row in own)
         if not fell:
             continue
         what = (
@@ -78,69 +86,18 @@ def left_out(failed: Sequence[Row], name: Callable[[Row], str]) -> tuple[str, ..
     return (f"Failed and left out ({len(failed)}): {names}{more}.",) if failed else ()
 
 
-def decided_table(groups: Mapping[str, Sequence[Row]], caption: str, notes: tuple[str, ...], *, runs: str) -> Table:
-    """Make a row for each group of episodes: who decided, the fate of the answers, tokens, cost and thinking time.
-
-    Args:
-        groups: Finished episodes by the name of their row.
-        caption: Caption of the table.
-        notes: Notes after the explanation of the columns; with `mark_notes`.
-        runs: The word for episodes, in the plural.
-    """
-    everything = [row for rows in groups.values() for row in rows]
-    sources = [s for s in SOURCES if s in ("advisor", "fallback") or _total(everything, "decided_by", s)]
-    lines = []
-    for name, rows in groups.items():
-        total = sum(map(_all, rows))
-        shares = [_part(_total(rows, "decided_by", source), total) for source in sources]
-        fates = [number(_total(rows, "answers", fate) / len(rows), 1) if rows else "—" for fate in FATES]
-        lines.append(
-            (
-                marked(name, rows),
-                str(len(rows)),
-                str(total),
-                *shares,
-                *fates,
-                *(_mean(rows, measure) for measure in COSTS),
-            )
-        )
-    return Table(
-        "Who decided",
-        caption,
-        (
-            "variant",
-            runs,
-            "decisions",
-            *(f"by {source}" for source in sources),
-            *FATES,
-            *(measure.label for measure in COSTS),
-        ),
-        tuple(lines),
-        (
-            f"Decisions are counted over all {runs}; answers, tokens, cost and thinking are means of the {runs}. "
-            "Missing: no reply. “—”: unknown for at least one of them.",
-            *notes,
-        ),
-    )
-
-
-def _all(row: Row) -> int:
+def _decisions(row: Row) -> int:
     return sum(counts(row, "decided_by").values())
 
 
-def _fallback_count(row: Row) -> int:
-    return counts(row, "decided_by").get("fallback", 0)
+def _by(source: str, row: Row) -> int:
+    return counts(row, "decided_by").get(source, 0)
 
 
-def _total(rows: Sequence[Row], name: str, key: str) -> int:
-    return sum(counts(row, name).get(key, 0) for row in rows)
+def _fate(fate: str, row: Row) -> float:
+    return float(counts(row, "answers").get(fate, 0))
 
 
-def _part(count: int, total: int) -> str:
-    return f"{count} ({100.0 * count / total:.0f} %)" if total else "—"
-
-
-def _mean(rows: Sequence[Row], measure: Measure) -> str:
-    """Return the mean of a cost; a dash if it is unknown for one of the episodes."""
-    values: list[Any] = [measure.of(row) for row in rows]
-    return number(fmean(values), measure.digits) if values and None not in values else "—"
+def _part(source: str, group: Group) -> str:
+    made, total = sum(_by(source, row) for row in group.rows), sum(map(_decisions, group.rows))
+    return f"{made} ({100.0 * made / total:.0f} %)" if total else "—"

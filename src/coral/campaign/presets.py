@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from coral.campaign.measures import Row
+from coral.campaign.columns import Row
 from coral.campaign.sweep import setting_text
 from coral.foreign_file import parse_json
 

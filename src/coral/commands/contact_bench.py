@@ -19,7 +19,6 @@ from coral.advisor.registry import advisor_help, asks_person, make_advisor
 from coral.campaign.bench import digest
 from coral.campaign.campaign import Summary
 from coral.campaign.campaign_files import CampaignFiles
-from coral.campaign.contact_ablation import ablations
 from coral.campaign.contact_tables import contact_tables
 from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store
@@ -234,10 +233,7 @@ class ContactBench(CampaignFlags):
 
     def _collect(self, store: Store, summary: Summary | None) -> dict[str, Any]:
         results = read_results(store, "episode", "coral contact bench")
-        tables = [
-            *contact_tables(results.rows, results.about, results.command),
-            *ablations(results.rows, results.command),
-        ]
+        tables = contact_tables(results.rows, results.about, results.command)
         return {
             **write_tables(store, results, tables, "Contact tasks", summary),
             "memory": self._export_memories(store),

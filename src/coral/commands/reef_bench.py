@@ -14,15 +14,13 @@ from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor, rules_alone
 from coral.campaign.bench import digest
 from coral.campaign.campaign import Summary
-from coral.campaign.inspection_table import BASELINES
 from coral.campaign.presets import KEY as PRESET
 from coral.campaign.presets import with_presets
-from coral.campaign.reef_tables import TABLE_I, TABLE_II, reef_tables
+from coral.campaign.reef_tables import BASELINES, TABLE_I, TABLE_II, reef_tables, word_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store
 from coral.campaign.sweep import parse_sweeps
 from coral.campaign.version import code_version
-from coral.campaign.word_table import word_tables
 from coral.commands.campaigns import (
     CampaignFlags,
     check_jobs,

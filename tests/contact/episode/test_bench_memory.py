@@ -109,4 +109,4 @@ def test_an_advisor_that_errs_has_tables_of_its_own(practised):
 def test_strategy_and_none_are_compared_in_a_table(practised):
     _, practice = practised
     page = (practice / "tables.md").read_text()
-    assert "**Contact-strategy ablation.** slide, world: hand." in page
+    assert "**Contact-strategy ablation.** slide. World: hand." in page
