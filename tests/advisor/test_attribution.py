@@ -2,7 +2,7 @@ import pytest
 
 from coral.advisor.attribution import DEFINITIONS, Attribution, attribution_of, source_of, spent, who_decided
 from coral.advisor.consult import Attempt
-from coral.advisor.fallible import FallibleAdvisor, FallibleCfg
+from coral.advisor.fallible import FallibleAdvisor
 from coral.advisor.question import Usage
 from coral.advisor.replay import ReplayAdvisor
 from coral.advisor.rules import RuleAdvisor
@@ -106,8 +106,8 @@ def test_a_recording_keeps_its_name_inside_other_advisors(tmp_path):
     (tmp_path / "attempts.jsonl").write_text("")
     recording = ReplayAdvisor(tmp_path)
     assert source_of(recording) == "recording"
-    assert source_of(FallibleAdvisor(recording, FallibleCfg(), None)) == "recording"
-    assert source_of(FallibleAdvisor(RuleAdvisor({}), FallibleCfg(), None)) == "advisor"
+    assert source_of(FallibleAdvisor(recording, 0.0, None)) == "recording"
+    assert source_of(FallibleAdvisor(RuleAdvisor({}), 0.0, None)) == "advisor"
     assert source_of(object()) == "advisor"
 
 

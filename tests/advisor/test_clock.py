@@ -1,11 +1,12 @@
 import asyncio
+import sys
 import threading
 
 import numpy as np
 import pytest
 from pydantic import BaseModel
 
-from coral.advisor.clock import SimulatedClock, WallClock
+from coral.advisor.clock import SWITCH_S, SimulatedClock, WallClock
 from coral.advisor.consult import BudgetCfg, consult
 from coral.advisor.latency import parse_latency
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question, Rejection, Reply, Withdrawn
@@ -306,10 +307,6 @@ def test_on_the_wall_clock_an_answer_is_given_no_earlier_than_configured():
     clock.close()
 
 
-def test_wall_clock_in_a_plain_program():
-    assert asyncio.run(WallClock().reply(answer(4), 10.0)) == 4
-
-
 @pytest.mark.parametrize(("after_s", "tick"), [(0.0, 0), (0.3, 3), (0.25, 3)])
 def test_what_is_prepared_is_there_at_its_simulated_time_however_slow_the_machine_is(make_clock, after_s, tick):
     clock, go = make_clock(), threading.Event()
@@ -330,6 +327,18 @@ def test_a_run_that_was_suspended_while_something_was_prepared_continues(make_cl
     threading.Timer(0.2, go.set).start()
     _, task = run(clock, clock.prepare(lambda: go.wait(60.0), 0.1))
     assert task.result() is True
+
+
+def test_preparations_are_made_in_order_on_one_other_thread(make_clock):
+    clock = make_clock()
+
+    async def asking():
+        return [await clock.prepare(threading.get_ident, 0.0) for _ in range(3)]
+
+    _, task = run(clock, asking())
+    assert len(set(task.result())) == 1
+    assert task.result()[0] != threading.get_ident()
+    assert sys.getswitchinterval() <= SWITCH_S + 1e-9, "the control thread gets the interpreter soon"
 
 
 def test_what_is_prepared_can_be_withdrawn(make_clock):
@@ -364,3 +373,4 @@ def test_a_restarted_wall_clock_counts_anew():
     clock._start_s -= 100.0
     clock.restart()
     assert clock.now() < 50.0
+    clock.close()

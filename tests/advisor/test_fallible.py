@@ -1,5 +1,4 @@
 import asyncio
-import dataclasses
 import json
 from collections import Counter
 
@@ -7,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import BaseModel, Field
 
-from coral.advisor.fallible import FallibleAdvisor, FallibleCfg, spoil_number
+from coral.advisor.fallible import KINDS, FallibleAdvisor, spoil_number
 from coral.advisor.question import AdvisorUnavailable, BadAnswer, Question
 from coral.advisor.rules import RuleAdvisor
 
@@ -36,13 +35,13 @@ CHOICE = Question(kind="choice", prompt="", answer_type=Choice, facts=FACTS)
 WAYPOINT = Question(kind="waypoint", prompt="", answer_type=Waypoint, facts=FACTS)
 
 
-def make(seed=0, **rates):
+def make(*kinds, probability=1.0, seed=0):
     counter = iter(range(10**6))
     rules = {
         "choice": lambda facts, _: Choice(selected_index=1 + next(counter) % 2),
         "waypoint": lambda facts, _: Waypoint(forward_m=3, left_m=1),
     }
-    return FallibleAdvisor(RuleAdvisor(rules), FallibleCfg(**rates), np.random.default_rng(seed))
+    return FallibleAdvisor(RuleAdvisor(rules), probability, np.random.default_rng(seed), kinds or KINDS)
 
 
 def ask(advisor, question=CHOICE, n=1):
@@ -72,26 +71,28 @@ def ask(advisor, question=CHOICE, n=1):
 )
 @pytest.mark.parametrize("question", [CHOICE, WAYPOINT])
 def test_each_error_looks_like_a_real_one(kind, code, question):
-    assert set(ask(make(**{kind: 1.0}), question, 30)) <= {code, "cut-off" if kind == "malformed" else code}
+    assert set(ask(make(kind), question, 30)) <= {code, "cut-off" if kind == "malformed" else code}
 
 
 def test_stale_repeats_the_answer_before():
-    assert [a.selected_index for a in ask(make(stale=1.0), CHOICE, 4)][1:] == [1, 2, 1]
+    assert [a.selected_index for a in ask(make("stale"), CHOICE, 4)][1:] == [1, 2, 1]
 
 
 def test_rates_are_met_and_seeded():
-    cfg = dict.fromkeys(("malformed", "empty", "refusal"), 0.1)
-    answers = ask(make(seed=5, **cfg), CHOICE, 3000)
+    def errs(seed):
+        return make("malformed", "empty", "refusal", probability=0.3, seed=seed)
+
+    answers = ask(errs(5), CHOICE, 3000)
     counts = Counter({"cut-off": "not-json"}.get(a, a) if isinstance(a, str) else "good" for a in answers)
     for code in ("not-json", "empty", "refusal"):
         assert counts[code] / 3000 == pytest.approx(0.1, abs=0.025)
-    assert ask(make(seed=5, **cfg), CHOICE, 50) == answers[:50]
-    assert ask(make(seed=6, **cfg), CHOICE, 50) != answers[:50]
+    assert ask(errs(5), CHOICE, 50) == answers[:50]
+    assert ask(errs(6), CHOICE, 50) != answers[:50]
 
 
 def test_a_question_cancelled_early_does_not_shift_the_next_error():
     def errors(cancel):
-        advisor = make(seed=2, empty=0.5)
+        advisor = make("empty", probability=0.5, seed=2)
         got = []
 
         async def run():
@@ -112,14 +113,6 @@ def test_a_question_cancelled_early_does_not_shift_the_next_error():
 
     whole, partly = errors(()), errors((0, 5, 6))
     assert [b for b in partly if b] == [a for a, b in zip(whole, partly, strict=True) if b]
-
-
-def test_total_and_bounds():
-    cfg = FallibleCfg.total(0.4)
-    assert sum(dataclasses.astuple(cfg)) == pytest.approx(0.4)
-    for bad in ({"empty": -0.1}, {"empty": 0.6, "stale": 0.6}, {"empty": float("nan")}):
-        with pytest.raises(ValueError, match="probabilities"):
-            FallibleCfg(**bad)
 
 
 FACTS_SEEN = {"centroids": [{"index": 0}, {"index": 2, "visited": True}]}

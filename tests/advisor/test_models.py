@@ -48,13 +48,13 @@ async def _answered(advisor, question, rejections):
 
 
 def decide(advisor, log, **budget):
-    async def run():
-        async with contextlib.aclosing(advisor):
-            return await consult(
-                advisor, lambda _: QUESTION, lambda q, a: None, BudgetCfg(**budget), WallClock(), log.append
-            )
-
-    return asyncio.run(run())
+    clock = WallClock()
+    task = clock.start(consult(advisor, lambda _: QUESTION, lambda q, a: None, BudgetCfg(**budget), clock, log.append))
+    while not task.done():
+        clock.advance()
+    clock._stepped.thread.submit(advisor.aclose).result(10.0)
+    clock.close()
+    return task.result()
 
 
 def texts(request):

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from coral.advisor.fallible import FallibleAdvisor, FallibleCfg
+from coral.advisor.fallible import FallibleAdvisor
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.models import ModelAdvisor
 from coral.advisor.preflight import model_of, preflight
@@ -63,7 +63,7 @@ def test_no_picture_is_sent_where_the_configuration_sends_none(stub):
 
 def test_the_model_inside_an_advisor_that_errs_is_asked(stub):
     inside = advisor(stub(stub.error(404)).url)
-    spoilt = FallibleAdvisor(FallibleAdvisor(inside, FallibleCfg(), None), FallibleCfg(), None)
+    spoilt = FallibleAdvisor(FallibleAdvisor(inside, 0.0, None), 0.0, None)
     assert model_of(spoilt) is inside
     with pytest.raises(InputError, match="no-such-model"):
         preflight(spoilt, pictures=False)

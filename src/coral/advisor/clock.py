@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import math
+import sys
 import time
 from collections.abc import Callable, Coroutine
-from concurrent.futures import Future, wait
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -14,7 +15,6 @@ import numpy as np
 
 from coral.advisor.inner_loop import run_on
 from coral.advisor.latency import LatencyCfg, parse_latency
-from coral.advisor.preparation import PreparationThread
 from coral.advisor.question import AdvisorUnavailable, Withdrawn
 from coral.advisor.thread import AdvisorThread
 from coral.interrupts import interruptible
@@ -26,6 +26,11 @@ TINY_S = 1e-9
 
 MOST_STEPS = 100_000
 """Steps of the private loop after which a coroutine is assumed to wait for something that never comes in a tick."""
+
+
+SWITCH_S = 0.0005
+"""Longest time for which a thread that wants the interpreter waits for another one; Python's default is ten times as
+long, and a control tick asks for it several times while a question is prepared."""
 
 
 @dataclass
@@ -85,7 +90,7 @@ class SimulatedClock:
         self.waited_s = 0.0
         """Wall time spent waiting for replies here, without the control loop's own work (s)."""
         self._loop = asyncio.new_event_loop()
-        self._preparation = PreparationThread()
+        self._preparation = ThreadPoolExecutor(1, "coral-preparation")
         self._requests: list[_Request] = []
         self._tasks: list[asyncio.Task[Any]] = []
 
@@ -97,10 +102,6 @@ class SimulatedClock:
     def pending(self) -> bool:
         """Return whether a question is pending."""
         return bool(self._requests)
-
-    def owns(self, loop: asyncio.AbstractEventLoop) -> bool:
-        """Check whether `loop` is this clock's private one."""
-        return loop is self._loop
 
     def start(self, coroutine: Coroutine[Any, Any, R]) -> asyncio.Task[R]:
         """Run a coroutine (a `consult`) up to its first wait; with latency 0, to its end.
@@ -154,7 +155,7 @@ class SimulatedClock:
         return result
 
     async def prepare(self, work: Callable[[], R], after_s: float | None) -> R:
-        """Run `work` on the preparation thread and return its result.
+        """Run `work` on a thread for preparations, one after the other, and return its result.
 
         Args:
             work: What to do; it may read only what this thread leaves as it is.
@@ -165,6 +166,7 @@ class SimulatedClock:
             Withdrawn: Everything pending was withdrawn meanwhile.
             Exception: Any exception of `work`.
         """
+        sys.setswitchinterval(min(SWITCH_S, sys.getswitchinterval()))
         result: R = await self._parked(self._preparation.submit(work), math.inf, after_s, wait=after_s is not None)
         return result
 
@@ -220,7 +222,7 @@ class SimulatedClock:
         if self._tasks:
             run_on(self._loop, self._ended())
         self._loop.close()
-        self._preparation.close()
+        self._preparation.shutdown(cancel_futures=True)
         if self._own_thread:
             self.thread.close()
 
@@ -311,10 +313,9 @@ def _outcome(future: Future[Any]) -> tuple[Any, BaseException | None]:
 
 
 class WallClock:
-    """Wall seconds since creation or `restart`: for a real vehicle, and for programs that may wait.
+    """Wall seconds since creation or `restart`: for a real vehicle.
 
-    With `start` and `advance` it is used like `SimulatedClock`, from a control loop that keeps its own period and is
-    never blocked. Its `reply` also works inside any other running event loop (`asyncio.run(consult(...))`).
+    It is used like `SimulatedClock`, from a control loop that keeps its own period and is never blocked.
     """
 
     def __init__(self, thread: AdvisorThread | None = None, latency: LatencyCfg | None = None) -> None:
@@ -325,8 +326,8 @@ class WallClock:
             latency: An answer is given no earlier than this, and when it is there; by default when it is there.
         """
         self._start_s = time.monotonic()
-        self._thread, self._latency = thread, latency or LatencyCfg(kind="measured")
-        self._stepped: SimulatedClock | None = None
+        latency = latency or LatencyCfg(kind="measured")
+        self._stepped = SimulatedClock(latency, np.random.default_rng(0), thread=thread, paced=False)
         self.waited_s = 0.0
         """Always 0: nothing waits for a reply."""
 
@@ -336,49 +337,35 @@ class WallClock:
 
     def restart(self) -> None:
         """Count from now: the mission that it serves begins. Before the first question only."""
-        assert self._stepped is None
         self._start_s = time.monotonic()
 
     @property
     def pending(self) -> bool:
-        """Return whether a question started from the control loop is pending."""
-        return self._stepped is not None and self._stepped.pending
+        """Return whether a question is pending."""
+        return self._stepped.pending
 
     def start(self, coroutine: Coroutine[Any, Any, R]) -> asyncio.Task[R]:
         """Run a coroutine up to its first wait, in the thread of the control loop."""
-        if self._stepped is None:
-            self._stepped = SimulatedClock(self._latency, np.random.default_rng(0), thread=self._thread, paced=False)
         self._stepped.advance(self.now())
         return self._stepped.start(coroutine)
 
     def advance(self) -> None:
         """Deliver what has arrived, without waiting."""
-        if self._stepped is not None:
+        if self.pending:
             self._stepped.advance(self.now())
 
     async def reply(self, asking: Callable[[], Coroutine[Any, Any, R]], timeout_s: float) -> R:
-        """Ask, and return the reply when it arrives.
-
-        Raises:
-            TimeoutError: It did not arrive within `timeout_s`; the request is cancelled.
-        """
-        if self._stepped is not None and self._stepped.owns(asyncio.get_running_loop()):
-            return await self._stepped.reply(asking, timeout_s)
-        async with asyncio.timeout(timeout_s):
-            return await asking()
+        """Ask, and return the reply when it arrives (see `SimulatedClock.reply`)."""
+        return await self._stepped.reply(asking, timeout_s)
 
     async def prepare(self, work: Callable[[], R], after_s: float | None) -> R:
         """Run `work` on another thread, and return its result when it is there; `after_s` is for simulated time."""
-        if self._stepped is not None and self._stepped.owns(asyncio.get_running_loop()):
-            return await self._stepped.prepare(work, None)
-        return await asyncio.to_thread(work)
+        return await self._stepped.prepare(work, None)
 
     def withdraw(self) -> None:
-        """Cancel every request started from the control loop."""
-        if self._stepped is not None:
-            self._stepped.withdraw()
+        """Cancel every pending request."""
+        self._stepped.withdraw()
 
     def close(self) -> None:
         """End all coroutines started here."""
-        if self._stepped is not None:
-            self._stepped.close()
+        self._stepped.close()

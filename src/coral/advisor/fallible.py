@@ -7,7 +7,6 @@ import dataclasses
 import json
 import math
 from collections.abc import Coroutine, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -21,55 +20,27 @@ from coral.errors import InputError
 A = TypeVar("A", bound=BaseModel)
 
 
-@dataclass(frozen=True, kw_only=True)
-class FallibleCfg:
-    """Probability of each kind of error, per answer; at most one happens."""
-
-    malformed: float = 0.0
-    """Truncated JSON."""
-    empty: float = 0.0
-    """An empty reply."""
-    wrong_type: float = 0.0
-    """Words instead of a number."""
-    out_of_range: float = 0.0
-    """An index or a number a thousand times too large."""
-    backward: float = 0.0
-    """A point behind the robot, a cluster that it has visited, or a number with the wrong sign."""
-    stale: float = 0.0
-    """The choice of the previous question, repeated."""
-    refusal: float = 0.0
-    """A polite refusal."""
-    silence: float = 0.0
-    """No reply before the deadline."""
-
-    def __post_init__(self) -> None:
-        rates = dataclasses.astuple(self)
-        if any(not 0 <= rate <= 1 for rate in rates) or sum(rates) > 1 + 1e-9:
-            raise ValueError(f"error rates {rates} are not probabilities that sum to at most 1")
-
-    @classmethod
-    def total(cls, probability: float) -> FallibleCfg:
-        """Make all kinds equally likely, `probability` in total.
-
-        Raises:
-            ValueError: The probability is not from 0 to 1.
-        """
-        kinds = [field.name for field in dataclasses.fields(cls)]
-        return cls(**{kind: probability / len(kinds) for kind in kinds})
+KINDS = ("malformed", "empty", "wrong_type", "out_of_range", "backward", "stale", "refusal", "silence")
+"""Kinds of error: truncated JSON; an empty reply; words instead of a number; an index or a number a thousand times too
+large; a point behind the robot, a cluster that it has visited, or a number with the wrong sign; the choice of the
+previous question, repeated; a polite refusal; no reply before the deadline."""
 
 
 class FallibleAdvisor:
-    """Passes on another advisor's answers and spoils some of them.
+    """Passes on another advisor's answers and spoils some of them, each with one error of equally likely kinds.
 
     Spoilt answers go through the same parser as the text of a real model. The fault is recorded in the answer's usage,
     such as `spoilt-out-of-range`, for readers of the log; no decision uses it.
     """
 
-    def __init__(self, inner: Advisor, cfg: FallibleCfg, rng: np.random.Generator) -> None:
-        """Wrap an advisor."""
-        self.inner, self._cfg, self._rng = inner, cfg, rng
+    def __init__(
+        self, inner: Advisor, probability: float, rng: np.random.Generator, kinds: Sequence[str] = KINDS
+    ) -> None:
+        """Wrap an advisor; `probability` is that of an error in an answer, of whatever kind."""
+        self.inner, self._rng, self._kinds = inner, rng, kinds
+        self._below = np.cumsum(np.full(len(kinds), probability / len(kinds)))
         self._previous: dict[str, dict[str, Any]] = {}
-        self.name = f"fallible:{sum(dataclasses.astuple(cfg)):g}:{inner.name}"
+        self.name = f"fallible:{probability:g}:{inner.name}"
 
     def answer(self, question: Question[A], rejections: Sequence[Rejection]) -> Coroutine[Any, Any, Reply[A]]:
         """Answer, with an error at the configured rate.
@@ -81,11 +52,9 @@ class FallibleAdvisor:
             BadAnswer: A spoilt answer does not validate, or the inner advisor raised it.
             AdvisorUnavailable: There is no reply; a simulated clock waits until the deadline.
         """
-        rates = np.cumsum(dataclasses.astuple(self._cfg))
-        hit = int(np.searchsorted(rates, self._rng.random(), side="right"))
+        hit = int(np.searchsorted(self._below, self._rng.random(), side="right"))
         seed = int(self._rng.integers(2**63))
-        kinds = [field.name for field in dataclasses.fields(self._cfg)]
-        error = kinds[hit] if hit < len(kinds) else ""
+        error = self._kinds[hit] if hit < len(self._kinds) else ""
         return self._answer(question, rejections, error, np.random.default_rng(seed))
 
     async def _answer(
@@ -182,7 +151,9 @@ def make_fallible(name: str, rest: str, setting: Setting) -> FallibleAdvisor:
         found = repr(f"{name}:{rest}")
         raise InputError(setting.where, "", found, "fallible:P:INNER, such as fallible:0.3:heuristic")
     try:
-        errors = FallibleCfg.total(float(rate))
+        probability = float(rate)
     except ValueError:
-        raise InputError(setting.where, "P", repr(rate), "a probability from 0 to 1") from None
-    return FallibleAdvisor(setting.inner(inner), errors, setting.rng)
+        probability = -1.0
+    if not 0.0 <= probability <= 1.0:
+        raise InputError(setting.where, "P", repr(rate), "a probability from 0 to 1")
+    return FallibleAdvisor(setting.inner(inner), probability, setting.rng)

@@ -29,9 +29,6 @@ KEY_PARTS = {
 }
 """Parts of a question's key, the coarsest first, and how to call them."""
 
-
-"""Of a recording; what comes after is not read."""
-
 Seconds = Annotated[float, Field(ge=0, le=1e9)]
 Tokens = Annotated[int, Field(ge=0, le=10**15)]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from recorded import RULES
 
-from coral.advisor.fallible import FallibleAdvisor, FallibleCfg
+from coral.advisor.fallible import FallibleAdvisor
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningCfg
@@ -33,7 +33,7 @@ def spoilt(tmp_path_factory):
     """A second of a run whose advisor errs every other time, stuck once."""
     folder = tmp_path_factory.mktemp("thought") / "run"
     task = load_task("pick-box").model_copy(update={"time_limit_s": 1.0})
-    advisor = FallibleAdvisor(RuleAdvisor(RULES), FallibleCfg.total(0.5), np.random.default_rng([1, 2]))
+    advisor = FallibleAdvisor(RuleAdvisor(RULES), 0.5, np.random.default_rng([1, 2]))
     setup = AdvisorSetup(advisor=advisor.name, given=advisor, seed=1, folder=folder, think=COARSE.think)
     strategist = make_strategist("full", task, setup)
     Episode(sample_trial(task, 1), "hand", strategist, COARSE, folder, variant="full", advisor=advisor.name).run()
