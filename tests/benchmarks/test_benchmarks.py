@@ -30,15 +30,6 @@ def result(script, *words):
     return json.loads(done.stdout)
 
 
-def test_mapping_grows_along_the_map_and_along_the_oysters():
-    rows = result("mapping.py", "--poses", "2", "--largest", "10")
-    assert [(row["edge_m"], row["cells"]) for row in rows["map"]] == [(10, 200 * 200)]
-    assert rows["oysters"] == []
-    row = rows["map"][0]
-    assert row["centroids"] == 12
-    assert all(row[key] > 0 for key in row if key.endswith("_ms"))
-
-
 def test_rollouts_end_where_the_plain_loop_ends_and_plans_take_time(tmp_path):
     out = result(
         "planner.py",
@@ -63,22 +54,8 @@ def test_rollouts_end_where_the_plain_loop_ends_and_plans_take_time(tmp_path):
     assert len((tmp_path / "contact-planner.csv").read_text().splitlines()) == 11
 
 
-def test_every_part_of_the_planning_model_has_a_row_for_every_task():
-    rows = result(
-        "planning_parts.py", "--tasks", "flip-box,pick-clutter", "--repeats", "1", "--samples", "4", "--horizon", "3"
-    )
-    assert list(rows) == ["flip-box", "pick-clutter"]
-    assert all(len(times) == 10 and min(times.values()) > 0 for times in rows.values())
-
-
 def test_a_cost_is_the_same_in_every_way_of_evaluating_it():
     found = result("costs.py", "--samples", "6", "--horizon", "4", "--repeats", "1", "--alone", "3")
     assert found["cost"]["confined_agrees"]
     assert found["cost"]["one_by_one_agrees"]
     assert len(found["beliefs"]) == 6
-
-
-def test_pictures_are_timed_by_size_and_water():
-    rows = result("pictures.py", "--poses", "2")
-    assert [(row["size"], row["water"]) for row in rows][:2] == [("160x120", "clear"), ("160x120", "bay")]
-    assert all(row["picture_ms"] > row["ray_cast_ms"] > 0.0 for row in rows)

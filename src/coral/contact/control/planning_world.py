@@ -54,7 +54,7 @@ class PlanningCfg:
     not sleep. At full speed a hand crosses this distance in a quarter of the horizon, with six new plans meanwhile."""
     rest_m_s: NonNegative = 0.01
     """Among several objects, an object at rest sleeps in a rollout until something touches it, which halves the time
-    of pick-clutter (benchmarks/planning_parts.py). At rest means that no point of its rim moves faster than this; 0
+    of pick-clutter (docs/research/speed.md). At rest means that no point of its rim moves faster than this; 0
     keeps all awake."""
     threads: Annotated[int, Field(ge=0, le=1024)] = 0
     """Number of threads; 0 uses every core."""
