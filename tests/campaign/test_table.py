@@ -1,6 +1,6 @@
 import pytest
 
-from coral.campaign.table import Table, document, overview, to_markdown
+from coral.campaign.table import Table, document, overview, table_json, to_markdown
 
 TABLE = Table(
     "Table X",
@@ -70,3 +70,15 @@ def test_notes_of_several_tables_are_written_once(form):
     assert text.count("for all") == text.count("for two") == text.count("its own remark") == 1
     assert "for two (One, Two)" in text
     assert text.index("its own remark") < text.index("for all")
+
+
+def test_a_column_of_the_papers_numbers_is_named_after_its_neighbour():
+    table = Table(
+        "T", "c", ("variant", "coverage", "paper", "steps", "paper"), (("full", "97", "96", "10", "12"),), ("n",)
+    )
+    assert table_json(table) == {
+        "name": "T",
+        "caption": "c",
+        "rows": [{"variant": "full", "coverage": "97", "coverage, paper": "96", "steps": "10", "steps, paper": "12"}],
+        "notes": ["n"],
+    }

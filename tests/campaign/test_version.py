@@ -3,7 +3,7 @@ import re
 import pytest
 
 from coral.campaign import version as version_module
-from coral.campaign.version import code_version
+from coral.campaign.version import code_version, digest
 
 
 @pytest.fixture
@@ -45,3 +45,9 @@ def test_a_file_under_another_name_is_another_version(package):
     first = version()
     (package / "reef" / "a.py").rename(package / "reef" / "b.py")
     assert version() != first
+
+
+def test_a_digest_depends_on_contents_and_not_on_their_order():
+    assert digest({"a": 1, "b": [1, 2]}) == digest({"b": [1, 2], "a": 1})
+    assert digest({"a": 1}) != digest({"a": 2})
+    assert digest([1, 2]) != digest([2, 1])

@@ -52,7 +52,7 @@ class _Here:
 @pytest.fixture
 def in_process(monkeypatch):
     """Campaigns start no processes."""
-    monkeypatch.setattr("coral.campaign.bench.LocalExecutor", lambda jobs: _Here())
+    monkeypatch.setattr("coral.commands.campaigns.LocalExecutor", lambda jobs: _Here())
 
 
 @pytest.fixture

@@ -1,12 +1,17 @@
-import pytest
+import json
 
+import pytest
+from stub import Stub, completion
+
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.models import ModelAdvisor
+from coral.advisor.rules import RuleAdvisor
 from coral.campaign.campaign import Summary
-from coral.campaign.spec import grid
+from coral.campaign.spec import NO_ADVISOR, grid
 from coral.campaign.store import Store
 from coral.campaign.table import Table
 from coral.commands.campaigns import (
     CampaignFlags,
-    check_jobs,
     collect_only,
     describe_campaign,
     flag_words,
@@ -67,9 +72,9 @@ def test_tables_are_written_in_two_forms_and_told(store):
 
 def run(store, summary, done, monkeypatch):
     monkeypatch.setattr("coral.commands.campaigns.run_campaign", lambda *_, **__: summary)
-    flags, conditions = CampaignFlags(quiet=True), {"code": "1"}
+    flags, conditions = CampaignFlags(quiet=True, preflight=False), {"code": "1"}
     return run_specs(
-        flags, store, store.specs(), lambda spec, folder: {}, conditions, "", lambda *_: {"done": done}, "mission"
+        flags, store, store.specs(), lambda *_: {}, conditions, "", lambda *_: {"done": done}, "mission", RuleAdvisor
     )
 
 
@@ -86,9 +91,7 @@ def test_an_interrupted_campaign_says_that_it_goes_on(store, capsys, monkeypatch
 
     monkeypatch.setattr("coral.commands.campaigns.run_campaign", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        run_specs(
-            CampaignFlags(quiet=True), store, store.specs(), lambda spec, folder: {}, {"code": "1"}, "", dict, "mission"
-        )
+        begin(CampaignFlags(quiet=True), store, store.specs())
     assert capsys.readouterr().err == f"stopped; the same command continues from here ({store.folder})\n"
 
 
@@ -106,7 +109,82 @@ def test_flags_without_a_value_are_not_repeated():
 
 
 @pytest.mark.parametrize("jobs", [0, -3])
-def test_there_is_at_least_one_worker(jobs):
-    check_jobs(1)
+def test_there_is_at_least_one_worker(store, jobs):
     with pytest.raises(InputError, match=f"--jobs: found {jobs}"):
-        check_jobs(jobs)
+        begin(CampaignFlags(quiet=True, jobs=jobs), store, store.specs())
+
+
+def begin(flags, store, specs, make=lambda name: RuleAdvisor({})):
+    return run_specs(
+        flags, store, specs, lambda spec, folder: {}, {"code": "1"}, "", lambda *_: {"done": 1}, "mission", make
+    )
+
+
+@pytest.fixture
+def model():
+    """A model's server that answers the small question."""
+    server = Stub(completion(json.dumps({"number": 7, "color": "yellow"})))
+    yield server
+    server.close()
+
+
+@pytest.fixture
+def refusing():
+    """A model's server that does not."""
+    server = Stub(completion("I am sorry, I cannot help with that."))
+    yield server
+    server.close()
+
+
+@pytest.fixture
+def asked(tmp_path, model, refusing, monkeypatch):
+    """Asks the models of a campaign's episodes; returns the advisors that were made for it."""
+    cfg = ModelCfg(attempt_timeout_s=5.0, deadline_s=5.0, backoff_s=0.0, max_retries=0, format_repairs=0)
+
+    def ask(specs, **options):
+        made = []
+
+        def make(name):
+            made.append(name)
+            servers = {"good": model, "bad": refusing}
+            return ModelAdvisor.local(servers[name].url, name, cfg) if name in servers else RuleAdvisor({})
+
+        monkeypatch.setattr("coral.commands.campaigns.run_campaign", lambda *_, **__: Summary(0, 0, 0, 0))
+        begin(CampaignFlags(quiet=True, **options), Store(tmp_path / "out"), specs, make)
+        return made
+
+    return ask
+
+
+def specs(*advisors, alone=()):
+    return grid("toy", variants=["a"], worlds=["w"], seeds=[0, 1], advisors=advisors, alone=alone)
+
+
+def test_each_model_is_asked_once(asked, model):
+    assert asked(specs("good", "rules")) == ["good", "rules"]
+    assert len(model.requests) == 1
+
+
+def test_a_model_that_cannot_be_used_refuses_the_campaign_and_nothing_is_written(asked, tmp_path):
+    with pytest.raises(InputError, match=r"--advisors.*no answer"):
+        asked(specs("good", "bad"))
+    assert not (tmp_path / "out").exists()
+
+
+def test_episodes_that_ask_nobody_need_no_model(asked, model):
+    (one, _) = alone = specs("good", alone=["a"])
+    assert one.advisor == NO_ADVISOR
+    assert asked(alone) == []
+    assert model.requests == []
+
+
+def test_only_models_of_pending_episodes_are_asked(asked, tmp_path):
+    wanted = specs("bad")
+    store = Store(tmp_path / "out")
+    with store.lock():
+        store.open(wanted, {"code": "1"})
+        store.finish(wanted[0], {}, {})
+        store.fail(wanted[1], "no", "", {})
+    assert asked(wanted) == []
+    with pytest.raises(InputError, match="no answer"):
+        asked(wanted, retry_failed=True)

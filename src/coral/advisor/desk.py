@@ -105,7 +105,7 @@ class DeskAdvisor:
         name = f"{number:06d}-{question.kind}"
         # One level below, where the pattern */question.json of a program that watches the inbox does not match it.
         aside = self._inbox / WRITING / f"{name}.{os.getpid()}.{secrets.token_hex(4)}"
-        content = question_folder(aside, question, name, rejections)
+        content = _write_question(aside, question, name, rejections)
         while True:
             try:
                 # A rename onto a non-empty folder fails: two missions may share an inbox.
@@ -120,30 +120,15 @@ class DeskAdvisor:
                 write_whole(aside / "question.json", plain_json(content, indent=2))
 
 
-def question_folder(
-    folder: Path,
-    question: Question[Any],
-    name: str = "",
-    rejections: Sequence[Rejection] = (),
-    waiting: bool = True,
+def _write_question(
+    folder: Path, question: Question[Any], name: str, rejections: Sequence[Rejection]
 ) -> dict[str, Any]:
-    """Write a question and its PNGs into a new folder.
-
-    Args:
-        folder: Folder to create, with its parents.
-        question: The question.
-        name: Its id; by default the folder's name.
-        rejections: Reasons for refusing earlier answers.
-        waiting: Whether this process waits for the answer; otherwise the question stays open.
-
-    Returns:
-        Contents of `question.json`.
-    """
+    """Write a question and its PNGs into a new folder; return the contents of `question.json`."""
     folder.mkdir(PRIVATE, parents=True)
     for picture in question.pictures:
         write_whole(folder / f"{picture.name}.png", picture.png)
     content = {
-        "id": name or folder.name,
+        "id": name,
         "kind": question.kind,
         "prompt": question.prompt,
         "prompt_version": question.prompt_version,
@@ -157,7 +142,7 @@ def question_folder(
         },
         "facts": question.facts,
         "asked_at": round(time.time(), 3),
-        **({"asker": {"host": socket.gethostname(), "pid": os.getpid()}} if waiting else {}),
+        "asker": {"host": socket.gethostname(), "pid": os.getpid()},
         "rejections": [dataclasses.asdict(r) for r in rejections],
     }
     write_whole(folder / "question.json", plain_json(content, indent=2))

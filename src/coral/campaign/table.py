@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,18 @@ class Table:
         for row in self.rows:
             if len(row) != len(self.header):
                 raise ValueError(f"{self.name}: a row of {len(row)} cells under a header of {len(self.header)}")
+
+
+def table_json(table: Table) -> dict[str, Any]:
+    """Return a table as plain values, its rows by column name; a `paper` column is named after its neighbour."""
+    head = table.header
+    names = [f"{head[k - 1]}, paper" if label == "paper" else label for k, label in enumerate(head)]
+    return {
+        "name": table.name,
+        "caption": table.caption,
+        "rows": [dict(zip(names, row, strict=True)) for row in table.rows],
+        "notes": list(table.notes),
+    }
 
 
 def to_markdown(table: Table) -> str:

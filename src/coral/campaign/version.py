@@ -1,10 +1,12 @@
-"""The code version of an episode, computed from the files themselves, with or without a repository."""
+"""What must be equal for results to be compared: the version of the code, and digests of other conditions."""
 
 from __future__ import annotations
 
 import hashlib
+import json
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from coral.foreign_file import read_bytes
 from coral.limits import YAML_BYTES
@@ -28,3 +30,8 @@ def code_version() -> str:
             total.update(f"{inside.as_posix()}\0".encode())
             total.update(hashlib.sha256(read_bytes(path, "a module", YAML_BYTES)).digest())
     return total.hexdigest()[:12]
+
+
+def digest(content: Any) -> str:
+    """Compute twelve hexadecimal digits that identify contents."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:12]

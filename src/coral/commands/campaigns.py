@@ -8,16 +8,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from coral.campaign.bench import make_executor, table_json
+from coral.advisor.preflight import preflight
+from coral.advisor.question import Advisor
 from coral.campaign.campaign import Summary, run_campaign
 from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.dataset import Row, read_parquet, to_rows, write_parquet
-from coral.campaign.episode import Episode
+from coral.campaign.episode import Episode, Executor
+from coral.campaign.local import LocalExecutor
 from coral.campaign.progress import CampaignProgress
 from coral.campaign.slurm import SlurmCfg
-from coral.campaign.spec import Spec
+from coral.campaign.spec import NO_ADVISOR, Spec
 from coral.campaign.store import Store
-from coral.campaign.table import Table, document, overview
+from coral.campaign.table import Table, document, overview, table_json
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.runs import provenance
@@ -71,16 +73,6 @@ Collect = Callable[[Store, Summary | None], dict[str, Any]]
 """Makes data set and tables of a folder's records; returns the bench's result."""
 
 
-def check_jobs(jobs: int) -> None:
-    """Check the number of workers.
-
-    Raises:
-        InputError: The number is below 1.
-    """
-    if jobs < 1:
-        raise InputError("--jobs", "", jobs, "a number of 1 or more")
-
-
 def collect_only(out: Path, collect: Collect) -> dict[str, Any]:
     """Make the tables of what is recorded in a folder, as `--collect` asks.
 
@@ -102,6 +94,7 @@ def run_specs(
     command: str,
     collect: Collect,
     noun: str,
+    make: Callable[[str], Advisor],
 ) -> dict[str, Any]:
     """Run the episodes that are not recorded yet, and make the tables.
 
@@ -114,11 +107,17 @@ def run_specs(
         command: The command that makes the campaign.
         collect: Makes the tables.
         noun: The word for an episode.
+        make: Makes the advisor of a string, as far as it can be checked here.
 
     Raises:
+        InputError: There are no workers, or a model cannot be used.
         RunError: All of the episodes failed.
     """
-    executor = make_executor(flags.executor, flags.jobs, flags.address, flags.slurm, store.folder / ".slurm")
+    if flags.jobs < 1:
+        raise InputError("--jobs", "", flags.jobs, "a number of 1 or more")
+    if flags.preflight:
+        _ask_models(flags, store, specs, make)
+    executor = _executor(flags, store)
     with store.lock():
         store.open(specs, conditions, command=command, mix=flags.mix, about=provenance())
         try:
@@ -138,6 +137,26 @@ def run_specs(
     if summary.failed and not result["done"]:
         raise RunError(f"every {noun} failed; see {store.folder / 'failures'}")
     return result
+
+
+def _ask_models(flags: CampaignFlags, store: Store, specs: Sequence[Spec], make: Callable[[str], Advisor]) -> None:
+    """Ask each model of a pending episode one small question; nothing is written."""
+    known = store.manifest_path.exists()
+    pending = store.pending(specs, retry_failed=flags.retry_failed) if known else specs
+    for advisor in dict.fromkeys(spec.advisor for spec in pending if spec.advisor != NO_ADVISOR):
+        preflight(make(advisor), pictures=True, where="--advisors", quiet=flags.quiet)
+
+
+def _executor(flags: CampaignFlags, store: Store) -> Executor:
+    if flags.executor == "ray":
+        from coral.campaign.cluster import RayExecutor
+
+        return RayExecutor(flags.address)
+    if flags.executor == "slurm":
+        from coral.campaign.slurm import SlurmExecutor
+
+        return SlurmExecutor(store.folder / ".slurm", flags.jobs, flags.slurm)
+    return LocalExecutor(flags.jobs)
 
 
 def flag_words(flags: CampaignFlags, *names: str) -> list[str]:

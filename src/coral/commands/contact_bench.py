@@ -16,16 +16,14 @@ import numpy as np
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor
-from coral.campaign.bench import digest
 from coral.campaign.campaign import Summary
 from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.contact_tables import contact_tables
 from coral.campaign.spec import Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store
-from coral.campaign.version import code_version
+from coral.campaign.version import code_version, digest
 from coral.commands.campaigns import (
     CampaignFlags,
-    check_jobs,
     collect_only,
     describe_campaign,
     flag_words,
@@ -35,7 +33,6 @@ from coral.commands.campaigns import (
 )
 from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_run import TRACKER_HELP
-from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
@@ -149,22 +146,19 @@ class ContactBench(CampaignFlags):
         if self.collect:
             return collect_only(self.out, self._collect)
         store = Store(self.out)
-        check_jobs(self.jobs)
         names = named_tasks(self.tasks)
         tasks = {name: load_task(name) for name in names}
         cfg = resolve_episode(self.cfg, samples=self.samples, poses=self.poses, tracker=self.tracker)
         if cfg.poses == "tracked" and self.executor == "local":  # a cluster may reach servers that this machine cannot
             cfg.tracked.choice().check()
         specs, memory = self._specs(tasks), None if self.memory is None else read_memory(self.memory)
-        if self.preflight:
-            preflight_campaign(
-                store, specs, self._advisor, pictures=True, retry_failed=self.retry_failed, quiet=self.quiet
-            )
         conditions = self._conditions(cfg, tasks, memory)
         if (self.jobs > 1 or self.executor != "local") and not cfg.planning.threads:
             cfg = dataclasses.replace(cfg, planning=dataclasses.replace(cfg.planning, threads=1))
         episode = ContactEpisode(cfg, self.model, tasks, self._policies(), memory)
-        return run_specs(self, store, specs, episode, conditions, self._command(), self._collect, "episode")
+        return run_specs(
+            self, store, specs, episode, conditions, self._command(), self._collect, "episode", self._advisor
+        )
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the tables and list the files."""

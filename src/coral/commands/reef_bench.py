@@ -12,7 +12,6 @@ from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor, rules_alone
-from coral.campaign.bench import digest
 from coral.campaign.campaign import Summary
 from coral.campaign.presets import KEY as PRESET
 from coral.campaign.presets import with_presets
@@ -20,10 +19,9 @@ from coral.campaign.reef_tables import BASELINES, TABLE_I, TABLE_II, reef_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store
 from coral.campaign.sweep import parse_sweeps
-from coral.campaign.version import code_version
+from coral.campaign.version import code_version, digest
 from coral.commands.campaigns import (
     CampaignFlags,
-    check_jobs,
     collect_only,
     describe_campaign,
     flag_words,
@@ -32,7 +30,6 @@ from coral.commands.campaigns import (
     write_tables,
 )
 from coral.commands.config_flag import config_words, configured, given_keys, set_keys
-from coral.commands.preflight import preflight_campaign
 from coral.config import checked, to_mapping
 from coral.errors import InputError
 from coral.flags import Option
@@ -147,14 +144,11 @@ class ReefBench(CampaignFlags):
             return collect_only(self.out, self._collect)
         store, worlds = Store(self.out), self._worlds()
         specs = self._specs(worlds)
-        check_jobs(self.jobs)
-        if self.preflight:
-            preflight_campaign(
-                store, specs, self._advisor, pictures=True, retry_failed=self.retry_failed, quiet=self.quiet
-            )
         episode = ReefEpisode(self.cfg, self.model, worlds, self._keep, self.inbox)
         conditions = self._conditions(worlds)
-        return run_specs(self, store, specs, episode, conditions, self._command(), self._collect, "mission")
+        return run_specs(
+            self, store, specs, episode, conditions, self._command(), self._collect, "mission", self._advisor
+        )
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the tables and where everything is."""
