@@ -27,10 +27,9 @@ from coral.campaign.columns import (
     tabulate,
 )
 from coral.campaign.decided import decided_table, left_out, made_by, mark_notes, share
-from coral.campaign.presets import CLEAR, by_preset
 from coral.campaign.spec import NO_ADVISOR, called
 from coral.campaign.stats import FEW_WORLDS
-from coral.campaign.sweep import NOMINAL, in_order, setting_text
+from coral.campaign.sweep import CLEAR, NOMINAL, by_preset, in_order, setting_text
 from coral.campaign.table import Table
 from coral.foreign_file import read_json
 
@@ -317,7 +316,8 @@ def _with_coverage_time(rows: Sequence[Row]) -> list[Row]:
 def _sweep_tables(rows: Sequence[Row], caption: str, source_of: Callable[..., tuple[str, ...]]) -> list[Table]:
     """Make two tables of one variant's missions under one advisor; none if nothing was swept."""
     done = [row for row in rows if row["status"] == "done"]
-    settings = {setting_text(text): [r for r in done if r["overrides"] == text] for text in _in_order(done)}
+    found = group_by(done, lambda row: row["overrides"])
+    settings = {setting_text(overrides): found[overrides] for overrides in in_order(found)}
     changed = [setting for setting in settings if setting != NOMINAL]
     if not changed:
         return []
@@ -340,10 +340,6 @@ def _sweep_tables(rows: Sequence[Row], caption: str, source_of: Callable[..., tu
             (SWEEP_DIFFERENCES, *source),
         ),
     ]
-
-
-def _in_order(rows: Sequence[Row]) -> list[str]:
-    return in_order(row["overrides"] for row in rows)
 
 
 def _effects(presets: Mapping[str, Sequence[Row]], advisors: Sequence[str]) -> Table:

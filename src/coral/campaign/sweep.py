@@ -1,7 +1,8 @@
-"""One-at-a-time sweeps: the nominal setting, and each value of each swept key with all others nominal."""
+"""Settings of a campaign's episodes beside their variant: swept keys, one at a time, and presets of the water."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -9,6 +10,8 @@ from coral.campaign.spec import parse_names
 from coral.errors import InputError
 from coral.foreign_file import parse_json
 
+PRESET, CLEAR = "preset", "clear"
+"""Key of a preset among a spec's overrides; without it the water is clear."""
 NOMINAL = "nominal"
 """Setting of an episode without changes."""
 
@@ -49,6 +52,23 @@ def in_order(overrides: Iterable[str]) -> list[str]:
         return bool(changes), keys.index(tuple(changes)), size is None, size or 0.0
 
     return sorted(settings, key=place)
+
+
+def with_presets(names: Iterable[str], settings: Iterable[Mapping[str, Any]]) -> tuple[dict[str, Any], ...]:
+    """Return every setting in the water of every preset; clear water needs no key."""
+    settings = tuple(settings)
+    return tuple(({} if name == CLEAR else {PRESET: name}) | dict(setting) for name in names for setting in settings)
+
+
+def by_preset(rows: Iterable[Mapping[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    """Group rows by preset, each without that key in its overrides and its setting."""
+    found: dict[str, list[dict[str, Any]]] = {}
+    for row in rows:
+        changes = parse_json(row["overrides"])
+        preset = str(changes.pop(PRESET, CLEAR))
+        plain = {**row, "overrides": json.dumps(changes, sort_keys=True), "setting": setting_text(changes)}
+        found.setdefault(preset, []).append(plain)
+    return found
 
 
 def _value(word: str) -> Any:

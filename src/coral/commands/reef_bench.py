@@ -13,12 +13,10 @@ from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import advisor_help, asks_person, make_advisor, rules_alone
 from coral.campaign.campaign import Summary
-from coral.campaign.presets import KEY as PRESET
-from coral.campaign.presets import with_presets
 from coral.campaign.reef_tables import BASELINES, TABLE_I, TABLE_II, reef_tables, word_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
 from coral.campaign.store import Store
-from coral.campaign.sweep import parse_sweeps
+from coral.campaign.sweep import PRESET, parse_sweeps, with_presets
 from coral.campaign.version import code_version, digest
 from coral.commands.campaigns import (
     CampaignFlags,
