@@ -32,7 +32,7 @@ from coral.advisor.consult import BudgetCfg
 from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import render, render_rejections
 from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply, Usage
-from coral.advisor.recorded import RecordedAdvisor
+from coral.advisor.recorded import RecordedAdvisor, is_recorded
 from coral.campaign.spec import parse_seeds
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.episode import Episode
@@ -43,7 +43,6 @@ from coral.contact.scene.task_file import every_task, shipped_tasks, suite_tasks
 from coral.contact.scene.task_names import HALVES, SUITES
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.thinker.recorded_answers import recorded_answers
 from coral.contact.thinker.think_cfg import resolved
 
 A = TypeVar("A", bound=BaseModel)
@@ -73,9 +72,8 @@ class Reader:
             BadAnswer: The text is no answer.
             AdvisorUnavailable: Nothing (more) was written.
         """
-        recorded = recorded_answers(str(question.facts["task"]))
-        if question.kind == "physical-parameters" and recorded is not None:
-            return Reply(value=question.answer_type.model_validate(recorded.parameters.model_dump()), raw="")
+        if question.kind == "physical-parameters" and is_recorded(str(question.facts["task"])):
+            return await RecordedAdvisor().answer(question, ())
         name = NAMES[question.kind]
         self.asked[name], self.refused[name] = question, rejections
         texts = self._written.get(name, ())

@@ -9,6 +9,7 @@ import pytest
 
 from coral.advisor.parse import parse_answer
 from coral.advisor.prompt import version
+from coral.advisor.recorded import is_recorded
 from coral.advisor.recorded_attempts import SHIPPED, read_attempts, shipped_recordings
 from coral.advisor.replay import ReplayAdvisor
 from coral.contact.control.planning_world import PlanningCfg, PlanningWorld
@@ -19,7 +20,7 @@ from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.sampled_states import sample_states
-from coral.contact.scene.task_file import shipped_tasks, suite_tasks, unseen_tasks
+from coral.contact.scene.task_file import every_task, shipped_tasks, suite_tasks, unseen_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.pose_question import PosesAnswer
@@ -84,6 +85,14 @@ def test_every_recorded_answer_still_parses_to_what_it_was():
         "object-poses": 60,
         "no reply was waited for": 3,
     }
+
+
+def test_every_shipped_task_was_answered_and_no_other():
+    for task in every_task():
+        kinds = {entry["kind"] for entry in attempts(f"contact-{task}") if entry["verdict"] == "accepted"}
+        assert {"physical-parameters", "cost-function"} <= kinds, task
+        assert is_recorded(task)
+    assert not is_recorded("pull-cart")
 
 
 def test_the_prompts_have_changed_since():

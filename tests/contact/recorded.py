@@ -1,20 +1,29 @@
 """The recorded model's answers as functions of facts, for tests that need an advisor of every kind of question."""
 
 import json
+from types import SimpleNamespace
 
 from coral.advisor.question import AdvisorUnavailable
+from coral.advisor.recorded import CONTACT
+from coral.advisor.recorded_attempts import find_recording, read_attempts
 from coral.advisor.rules import RuleAdvisor
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
-from coral.contact.thinker.recorded_answers import recorded_answers
 from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer
 from coral.contact.world_model.parameter_estimates import ParameterEstimates
 
 
 def compose(facts):
-    """Parameters, plan and regions of the task of these facts."""
-    return recorded_answers(facts["task"])
+    """Parameters, plan and regions of the task of these facts: the first accepted answers of its recording."""
+    name = f"{CONTACT}{facts['task']}"
+    attempts = reversed(read_attempts(find_recording(name), name))
+    first = {entry["kind"]: entry["answer"] for entry in attempts if entry["verdict"] == "accepted"}
+    return SimpleNamespace(
+        parameters=ParameterEstimates.model_validate(first["physical-parameters"]),
+        plan=PlanAnswer.model_validate(first["cost-function"]),
+        regions=RegionsAnswer.model_validate(first.get("contact-regions", {})),
+    )
 
 
 def fitted(facts, rejections):
