@@ -75,5 +75,5 @@ def test_conditions_that_read_contacts_say_so():
     for one in (cls for cls in BaseCondition.__subclasses__() if cls.__module__.startswith("coral.")):
         if one is EventSequence:
             continue
-        reads = bool(re.search(r"touches\(|\.contacts|hand_force", inspect.getsource(one.monitor)))
+        reads = bool(re.search(r"touches\(|\.contacts|hand_force", inspect.getsource(one)))
         assert one.needs_poses_only != reads, one

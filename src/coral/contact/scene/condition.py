@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Annotated, ClassVar, Literal, Protocol
 
 import numpy as np
@@ -49,7 +50,7 @@ class TrialLike(Protocol):
     def task(self) -> TaskLike: ...  # noqa: D102
     @property
     def objects(self) -> Mapping[str, TrialObjectLike]: ...  # noqa: D102
-    def point(self, name: str, point: str, body: BodyState) -> Array: ...  # noqa: D102
+    def point(self, name: str, point: str | None, body: BodyState) -> Array: ...  # noqa: D102
     def joint_position(self, name: str, body: BodyState) -> float: ...  # noqa: D102
     def lowest_point(self, name: str, body: BodyState) -> float: ...  # noqa: D102
 
@@ -67,6 +68,8 @@ class BaseCondition(BaseModel):
     """Whether the condition can never hold again once it has not held."""
     reads_forces: ClassVar[bool] = False
     """Whether it depends on how hard things touch, not only on whether they do."""
+    also: ClassVar[tuple[str, ...]] = ()
+    """Names that `thing` may have besides those of fixed things and objects."""
 
     @property
     def reads_contacts(self) -> bool:
@@ -87,10 +90,37 @@ class BaseCondition(BaseModel):
         thing = getattr(self, "thing", None)
         if thing is not None:
             others = [name for name in (*task.things, *objects) if name != self.object]
-            check_known(thing, [*getattr(self, "also", ()), *others], where, f"{field}.thing")
+            check_known(thing, [*self.also, *others], where, f"{field}.thing")
+        other, other_point = getattr(self, "other", None), getattr(self, "other_point", None)
+        if other is not None:
+            check_known(other, [name for name in objects if name != self.object], where, f"{field}.other")
+        if other is not None and other_point is not None:
+            check_known(other_point, task.object(other).points, where, f"{field}.other_point")
+        self._check_more(task, where, field)
+
+    def _check_more(self, task: TaskLike, where: str, field: str) -> None:
+        """Check what a condition of this kind has beyond the names of object, point and thing."""
 
     def monitor(self, trial: TrialLike) -> Monitor:
         """Make a function that says whether the condition holds; call it with the true state at every control step."""
+        test = self._test(trial)
+        if not self.breaks_for_good:
+            return test
+        intact = True
+
+        def holds(truth: Truth) -> bool:
+            nonlocal intact
+            intact = test(truth) and intact
+            return intact
+
+        return holds
+
+    def _test(self, trial: TrialLike) -> Monitor:
+        """Make the function that is called at every control step; one with a history keeps it here."""
+        return partial(self._holds, trial)
+
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        """Check a state by itself."""
         raise NotImplementedError
 
     def found(self, trial: TrialLike, truth: Truth) -> str:
@@ -126,6 +156,12 @@ def axis_of(quaternion: Array, name: Axis) -> Array:
 def degrees_between(first: Array, second: Array) -> float:
     """Compute the angle (deg) between two unit vectors."""
     return float(np.degrees(np.arccos(np.clip(first @ second, -1, 1))))
+
+
+def turned_deg(trial: TrialLike, truth: Truth, name: str, axis: Axis) -> float:
+    """Compute the angle (deg) between an object's axis now and where it pointed at first."""
+    before, now = trial.objects[name].pose.quaternion, truth.objects[name].quaternion
+    return degrees_between(axis_of(before, axis), axis_of(now, axis))
 
 
 def hand_force(truth: Truth, name: str) -> float | None:

@@ -51,9 +51,7 @@ class EventSequence(BaseCondition):
     )
     for_s: float = Field(default=0.1, ge=0, le=10, strict=True)
 
-    def check(self, task: TaskLike, where: str, field: str) -> None:
-        """See `BaseCondition.check`."""
-        super().check(task, where, field)
+    def _check_more(self, task: TaskLike, where: str, field: str) -> None:
         for k, event in enumerate(self.events):
             for index, condition in enumerate(event):
                 condition.check(task, where, f"{field}.events[{k}][{index}]")
@@ -63,8 +61,7 @@ class EventSequence(BaseCondition):
         """See `BaseCondition.reads_contacts`."""
         return any(condition.reads_contacts for event in self.events for condition in event)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
+    def _test(self, trial: TrialLike) -> Monitor:
         monitors = [[condition.monitor(trial) for condition in event] for event in self.events]
         reached, since = 0, None
 

@@ -14,24 +14,11 @@ from coral.contact.scene.condition import (
     Monitor,
     StepClock,
     TrialLike,
-    axis_of,
-    degrees_between,
     hand_force,
     touches,
+    turned_deg,
 )
-from coral.contact.scene.observation import Array, BodyState, Truth
-
-
-def _unbroken(test: Monitor) -> Monitor:
-    """Make the monitor that holds until a test has failed once; it calls the test at every step."""
-    intact = True
-
-    def holds(truth: Truth) -> bool:
-        nonlocal intact
-        intact = test(truth) and intact
-        return intact
-
-    return holds
+from coral.contact.scene.observation import Truth
 
 
 class TouchedWhileTurning(BaseCondition):
@@ -48,9 +35,7 @@ class TouchedWhileTurning(BaseCondition):
     between_deg: AngleBand = (15.0, 75.0)
     for_s: float = Field(default=0.1, gt=0, le=10, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        before = axis_of(trial.objects[self.object].pose.quaternion, self.axis)
+    def _test(self, trial: TrialLike) -> Monitor:
         low, high = self.between_deg
         clock = StepClock()
         touched, against, reached, touching = 0.0, 0.0, low, False
@@ -58,7 +43,7 @@ class TouchedWhileTurning(BaseCondition):
         def holds(truth: Truth) -> bool:
             nonlocal touched, against, reached, touching
             span = clock.advance(truth)
-            turned = degrees_between(before, axis_of(truth.objects[self.object].quaternion, self.axis))
+            turned = turned_deg(trial, truth, self.object, self.axis)
             touched_before, touching = touching, touches(truth, self.object, self.thing)
             if turned < low:
                 touched, against, reached = 0.0, 0.0, low  # set down again: the history before is no part of the flip
@@ -93,8 +78,7 @@ class SteadyForce(BaseCondition):
     for_s: float = Field(default=1.0, ge=0, strict=True)
     deviation_n: float | None = Field(default=None, gt=0, le=200, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
+    def _test(self, trial: TrialLike) -> Monitor:
         recent: list[tuple[float, float]] = []
         clock = StepClock()
         counted, within, squares = 0.0, 0.0, 0.0
@@ -135,8 +119,7 @@ class PeakForce(BaseCondition):
     newtons: float = Field(gt=0, le=500, strict=True)
     window_s: float = Field(default=0.0, ge=0, le=2, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
+    def _test(self, trial: TrialLike) -> Monitor:
         recent: list[tuple[float, float]] = []
 
         def is_gentle(truth: Truth) -> bool:
@@ -151,7 +134,7 @@ class PeakForce(BaseCondition):
             steps = max(len(recent), round(self.window_s / _step_s(recent)))
             return sum(value for _, value in recent) / steps <= self.newtons
 
-        return _unbroken(is_gentle)
+        return is_gentle
 
 
 def _step_s(recent: list[tuple[float, float]]) -> float:
@@ -168,16 +151,8 @@ class KeptLevel(BaseCondition):
     axis: Axis = "z"
     tolerance_deg: float = Field(default=15, gt=0, le=180, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        before = axis_of(trial.objects[self.object].pose.quaternion, self.axis)
-
-        def is_level(truth: Truth) -> bool:
-            return (
-                degrees_between(before, axis_of(truth.objects[self.object].quaternion, self.axis)) <= self.tolerance_deg
-            )
-
-        return _unbroken(is_level)
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        return turned_deg(trial, truth, self.object, self.axis) <= self.tolerance_deg
 
 
 class KeptNear(BaseCondition):
@@ -189,14 +164,10 @@ class KeptNear(BaseCondition):
     point: str | None = None
     distance_m: float = Field(gt=0, le=5, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-
-        def at(body: BodyState) -> Array:
-            return body.position if self.point is None else trial.point(self.object, self.point, body)
-
-        before = at(trial.objects[self.object].pose)
-        return _unbroken(lambda truth: bool(np.linalg.norm(at(truth.objects[self.object]) - before) <= self.distance_m))
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        before, now = trial.objects[self.object].pose, truth.objects[self.object]
+        way = trial.point(self.object, self.point, now) - trial.point(self.object, self.point, before)
+        return bool(np.linalg.norm(way) <= self.distance_m)
 
 
 class KeptTouching(BaseCondition):
@@ -209,8 +180,7 @@ class KeptTouching(BaseCondition):
     thing: str = "table"
     for_s: float = Field(default=0.2, ge=0, le=10, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
+    def _test(self, trial: TrialLike) -> Monitor:
         clock = StepClock()
         apart = 0.0
 
@@ -220,24 +190,19 @@ class KeptTouching(BaseCondition):
             apart = 0.0 if touches(truth, self.object, self.thing) else apart + span
             return apart <= self.for_s + 1e-9
 
-        return _unbroken(is_touching)
+        return is_touching
 
 
 class NeverTouched(BaseCondition):
     """The object was never touched by `thing`: the table, a fixture, another object, "hand", or "robot" (the arm)."""
 
     breaks_for_good: ClassVar[bool] = True
+    also: ClassVar[tuple[str, ...]] = ("hand", "robot")
     kind: Literal["never-touched"] = "never-touched"
     thing: str = "hand"
 
-    @property
-    def also(self) -> tuple[str, ...]:
-        """Return the names that `thing` may have besides those of fixed things and objects."""
-        return ("hand", "robot")
-
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        return _unbroken(lambda truth: not touches(truth, self.object, self.thing))
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        return not touches(truth, self.object, self.thing)
 
 
 class Slid(BaseCondition):
@@ -247,8 +212,7 @@ class Slid(BaseCondition):
     thing: str = "table"
     distance_m: float = Field(gt=0, le=10, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
+    def _test(self, trial: TrialLike) -> Monitor:
         way, before = 0.0, trial.objects[self.object].pose.position
         since_touch, clock = PUSHED_S + 1.0, StepClock()
 

@@ -11,7 +11,6 @@ from coral.contact.scene.condition import (
     Axis,
     BaseCondition,
     Metre,
-    Monitor,
     TaskLike,
     TrialLike,
     axis_of,
@@ -19,27 +18,12 @@ from coral.contact.scene.condition import (
     degrees_between,
 )
 from coral.contact.scene.geometry import conjugate, rotate
-from coral.contact.scene.observation import Array, Truth
+from coral.contact.scene.observation import Truth
 from coral.contact.scene.shapes import in_order
 from coral.errors import InputError
 
 SignedAngle = Annotated[float, Field(ge=-180, le=180, strict=True)]
 FreeAxis = Literal["x", "-x", "y", "-y", "z", "-z"]
-
-
-def _check_other(condition: AtObject | Inserted, task: TaskLike, where: str, field: str) -> None:
-    """Check the names of the other object and of the point on it."""
-    if condition.other is None:
-        return
-    names = [item.name for item in task.objects if item.name != condition.object]
-    check_known(condition.other, names, where, f"{field}.other")
-    if condition.other_point is not None:
-        check_known(condition.other_point, task.object(condition.other).points, where, f"{field}.other_point")
-
-
-def _frame(trial: TrialLike, name: str, point: str | None, truth: Truth) -> Array:
-    body = truth.objects[name]
-    return body.position if point is None else trial.point(name, point, body)
 
 
 class AtObject(BaseCondition):
@@ -59,19 +43,9 @@ class AtObject(BaseCondition):
     axes: Literal["xy", "xyz", "x", "y", "z"] = "xy"
     tolerance_deg: float | None = Field(default=None, gt=0, le=180, strict=True)
 
-    def check(self, task: TaskLike, where: str, field: str) -> None:
-        """See `BaseCondition.check`."""
-        super().check(task, where, field)
-        _check_other(self, task, where, field)
-
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-
-        def holds(truth: Truth) -> bool:
-            off_m, off_deg = self._off(trial, truth)
-            return off_m <= self.tolerance_m and (self.tolerance_deg is None or off_deg <= self.tolerance_deg)
-
-        return holds
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        off_m, off_deg = self._off(trial, truth)
+        return off_m <= self.tolerance_m and (self.tolerance_deg is None or off_deg <= self.tolerance_deg)
 
     def found(self, trial: TrialLike, truth: Truth) -> str:
         """See `BaseCondition.found`."""
@@ -81,11 +55,12 @@ class AtObject(BaseCondition):
 
     def _off(self, trial: TrialLike, truth: Truth) -> tuple[float, float]:
         """Return the distance (m) and the angle (deg) by which the object is off."""
-        frame, body = truth.objects[self.other].quaternion, truth.objects[self.object].quaternion
-        way = _frame(trial, self.object, self.point, truth) - _frame(trial, self.other, self.other_point, truth)
-        off = rotate(conjugate(frame), way) - np.asarray(self.offset)
+        body, other = truth.objects[self.object], truth.objects[self.other]
+        way = trial.point(self.object, self.point, body) - trial.point(self.other, self.other_point, other)
+        off = rotate(conjugate(other.quaternion), way) - np.asarray(self.offset)
         kept = ["xyz".index(axis) for axis in self.axes]
-        return float(np.linalg.norm(off[kept])), degrees_between(axis_of(frame, "z"), axis_of(body, "z"))
+        tilt = degrees_between(axis_of(other.quaternion, "z"), axis_of(body.quaternion, "z"))
+        return float(np.linalg.norm(off[kept])), tilt
 
 
 class Inserted(BaseCondition):
@@ -105,9 +80,7 @@ class Inserted(BaseCondition):
     depth_m: float = Field(gt=0, le=1, strict=True)
     tolerance_m: float = Field(default=0.02, gt=0, le=1, strict=True)
 
-    def check(self, task: TaskLike, where: str, field: str) -> None:
-        """See `BaseCondition.check`."""
-        super().check(task, where, field)
+    def _check_more(self, task: TaskLike, where: str, field: str) -> None:
         if (self.place is None) == (self.other is None):
             raise InputError(
                 where, field, "place and other" if self.place else "neither", "a place, or an other object"
@@ -118,24 +91,18 @@ class Inserted(BaseCondition):
             raise InputError(where, f"{field}.other_point", self.other_point, "none without an other object")
         if self.place is not None:
             check_known(self.place, task.places, where, f"{field}.place")
-        _check_other(self, task, where, field)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        if self.other is None:
+            mouth, turn = np.asarray(trial.task.places[str(self.place)]), np.array([1.0, 0, 0, 0])
+        else:
+            other = truth.objects[self.other]
+            mouth, turn = trial.point(self.other, self.other_point, other), other.quaternion
         axis: Axis = self.into[-1]  # type: ignore[assignment]
-        sign = -1.0 if self.into.startswith("-") else 1.0
-
-        def holds(truth: Truth) -> bool:
-            if self.other is None:
-                mouth, turn = np.asarray(trial.task.places[str(self.place)]), np.array([1.0, 0, 0, 0])
-            else:
-                mouth, turn = _frame(trial, self.other, self.other_point, truth), truth.objects[self.other].quaternion
-            inward = sign * axis_of(turn, axis)
-            way = _frame(trial, self.object, self.point, truth) - mouth
-            depth = float(way @ inward)
-            return depth >= self.depth_m and bool(np.linalg.norm(way - depth * inward) <= self.tolerance_m)
-
-        return holds
+        inward = (-1.0 if self.into.startswith("-") else 1.0) * axis_of(turn, axis)
+        way = trial.point(self.object, self.point, truth.objects[self.object]) - mouth
+        depth = float(way @ inward)
+        return depth >= self.depth_m and bool(np.linalg.norm(way - depth * inward) <= self.tolerance_m)
 
 
 class Opened(BaseCondition):
@@ -146,9 +113,7 @@ class Opened(BaseCondition):
     between_deg: Annotated[tuple[SignedAngle, SignedAngle], AfterValidator(in_order)] | None = None
     between_m: Annotated[tuple[Metre, Metre], AfterValidator(in_order)] | None = None
 
-    def check(self, task: TaskLike, where: str, field: str) -> None:
-        """See `BaseCondition.check`."""
-        super().check(task, where, field)
+    def _check_more(self, task: TaskLike, where: str, field: str) -> None:
         joint = task.object(self.object).joint
         if joint is None:
             raise InputError(where, f"{field}.object", self.object, "an object with a joint")
@@ -158,10 +123,9 @@ class Opened(BaseCondition):
                 where, f"{field}.{other}", f"a {joint.kind}", f"{wanted}, as {self.object} is on a {joint.kind}"
             )
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
         low, high = np.radians(self.between_deg) if self.between_deg is not None else self.between_m or (0.0, 0.0)
-        return lambda truth: bool(low <= trial.joint_position(self.object, truth.objects[self.object]) <= high)
+        return bool(low <= trial.joint_position(self.object, truth.objects[self.object]) <= high)
 
     def found(self, trial: TrialLike, truth: Truth) -> str:
         """See `BaseCondition.found`."""

@@ -8,18 +8,19 @@ import numpy as np
 from pydantic import AfterValidator, Field
 
 from coral.contact.scene.condition import (
+    HAND_PARTS,
     Axis,
     BaseCondition,
     Metre,
-    Monitor,
     TaskLike,
     TrialLike,
     axis_of,
     check_known,
     degrees_between,
     touches,
+    turned_deg,
 )
-from coral.contact.scene.observation import Array, BodyState, Contact, Truth
+from coral.contact.scene.observation import BodyState, Truth
 from coral.errors import InputError
 
 
@@ -42,26 +43,21 @@ class Lifted(BaseCondition):
     height_m: float = Field(gt=0, le=1, strict=True)
     most_m: float | None = Field(default=None, gt=0, le=1, strict=True)
 
-    def check(self, task: TaskLike, where: str, field: str) -> None:
-        """See `BaseCondition.check`."""
-        super().check(task, where, field)
+    def _check_more(self, task: TaskLike, where: str, field: str) -> None:
         if self.most_m is not None and self.most_m <= self.height_m:
             raise InputError(where, f"{field}.most_m", self.most_m, f"more than height_m, {self.height_m:g}")
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        robot = {"hand", "left", "right", "robot"}
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        robot = {*HAND_PARTS, "robot"}
+        held_elsewhere = any(
+            self.object in (pair.first, pair.second) and not robot & {pair.first, pair.second}
+            for pair in truth.contacts
+        )
         highest = np.inf if self.most_m is None else self.most_m
-
-        def holds(truth: Truth) -> bool:
-            held_elsewhere = any(
-                self.object in (pair.first, pair.second) and not robot & {pair.first, pair.second}
-                for pair in truth.contacts
-            )
-            lowest = trial.lowest_point(self.object, truth.objects[self.object])
-            return self.height_m <= lowest <= highest and not held_elsewhere
-
-        return holds
+        return (
+            self.height_m <= trial.lowest_point(self.object, truth.objects[self.object]) <= highest
+            and not held_elsewhere
+        )
 
     def found(self, trial: TrialLike, truth: Truth) -> str:
         """See `BaseCondition.found`."""
@@ -77,19 +73,16 @@ class Grasped(BaseCondition):
     point: str | None = None
     within_m: float = Field(default=0.05, gt=0, le=1, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-
-        def touched(truth: Truth, finger: str) -> bool:
-            pair = {finger, self.object}
-            found = [one for one in truth.contacts if {one.first, one.second} == pair]
-            return any(self.point is None or near(truth, one) for one in found)
-
-        def near(truth: Truth, contact: Contact) -> bool:
-            point = trial.point(self.object, str(self.point), truth.objects[self.object])
-            return bool(np.linalg.norm(contact.point - point) <= self.within_m)
-
-        return lambda truth: all(touched(truth, finger) for finger in ("left", "right"))
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        point = trial.point(self.object, self.point, truth.objects[self.object])
+        touching = {
+            finger
+            for finger in ("left", "right")
+            for one in truth.contacts
+            if {one.first, one.second} == {finger, self.object}
+            and (self.point is None or np.linalg.norm(one.point - point) <= self.within_m)
+        }
+        return len(touching) == 2
 
 
 class Released(BaseCondition):
@@ -97,25 +90,19 @@ class Released(BaseCondition):
 
     kind: Literal["released"] = "released"
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        return lambda truth: not touches(truth, self.object, "hand")
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        return not touches(truth, self.object, "hand")
 
 
 class Touching(BaseCondition):
     """The object touches `thing`: a thing of the scene, or "hand"."""
 
+    also: ClassVar[tuple[str, ...]] = ("hand",)
     kind: Literal["touching"] = "touching"
     thing: str
 
-    @property
-    def also(self) -> tuple[str, ...]:
-        """Return the names that `thing` may have besides those of fixed things and objects."""
-        return ("hand",)
-
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        return lambda truth: touches(truth, self.object, self.thing)
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        return touches(truth, self.object, self.thing)
 
 
 class At(BaseCondition):
@@ -128,24 +115,21 @@ class At(BaseCondition):
     tolerance_m: float = Field(gt=0, le=1, strict=True)
     axes: Literal["xy", "xyz", "x", "y", "z"] = "xy"
 
-    def check(self, task: TaskLike, where: str, field: str) -> None:
-        """See `BaseCondition.check`."""
-        super().check(task, where, field)
+    def _check_more(self, task: TaskLike, where: str, field: str) -> None:
         if self.place in [item.name for item in task.objects]:
             raise InputError(where, f"{field}.place", self.place, "a name in places; kind at-object is for an object")
         check_known(self.place, task.places, where, f"{field}.place")
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        return lambda truth: self._off_m(trial, truth) <= self.tolerance_m
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        return self._off_m(trial, truth) <= self.tolerance_m
 
     def found(self, trial: TrialLike, truth: Truth) -> str:
         """See `BaseCondition.found`."""
         return f"{100 * self._off_m(trial, truth):.3g} cm, allowed {100 * self.tolerance_m:g} cm"
 
     def _off_m(self, trial: TrialLike, truth: Truth) -> float:
-        way = _place(trial, self.object, self.point, truth.objects[self.object])
-        way = way - np.asarray(trial.task.places[self.place])
+        point = trial.point(self.object, self.point, truth.objects[self.object])
+        way = point - np.asarray(trial.task.places[self.place])
         return float(np.linalg.norm(way[["xyz".index(axis) for axis in self.axes]]))
 
 
@@ -158,25 +142,13 @@ class Inside(BaseCondition):
     high: tuple[Metre, Metre, Metre]
     point: str | None = None
 
-    def check(self, task: TaskLike, where: str, field: str) -> None:
-        """See `BaseCondition.check`."""
-        super().check(task, where, field)
+    def _check_more(self, task: TaskLike, where: str, field: str) -> None:
         if any(low >= high for low, high in zip(self.low, self.high, strict=True)):
             raise InputError(where, f"{field}.low", list(self.low), f"all below high, {list(self.high)}")
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        low, high = np.asarray(self.low), np.asarray(self.high)
-
-        def holds(truth: Truth) -> bool:
-            place = _place(trial, self.object, self.point, truth.objects[self.object])
-            return bool((low <= place).all() and (place <= high).all())
-
-        return holds
-
-
-def _place(trial: TrialLike, name: str, point: str | None, body: BodyState) -> Array:
-    return body.position if point is None else trial.point(name, point, body)
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        point = trial.point(self.object, self.point, truth.objects[self.object])
+        return bool((np.asarray(self.low) <= point).all() and (point <= np.asarray(self.high)).all())
 
 
 class Resting(BaseCondition):
@@ -185,18 +157,14 @@ class Resting(BaseCondition):
     kind: Literal["resting"] = "resting"
     thing: str = "table"
 
-    def check(self, task: TaskLike, where: str, field: str) -> None:
-        """See `BaseCondition.check`."""
-        super().check(task, where, field)
+    def _check_more(self, task: TaskLike, where: str, field: str) -> None:
         if task.object(self.object).joint is not None and self.thing in task.things:
             raise InputError(
                 where, f"{field}.thing", self.thing, "an object: one on a joint passes through fixed things"
             )
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        still = Still(object=self.object, speed_m_s=0.02, turn_rad_s=0.3).monitor(trial)
-        return lambda truth: touches(truth, self.object, self.thing) and still(truth)
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        return touches(truth, self.object, self.thing) and _is_slow(truth.objects[self.object], 0.02, 0.3)
 
 
 class Still(BaseCondition):
@@ -207,15 +175,12 @@ class Still(BaseCondition):
     speed_m_s: float = Field(default=0.05, gt=0, le=10, strict=True)
     turn_rad_s: float = Field(default=0.5, gt=0, le=100, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        return _is_slow(truth.objects[self.object], self.speed_m_s, self.turn_rad_s)
 
-        def holds(truth: Truth) -> bool:
-            body = truth.objects[self.object]
-            slow = np.linalg.norm(body.velocity) < self.speed_m_s
-            return bool(slow and np.linalg.norm(body.angular_velocity) < self.turn_rad_s)
 
-        return holds
+def _is_slow(body: BodyState, speed_m_s: float, turn_rad_s: float) -> bool:
+    return bool(np.linalg.norm(body.velocity) < speed_m_s and np.linalg.norm(body.angular_velocity) < turn_rad_s)
 
 
 class Flipped(BaseCondition):
@@ -227,18 +192,13 @@ class Flipped(BaseCondition):
     degrees: float = Field(default=90, ge=0, le=180, strict=True)
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        return lambda truth: abs(self._turned_deg(trial, truth) - self.degrees) <= self.tolerance_deg
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        return abs(turned_deg(trial, truth, self.object, self.axis) - self.degrees) <= self.tolerance_deg
 
     def found(self, trial: TrialLike, truth: Truth) -> str:
         """See `BaseCondition.found`."""
         allowed = f"allowed {self.degrees:g}° ± {self.tolerance_deg:g}°"
-        return f"{self._turned_deg(trial, truth):.0f}°, {allowed}"
-
-    def _turned_deg(self, trial: TrialLike, truth: Truth) -> float:
-        before = axis_of(trial.objects[self.object].pose.quaternion, self.axis)
-        return degrees_between(before, axis_of(truth.objects[self.object].quaternion, self.axis))
+        return f"{turned_deg(trial, truth, self.object, self.axis):.0f}°, {allowed}"
 
 
 class Pointing(BaseCondition):
@@ -254,9 +214,8 @@ class Pointing(BaseCondition):
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
     either_way: bool = Field(default=False, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        return lambda truth: self._off_deg(truth) <= self.tolerance_deg
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        return self._off_deg(truth) <= self.tolerance_deg
 
     def found(self, trial: TrialLike, truth: Truth) -> str:
         """See `BaseCondition.found`."""
@@ -275,9 +234,8 @@ class Upright(BaseCondition):
     kind: Literal["upright"] = "upright"
     tolerance_deg: float = Field(default=15, gt=0, le=90, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        return Flipped(object=self.object, axis="z", degrees=0, tolerance_deg=self.tolerance_deg).monitor(trial)
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        return turned_deg(trial, truth, self.object, "z") <= self.tolerance_deg
 
 
 class Undisturbed(BaseCondition):
@@ -288,14 +246,7 @@ class Undisturbed(BaseCondition):
     tolerance_m: float = Field(default=0.05, gt=0, le=1, strict=True)
     tolerance_deg: float = Field(default=15, gt=0, le=180, strict=True)
 
-    def monitor(self, trial: TrialLike) -> Monitor:
-        """See `BaseCondition.monitor`."""
-        start = trial.objects[self.object].pose
-        before = axis_of(start.quaternion, "z")
-
-        def holds(truth: Truth) -> bool:
-            body = truth.objects[self.object]
-            near = np.linalg.norm(body.position - start.position) <= self.tolerance_m
-            return bool(near and degrees_between(before, axis_of(body.quaternion, "z")) <= self.tolerance_deg)
-
-        return holds
+    def _holds(self, trial: TrialLike, truth: Truth) -> bool:
+        moved = truth.objects[self.object].position - trial.objects[self.object].pose.position
+        near = bool(np.linalg.norm(moved) <= self.tolerance_m)
+        return near and turned_deg(trial, truth, self.object, "z") <= self.tolerance_deg

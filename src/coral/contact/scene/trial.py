@@ -62,8 +62,10 @@ class Trial:
         """Return points, Shape=(n, 3), in the object's frame, whose convex hull contains it."""
         return corners(self.task.object(name), self.objects[name].scale)
 
-    def point(self, name: str, point: str, body: BodyState) -> Array:
-        """Return a named point on the object, in the world, Shape=(3,)."""
+    def point(self, name: str, point: str | None, body: BodyState) -> Array:
+        """Return a named point on the object, in the world, Shape=(3,); None for the origin of its frame."""
+        if point is None:
+            return body.position
         local = np.asarray(self.task.object(name).points[point]) * self.objects[name].scale
         return np.asarray(body.position + rotate(body.quaternion, local))
 
