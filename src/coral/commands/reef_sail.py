@@ -65,9 +65,9 @@ class ReefSail:
     area: Annotated[str, Argument(metavar="WORLD_OR_SURVEY", names=shipped_worlds)]
     """A simulated reef to rehearse in (s1, gen:3, a world file), or a survey file with a real area and its geofence."""
     vehicle: str = "simulated"
-    """simulated: ours, in real time. mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT, mavlink:tcp:HOST:PORT or
-    mavlink:serial:DEVICE:BAUD: ArduSub, real or in the loop; #ID behind it names the vehicle of that system id. ros2,
-    ros2:NAMESPACE or ros2:PARAMETERS.yaml: odometry in, velocities out, with map, events and services as topics."""
+    """simulated: ours, in real time. mavlink:udp:HOST:PORT, mavlink:udpin:HOST:PORT or mavlink:tcp:HOST:PORT: ArduSub,
+    real or in the loop; #ID behind it names the vehicle of that system id. ros2, ros2:NAMESPACE or
+    ros2:PARAMETERS.yaml: odometry in, velocities out, with map, events and services as topics."""
     camera: str = "simulated"
     """simulated: pictures of the simulated reef from where the vehicle is. Or a file, an address (RTSP, HTTP) or a
     device for OpenCV, or ros2:TOPIC, whose pictures need `--perception`."""

@@ -6,7 +6,7 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.sea.address import VehicleAddress
-from coral.reef.sea.transport import PEERS, RETRY_S, StreamLine, UdpLine, open_transport
+from coral.reef.sea.transport import PEERS, RETRY_S, TcpLine, UdpLine, open_transport
 
 
 def bound():
@@ -77,7 +77,7 @@ def test_tcp_is_opened_again_after_the_vehicle_restarts():
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))
         server.listen()
-        line = StreamLine(lambda: socket.create_connection(server.getsockname()), clock=lambda: now[0])
+        line = TcpLine(VehicleAddress("tcp", *server.getsockname()), clock=lambda: now[0])
         line.receive(0.0)
         first, _ = server.accept()
         first.sendall(b"one")
@@ -98,10 +98,7 @@ def test_tcp_is_opened_again_after_the_vehicle_restarts():
 
 
 def test_a_line_that_cannot_be_opened_is_silent():
-    def refuse():
-        raise ConnectionRefusedError
-
-    line = StreamLine(refuse)
+    line = open_transport(VehicleAddress("tcp", "127.0.0.1", bound_free()))
     assert line.receive(0.0) == b""
     line.send(b"x")
     line.close()

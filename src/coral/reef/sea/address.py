@@ -7,13 +7,12 @@ from typing import Literal, get_args
 
 from coral.errors import InputError, nearest
 
-Medium = Literal["udp", "udpin", "tcp", "serial"]
+Medium = Literal["udp", "udpin", "tcp"]
 FORMS = {
     "mavlink:udpin:HOST:PORT": "Waits for a vehicle that sends here, as BlueOS does to QGroundControl's computer: add "
     "an endpoint for it, and take `udpin:0.0.0.0:14550`.",
     "mavlink:udp:HOST:PORT": "Speaks first to BlueOS, which listens (a UDP server endpoint).",
     "mavlink:tcp:HOST:PORT": "Connects to ArduSub in the loop, or to a TCP endpoint; again when it breaks.",
-    "mavlink:serial:DEVICE:BAUD": "The autopilot on a cable, such as `serial:/dev/ttyACM0:115200`.",
 }
 """Addresses of a vehicle."""
 EXPECTED = f"{', '.join(FORMS)}; with #ID behind it, the vehicle of that system id"
@@ -25,9 +24,7 @@ class VehicleAddress:
 
     medium: Medium
     host: str
-    """Host name or address; the device for serial."""
     port: int
-    """Port number; baud rate for serial."""
     system: int = 0
     """MAVLink system id of the vehicle; 0: the only one on the line."""
 
@@ -36,7 +33,7 @@ def parse_address(text: str) -> VehicleAddress:
     """Read `mavlink:MEDIUM:WHERE:NUMBER`, or `mavlink:MEDIUM:WHERE:NUMBER#SYSTEM`.
 
     Raises:
-        InputError: It is none of the four forms, or the number is out of range.
+        InputError: It is none of the three forms, or the number is out of range.
     """
     place, marked, system = text.partition("#")
     if marked and not (system.isascii() and system.isdigit() and len(system) < 4 and 1 <= int(system) <= 255):
@@ -50,8 +47,6 @@ def parse_address(text: str) -> VehicleAddress:
         raise InputError("--vehicle", "", repr(text), f"{EXPECTED}{nearest(medium, get_args(Medium))}")
     if not host or not number.isascii() or not number.isdigit():
         raise InputError("--vehicle", "", repr(text), EXPECTED)
-    most = 10_000_000 if medium == "serial" else 65_535
-    if len(number) > 9 or not 1 <= int(number) <= most:
-        field = "baud" if medium == "serial" else "port"
-        raise InputError("--vehicle", field, number, f"a number from 1 to {most}")
+    if len(number) > 5 or not 1 <= int(number) <= 65_535:
+        raise InputError("--vehicle", "port", number, "a number from 1 to 65535")
     return VehicleAddress(medium, host.strip("[]"), int(number), int(system or 0))  # type: ignore[arg-type]

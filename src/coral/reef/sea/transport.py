@@ -1,21 +1,20 @@
-"""Bytes to and from an autopilot, over UDP, TCP or a serial line. A broken line is silence, and is opened again."""
+"""Bytes to and from an autopilot, over UDP or TCP. A broken line is silence, and is opened again."""
 
 from __future__ import annotations
 
 import contextlib
-import importlib
 import select
 import socket
 import time
 from collections.abc import Callable, Hashable
 from typing import Any, Protocol
 
-from coral.errors import InputError, first_line, install_extra
+from coral.errors import InputError, first_line
 from coral.reef.sea.address import VehicleAddress
 
 CHUNK = 65536
 RETRY_S = 0.5
-"""A broken TCP or serial line is opened again so often."""
+"""A broken TCP line is opened again so often."""
 PEERS = 8
 """udpin answers this many of the last senders."""
 
@@ -108,22 +107,23 @@ class UdpLine:
         self._socket.close()
 
 
-class StreamLine:
-    """A line that is opened again when it breaks: TCP or serial. `connect` returns a file with recv, send, fileno."""
+class TcpLine:
+    """A line over TCP, opened again when it breaks."""
 
     sender = None
 
-    def __init__(self, connect: Callable[[], Any], clock: Callable[[], float] = time.monotonic) -> None:
-        self._connect, self._clock = connect, clock
-        self._line: Any = None
+    def __init__(self, address: VehicleAddress, clock: Callable[[], float] = time.monotonic) -> None:
+        self._place, self._clock = (address.host, address.port), clock
+        self._line: socket.socket | None = None
         self._tried_s = -RETRY_S
         self._closed = False
 
-    def _open(self) -> Any:
+    def _open(self) -> socket.socket | None:
         if self._line is None and not self._closed and self._clock() - self._tried_s >= RETRY_S:
             self._tried_s = self._clock()
             with contextlib.suppress(OSError):
-                self._line = self._connect()
+                self._line = socket.create_connection(self._place, timeout=1.0)
+                self._line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return self._line
 
     def _break(self) -> None:
@@ -166,44 +166,10 @@ class StreamLine:
         self._break()
 
 
-class _SerialDevice:
-    """A serial device with the names of a socket."""
-
-    def __init__(self, device: str, baud: int) -> None:
-        serial = importlib.import_module("serial")
-        self._device = serial.Serial(device, baud, timeout=0, write_timeout=0.05)
-
-    def fileno(self) -> int:
-        return int(self._device.fileno())
-
-    def recv(self, size: int) -> bytes:
-        return bytes(self._device.read(min(size, max(1, self._device.in_waiting))))
-
-    def send(self, data: bytes) -> None:
-        self._device.write(data)
-
-    def close(self) -> None:
-        self._device.close()
-
-
 def open_transport(address: VehicleAddress) -> Transport:
-    """Open a line to an address. TCP and serial lines may come up later.
+    """Open a line to an address. A TCP line may come up later.
 
     Raises:
-        InputError: The address cannot be used, or pyserial is missing.
+        InputError: The host is unknown, or the port is taken.
     """
-    if address.medium in ("udp", "udpin"):
-        return UdpLine(address)
-    if address.medium == "serial":
-        try:
-            importlib.import_module("serial")
-        except ModuleNotFoundError:
-            raise InputError("--vehicle", "", "no pyserial", install_extra("vehicle")) from None
-        return StreamLine(lambda: _SerialDevice(address.host, address.port))
-
-    def connect() -> socket.socket:
-        line = socket.create_connection((address.host, address.port), timeout=1.0)
-        line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        return line
-
-    return StreamLine(connect)
+    return TcpLine(address) if address.medium == "tcp" else UdpLine(address)
