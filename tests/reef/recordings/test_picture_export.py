@@ -8,14 +8,14 @@ from survey_runs import write_run
 from coral.errors import InputError
 from coral.reef.recordings.find_recording import find_recording
 from coral.reef.recordings.perception import PicturePerception
-from coral.reef.recordings.picture_export import write_pictures
+from coral.reef.recordings.picture_export import export_pictures
 from coral.reef.recordings.run_recording import read_run
 
 
 def test_poses_camera_and_colours_come_back(tmp_path):
     write_run(tmp_path / "patch-001", colour=True)
     there = read_run(tmp_path / "patch-001").located()
-    assert write_pictures(there, tmp_path / "out") == {"pictures": 41}
+    assert export_pictures(there, tmp_path / "out") == {"pictures": 41}
     assert {path.suffix for path in (tmp_path / "out").iterdir()} == {".csv", ".yaml", ".jpg"}
     back = find_recording(tmp_path / "out", perception=PicturePerception(FlatEyes(), "flat"))
     assert back.camera == there.camera
@@ -27,8 +27,8 @@ def test_poses_camera_and_colours_come_back(tmp_path):
 
 def test_a_run_without_colours_has_nothing_to_write(survey_run, tmp_path):
     with pytest.raises(InputError, match=r"no colour picture at 0 s, expected a run with --cfg\.simulator\.pictures"):
-        write_pictures(read_run(survey_run).located(), tmp_path / "out")
+        export_pictures(read_run(survey_run).located(), tmp_path / "out")
     assert list(tmp_path.iterdir()) == []
     (tmp_path / "out").mkdir()
     with pytest.raises(InputError, match="something that exists already"):
-        write_pictures(read_run(survey_run).located(), tmp_path / "out")
+        export_pictures(read_run(survey_run).located(), tmp_path / "out")
