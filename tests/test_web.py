@@ -54,6 +54,7 @@ def test_the_page_runs_its_own_script_and_style_and_nothing_else(server):
         (b'{"a": "' + b"x" * 50 + b'"}', {}, 413),
         (b'{"a": NaN}', {}, 400),
         (b"[1]", {}, 400),
+        (b"\xff\xfe", {}, 400),
         (b"[" * 40, {}, 400),
         (b'{"a": 1}', {"Origin": "http://evil.com"}, 403),
         (b'{"a": 1}', {"Host": "evil.com"}, 421),
@@ -100,3 +101,5 @@ def test_a_port_in_use_is_named_with_its_flag(server):
         check_free(server.access.port, "--live-port")
     with pytest.raises(InputError, match="--live-port: found 70000"):
         check_free(70000, "--live-port")
+    with pytest.raises(InputError, match=r"--host: found '192\.0\.2\.1'"):
+        WebServer((), host="192.0.2.1")

@@ -27,6 +27,7 @@ from coral.reef.vehicle.camera import Camera
 from coral.reef.world.generated import find_world
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
+from coral.view.run import RunFolder
 from coral.view.runmap import write_map
 
 IMAGES = Path(__file__).parent.parent / "images"
@@ -39,7 +40,7 @@ def draw_pool() -> None:
     with tempfile.TemporaryDirectory() as folder:
         run = Path(folder) / "run"
         Mission(world, cfg, RuleAdvisor(REEF_RULES), run, seed=1, preset="pool").run()
-        shutil.copyfile(write_map(run), IMAGES / "pool.png")
+        shutil.copyfile(write_map(RunFolder.read(run)), IMAGES / "pool.png")
 
 
 def draw_sonar() -> None:

@@ -30,7 +30,6 @@ from coral.contact.real_scenes.cameras.camera_registry import CAMERAS
 from coral.contact.real_scenes.masks.mask_registry import MASKS
 from coral.contact.scene.conditions import Condition
 from coral.contact.scene.task import Task
-from coral.desk.mcp_server import TOOLS, McpDesk
 from coral.exit_code import ExitCode
 from coral.plugins import OURS
 from coral.reef.decide.mistakes import REEF_MISTAKES
@@ -47,7 +46,6 @@ from coral.reef.world.geometry import Frame
 from coral.reef.world.instruction import Clause
 from coral.reef.world.world_model import ReefWorld
 from coral.run_files import SurveyFiles, TaskFiles
-from coral.view.contact import bag_export as contact_bag
 
 MARK = re.compile(r"^`\.venv/bin/python docs/site/tables\.py ([\w-]+)` prints this table\.$", re.MULTILINE)
 
@@ -106,7 +104,6 @@ TABLES: dict[str, Callable[[], str]] = {
     "cameras": partial(make.named, "`--camera` | what", {kind.form: kind.help for kind in CAMERAS.values()}),
     "masks": partial(make.named, "`--masks` | what", {kind.form: kind.help for kind in MASKS.values()}),
     "ends-arm": partial(make.named, "end reason | why", {end: END_REASONS[end] for end in STOP_CODES.values()}),
-    "tools": partial(make.first_paragraphs, "tool | what", {name: getattr(McpDesk, name) for name in TOOLS}),
     "exporters": partial(
         make.first_paragraphs,
         "`coral export RUN --to` | what",
@@ -133,7 +130,6 @@ TABLES: dict[str, Callable[[], str]] = {
     "topics-survey": partial(make.topics, reef_bag),
     "topics-ros2": partial(make.topics, ros_topics),
     "topics-ros2-arm": partial(make.topics, arm_topics),
-    "topics-task": partial(make.topics, contact_bag),
     "mistakes-survey": partial(make.mistakes, REEF_MISTAKES),
     "mistakes-task": partial(make.mistakes, CONTACT_MISTAKES),
     "unseen": partial(make.suite, "unseen"),

@@ -12,15 +12,14 @@ from typing import Any, Protocol
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from coral.commands.unread_settings import changed_keys, refuse_unread
+from coral.commands.unread_settings import refuse_unread
 from coral.completion import completion_script, completions
 from coral.errors import NO_ROOM, InputError, RunError, nearest
 from coral.exit_code import ExitCode
 from coral.flag_parser import build, scan
 from coral.help_page import flag_page, help_page
 from coral.odd_text import encodable, printable
-from coral.surface import described, foreign_commands, is_installed, load
-from coral.terminal import fitted
+from coral.surface import described, is_installed, load
 from coral.termination import orderly_termination
 
 COMMANDS = {
@@ -59,11 +58,8 @@ COMMANDS = {
 
 
 def commands() -> dict[str, tuple[str, str]]:
-    """Return the commands that are installed, `module:class` and description by their words.
-
-    Those of a missing wing are left out; those of other packages are entry points of the group coral.commands.
-    """
-    return {name: entry for name, entry in COMMANDS.items() if is_installed(entry[0])} | foreign_commands(COMMANDS)
+    """Return the commands that are installed, `module:class` and description by their words; not of a missing wing."""
+    return {name: entry for name, entry in COMMANDS.items() if is_installed(entry[0])}
 
 
 FIRST = {
@@ -97,11 +93,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(words: Sequence[str]) -> int:
     try:
-        if not words and sys.stdout.isatty():
-            from coral.commands.front_page import front_page
-
-            print(fitted(front_page(), sys.stdout))
-            return ExitCode.DONE
         if not words or words[0] in HELP:
             print(_overview(""))
             return ExitCode.DONE
@@ -124,9 +115,8 @@ def _run(words: Sequence[str]) -> int:
             return ExitCode.DONE
         command = _parse(name, words)
         result = command()
-        as_json = command.json
-        text = json.dumps(result, allow_nan=False, default=str) if as_json else command.describe(result)
-        print(encodable(text if as_json else fitted(text, sys.stdout)), flush=True)
+        text = json.dumps(result, allow_nan=False, default=str) if command.json else command.describe(result)
+        print(encodable(text), flush=True)
         # A command may report failure by its result, which is printed in either case.
         return int(getattr(command, "exit_code", lambda result: ExitCode.DONE)(result))
     except InputError as error:
@@ -148,7 +138,7 @@ def _run(words: Sequence[str]) -> int:
 
 def _print_error(message: object, code: int) -> int:
     """Print one line on standard error, with control characters escaped; return the exit code."""
-    print(fitted(f"coral: {printable(str(message))}", sys.stderr), file=sys.stderr)
+    print(f"coral: {printable(str(message))}", file=sys.stderr)
     return code
 
 
@@ -161,9 +151,6 @@ def _command(words: Sequence[str]) -> str | None:
                 raise InputError("coral", "", repr(name), "a command of an installed wing: its wing is missing")
             return name
     known = commands()
-    found = next((name for n in (2, 1) if (name := " ".join(words[:n])) in known), None)
-    if found is not None:
-        return found
     group = [name for name in known if name.split()[0] == words[0] and " " in name]
     if group and (len(words) == 1 or words[1] in HELP):
         return None
@@ -172,28 +159,28 @@ def _command(words: Sequence[str]) -> str | None:
     raise InputError("coral", "", repr(tried), f"one of: {', '.join(group or known)}{nearest(tried, near)}")
 
 
-def _place(name: str) -> str:
-    return (COMMANDS.get(name) or commands()[name])[0]
-
-
 def _parse(name: str, words: Sequence[str]) -> Command:
     """Parse flags into the command's dataclass."""
-    place = _place(name)
+    place = COMMANDS[name][0]
     if name in FIRST and re.fullmatch("[^-:][^:]*", "".join(words[:1])):  # not gen:3, libero:object/0
         load(FIRST[name])(words[0])
     about = described(place)
     given = scan(words, about, name)
     kind = load(place)
     default = kind.from_file(words) if hasattr(kind, "from_file") else None
-    set_by_file = [] if default is None else changed_keys(default.cfg)
-    refuse_unread(name, [*(".".join(field[1:]) for field in given if field[0] == "cfg"), *set_by_file])
+    keys = [".".join(field[1:]) for field in given if field[0] == "cfg"]
+    if default is not None:
+        from coral.config import changed_keys  # it takes a tenth of a second to import
+
+        keys += changed_keys(default.cfg, type(default.cfg)())
+    refuse_unread(name, keys)
     parsed: Command = build(kind, given, about, name, default)
     return parsed
 
 
 def _help(name: str, words: Sequence[str]) -> str:
     """Return the help of a command, or of the flags that follow `--help`."""
-    about = described(_place(name))
+    about = described(COMMANDS[name][0])
     asked = words[min(words.index(word) for word in HELP if word in words) + 1 :]
     return "\n\n".join(flag_page(name, about, word) for word in asked) or help_page(name, about)
 

@@ -151,12 +151,26 @@ def _replace(default: Any, changes: Mapping[str, Any], where: str, prefix: str) 
     return dataclasses.replace(default, **values)
 
 
-def changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str) -> list[tuple[str, Any]]:
+def changes(now: Mapping[str, Any], default: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     """Return dotted keys, after a prefix, and values in which a configuration differs from the default."""
     found: list[tuple[str, Any]] = []
     for key, value in now.items():
+        name = f"{prefix}.{key}" if prefix else key
         if isinstance(value, Mapping) and isinstance(default.get(key), Mapping):
-            found += changes(value, default[key], f"{prefix}.{key}")
+            found += changes(value, default[key], name)
         elif value != default.get(key):
-            found.append((f"{prefix}.{key}", value))
+            found.append((name, value))
+    return found
+
+
+def changed_keys(cfg: Any, default: Any) -> list[str]:
+    """Return the dotted keys in which two configurations differ."""
+    return [key for key, _ in changes(to_mapping(cfg), to_mapping(default))]
+
+
+def dotted_keys(content: Mapping[str, Any], prefix: str = "") -> list[str]:
+    """Return the dotted keys of all values in nested mappings."""
+    found: list[str] = []
+    for key, value in content.items():
+        found += dotted_keys(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [f"{prefix}{key}"]
     return found

@@ -1,9 +1,9 @@
-"""Small drawing primitives on RGB pictures: text with a halo, outlined lines, PNG bytes."""
+"""Small drawing primitives on RGB pictures: text with a halo, outlined lines, PNG bytes and data addresses."""
 
 from __future__ import annotations
 
-import struct
-import zlib
+import io
+from base64 import b64encode
 from functools import lru_cache
 
 import cv2
@@ -23,44 +23,39 @@ _SUBPIXEL = 4
 
 
 def png(rgb: Image) -> bytes:
-    """Encode a picture as PNG. Shape=(H, W, 3) RGB or (H, W) grey, uint8 or uint16."""
-    done, data = cv2.imencode(".png", rgb[..., ::-1] if rgb.ndim == 3 else rgb, [cv2.IMWRITE_PNG_COMPRESSION, 4])
+    """Encode a picture as PNG. Shape=(H, W, 3) RGB, (H, W, 4) RGBA or (H, W) grey, uint8 or uint16."""
+    stored = rgb[..., [2, 1, 0, *range(3, rgb.shape[2])]] if rgb.ndim == 3 else rgb
+    done, data = cv2.imencode(".png", stored, [cv2.IMWRITE_PNG_COMPRESSION, 4])
     if not done:
         raise ValueError(f"cannot encode a picture of shape {rgb.shape} and type {rgb.dtype}")
     return bytes(data)
 
 
 def palette_png(classes: Image, palette: NDArray[np.uint8]) -> bytes:
-    """Encode an indexed PNG, a few kilobytes for a whole map (PNG specification, colour type 3).
+    """Encode an indexed PNG, a few kilobytes for a whole map.
 
     Args:
         classes: Shape=(H, W) uint8, indices into the palette; row 0 is the top of the picture.
-        palette: Shape=(C, 3) RGB, C <= 4 packs four pixels into a byte, C <= 256 uses one byte each.
+        palette: Shape=(C, 3) RGB, C <= 256.
     """
-    height, width = classes.shape
-    depth = 2 if len(palette) <= 4 else 8
-    if depth == 2:
-        padded = np.zeros((height, -(-width // 4) * 4), np.uint8)
-        padded[:, :width] = classes
-        quads = padded.reshape(height, -1, 4)
-        rows = np.asarray(quads @ np.array([64, 16, 4, 1], np.uint8), np.uint8)
-    else:
-        rows = classes
-    raw = np.hstack([np.zeros((height, 1), np.uint8), rows]).tobytes()
+    import PIL.Image
 
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    picture = PIL.Image.fromarray(np.ascontiguousarray(classes), "P")
+    picture.putpalette(palette.astype(np.uint8).tobytes())
+    data = io.BytesIO()
+    picture.save(data, "PNG")
+    return data.getvalue()
 
-    header = struct.pack(">IIBBBBB", width, height, depth, 3, 0, 0, 0)
-    return b"".join(
-        (
-            b"\x89PNG\r\n\x1a\n",
-            chunk(b"IHDR", header),
-            chunk(b"PLTE", palette.astype(np.uint8).tobytes()),
-            chunk(b"IDAT", zlib.compress(raw, 6)),
-            chunk(b"IEND", b""),
-        )
-    )
+
+def png_url(data: bytes) -> str:
+    """Return a PNG as an address that holds it."""
+    return "data:image/png;base64," + b64encode(data).decode()
+
+
+def webp_url(rgb: Image, quality: int = 82) -> str:
+    """Return a picture, Shape=(H, W, 3) RGB, as an address that holds it as WebP."""
+    data = cv2.imencode(".webp", rgb[..., ::-1], [cv2.IMWRITE_WEBP_QUALITY, quality])[1]
+    return "data:image/webp;base64," + b64encode(data.tobytes()).decode()
 
 
 @lru_cache(maxsize=1)

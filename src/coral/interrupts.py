@@ -118,19 +118,18 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
-@contextlib.contextmanager
-def sigterm_as_interrupt() -> Iterator[None]:
-    """Let SIGTERM end the block as Ctrl-C does: a server that is told to stop has done its work."""
+def wait_for_interrupt(told: str = "") -> None:
+    """Wait until Ctrl-C or SIGTERM: a server that is told to stop has done its work.
+
+    Args:
+        told: Printed on standard error once they are awaited.
+    """
     before = signal.signal(signal.SIGTERM, _interrupt)
     try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
-def wait_for_interrupt(told: str = "") -> None:
-    """Wait until Ctrl-C or SIGTERM; `told` is printed on standard error once they are awaited."""
-    with contextlib.suppress(KeyboardInterrupt), sigterm_as_interrupt():
         if told:
             print(told, file=sys.stderr, flush=True)
         threading.Event().wait()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        signal.signal(signal.SIGTERM, before)

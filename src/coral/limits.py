@@ -18,7 +18,7 @@ JSON_DEPTH = 60
 TABLE_BYTES = 100_000_000
 """Of a table of poses: eleven days at one a second."""
 LOG_BYTES = 200_000_000
-"""Of a log with all its earlier parts, unpacked; a report leaves out the rest."""
+"""Of a log; a report leaves out the rest."""
 AUTOPILOT_LOG_BYTES = 1_000_000_000
 """Of an autopilot's log: a day's .BIN. It is read through a window, not into memory."""
 AUTOPILOT_SAMPLES = 1_000_000

@@ -27,7 +27,6 @@ GROUPS = {
     "--cfg.think.memory.embedder",
     "coral.cameras": "function (rest, T_world_camera or None) that makes an RgbdCamera; NAME[:REST] after --camera",
     "coral.conditions": "class of a condition of success, a subclass of BaseCondition; its `kind` in a task file",
-    "coral.commands": "dataclass of a command, coral NAME; a dot in the name separates its two words",
     "coral.vehicles": "function of what follows NAME: after --vehicle that makes a VehicleLink",
     "coral.eyes": "function without arguments that makes an RgbPerception; NAME after --perception",
     "coral.exporters": "function (recording, path, only_colour) that writes it and returns counts; NAME after --to",
@@ -42,10 +41,6 @@ OURS: dict[str, dict[str, str]] = {
         "mcap": "coral.reef.recordings.bag_export:export_mcap",
         "bag": "coral.reef.recordings.bag_export:export_bag",
         "pictures": "coral.reef.recordings.picture_export:export_pictures",
-    },
-    "contact exporters": {
-        "mcap": "coral.view.contact.bag_export:export_mcap",
-        "bag": "coral.view.contact.bag_export:export_bag",
     },
     "coral.tasks": {"libero": "coral.contact.libero.task:load_libero"},
     "coral.worlds": {
@@ -72,14 +67,14 @@ OURS: dict[str, dict[str, str]] = {
     "painter": {"reef": "coral.reef.paint.painter:Painter"},
     "policy": {"served": "coral.contact.policy.policy_campaign_episode:run_served_policy"},
     "notice": {"desk": "coral.desk.notice:mission_notice"},
-    "rendering": {"reef": "coral.view.rendering:render_survey", "contact": "coral.view.rendering:render_attempt"},
+    "rendering": {"run": "coral.view.rendering:render_run"},
     "plot": {
         "reef": "coral.view.plots:plot_survey",
         "contact": "coral.view.plots:plot_attempt",
         "page": "coral.view.plots:html_of",
     },
     "preview": {"one": "coral.view.preview:preview", "sheet": "coral.view.preview:preview_sheet"},
-    "live": {"reef": "coral.view.live.live_run:watching_mission", "contact": "coral.view.live.live_run:watching_task"},
+    "live": {"run": "coral.view.live.watching:watching_run"},
     "lens": {"check": "coral.reef.recordings.lens_check:check_run_lens"},
 }
 """Parts of this package by group and name; groups that are not in `GROUPS` take none of other packages."""

@@ -40,7 +40,7 @@ class WebServer:
 
     def __init__(
         self,
-        routes: Sequence[BaseRoute] | App,
+        routes: Sequence[BaseRoute],
         *,
         page: str = "",
         host: str = HOST,
@@ -51,7 +51,7 @@ class WebServer:
         """Bind to an address.
 
         Args:
-            routes: Starlette routes, or a whole ASGI application.
+            routes: Starlette routes.
             page: HTML that is served at /; it runs no other script and style than its own.
             host: Address to listen on.
             port: Port; 0 chooses a free one.
@@ -64,7 +64,7 @@ class WebServer:
         token = choose_token(token)
         self._socket = bind(host, port, flag)
         self.access = Access(host, self._socket.getsockname()[1], token)
-        self._app = guarded(routes if callable(routes) else application(routes, page), self.access, page)
+        self._app = guarded(application(routes, page), self.access, page)
         self._thread: threading.Thread | None = None
 
     @property
@@ -80,7 +80,7 @@ class WebServer:
             log_config=None,
             access_log=False,  # a request line could contain the token
             server_header=False,
-            lifespan="auto",
+            lifespan="off",
             ws="none",
             timeout_keep_alive=20,
             timeout_graceful_shutdown=1,
@@ -163,8 +163,6 @@ def guarded(app: App, access: Access, page: str = "") -> App:
     ]
 
     async def answer(scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "lifespan":
-            await app(scope, receive, send)
         if scope["type"] != "http":
             return
 

@@ -36,9 +36,8 @@ def test_it_is_told_in_a_line(survey_run, tmp_path, told):
     assert (tmp_path / "b/metadata.yaml").is_file()
 
 
-def test_a_contact_run_has_no_pictures_to_export(tmp_path, told):
+def test_a_contact_run_is_not_for_it(tmp_path, told):
     (tmp_path / "task.yaml").write_text("")
-    for flags, expected in ((("--to", "pictures"), "mcap or bag"), (("--only-colour",), "it only for a survey")):
-        code, _, error = told("export", tmp_path, *flags)
-        assert code == 2
-        assert expected in error
+    code, _, error = told("export", tmp_path)
+    assert code == 2
+    assert "coral contact export" in error

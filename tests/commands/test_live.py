@@ -21,6 +21,6 @@ def test_a_flag_out_of_range_is_refused_before_anything_is_made(port, speed, sai
 
 
 def test_a_missing_viewer_is_said_before_anything_is_made(monkeypatch):
-    monkeypatch.setitem(plugins.OURS, "live", {"reef": "coral.no_such_wing:watching"})
-    with pytest.raises(InputError, match=r"--live: found 'reef', expected the wing coral.no_such_wing"):
+    monkeypatch.setitem(plugins.OURS, "live", {"run": "coral.no_such_wing:watching"})
+    with pytest.raises(InputError, match=r"--live: found 'run', expected the wing coral.no_such_wing"):
         LiveFlags(live=True, port=0, speed=1.0).check()

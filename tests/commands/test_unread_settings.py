@@ -9,8 +9,8 @@ import pytest
 from config_reads import keys_of, watched
 from coral import reef
 from coral.cli import _parse, main
-from coral.commands.unread_settings import UNREAD, changed_keys, refuse_unread, refused_by
-from coral.config import merge
+from coral.commands.unread_settings import UNREAD, refuse_unread, refused_by
+from coral.config import changed_keys, merge
 from coral.errors import InputError
 from coral.reef.mission.campaign_episode import run_episode
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -161,4 +161,4 @@ def test_groups_and_who_refuses_them():
     refuse_unread("reef run", ["driver"])
     assert refused_by("lane_m") == ["reef sail"]
     assert refused_by("record.video") == ["reef bench"]
-    assert changed_keys(merge(MissionCfg(), {"map": {"obstacles": "sonar"}}, "here")) == ["map.obstacles"]
+    assert changed_keys(merge(MissionCfg(), {"map": {"obstacles": "sonar"}}, "here"), MissionCfg()) == ["map.obstacles"]

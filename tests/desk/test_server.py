@@ -1,14 +1,6 @@
 import json
-import socket
 
 import pytest
-
-from coral.desk.inbox import Inbox
-from coral.desk.server import DeskServer
-from coral.errors import InputError
-from coral.web import BODY_LIMIT
-
-TOKEN = "a-token-of-our-own"
 
 
 def test_the_page_is_one_file_that_loads_nothing_from_elsewhere(client):
@@ -115,30 +107,6 @@ def test_there_is_no_way_out_of_the_inbox(client, ask, tmp_path, path):
     assert set(reply) == {"error"}
 
 
-@pytest.mark.parametrize(
-    "host",
-    [
-        "evil.example",
-        "evil.example:{port}",
-        "127.0.0.1.evil.example:{port}",
-        "localhost:1",
-        "127.0.0.1",
-        "192.168.1.7:{port}",
-        "",
-        "[::1:{port}",
-    ],
-)
-def test_other_names_are_not_served(server, client, host):
-    response, content = client("GET", "/api/state", headers={"Host": host.format(port=server.access.port)}, raw=True)
-    assert response.status == 421
-    assert b"questions" not in content
-
-
-def test_localhost_is_served(server, client):
-    for name in ("localhost", "LOCALHOST", "127.0.0.1"):
-        assert client("GET", "/api/state", headers={"Host": f"{name}:{server.access.port}"})[0] == 200
-
-
 def test_other_sites_cannot_answer(client, ask):
     asking = ask()
     path, body = f"/api/questions/{asking.id}/answer", json.dumps({"answer": {"index": 1}})
@@ -152,25 +120,12 @@ def test_other_sites_cannot_answer(client, ask):
     assert client.answer(asking.id, {"index": 1}, Origin=f"http://127.0.0.1:{client.port}")[0] == 200
 
 
-@pytest.mark.parametrize(
-    ("body", "headers", "status"),
-    [
-        (b"{", {}, 400),
-        (b"[]", {}, 400),
-        (b"{}", {}, 400),
-        (b'{"answer": NaN}', {}, 400),
-        (b"[" * 5000, {}, 400),
-        (b'{"answer": 1, "operator": 2}', {}, 400),
-        (b"\xff\xfe", {}, 400),
-        (b"{}", {"Content-Type": "text/plain"}, 415),
-        (None, {"Content-Length": str(BODY_LIMIT + 1)}, 413),
-    ],
-)
-def test_bad_requests_are_refused(client, ask, body, headers, status):
+@pytest.mark.parametrize("body", ["{}", '{"answer": 1, "operator": 2}'])
+def test_a_request_without_an_answer_is_refused(client, ask, body):
     asking = ask()
-    sent = {"X-Coral": "1", "Content-Type": "application/json", **headers}
+    sent = {"X-Coral": "1", "Content-Type": "application/json"}
     found, reply = client("POST", f"/api/questions/{asking.id}/answer", body, sent)
-    assert found == status
+    assert found == 400
     assert reply["error"]
     assert client("GET", "/api/state")[1]["questions"][0]["state"] == "open"
 
@@ -179,59 +134,6 @@ def test_posting_elsewhere_is_refused(client):
     for path in ("/", "/api/questions/000001-pick", "/api/questions/a/b/answer"):
         assert client("POST", path, "{}", {"X-Coral": "1", "Content-Type": "application/json"})[0] in (404, 405)
     assert client.answer("000001-pick", {})[0] == 404
-
-
-@pytest.mark.parametrize("token", ["", TOKEN])
-def test_a_token_is_asked_for(tmp_path, case, token):
-    with case.serving(tmp_path / "inbox", token=token) as server:
-        client = case.client(server)
-        client.token = {}
-        assert client("GET", "/")[0] == 401
-        assert client("GET", "/api/state")[0] == 401
-        assert client.answer("000001-pick", {})[0] == 401
-        assert client("GET", f"/api/state?token={server.access.token}")[0] == 401
-        assert client("GET", "/?token=another-token")[0] == 403
-        assert client("GET", "/", headers={"Cookie": f"coral_{client.port}=wrong"})[0] == 401
-        assert client("GET", "/", headers={"Authorization": "Bearer wrong"})[0] == 401
-        response, _ = client("GET", f"/?token={server.access.token}", raw=True)
-        assert (response.status, response.headers["Location"]) == (303, "/")
-        cookie = response.headers["Set-Cookie"]
-        assert "HttpOnly" in cookie
-        assert "SameSite=Strict" in cookie
-        assert client("GET", "/api/state", headers={"Cookie": cookie.partition(";")[0]})[0] == 200
-        assert client("GET", "/api/state", headers={"Authorization": f"Bearer {server.access.token}"})[0] == 200
-        assert server.url.endswith(f"?token={server.access.token}")
-
-
-def test_other_hosts_get_a_token_and_answer_to_addresses(tmp_path, case):
-    with case.serving(tmp_path / "inbox", host="0.0.0.0") as server:
-        assert len(server.access.token) >= 24
-        client = case.client(server)
-        admitted = {"Authorization": f"Bearer {server.access.token}"}
-        for host, status in (("10.1.2.3", 200), (socket.gethostname(), 200), ("evil.example", 421)):
-            found, _ = client("GET", "/api/state", headers={**admitted, "Host": f"{host}:{client.port}"})
-            assert found == status
-
-
-def test_a_port_in_use_is_named(server, tmp_path):
-    with pytest.raises(InputError, match=rf"--port: found port {server.access.port} in use on 127.0.0.1"):
-        DeskServer(Inbox(tmp_path), port=server.access.port)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"port": 70000}, "--port: found 70000"),
-        ({"host": "192.0.2.1"}, "--host: found '192.0.2.1'"),
-        ({"token": "short"}, "token: found a token of 5 characters"),
-        ({"token": "twelve chars; and more"}, "token: found a token of 22 characters"),
-    ],
-)
-def test_bad_addresses_and_tokens_are_one_line(tmp_path, options, message):
-    with pytest.raises(InputError) as error:
-        DeskServer(Inbox(tmp_path), **{"port": 0, **options})
-    assert str(error.value).startswith(message)
-    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize("digits", [400, 4000])

@@ -49,7 +49,6 @@ def test_it_is_copied_only_to_a_new_folder(result, tmp_path):
 def test_a_temporary_folder_disappears_with_the_result():
     folder = ResultFolder(None)
     path, result = folder.path, RunResult(folder, {})
-    assert folder.temporary
     assert path.is_dir()
     del folder, result
     assert not path.exists()

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from coral.cli import main
 from coral.view.live.stream import RunStream
 from coral.view.live.viewer import subject_of
-from coral.view.records import shallow, sound
+from coral.view.records import sound
 from coral.view.run import RunFolder
 
 ODD = [
@@ -114,4 +114,3 @@ NAMES = st.sampled_from(
 @given(st.dictionaries(NAMES, ANY))
 def test_any_record_is_judged(record):
     assert sound(record) in (True, False)
-    assert shallow(record)

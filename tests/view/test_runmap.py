@@ -24,7 +24,7 @@ def test_the_scene_shows_only_what_was_known_then(finished):
 
 
 def test_the_final_map_is_written(fresh):
-    image = cv2.imread(str(write_map(fresh)))
+    image = cv2.imread(str(write_map(RunFolder.read(fresh))))
     assert max(image.shape[:2]) <= 768
     green = (np.abs(image.astype(int) - (76, 166, 38)) < 5).all(axis=2).sum()
     assert green > 500
@@ -59,7 +59,7 @@ def test_a_map_that_cannot_be_written_is_one_line(fresh):
     (fresh / "map.png").unlink(missing_ok=True)
     (fresh / "map.png").mkdir()
     with pytest.raises(InputError, match=r"map\.png: found .*, expected a file that can be written"):
-        write_map(fresh)
+        write_map(RunFolder.read(fresh))
 
 
 def test_the_map_says_what_things_were_taken_for(fresh):

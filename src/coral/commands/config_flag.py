@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from coral.config import changes, read_config, read_yaml, to_mapping
+from coral.config import changed_keys, changes, dotted_keys, read_config, read_yaml, to_mapping
 
 C = TypeVar("C")
 
@@ -44,21 +44,12 @@ def given_keys(words: Sequence[str], prefix: str = "cfg") -> tuple[str, ...]:
             group, _, last = word[len(start) :].partition("=")[0].replace("-", "_").rpartition(".")
             flags.append(f"{group}.{last.removeprefix('no_')}".removeprefix("."))
     file = flag_value(words, "--config")
-    return tuple(dict.fromkeys([*flags, *(_leaves(read_yaml(Path(file))) if file else ())]))
+    return tuple(dict.fromkeys([*flags, *(dotted_keys(read_yaml(Path(file))) if file else ())]))
 
 
 def set_keys(cfg: C, default: C, given: Sequence[str] = ()) -> frozenset[str]:
     """Return the dotted keys that a user has set: those given by name, and those that differ from the default."""
-    differing = (key.removeprefix("cfg.") for key, _ in changes(to_mapping(cfg), to_mapping(default), "cfg"))
-    return frozenset([*given, *differing])
-
-
-def _leaves(content: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
-    for key, value in content.items():
-        if isinstance(value, Mapping):
-            yield from _leaves(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}"
+    return frozenset([*given, *changed_keys(cfg, default)])
 
 
 def config_words(cfg: C, default: C, file: Path | None, prefix: str = "cfg") -> list[str]:

@@ -21,7 +21,6 @@ from coral.contact.scene.task_names import shipped_tasks
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option
-from coral.terminal import fitted
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,7 +92,7 @@ class ContactPoses:
                     for name, estimate in found.items():
                         summary[name].add(estimate)
                     if not self.quiet and not self.json:
-                        print(fitted(_line(frame.time_s, found), sys.stderr), file=sys.stderr, flush=True)
+                        print(_line(frame.time_s, found), file=sys.stderr, flush=True)
             except KeyboardInterrupt:
                 if last is None:
                     raise

@@ -284,7 +284,7 @@ class ContactRun:
                 progress.close()
             policy, recording = cfg.think.fallback, _recorder(episode.advisor)
             decided = who_decided(result, things="decisions", fallback=policy, recording=recording)
-            return {**result, "decided": decided, "run": str(folder), **render("contact", folder, cfg.record)}
+            return {**result, "decided": decided, "run": str(folder), **render(folder, cfg.record)}
 
     def _run_policy(self, policy: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode with a served policy."""
@@ -295,7 +295,7 @@ class ContactRun:
             )
         finally:
             progress.close()
-        return {**result, "run": str(folder), **render("contact", folder, cfg.record)}
+        return {**result, "run": str(folder), **render(folder, cfg.record)}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the outcome in a few lines, and list the files."""

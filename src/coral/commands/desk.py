@@ -5,14 +5,13 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from coral.flags import Argument
 from coral.foreign_file import read_text
-from coral.interrupts import sigterm_as_interrupt, wait_for_interrupt
+from coral.interrupts import wait_for_interrupt
 
 TOKEN_KEY = "CORAL_DESK_TOKEN"
 TOKEN_BYTES = 1000
@@ -31,9 +30,6 @@ class Desk:
     token_file: Path | None = None
     """File with the token that a browser must send, part of the printed address; by default $CORAL_DESK_TOKEN, or a new
     one. There is no flag for the token itself: other users could read it."""
-    mcp: Literal["off", "stdio", "http"] = "off"
-    """Serve agents over the Model Context Protocol instead of people: the program that starts this one (stdio), or by
-    HTTP at /mcp with the same host, port and token."""
     json: bool = False
     """Print one JSON object at the end; the address goes to standard error."""
 
@@ -45,33 +41,16 @@ class Desk:
         token = os.environ.get(TOKEN_KEY, "")
         if self.token_file is not None:
             token = read_text(self.token_file, "the token, alone", TOKEN_BYTES, "--token-file").strip()
-        if self.mcp != "off":
-            return self._serve_agents(token)
         server = DeskServer(Inbox(self.inbox), self.host, self.port, token)
         print(f"the desk is open at {server.url}", file=sys.stderr, flush=True)
         with server:
             wait_for_interrupt(f"it shows the questions in {self.inbox}; Ctrl-C closes it")
-        return self._result(server.access.port, server.answered)
-
-    def _serve_agents(self, token: str) -> Mapping[str, Any]:
-        from coral.desk.inbox import Inbox
-        from coral.desk.mcp_server import PATH, McpDesk
-
-        desk, port = McpDesk(Inbox(self.inbox)), 0
-        if self.mcp == "stdio":
-            with suppress(KeyboardInterrupt), sigterm_as_interrupt():
-                desk.serve_stdio()
-        else:
-            with desk.serve_http(self.host, self.port, token) as server:
-                port = server.access.port
-                address, _, query = server.url.partition("?")
-                needed = f"with the header Authorization: Bearer {query.removeprefix('token=')}"
-                print(f"agents find the desk at {address.rstrip('/')}{PATH}, {needed}", file=sys.stderr, flush=True)
-                wait_for_interrupt()
-        return self._result(port, desk.answered)
-
-    def _result(self, port: int, answered: int) -> Mapping[str, Any]:
-        return {"inbox": str(self.inbox), "host": self.host, "port": port, "answered": answered}
+        return {
+            "inbox": str(self.inbox),
+            "host": self.host,
+            "port": server.access.port,
+            "answered": server.answered,
+        }
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Report the number of accepted answers."""

@@ -35,7 +35,6 @@ CORE = (
 EXTRAS = {
     "contact": ("robosuite", "contact tasks on the Panda"),
     "ray": ("ray", "campaigns on a Ray cluster"),
-    "mcp": ("mcp", "the desk for agents (coral desk --mcp)"),
     "slurm": ("submitit", "campaigns on a Slurm cluster"),
     "vision": ("onnxruntime", "missions by RGB pictures (--perception)"),
     "train": ("torch", "training networks for them (coral reef eyes train)"),

@@ -1,4 +1,4 @@
-"""`coral export`: a run for other tools."""
+"""`coral export`: a survey for other tools."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from coral.errors import InputError
 from coral.flags import Argument, Option
-from coral.plugins import OURS, named_plugin, our_part
+from coral.plugins import named_plugin
 from coral.reef.recordings.run_recording import read_run
 from coral.run_files import TaskFiles
 from coral.words import many
@@ -19,13 +19,13 @@ SUFFIX = {"bag": "_bag", "mcap": ".mcap", "pictures": "_pictures"}
 
 @dataclass(frozen=True, kw_only=True)
 class Export:
-    """Write a run as messages of ROS 2, following REP-103 and REP-105, or as pictures.
+    """Write a survey as messages of ROS 2, following REP-103 and REP-105, or as pictures.
 
-    A survey becomes pictures, odometry, transforms, maps and points; a contact run poses, plans, forces and events.
+    It becomes pictures, odometry, transforms, maps and points.
     """
 
     run: Annotated[Path, Argument(metavar="RUN")]
-    """Run folder of a mission or a contact task."""
+    """Run folder of a mission."""
     to: Annotated[str, Option(names=("mcap", "bag", "pictures"))] = "mcap"
     """mcap: one file, for Foxglove and others. bag: a ROS 2 bag, a folder. pictures: a
     folder of colour pictures with their poses, and nothing else. Or an entry point of the group coral.exporters."""
@@ -38,22 +38,16 @@ class Export:
 
     def __call__(self) -> Mapping[str, Any]:
         """Write it."""
-        attempt = (self.run / TaskFiles.TASK).is_file()
-        write = self._of_attempts() if attempt else named_plugin("coral.exporters", self.to, "--to")
+        if (self.run / TaskFiles.TASK).is_file():
+            instead = "a survey; `coral contact export` writes contact runs as LeRobot sets"
+            raise InputError(str(self.run), "", "a contact run", instead)
+        write = named_plugin("coral.exporters", self.to, "--to")
         out = self.out or self.run / f"{self.run.resolve().name}{SUFFIX.get(self.to, f'_{self.to}')}"
         if out.exists():
             raise InputError(str(out), "--out", "something that exists already", "a new path")
-        counts = write(self.run, out) if attempt else write(read_run(self.run).located(), out, self.only_colour)
+        counts = write(read_run(self.run).located(), out, self.only_colour)
         size = out.stat().st_size if out.is_file() else sum(p.stat().st_size for p in out.rglob("*") if p.is_file())
         return {"export": str(out), "messages": counts, "bytes": size}
-
-    def _of_attempts(self) -> Any:
-        if self.to not in OURS["contact exporters"]:
-            instead = "mcap or bag for a contact run; `coral contact export` writes LeRobot sets"
-            raise InputError("--to", "", repr(self.to), instead)
-        if self.only_colour:
-            raise InputError("--only-colour", "", "a contact run, which keeps no pictures", "it only for a survey")
-        return our_part("contact exporters", self.to, "--to")
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was written in a line."""

@@ -28,7 +28,7 @@ class LiveFlags:
         """
         if not self.live:
             return
-        our_part("live", "reef", "--live")
+        our_part("live", "run", "--live")
         from coral.web import check_free
 
         if not self.speed >= 0:
@@ -40,7 +40,7 @@ def watching(flags: LiveFlags, system: Literal["reef", "contact"], run: Any) -> 
     """Give the observers that show a mission or an episode in a browser; none without `--live`."""
     if not flags.live:
         return nullcontext([])
-    made: AbstractContextManager[list[Any]] = our_part("live", system, "--live")(
-        run, port=flags.port, speed=flags.speed, wait=flags.wait
+    made: AbstractContextManager[list[Any]] = our_part("live", "run", "--live")(
+        run, system, port=flags.port, speed=flags.speed, wait=flags.wait
     )
     return made

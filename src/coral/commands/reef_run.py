@@ -191,7 +191,7 @@ class ReefRun:
                 **result,
                 "decided": decided,
                 "run": str(folder),
-                **render("reef", folder, cfg.record),
+                **render(folder, cfg.record),
             }
 
     def _tell_compiling(self) -> None:

@@ -244,7 +244,7 @@ class ReefSail:
                 notice.finished(f"{result['clusters_covered']} clusters covered; {result['end_reason']}")
         decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
         lens = "" if self.camera == "simulated" else our_part("lens", "check", "--camera")(folder)
-        return {**result, "decided": decided, "lens": lens, "run": str(folder), **render("reef", folder, cfg.record)}
+        return {**result, "decided": decided, "lens": lens, "run": str(folder), **render(folder, cfg.record)}
 
     def _config(self) -> MissionCfg:
         if self.seed < 0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Protocol
 
 from coral.errors import InputError
 from coral.plugins import our_part
@@ -19,12 +19,12 @@ class Rendered(Protocol):
     def video(self) -> bool: ...  # noqa: D102
 
 
-def render(system: Literal["reef", "contact"], folder: Path, record: Rendered) -> dict[str, str]:
+def render(folder: Path, record: Rendered) -> dict[str, str]:
     """Make pictures, report and video of a finished run, as configured; a missing wing is told in a line."""
     if not record.report and not record.video:
         return {}
     try:
-        write = our_part("rendering", system, "report")
+        write = our_part("rendering", "run", "report")
     except InputError as error:
         print(error, file=sys.stderr, flush=True)
         return {}

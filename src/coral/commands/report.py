@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from coral.flags import Argument
 from coral.run_files import SurveyFiles, TaskFiles
-from coral.view.rendering import render_attempt, render_survey
+from coral.view.rendering import render_run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,15 +25,9 @@ class Report:
 
     def __call__(self) -> Mapping[str, Any]:
         """Write the files."""
-        if (self.run / TaskFiles.TASK).is_file():
-            return self._contact()
-        return {**render_survey(self.run, report=True, video=self.video), "map": str(self.run / SurveyFiles.MAP)}
-
-    def _contact(self) -> Mapping[str, Any]:
-        made = render_attempt(self.run, report=True, video=self.video)
-        if (self.run / TaskFiles.KEYFRAMES).is_file():
-            made["keyframes"] = str(self.run / TaskFiles.KEYFRAMES)
-        return made
+        made = render_run(self.run, report=True, video=self.video)
+        pictures = {"map": self.run / SurveyFiles.MAP, "keyframes": self.run / TaskFiles.KEYFRAMES}
+        return {**made, **{name: str(path) for name, path in pictures.items() if path.is_file()}}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """List the files."""

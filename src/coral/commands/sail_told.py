@@ -8,7 +8,7 @@ from typing import Any
 
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.sea_mission import SeaMission
-from coral.view.svg import clock
+from coral.view.charts import clock
 
 TOLD = ("state", "awaited", "limit", "recording_stopped", "order_refused", "instruction")
 """Events that the operator is told of."""

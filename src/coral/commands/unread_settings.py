@@ -5,9 +5,7 @@ A test runs every command that takes a configuration and watches which keys are 
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable
-from typing import Any
 
 from coral.errors import InputError
 
@@ -42,18 +40,6 @@ def refuse_unread(command: str, keys: Iterable[str], prefix: str = "--cfg") -> N
             if f"{key}.".startswith(f"{unread}."):
                 flag = f"{prefix}.{key}".replace("_", "-")
                 raise InputError(f"coral {command}", flag, "a setting that it never reads", instead)
-
-
-def changed_keys(cfg: Any, prefix: str = "") -> list[str]:
-    """Return the dotted keys of a configuration whose values are not the defaults."""
-    default, changed = type(cfg)(), []
-    for field in dataclasses.fields(cfg):
-        value, name = getattr(cfg, field.name), f"{prefix}{field.name}"
-        if dataclasses.is_dataclass(value):
-            changed += changed_keys(value, f"{name}.")
-        elif value != getattr(default, field.name):
-            changed.append(name)
-    return changed
 
 
 def refused_by(key: str) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -32,24 +32,17 @@ from coral.reef.world.world import ReefWorld
 from coral.run_files import RunFiles
 from coral.run_loop import Observer
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 class MissionResult(RunResult):
     """Result of a reef mission."""
 
+    _system = "reef"
     _shown = ("end_reason", "coverage", "collisions", "advisor_calls", "sim_time_s")
 
     @property
     def coverage(self) -> float:
         """Return the share of the clusters that were covered, 0 to 1."""
         return float(self.metrics["coverage"])
-
-    def plot(self) -> Figure:
-        """Draw the robot's map, and the shares covered and inspected over time."""
-        figure: Figure = our_part("plot", "reef", "plot")(self.folder)
-        return figure
 
 
 def run_mission(
@@ -152,5 +145,5 @@ def run_mission(
     )
     result = mission.run(observers)
     if record.report or record.video:
-        our_part("rendering", "reef", "report")(folder.path, report=record.report, video=record.video)
+        our_part("rendering", "run", "report")(folder.path, report=record.report, video=record.video)
     return MissionResult(folder, result)

@@ -29,11 +29,6 @@ class ResultFolder:
         self._temporary = tempfile.TemporaryDirectory(prefix="coral-") if out is None else None
         self.path = Path(out) if out is not None else Path(self._temporary.name)  # type: ignore[union-attr]
 
-    @property
-    def temporary(self) -> bool:
-        """Return whether the folder disappears."""
-        return self._temporary is not None
-
 
 def demand_inbox(advisor: str, out: object) -> None:
     """Check that a person who is asked can find the questions: in a folder that the user knows.
@@ -109,8 +104,9 @@ class RunResult:
         return target
 
     def plot(self) -> Figure:
-        """Draw the run as a matplotlib figure."""
-        raise NotImplementedError
+        """Draw a mission's map and the shares seen over time, or a task's motion and force on the hand."""
+        figure: Figure = our_part("plot", self._system, "plot")(self.folder)
+        return figure
 
     def _repr_html_(self) -> str:
         shown = {key: self.metrics[key] for key in self._shown if key in self.metrics}
@@ -121,6 +117,7 @@ class RunResult:
         shown = ", ".join(f"{key}={self.metrics[key]!r}" for key in self._shown if key in self.metrics)
         return f"{type(self).__name__}({shown})"
 
+    _system = ""
     _shown: tuple[str, ...] = ("end_reason",)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from coral.config import changes, merge, read_yaml, to_mapping
+from coral.config import changed_keys, dotted_keys, merge, read_yaml
 from coral.errors import InputError
 
 C = TypeVar("C")
@@ -28,15 +28,14 @@ def resolve_settings(given: Any, default: C, where: str = "cfg") -> tuple[C, fro
         return default, frozenset()
     if isinstance(given, str | Path):
         content: Mapping[str, Any] = read_yaml(Path(given))
-        return merge(default, content, str(given)), frozenset(_leaves(content))
+        return merge(default, content, str(given)), frozenset(dotted_keys(content))
     if isinstance(given, Mapping):
         content = _nested(given, where)
-        return merge(default, content, where), frozenset(_leaves(content))
+        return merge(default, content, where), frozenset(dotted_keys(content))
     if not dataclasses.is_dataclass(given) or not isinstance(given, type(default)):
         expected = f"a {type(default).__name__}, a mapping of its keys or a YAML file"
         raise InputError(where, "", f"{type(given).__name__}", expected)
-    differing = changes(to_mapping(given), to_mapping(default), where)
-    return given, frozenset(key.removeprefix(f"{where}.") for key, _ in differing)
+    return given, frozenset(changed_keys(given, default))
 
 
 def _nested(given: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -57,10 +56,3 @@ def _nested(given: Mapping[str, Any], where: str) -> dict[str, Any]:
         else:
             inner[last] = held
     return made
-
-
-def _leaves(content: Mapping[str, Any], prefix: str = "") -> list[str]:
-    found: list[str] = []
-    for key, value in content.items():
-        found += _leaves(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [f"{prefix}{key}"]
-    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -49,24 +49,17 @@ from coral.run_loop import Observer
 
 __all__ = ["Context", "TaskResult", "run_task"]
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 class TaskResult(RunResult):
     """Result of a contact task."""
 
+    _system = "contact"
     _shown = ("end_reason", "success", "sim_time_s", "plans", "advisor_calls", "path_length_m")
 
     @property
     def success(self) -> bool:
         """Return whether the task was done, judged by the true state."""
         return bool(self.metrics["success"])
-
-    def plot(self) -> Figure:
-        """Draw how far the objects moved, and the force on the hand, over time."""
-        figure: Figure = our_part("plot", "contact", "plot")(self.folder)
-        return figure
 
 
 def run_task(
@@ -201,7 +194,7 @@ def run_task(
         episode.writer.text(own.file, own.text)
     result = episode.run(observers)
     if record.report or record.video:
-        our_part("rendering", "contact", "report")(folder.path, report=record.report, video=record.video)
+        our_part("rendering", "run", "report")(folder.path, report=record.report, video=record.video)
     return TaskResult(folder, result)
 
 

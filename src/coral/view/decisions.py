@@ -106,7 +106,6 @@ class Decision:
     """Position of the robot at the time of the question (m); nan if not recorded."""
     goal: tuple[float, float] | None = None
     source: str = ""
-    reason: str = ""
     fallback: str = ""
 
     @property
@@ -168,7 +167,6 @@ def decisions(run: RunFolder) -> list[Decision]:
                 y=float(ys[nearest]) if nearest >= 0 else float("nan"),
                 goal=(float(goal["x"]), float(goal["y"])) if goal and _has(goal, "x", "y") else None,
                 source=str(goal.get("source", "")) if goal else "",
-                reason=str(goal.get("reason") or "") if goal else "",
                 fallback=f"{after.get('policy', '')} ({after.get('failure', '')})" if after and failed else "",
             )
         )

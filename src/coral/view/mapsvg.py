@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from base64 import b64encode
 from collections.abc import Sequence
 from html import escape
 from typing import Any
@@ -12,13 +11,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.drawing import palette_png
+from coral.drawing import palette_png, png_url
 from coral.reef.decide.said import said_by
 from coral.reef.pictures.mapframe import CELL_COLORS, nice_step
 from coral.reef.world.structures import solid_records
+from coral.view.charts import clock, line, text
 from coral.view.decisions import Decision, chain_at
 from coral.view.run import Record, RunFolder
-from coral.view.svg import clock, line, text
 
 SIZE_PX = 760.0
 """Longer side of the map in its own pixels."""
@@ -236,7 +235,7 @@ class MapSvg:
 def map_uri(cells: NDArray[Any]) -> str:
     """Return the data URL of a small picture of map cells, Shape=(H, W) with row 0 at the smallest y."""
     classes = np.minimum(cells[::-1], len(CELL_COLORS) - 1).astype(np.uint8)
-    return "data:image/png;base64," + b64encode(palette_png(classes, CELL_COLORS)).decode()
+    return png_url(palette_png(classes, CELL_COLORS))
 
 
 def track(run: RunFolder, points: int = 1500) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

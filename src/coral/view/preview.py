@@ -12,16 +12,8 @@ import numpy as np
 from coral.odd_text import printable
 from coral.reef.world.world import Obstacle, ReefWorld
 
-SEABED, OYSTER, OTHER, ROCK, SPINE, START, FLOW, INK = (
-    "#f1ead8",
-    "#2f9e4f",
-    "#8a5526",
-    "#2b2b2b",
-    "#8fb3c9",
-    "#d1342b",
-    "#1f5fb0",
-    "#26302a",
-)
+SEABED, OYSTER, OTHER, ROCK = "#f1ead8", "#2f9e4f", "#8a5526", "#2b2b2b"
+SPINE, START, FLOW, INK = "#8fb3c9", "#d1342b", "#1f5fb0", "#26302a"
 
 _NUMBERED_M = 40.0
 """Larger worlds have no numbers on a sheet: there they would hide the clusters."""
@@ -49,15 +41,8 @@ def preview(world: ReefWorld, path: Path) -> Path:
     axes.set_ylim(-0.2, height + 0.2)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(nbins=8, integer=True, steps=[1, 2, 5, 10]))
-    figure.legend(
-        handles=_legend([world]),
-        loc="outside lower center",
-        ncols=3,
-        frameon=False,
-        fontsize=9.5,
-        handletextpad=0.4,
-        columnspacing=1.4,
-    )
+    spacing = {"fontsize": 9.5, "handletextpad": 0.4, "columnspacing": 1.4}
+    figure.legend(handles=_legend([world]), loc="outside lower center", ncols=3, frameon=False, **spacing)
     figure.savefig(path, format="png")
     return path
 
@@ -109,36 +94,16 @@ def _draw(axes: Any, world: ReefWorld, *, size: float, numbers: bool = True) -> 
     axes.add_collection(
         PatchCollection([_outline(o) for o in world.solids], facecolor=ROCK, edgecolor="none", zorder=3)
     )
+    style: dict[str, Any] = {"ha": "center", "color": INK, "path_effects": halo}
     for thing in world.things if numbers else ():
         axes.plot(thing.x, thing.y, "D", color=OTHER, markersize=4, markeredgecolor="white", zorder=4)
-        axes.annotate(
-            printable(thing.kind).replace("-", " "),
-            (thing.x, thing.y),
-            (0, -5),
-            textcoords="offset points",
-            color=OTHER,
-            fontsize=size - 3,
-            ha="center",
-            va="top",
-            path_effects=halo,
-            zorder=5,
-            parse_math=False,
-        )
+        said = {**style, "color": OTHER, "fontsize": size - 3, "va": "top", "zorder": 5, "parse_math": False}
+        below = printable(thing.kind).replace("-", " ")
+        axes.annotate(below, (thing.x, thing.y), (0, -5), textcoords="offset points", **said)
     for k, cluster in enumerate(world.clusters if numbers else ()):
         x = float(np.mean([o.x for o in cluster.oysters]))
         y = float(np.mean([o.y for o in cluster.oysters]))
-        axes.text(
-            x,
-            y,
-            str(k),
-            color=INK,
-            fontsize=size,
-            fontweight="bold",
-            ha="center",
-            va="center_baseline",
-            path_effects=halo,
-            zorder=5,
-        )
+        axes.text(x, y, str(k), va="center_baseline", fontsize=size, fontweight="bold", zorder=5, **style)
     s = world.start
     axes.add_patch(Ellipse((s.x, s.y), 0.6, 0.6, facecolor=START, edgecolor="white", linewidth=0.8, zorder=6))
     axes.annotate(
@@ -146,60 +111,35 @@ def _draw(axes: Any, world: ReefWorld, *, size: float, numbers: bool = True) -> 
         (s.x + 1.4 * math.cos(s.theta), s.y + 1.4 * math.sin(s.theta)),
         (s.x, s.y),
         zorder=6,
-        arrowprops={"arrowstyle": "-|>", "color": START, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0},
+        arrowprops=_arrow(START, 1.8),
     )
     _draw_current(axes, world, size)
     bar = 5.0 if min(world.size_m) >= 12.0 else 1.0
     axes.plot([0.6, 0.6 + bar], [0.6, 0.6], color="white", linewidth=6, zorder=6, solid_capstyle="butt")
     axes.plot([0.6, 0.6 + bar], [0.6, 0.6], color=INK, linewidth=3, zorder=6, solid_capstyle="butt")
-    axes.text(
-        0.6 + bar / 2,
-        0.9,
-        f"{bar:g} m",
-        ha="center",
-        va="bottom",
-        fontsize=size - 2,
-        color=INK,
-        path_effects=halo,
-        zorder=6,
-    )
+    axes.text(0.6 + bar / 2, 0.9, f"{bar:g} m", va="bottom", fontsize=size - 2, zorder=6, **style)
     axes.set_aspect("equal")
 
 
 def _draw_current(axes: Any, world: ReefWorld, size: float) -> None:
-    """Draw an arrow on a white disc in a corner without obstacles, with the speed above it."""
-    from matplotlib.patches import Circle
+    """Draw an arrow in the corner below on the right, with the speed above it."""
     from matplotlib.patheffects import withStroke
 
     vx, vy = world.current.x_m_s, world.current.y_m_s
     speed = math.hypot(vx, vy)
     if speed < 0.0005:
         return
-    width, height = world.size_m
-    corners = [(width - 1.3, 1.3), (width - 1.3, height - 2.2), (1.3, height - 2.2)]
-    busy = [sum(math.hypot(o.x - x, o.y - y - 0.4) < 1.9 for o in world.obstacles) for x, y in corners]
-    x, y = corners[int(np.argmin(busy))]
-    reach = 0.75
-    axes.add_patch(Circle((x, y), 1.0, facecolor="white", edgecolor=FLOW, linewidth=0.8, alpha=0.85, zorder=6))
-    dx, dy = reach * vx / speed, reach * vy / speed
-    axes.annotate(
-        "",
-        (x + dx, y + dy),
-        (x - dx, y - dy),
-        zorder=7,
-        arrowprops={"arrowstyle": "-|>", "color": FLOW, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0},
-    )
-    axes.text(
-        x,
-        y + 1.2,
-        f"{100 * speed:.1f} cm/s",
-        ha="center",
-        va="bottom",
-        fontsize=size - 2,
-        color=FLOW,
-        path_effects=[withStroke(linewidth=2.6, foreground="white")],
-        zorder=7,
-    )
+    halo = [withStroke(linewidth=2.6, foreground="white")]
+    x, y, dx, dy = world.size_m[0] - 1.9, 1.3, 0.75 * vx / speed, 0.75 * vy / speed
+    arrow = axes.annotate("", (x + dx, y + dy), (x - dx, y - dy), zorder=7, arrowprops=_arrow(FLOW, 1.6))
+    arrow.arrow_patch.set_path_effects(halo)
+    said = f"{100 * speed:.1f} cm/s"
+    style = {"fontsize": size - 2, "color": FLOW, "path_effects": halo, "zorder": 7}
+    axes.text(x, y + 1.2, said, ha="center", va="bottom", **style)
+
+
+def _arrow(color: str, width: float) -> dict[str, Any]:
+    return {"arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
 
 
 def _legend(worlds: Sequence[ReefWorld]) -> list[Any]:

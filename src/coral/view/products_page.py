@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import cv2
 import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from coral.drawing import png, png_url
 from coral.reef.products.cover import CoverCfg
 from coral.reef.products.files import make_layers
 from coral.reef.products.placement import EarthPlacement
@@ -21,8 +19,8 @@ from coral.reef.products.survey_products import SurveyProducts
 from coral.reef.products.truth import true_oysters
 from coral.reef.recordings.recording import EXACT, RECORDED
 from coral.reef.world.world_model import ReefWorld
+from coral.view.charts import clock
 from coral.view.page import render_page, write_page
-from coral.view.svg import clock
 
 UNSEEN = (214, 218, 222)
 
@@ -183,11 +181,4 @@ def _gradient(stops: Sequence[Stop]) -> str:
 
 def _data(image: NDArray[np.uint8], scale: int = 1) -> str:
     """Return a picture, Shape=(H, W, 3 or 4), red first, as a data address."""
-    order: Any = [2, 1, 0, 3][: image.shape[2]]
-    picture = np.ascontiguousarray(image[:, :, order])
-    if scale > 1:
-        picture = np.repeat(np.repeat(picture, scale, axis=0), scale, axis=1)
-    ok, encoded = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, 9])
-    if not ok:
-        raise RuntimeError("a picture could not be encoded as PNG")
-    return "data:image/png;base64," + base64.b64encode(encoded.tobytes()).decode()
+    return png_url(png(np.repeat(np.repeat(image, scale, axis=0), scale, axis=1)))

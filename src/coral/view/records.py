@@ -9,8 +9,6 @@ LONGEST_S = 1e7
 """Maximum plausible time (s): four months."""
 LARGEST = 1e9
 """Maximum plausible number elsewhere."""
-DEEPEST = 60
-"""Maximum nesting."""
 
 NUMBERS = frozenset(
     [
@@ -93,15 +91,6 @@ def figures(metrics: Mapping[str, Any]) -> dict[str, Any]:
 def is_extent(size: object) -> bool:
     """Check whether a value is a map's width and height (m)."""
     return isinstance(size, list | tuple) and len(size) == 2 and all(is_number(s) and 0 < s <= 10_000 for s in size)
-
-
-def shallow(value: Any) -> bool:
-    """Check that a value is nested no deeper than `DEEPEST`, so that it can be traversed."""
-    level = [value]
-    for _ in range(DEEPEST):
-        nodes = [list(node.values()) if isinstance(node, dict) else node for node in level]
-        level = [child for node in nodes if isinstance(node, list) for child in node if isinstance(child, dict | list)]
-    return not level
 
 
 def _is_caption(value: object) -> bool:

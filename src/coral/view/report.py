@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from coral.reef.decide.said import said_by
 from coral.reef.mission.metrics import DEFINITIONS, OWN_MAP, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
 from coral.run_files import SurveyFiles
+from coral.view.charts import clock
 from coral.view.decisions import Decision, decisions
 from coral.view.figures import (
     HELD,
@@ -30,7 +32,7 @@ from coral.view.figures import (
 from coral.view.mapsvg import MapSvg, cluster_fate
 from coral.view.page import TEMPLATES, metric_rows, origin, render_page, write_page
 from coral.view.run import Record, RunFolder
-from coral.view.svg import clock
+from coral.view.runmap import write_map
 from coral.view.time_slider import script_data, shown_pictures
 from coral.words import many
 
@@ -39,20 +41,21 @@ EXACT_M = 0.005
 """Position errors below this are rounding."""
 IMAGING = "Imaged and inspected"
 IMAGING_NOTE = (
-    "Share of the true oyster area that came into the camera's picture within 6 m (faint), and near enough to count "
-    "oysters (strong; pixels of 0.05 m or less). Dots: 50, 80, 90 and 100 % inspected."
+    "Share of the true oyster area that came into the camera's picture within 6 m (imaged), and near enough to count "
+    "oysters (inspected: pixels of 0.05 m or less). Dots: 50, 80, 90 and 100 % inspected."
 )
 
 
 def write_report(run_folder: str | Path) -> Path:
-    """Write `report.html` into a run folder, finished or killed, and return its path.
+    """Write `report.html` and `map.png` into a run folder, finished or killed, and return the page's path.
 
-    The page contains its pictures, styles and script, and loads nothing from elsewhere. An existing report is replaced.
+    The page contains its pictures, styles and script, and loads nothing from elsewhere. Existing files are replaced.
 
     Raises:
         InputError: There is no run in the folder, or the page cannot be written.
     """
     run = RunFolder.read(run_folder)
+    write_map(run)
     return write_page(run.path, render_report(run))
 
 
@@ -60,7 +63,7 @@ def render_report(run: RunFolder) -> str:
     """Render the whole page as text."""
     made = decisions(run)
     pictures = shown_pictures(run, made)
-    metrics, mission = _metrics(run), _mission(run)
+    metrics, mission = run.figures(partial(_metrics_so_far, run.path)), _mission(run)
     drawing = MapSvg(run, _size(run))
     start: Record = (run.select("start") or [{}])[0]
     collisions = len(run.select("collision"))
@@ -93,18 +96,8 @@ def render_report(run: RunFolder) -> str:
     )
 
 
-def _metrics(run: RunFolder) -> Mapping[str, Any]:
-    """Return the run's own metrics, or those computed from the record."""
-    if run.metrics:
-        return run.metrics
-    table = run.trajectory
-    columns = [table[name].tolist() for name in table]
-    rows = [dict(zip(table, map(str, values), strict=True)) for values in zip(*columns, strict=True)]
-    try:
-        found = metrics_of(run.events, rows)
-        return {**found, **outcome_metrics(run.path, run.events, rows), "end_reason": "interrupted"}
-    except (KeyError, ValueError, TypeError):
-        return {}
+def _metrics_so_far(path: Path, events: Sequence[Record], rows: Sequence[Mapping[str, str]]) -> Mapping[str, Any]:
+    return {**metrics_of(events, rows), **outcome_metrics(path, events, rows), "end_reason": "interrupted"}
 
 
 def _size(run: RunFolder) -> tuple[float, float]:

@@ -19,7 +19,7 @@ from coral.limits import LARGEST_NUMBER, LOG_BYTES
 from coral.odd_text import encodable_values
 from coral.reef.world.geometry import Frame
 from coral.run_files import RunFiles, SurveyFiles, TaskFiles
-from coral.view.records import figures, is_extent, is_number, shallow, sound
+from coral.view.records import figures, is_extent, is_number, sound
 from coral.words import many
 from coral.yaml_file import load_mapping
 
@@ -68,6 +68,17 @@ class RunFolder:
     def select(self, *names: str) -> list[Record]:
         """Return the events of these kinds, in order."""
         return [event for event in self.events if event["event"] in names]
+
+    def figures(self, compute: Callable[[Sequence[Record], Sequence[Mapping[str, str]]], Record]) -> Record:
+        """Return the run's own metrics, or those computed from its record; empty if that is not possible."""
+        if self.metrics:
+            return self.metrics
+        columns = [values.tolist() for values in self.trajectory.values()]
+        rows = [dict(zip(self.trajectory, map(str, row), strict=True)) for row in zip(*columns, strict=True)]
+        try:
+            return compute(self.events, rows)
+        except (KeyError, ValueError, TypeError):
+            return {}
 
     @property
     def kept_pictures(self) -> bool:
@@ -182,7 +193,10 @@ def _keep_sound(name: str, records: tuple[Record, ...], notes: list[str]) -> tup
 
 def _text(path: Path, notes: list[str]) -> str:
     try:
-        return regular_bytes(path, LOG_BYTES)[:LOG_BYTES].decode("utf-8", "replace")
+        content = regular_bytes(path, LOG_BYTES)
+        if len(content) > LOG_BYTES:
+            notes.append(f"{path.name} is longer than {LOG_BYTES} bytes; the rest was left out.")
+        return content[:LOG_BYTES].decode("utf-8", "replace")
     except FileNotFoundError:
         notes.append(f"{path.name} is missing.")
     except OSError as error:
@@ -201,7 +215,7 @@ def _lines(path: Path, notes: list[str]) -> tuple[Record, ...]:
             record = parse_json(line)
         except ValueError:
             record = None
-        if isinstance(record, dict) and shallow(record):
+        if isinstance(record, dict):
             records.append(encodable_values(record) if "\\ud" in line.lower() else record)
         else:
             cut = "was cut off while it was written" if number == len(lines) else "is not a JSON object"
@@ -258,7 +272,7 @@ def _document(path: Path, parse: Callable[[str], Any], notes: list[str]) -> Reco
         document = parse(text)
     except (ValueError, RecursionError):
         document = None
-    if isinstance(document, dict) and shallow(document):
+    if isinstance(document, dict):
         return cast(Record, encodable_values(document) if "\\ud" in text.lower() else document)
     notes.append(f"{path.name} is incomplete and was left out.")
     return {}

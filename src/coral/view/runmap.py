@@ -17,13 +17,12 @@ from coral.view.decisions import chain_at
 from coral.view.run import RunFolder
 
 
-def write_map(run_folder: str | Path) -> Path:
+def write_map(run: RunFolder) -> Path:
     """Write `map.png`, the final map of a run, into its folder and return its path.
 
     Raises:
-        InputError: There is no run in the folder, or the picture cannot be written.
+        InputError: The picture cannot be written.
     """
-    run = RunFolder.read(run_folder)
     path = run.path / SurveyFiles.MAP
     with writing(path):
         write_whole(path, png(draw_map(scene_at(run, run.duration_s)).rgb))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,13 +11,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.drawing import palette_png
+from coral.drawing import palette_png, png_url, webp_url
 from coral.foreign_file import read_picture_file
 from coral.reef.pictures.cameraview import DEPTH_PALETTE, LABEL_COLORS, depth_levels
+from coral.view.charts import LEFT, RIGHT, WIDTH
 from coral.view.decisions import Decision, chains
 from coral.view.mapsvg import map_uri
 from coral.view.run import RunFolder
-from coral.view.svg import LEFT, RIGHT, WIDTH
 
 FRAME_BUDGET = 3_000_000
 """Maximum size of the time slider's snapshots in the page (bytes)."""
@@ -38,17 +37,16 @@ def shown_pictures(run: RunFolder, made: Sequence[Decision]) -> dict[str, str]:
         for digest, path in found.items()
         if (image := read_picture_file(path, cv2.IMREAD_COLOR)) is not None
     }
-    encoded: dict[str, bytes] = {}
+    encoded: dict[str, str] = {}
     for width, quality in PICTURE_SIZES:
         encoded = {}
         for digest, image in images.items():
-            small = _shrunk(image, width)
-            encoded[digest] = cv2.imencode(".webp", small, [cv2.IMWRITE_WEBP_QUALITY, quality])[1].tobytes()
-            if sum(map(len, encoded.values())) > PICTURE_BUDGET * 3 // 4:
+            encoded[digest] = webp_url(_shrunk(image, width)[..., ::-1], quality)
+            if sum(map(len, encoded.values())) > PICTURE_BUDGET:
                 break
         if len(encoded) == len(images):
             break
-    return {digest: "data:image/webp;base64," + b64encode(data).decode() for digest, data in encoded.items()}
+    return encoded
 
 
 def _shrunk(image: NDArray[Any], width: int) -> NDArray[Any]:
@@ -143,11 +141,8 @@ def _snapshot(run: RunFolder, step: int) -> dict[str, str]:
         # Coarser depth steps compress to a third; the pure "nothing" colour keeps its own entry.
         if key == "dep":
             classes = np.where(values == 0, 255, classes).astype(np.uint8)
-        found[key] = (
-            "data:image/png;base64," + b64encode(palette_png(np.minimum(classes, len(palette) - 1), palette)).decode()
-        )
+        found[key] = png_url(palette_png(np.minimum(classes, len(palette) - 1), palette))
     colours = run.frame(step, "rgb")
     if colours is not None:
-        data = cv2.imencode(".webp", colours, [cv2.IMWRITE_WEBP_QUALITY, 75])[1].tobytes()
-        found["rgb"] = "data:image/webp;base64," + b64encode(data).decode()
+        found["rgb"] = webp_url(colours[..., ::-1], 75)
     return found

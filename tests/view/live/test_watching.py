@@ -12,8 +12,8 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.world.world import load_world
 from coral.view.live.pace import Pace
-from coral.view.live.viewer import Now
-from coral.view.live.watching import WatchedRun, WatchedSurvey, reef_sketch, task_sketch
+from coral.view.live.viewer import Now, Viewer
+from coral.view.live.watching import WatchedRun, WatchedSurvey, reef_sketch, task_sketch, watching_run
 
 SHORT = MissionCfg(time_limit_s=12.0, latency="fixed:3", record=RecordCfg(pictures=False, frames=False))
 
@@ -92,3 +92,27 @@ def test_a_survey_tells_its_state_its_battery_and_what_it_asks():
     watcher.tick(SimpleNamespace(end_reason="", states=states, report=report, notice="align?"))
     assert (page.now.status, page.now.note) == ("holding - too blind", "align?")
     assert page.now.numbers == (("battery", "50%"),)
+
+
+def test_the_run_waits_for_a_viewer_and_the_page_stays(tmp_path, capsys, monkeypatch):
+    waited = []
+    monkeypatch.setattr(Viewer, "wait_for_viewer", lambda self, what: waited.append(what))
+    monkeypatch.setattr(Viewer, "stay", lambda self: waited.append("stay"))
+    mission = SimpleNamespace(writer=SimpleNamespace(folder=tmp_path), instructing=None)
+    with watching_run(mission, "reef", port=0, speed=1.0, wait=True) as viewers:
+        assert waited == ["mission"]
+        assert len(viewers) == 1
+    assert waited == ["mission", "stay"]
+    with watching_run(mission, "reef", port=0, speed=1.0, wait=False):
+        assert "watch the mission at http://127.0.0.1:" in capsys.readouterr().err
+    assert waited == ["mission", "stay"]
+
+
+def test_the_stop_button_of_a_task_stops_an_arm_at_once(tmp_path):
+    stopped = []
+    world = SimpleNamespace(stop_now=lambda: stopped.append("now"), in_real_time=True)
+    episode = SimpleNamespace(writer=SimpleNamespace(folder=tmp_path), world=world, weights=None)
+    with watching_run(episode, "contact", port=0, speed=1.0, wait=False) as (watched,):
+        assert watched.viewer.controls.press("stop", None)
+        assert watched.pace.stop
+    assert stopped == ["now"]

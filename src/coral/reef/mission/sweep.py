@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from coral.config import merge, to_mapping
+from coral.config import dotted_keys, merge, to_mapping
 from coral.errors import InputError, nearest
 from coral.reef.drive.controllers import controller_maker
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -84,21 +84,13 @@ def _keys(key: str, value: Any, cfg: MissionCfg) -> Iterator[tuple[str, Any]]:
             raise InputError(WHERE, key, repr(value), "a number")
         yield from ((dotted, factor * value) for dotted, factor in SHORT[key].items())
         return
-    known = list(_leaves(to_mapping(cfg)))
+    known = dotted_keys(to_mapping(cfg))
     if key not in known:
         words = [CURRENT, *SHORT]
         same_end = [name for name in known if name.rsplit(".", 1)[-1] == key]
         hint = f" (did you mean {same_end[0]!r}?)" if same_end else nearest(key, [*words, *known])
         raise InputError(WHERE, key, "an unknown key", f"{', '.join(words)}, or a key of the configuration{hint}")
     yield key, value
-
-
-def _leaves(content: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
-    for key, value in content.items():
-        if isinstance(value, Mapping):
-            yield from _leaves(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}"
 
 
 def _with_current(world: ReefWorld, speed: Any) -> ReefWorld:

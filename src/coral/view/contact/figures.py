@@ -3,47 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from html import escape
 from typing import Any
 
 import numpy as np
 
-from coral.view.curves import HUES, curves_chart
+from coral.view.charts import HUES, Bar, curves_chart, lanes_chart
 from coral.view.run import Record, RunFolder
-from coral.view.svg import LEFT, RIGHT, WIDTH, Span, chart, line, text, time_axis
 
 
 def stages_chart(run: RunFolder) -> str:
     """Draw the active stage and the contacts over time."""
-    axis = time_axis(run.duration_s)
-    touches = touching(run)
-    pairs = list(dict.fromkeys((touch["first"], touch["second"]) for touch in touches))
-    again = run.select("stuck", "cost_error")
-    rows = ["stage", *(f"{first} – {second}" for first, second in pairs), *(["asked again"] if again else [])]
-    top, pitch = 10.0, 26.0
-    bottom = top + pitch * len(rows)
-    body = []
-    for k, name in enumerate(rows):
-        middle = top + pitch * (k + 0.5)
-        body.append(line(axis.start_px, middle, axis.end_px, middle, "lane"))
-        body.append(text(LEFT - 8, middle + 4, name, "tick", "end"))
-    names = stage_names(run)
+    bars, names = [], stage_names(run)
     for start, end, name in stage_spans(run):
-        hue = HUES[names.index(name) % len(HUES)]
-        body.append(_bar(axis, start, end, top + pitch / 2, 16, hue, 0.25, f"{name}: {start:.2f} to {end:.2f} s"))
-        if axis(end) - axis(start) > 7.5 * len(name):
-            body.append(text(axis(start) + 6, top + pitch / 2 + 4, name, "inbar", "start"))
-    for touch in touches:
-        middle = top + pitch * (1.5 + pairs.index((touch["first"], touch["second"])))
-        said = (
-            f"{touch['begun_s']:.2f} to {touch['ended_s']:.2f} s, mean {touch['mean_n']:.1f} N, "
-            f"at most {touch['peak_n']:.1f} N"
-        )
-        body.append(_bar(axis, touch["begun_s"], touch["ended_s"], middle, 10, HUES[0], 0.8, said))
+        style = f"fill:{HUES[names.index(name) % len(HUES)]};opacity:.25"
+        said = f"{name}: {start:.2f} to {end:.2f} s"
+        bars.append(Bar(lane="stage", start=start, end=end, said=said, style=style, name=name))
+    pairs = []
+    for touch in touching(run):
+        pairs.append(f"{touch['first']} – {touch['second']}")
+        start, end = float(touch["begun_s"]), float(touch["ended_s"])
+        said = f"{start:.2f} to {end:.2f} s, mean {touch['mean_n']:.1f} N, at most {touch['peak_n']:.1f} N"
+        style = f"fill:{HUES[0]};opacity:.8"
+        bars.append(Bar(lane=pairs[-1], start=start, end=end, said=said, style=style, height=10))
+    again = run.select("stuck", "cost_error")
     for event in again:
-        said = f"{float(event['t']):.2f} s: {event.get('text') or event.get('reason', '')}"
-        body.append(_bar(axis, float(event["t"]), float(event["t"]), bottom - pitch / 2, 16, HUES[2], 1.0, said))
-    return chart(bottom + 26, body, axis, label="Stages and contacts over time", top=top, bottom=bottom)
+        t = float(event["t"])
+        said = f"{t:.2f} s: {event.get('text') or event.get('reason', '')}"
+        bars.append(Bar(lane="asked again", start=t, end=t, said=said, style=f"fill:{HUES[2]}"))
+    lanes = ["stage", *dict.fromkeys(pairs), *(["asked again"] if again else [])]
+    return lanes_chart(run.duration_s, lanes, bars, "Stages and contacts over time")
 
 
 def cost_chart(run: RunFolder) -> str:
@@ -80,8 +68,10 @@ def force_chart(run: RunFolder, objects: Sequence[str]) -> str:
         "measured at the wrist": np.asarray(felt),  # first, so that the forces on objects lie on top
         **{f"on the {name}": run.column(f"{name}_hand_force") for name in objects},
     }
-    bands = [(value, value * share) for _, value, share in _forces(run)]
-    return curves_chart(run.duration_s, run.column("t"), curves, "force, N", floor=0.0, bands=bands)
+    asked = _forces(run)
+    bands = [(max(0.0, value * (1 - share)), value * (1 + share), "wanted") for _, value, share in asked]
+    limits = [(value, "limit main") for _, value, _ in asked]
+    return curves_chart(run.duration_s, run.column("t"), curves, "force, N", floor=0.0, bands=bands, limits=limits)
 
 
 def wanted_forces(run: RunFolder) -> str:
@@ -174,14 +164,3 @@ def _conditions(run: RunFolder) -> list[dict[str, Any]]:
     success = run.world.get("success")
     found = success.get("conditions") if isinstance(success, dict) else None
     return [item for item in found if isinstance(item, dict)] if isinstance(found, list) else []
-
-
-def _bar(
-    axis: Span, start: float, end: float, middle: float, height: float, hue: str, opacity: float, said: str
-) -> str:
-    x = min(axis(start), WIDTH - RIGHT - 4.0)  # a contact at the very end is seen, too
-    width = min(max(4.0, axis(min(end, axis.high)) - x), WIDTH - RIGHT - x)
-    return (
-        f'<rect x="{x:.1f}" y="{middle - height / 2:.1f}" width="{width:.1f}" '
-        f'height="{height}" rx="2" style="fill:{hue};opacity:{opacity}"><title>{escape(said)}</title></rect>'
-    )

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import cv2
 from markupsafe import Markup
 
 from coral.advisor.attribution import who_decided
 from coral.contact.episode.metrics import DEFINITIONS, metrics_of
 from coral.contact.scene.trial import Trial
-from coral.drawing import png
+from coral.drawing import png, webp_url
 from coral.errors import InputError, RunError
 from coral.file_writer import write_whole, writing
 from coral.run_files import TaskFiles
@@ -87,7 +85,7 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
     except InputError as error:
         trial = None
         notes = [*notes, f"The task cannot be drawn again: {error}"]
-    metrics = _metrics(run)
+    metrics = run.figures(metrics_of)
     objects = list(trial.objects) if trial is not None else []
     start: Record = (run.select("start") or [{}])[0]
     return render_page(
@@ -98,7 +96,7 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
         complete=run.complete,
         duration=run.duration_s,
         tiles=_tiles(run, metrics),
-        frames=[(f"{frame.t:.2f} s", frame.why, _webp(frame)) for frame in frames],
+        frames=[(f"{frame.t:.2f} s", frame.why, webp_url(frame.picture)) for frame in frames],
         thoughts=thoughts(run),
         answers=(given := answers(run)),
         counted=counted(given),
@@ -120,19 +118,6 @@ def render_contact_report(run: RunFolder, frames: list[Keyframe], notes: list[st
         notes=notes,
         video=(run.path / TaskFiles.VIDEO).is_file(),
     )
-
-
-def _metrics(run: RunFolder) -> Mapping[str, Any]:
-    """Return the run's own metrics, or those computed from the record."""
-    if run.metrics:
-        return run.metrics
-    names = list(run.trajectory)
-    columns = [run.trajectory[name].tolist() for name in names]
-    rows = [dict(zip(names, map(str, values), strict=True)) for values in zip(*columns, strict=True)]
-    try:
-        return metrics_of(run.events, rows)
-    except (KeyError, ValueError, TypeError):
-        return {}
 
 
 def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
@@ -276,8 +261,3 @@ def _beliefs(run: RunFolder, start: Record) -> list[tuple[str, str, str, str, st
             )
         )
     return rows
-
-
-def _webp(frame: Keyframe) -> str:
-    data = cv2.imencode(".webp", frame.picture[..., ::-1], [cv2.IMWRITE_WEBP_QUALITY, 82])[1].tobytes()
-    return "data:image/webp;base64," + b64encode(data).decode()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import cv2
 
+from coral.drawing import webp_url
 from coral.foreign_file import read_picture_file
 from coral.view.run import Record, RunFolder
 from coral.words import many
@@ -144,8 +144,7 @@ def seen(run: RunFolder) -> str:
             path = run.picture(str(digest))
             picture = None if path is None else read_picture_file(path, cv2.IMREAD_COLOR)
             if picture is not None:
-                data = cv2.imencode(".webp", picture, [cv2.IMWRITE_WEBP_QUALITY, 82])[1].tobytes()
-                return "data:image/webp;base64," + b64encode(data).decode()
+                return webp_url(picture[..., ::-1])
     return ""
 
 

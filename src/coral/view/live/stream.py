@@ -11,7 +11,7 @@ from typing import IO, Any, Protocol
 from coral.foreign_file import open_regular, parse_json
 from coral.odd_text import encodable_values
 from coral.run_files import RunFiles
-from coral.view.records import shallow, sound
+from coral.view.records import sound
 from coral.view.run import Record, numbers_of
 
 ROWS = 20_000
@@ -148,7 +148,7 @@ def _event(line: str) -> Record | None:
     except ValueError:
         return None
     named = isinstance(event, dict) and isinstance(event.get("event"), str) and "t" in event
-    if not (named and shallow(event) and sound(event)):
+    if not (named and sound(event)):
         return None
     known: Record = encodable_values(event) if "\\ud" in line.lower() else event
     return known

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 import time
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, Literal
 
 import numpy as np
 
+from coral.contact.worlds.robot_world import in_real_time
+from coral.view.live.controls import RunControls
 from coral.view.live.pace import Pace
 from coral.view.live.viewer import PERIOD_S, Sketch, Stroke, Viewer
 
@@ -58,6 +62,38 @@ class WatchedRun:
     def stop_requested(self) -> str:
         """Return why the operator ended the run, or ""."""
         return "" if self.pace is None else self.pace.stop
+
+
+@contextmanager
+def watching_run(
+    run: Any, system: Literal["reef", "contact"], *, port: int, speed: float, wait: bool
+) -> Iterator[list[WatchedRun]]:
+    """Show a mission or an episode in a browser, from before its first step until Ctrl-C after its end.
+
+    Args:
+        run: The run.
+        system: Which of the two it is.
+        port: Port of the page; 0 chooses one.
+        speed: Speed limit, in multiples of real time; 0 for none.
+        wait: Whether the run waits for the first viewer, and the page stays after its end.
+    """
+    pace = Pace(speed)
+    sketch: Sketch = reef_sketch if system == "reef" else task_sketch
+    if system == "reef":
+        what, real_time = "mission", False
+        controls = RunControls(pace, instruct=run.instructing)
+    else:
+        what, real_time = "task", in_real_time(run.world)
+        stop_now = getattr(run.world, "stop_now", None)
+        controls = RunControls(pace, what="task", weights=run.weights, stop_now=stop_now)
+    with Viewer(run.writer.folder, controls, port=port, flag="--live-port") as viewer:
+        if wait:
+            viewer.wait_for_viewer(what)
+        else:
+            print(f"watch the {what} at {viewer.url}", file=sys.stderr, flush=True)
+        yield [WatchedRun(viewer, pace, sketch, real_time=real_time)]
+        if wait:
+            viewer.stay()
 
 
 class WatchedSurvey(WatchedRun):
