@@ -3,8 +3,8 @@ import signal
 
 import pytest
 
+from coral.interrupts import Terminated
 from coral.run_loop import run_to_end, stoppable, timing_of
-from coral.termination import Terminated
 
 
 class Run:

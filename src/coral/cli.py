@@ -18,9 +18,9 @@ from coral.errors import NO_ROOM, InputError, RunError, nearest
 from coral.exit_code import ExitCode
 from coral.flag_parser import build, scan
 from coral.help_page import flag_page, help_page
+from coral.interrupts import orderly_termination
 from coral.odd_text import encodable, printable
 from coral.surface import described, is_installed, load
-from coral.termination import orderly_termination
 
 COMMANDS = {
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
