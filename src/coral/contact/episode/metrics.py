@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 from pathlib import Path
 from statistics import fmean, median
 from typing import Any
@@ -72,53 +74,21 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
 
 def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, str]]) -> dict[str, Any]:
     """Compute metrics from the events and the rows of the trajectory, both in order."""
-    start: Mapping[str, Any] = {}
-    end: Mapping[str, Any] = {}
-    objects: set[str] = set()
-    before = within = 0.0
     events = list(events)
-    plans = asked = stages = contacts = diverged = 0
-    lost = recovered = 0
-    effective, strategy = 0.0, ""
-    ahead: list[float] = []
-    costs: list[float] = []
-    jumps: list[float] = []
-    planned: tuple[str, float] = ("", math.nan)
-    touched: float | None = None
+    of: defaultdict[str, list[Mapping[str, Any]]] = defaultdict(list)
     for event in events:
-        kind = event["event"]
-        if kind == "start":
-            start, objects = event, set(event.get("trial", ()))
-        elif kind == "end":
-            end = event
-        elif kind == "plan":
-            plans += 1
-            effective += float(event["ess"])
-            ahead.append(1e3 * float(event.get("ahead_s", 0.0)))
-            diverged += int(event["diverged"])
-            if event.get("cost") is not None:
-                stage, cost = str(event.get("stage", "")), float(event["cost"])
-                costs.append(cost)
-                jumps += [abs(cost - planned[1])] if planned[0] == stage and math.isfinite(planned[1]) else []
-                planned = stage, cost
-        elif kind == "policy":
-            asked += 1
-        elif kind == "thinking" and event["meanwhile"] == "before":
-            before += float(event["seconds"])
-        elif kind == "thinking":
-            within += float(event["seconds"])
-        elif kind == "stage":
-            stages += event.get("before") is not None
-        elif kind == "strategy":
-            strategy = str(event["name"])
-        elif kind == "track":
-            lost, recovered = lost + bool(event["lost"]), recovered + (not event["lost"])
-        elif kind == "contact":
-            contacts += event["step"] > 0
-            pair = {str(event.get("first")), str(event.get("second"))}
-            if touched is None and len(pair & HAND) == 1 and pair & objects:
-                touched = float(event["t"])
-    poses = str(start.get("poses", ""))
+        of[event["event"]].append(event)
+    start, end = ((of[kind] or [{}])[-1] for kind in ("start", "end"))
+    plans, tracks = of["plan"], of["track"]
+    before = sum(float(event["seconds"]) for event in of["thinking"] if event["meanwhile"] == "before")
+    within = sum(float(event["seconds"]) for event in of["thinking"] if event["meanwhile"] != "before")
+    rated = [(str(plan.get("stage", "")), float(plan["cost"])) for plan in plans if plan.get("cost") is not None]
+    costs = [cost for _, cost in rated]
+    jumps = [abs(b - a) for (one, a), (other, b) in pairwise(rated) if one == other]
+    ahead = [1e3 * float(plan.get("ahead_s", 0.0)) for plan in plans]
+    effective = [float(plan["ess"]) for plan in plans]
+    objects = set(start.get("trial", ()))
+    touches = [event for event in of["contact"] if _is_touch(event, objects)]
     path, last, step, t, earlier = 0.0, None, 0, 0.0, 0.0
     peak = impulse = touching = missed = 0.0
     felt = True
@@ -144,35 +114,41 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "sim_time_s": round(t - within, 3),
         "time_with_thinking_s": round(t + before, 3),
         "steps": step,
-        "plans": plans,
-        "policy_calls": asked,
-        "stages": stages,
-        "strategy": strategy,
+        "plans": len(plans),
+        "policy_calls": len(of["policy"]),
+        "stages": sum(event.get("before") is not None for event in of["stage"]),
+        "strategy": str(of["strategy"][-1]["name"]) if of["strategy"] else "",
         "advisor_calls": int(end.get("advisor_calls", 0)),
         **attribution_of(events).to_json(),
         "repairs": int(end.get("repairs", 0)),
-        "interventions": sum(event.get("event") == "weight" for event in events),
+        "interventions": len(of["weight"]),
         "memory_hit": bool(end.get("memory_hit", False)),
         "path_length_m": round(path, 4),
         "peak_hand_force_n": round(peak, 2) if felt else None,
         "mean_hand_force_n": round(impulse / touching, 2) if touching else None,
         "contact_time_s": round(touching, 3) if felt else None,
-        "contacts": contacts if felt else None,
-        "first_touch_s": touched,
+        "contacts": sum(event["step"] > 0 for event in of["contact"]) if felt else None,
+        "first_touch_s": float(touches[0]["t"]) if touches else None,
         "plan_cost": round(fmean(costs), 4) if costs else None,
         "plan_cost_jump": round(fmean(jumps), 4) if jumps else None,
         "plan_late_ms_median": round(median(ahead), 1) if ahead else None,
-        "effective_samples": round(effective / plans, 2) if plans else None,
-        "diverged_rollouts": diverged,
-        "track_lost": lost,
-        "track_recovered": recovered,
+        "effective_samples": round(fmean(effective), 2) if plans else None,
+        "diverged_rollouts": sum(int(plan["diverged"]) for plan in plans),
+        "track_lost": sum(bool(event["lost"]) for event in tracks),
+        "track_recovered": sum(not event["lost"] for event in tracks),
         "track_lost_s": round(missed, 3),
         "pose_error_mm": round(1e3 * median(off_m), 2) if off_m else None,
         "pose_error_deg": round(math.degrees(median(off_rad)), 2) if off_rad else None,
         "judged_by": str(start.get("judged_by", "truth")),
-        "poses": poses,
+        "poses": str(start.get("poses", "")),
         "tracker": str(start.get("tracker", "")),
     }
+
+
+def _is_touch(event: Mapping[str, Any], objects: set[str]) -> bool:
+    """Check whether a contact is one of the hand with an object."""
+    pair = {str(event.get("first")), str(event.get("second"))}
+    return len(pair & HAND) == 1 and bool(pair & objects)
 
 
 def _tracking_errors(row: Mapping[str, str], ending: str) -> list[float]:

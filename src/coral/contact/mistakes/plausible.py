@@ -11,12 +11,16 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.question import Question
-from coral.advisor.setting import Answer, Earlier, Err, Mistake
+from coral.advisor.setting import Answer, Earlier, Mistake
 from coral.contact.mistakes import program_edits as edit
 
 PLANS = ("cost-function", "cost-repair", "unified")
-REGIONS = ("contact-regions", "unified")
-PARAMETERS = ("physical-parameters", "parameter-repair", "unified")
+QUESTIONS = {
+    "plan": PLANS,
+    "regions": ("contact-regions", "unified"),
+    "parameters": ("physical-parameters", "parameter-repair", "unified"),
+}
+"""Kinds of question by the part of their answers that a mistake spoils."""
 SPREAD = math.log(10.0) / 2
 """Standard deviation of the logarithm of a guessed mass or friction: two of them are a factor of ten."""
 MOST = math.log(10.0)
@@ -25,15 +29,23 @@ OFF_M = (0.03, 0.08)
 """Range of the error of a misread place."""
 
 Edit = Callable[[str, np.random.Generator], str | None]
+Spoil = Callable[[Question[Any], Answer, np.random.Generator], Answer | None]
+"""Changes a copy of the right answer; None if this mistake is impossible here."""
 
 
-def _change_one_stage(change: Edit) -> Err:
-    """Make a mistake that changes the cost of one stage; stages are tried in random order."""
-
+def _mistake(name: str, what: str, spoil: Spoil, part: str = "plan", found_in: str = "") -> Mistake:
     def err(
         question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
     ) -> Answer | None:
-        wrong = copy.deepcopy(right)
+        return spoil(question, copy.deepcopy(right), rng)
+
+    return Mistake(name=name, what=what, found_in=found_in, questions=QUESTIONS[part], part=part, err=err)
+
+
+def _change_one_stage(change: Edit) -> Spoil:
+    """Make a mistake that changes the cost of one stage; stages are tried in random order."""
+
+    def spoil(question: Question[Any], wrong: Answer, rng: np.random.Generator) -> Answer | None:
         stages = wrong["stages"] or [wrong]
         for index in rng.permutation(len(stages)):
             code = change(stages[index]["code"], rng)
@@ -42,35 +54,28 @@ def _change_one_stage(change: Edit) -> Err:
                 return wrong
         return None
 
-    return err
+    return spoil
 
 
-def _mistake_object(
-    question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
-) -> Answer | None:
+def _mistake_object(question: Question[Any], wrong: Answer, rng: np.random.Generator) -> Answer | None:
     """Replace one object by another throughout the plan."""
     names = list(question.facts["objects"])
-    used = [name for name in names if any(f"self.{name}_" in stage["code"] for stage in right["stages"] or [right])]
+    used = [name for name in names if any(f"self.{name}_" in stage["code"] for stage in wrong["stages"] or [wrong])]
     if not used or len(names) < 2:
         return None
     one = used[int(rng.integers(len(used)))]
     other = [name for name in names if name != one][int(rng.integers(len(names) - 1))]
-    return _change_programs(right, lambda code: edit.rename_quantities(code, one, other))
+    return _change_programs(wrong, lambda code: edit.rename_quantities(code, one, other))
 
 
-def _mirror(
-    question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
-) -> Answer | None:
+def _mirror(question: Question[Any], wrong: Answer, rng: np.random.Generator) -> Answer | None:
     """Mirror the plan in the object's frame: its long axis points backwards."""
-    made = (_change_programs(right, partial(edit.turn_axis, axis=int(axis))) for axis in rng.permutation(2))
+    made = (_change_programs(wrong, partial(edit.turn_axis, axis=int(axis))) for axis in rng.permutation(2))
     return next((one for one in made if one is not None), None)
 
 
-def _tighten_condition(
-    question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
-) -> Answer | None:
+def _tighten_condition(question: Question[Any], wrong: Answer, rng: np.random.Generator) -> Answer | None:
     """Tighten the condition that ends a stage until no motion fulfils it."""
-    wrong = copy.deepcopy(right)
     for index in rng.permutation(len(wrong["stages"])):
         stage = wrong["stages"][index]
         strict = edit.tighten(stage["done"]) if stage["done"] else None
@@ -80,25 +85,19 @@ def _tighten_condition(
     return None
 
 
-def _lift_early(
-    question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
-) -> Answer | None:
+def _lift_early(question: Question[Any], wrong: Answer, rng: np.random.Generator) -> Answer | None:
     """Drop the stage that closes the fingers: the hand rises with open fingers."""
-    closing = [k for k, stage in enumerate(right["stages"]) if stage["name"] in ("close", "pinch", "grasp")]
+    closing = [k for k, stage in enumerate(wrong["stages"]) if stage["name"] in ("close", "pinch", "grasp")]
     if not closing:
         return None
-    wrong = copy.deepcopy(right)
     gone = wrong["stages"].pop(closing[0])["name"]
     for stage in wrong["stages"]:
         stage["next"].pop(gone, None)
     return wrong
 
 
-def _misjudge(
-    question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
-) -> Answer | None:
+def _misjudge(question: Question[Any], wrong: Answer, rng: np.random.Generator) -> Answer | None:
     """Multiply every mass and friction by a random factor, within the physically possible bounds only."""
-    wrong = copy.deepcopy(right)
     told = wrong["objects"] if question.kind == "parameter-repair" else (wrong.get("parameters") or wrong)
     for item in told if isinstance(told, list) else told.values():
         for key in ("mass", "mass_kg", "friction", "friction_coeff"):
@@ -107,11 +106,8 @@ def _misjudge(
     return wrong
 
 
-def _move_face(
-    question: Question[Any], right: Answer, earlier: Sequence[Earlier], rng: np.random.Generator
-) -> Answer | None:
+def _move_face(question: Question[Any], wrong: Answer, rng: np.random.Generator) -> Answer | None:
     """Move the regions of one object to another face of its box: the opposite or the next one."""
-    wrong = copy.deepcopy(right)
     held = wrong["regions"] if question.kind == "unified" else wrong
     names = [name for name in held if held[name]["regions"]]
     if not names:
@@ -140,17 +136,12 @@ def _move_face(
     return wrong
 
 
-def _ways(stage: Answer) -> list[tuple[Answer, str]]:
-    """Return the conditions on which a stage leads on to others, as places to change."""
-    ways = stage.get("next") or {}
-    return [(ways, to) for to in ways]
-
-
-def _change_programs(right: Answer, change: Callable[[str], str | None]) -> Answer | None:
+def _change_programs(wrong: Answer, change: Callable[[str], str | None]) -> Answer | None:
     """Change every program of a plan; None if nothing changes."""
-    wrong, changed = copy.deepcopy(right), False
+    changed = False
     for stage in wrong["stages"] or [wrong]:
-        for held, key in [*((stage, key) for key in ("code", "done", "toward")), *_ways(stage)]:
+        ways = stage.get("next") or {}
+        for held, key in [*((stage, key) for key in ("code", "done", "toward")), *((ways, to) for to in ways)]:
             text = held.get(key)
             made = change(text) if text else None
             if made is not None:
@@ -159,87 +150,32 @@ def _change_programs(right: Answer, change: Callable[[str], str | None]) -> Answ
 
 
 CONTACT_MISTAKES = (
-    Mistake(
-        name="sign",
-        what="a term of a cost has the wrong sign",
-        found_in="",
-        questions=PLANS,
-        part="plan",
-        err=_change_one_stage(edit.flip_sign),
-    ),
-    Mistake(
-        name="weight",
-        what="a term's weight is off by ten",
-        found_in="",
-        questions=PLANS,
-        part="plan",
-        err=_change_one_stage(edit.scale_term),
-    ),
-    Mistake(
-        name="missing-term",
-        what="a term is missing from a cost",
-        found_in="",
-        questions=PLANS,
-        part="plan",
-        err=_change_one_stage(edit.drop_term),
-    ),
-    Mistake(
-        name="wrong-object",
-        what="one object is taken for another in the plan",
-        found_in="",
-        questions=PLANS,
-        part="plan",
-        err=_mistake_object,
-    ),
-    Mistake(
-        name="wrong-side",
-        what="the plan works at another side of the object",
+    _mistake("sign", "a term of a cost has the wrong sign", _change_one_stage(edit.flip_sign)),
+    _mistake("weight", "a term's weight is off by ten", _change_one_stage(edit.scale_term)),
+    _mistake("missing-term", "a term is missing from a cost", _change_one_stage(edit.drop_term)),
+    _mistake("wrong-object", "one object is taken for another in the plan", _mistake_object),
+    _mistake(
+        "wrong-side",
+        "the plan works at another side of the object",
+        _mirror,
         found_in="What's “up” with vision-language models?, arXiv:2310.19785: models fail on basic spatial relations, "
         "left of and right of among them",
-        questions=PLANS,
-        part="plan",
-        err=_mirror,
     ),
-    Mistake(
-        name="goal-off",
-        what="a place in a cost is off by 3 to 8 cm",
+    _mistake(
+        "goal-off",
+        "a place in a cost is off by 3 to 8 cm",
+        _change_one_stage(lambda code, rng: edit.shift_place(code, rng, OFF_M)),
         found_in="Q-Spatial Bench, arXiv:2409.09788: distances are hard to tell for all models that were tried",
-        questions=PLANS,
-        part="plan",
-        err=_change_one_stage(lambda code, rng: edit.shift_place(code, rng, OFF_M)),
     ),
-    Mistake(
-        name="never-done",
-        what="the condition on which a phase ends never comes true",
-        found_in="",
-        questions=PLANS,
-        part="plan",
-        err=_tighten_condition,
+    _mistake("never-done", "the condition on which a phase ends never comes true", _tighten_condition),
+    _mistake("early-lift", "the phase that closes the fingers is left out: the lift comes before a grasp", _lift_early),
+    _mistake(
+        "parameters",
+        "masses and frictions are off by log-normal factors of up to ten",
+        _misjudge,
+        "parameters",
+        "CoRAL (manipulation), limitations: a misjudged material makes the estimate of an object's mass grossly wrong",
     ),
-    Mistake(
-        name="early-lift",
-        what="the phase that closes the fingers is left out: the lift comes before a grasp",
-        found_in="",
-        questions=PLANS,
-        part="plan",
-        err=_lift_early,
-    ),
-    Mistake(
-        name="parameters",
-        what="masses and frictions are off by log-normal factors of up to ten",
-        found_in="CoRAL (manipulation), limitations: a misjudged material makes the estimate of an object's "
-        "mass grossly wrong",
-        questions=PARAMETERS,
-        part="parameters",
-        err=_misjudge,
-    ),
-    Mistake(
-        name="wrong-face",
-        what="contact regions lie on the wrong face of an object",
-        found_in="",
-        questions=REGIONS,
-        part="regions",
-        err=_move_face,
-    ),
+    _mistake("wrong-face", "contact regions lie on the wrong face of an object", _move_face, "regions"),
 )
 """Errors that can be named after `sloppy:`."""
