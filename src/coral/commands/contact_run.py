@@ -48,7 +48,7 @@ from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.strategist import FixedStrategist
-from coral.contact.thinker.think_cfg import Told, resolved
+from coral.contact.thinker.think_cfg import Told
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
@@ -178,7 +178,7 @@ class ContactRun:
             prompt=self.prompt,
         )
         thinking_latency(cfg.think.latency, advisor, self.advisor)
-        believe = {} if self.believe is None else parse_beliefs(self.believe, task, cfg=cfg.think.belief)
+        believe = {} if self.believe is None else parse_beliefs(self.believe, task)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
         if flags.given:
             robot = flags.robot_of()
@@ -209,7 +209,7 @@ class ContactRun:
                 memory=self.memory,
                 folder=folder,
                 inbox=self.inbox,
-                think=resolved(cfg.think, cfg.controller, self.advisor),
+                think=cfg.think,
                 believe=believe,
                 model=model,
             ),

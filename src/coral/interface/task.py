@@ -36,7 +36,6 @@ from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.strategist import FixedStrategist, Strategist
-from coral.contact.thinker.think_cfg import resolved
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
@@ -159,7 +158,7 @@ def run_task(
         settings, variant=chosen, samples=samples, poses=poses, tracker=tracker, fallback=fallback
     )
     thinking_latency(settings.think.latency, who, spec)
-    beliefs = {} if believe is None else parse_beliefs(believe, found, cfg=settings.think.belief)
+    beliefs = {} if believe is None else parse_beliefs(believe, found)
     record = dataclasses.replace(
         settings.record,
         report=settings.record.report and out is not None if report is None else report,
@@ -181,7 +180,7 @@ def run_task(
             memory=memory,
             folder=folder.path,
             inbox=folder.path / RunFiles.INBOX,
-            think=resolved(settings.think, settings.controller, spec),
+            think=settings.think,
             believe=beliefs,
             model=checked(model or contact_model(), "--model"),
         )

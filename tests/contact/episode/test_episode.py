@@ -95,13 +95,9 @@ def test_a_cost_whose_process_dies_before_the_first_plan_ends_the_episode_with_i
     assert "the process of the cost died" in events(folder, "end")[0]["detail"]
 
 
-@pytest.mark.parametrize(("part", "key"), [("planning", "physics_dt_s"), ("outer", "replay_dt_s")])
-def test_steps_that_do_not_fill_a_control_step_are_refused_before_a_folder_is_made(run, tmp_path, part, key):
+def test_steps_that_do_not_fill_a_control_step_are_refused_before_a_folder_is_made(run, tmp_path):
     cfg = dataclasses.replace(COARSE, planning=dataclasses.replace(COARSE.planning, physics_dt_s=0.03))
-    if part == "outer":
-        outer = dataclasses.replace(COARSE.think.outer, replay_dt_s=0.03)
-        cfg = dataclasses.replace(COARSE, think=dataclasses.replace(COARSE.think, outer=outer))
-    with pytest.raises(InputError, match=rf"{key}: found 0\.03 s, expected a whole number of them in"):
+    with pytest.raises(InputError, match=r"physics_dt_s: found 0\.03 s, expected a whole number of them in"):
         run(cfg=cfg)
     assert not (tmp_path / "run").exists()
 
@@ -128,11 +124,12 @@ def test_a_cost_that_cannot_be_evaluated_goes_to_the_strategist_before_the_episo
     assert len(events(folder, "strategy")) == 2
 
 
-def test_without_a_usable_rollout_the_episode_ends_long_before_its_time(run):
+def test_without_a_usable_rollout_the_episode_ends_long_before_its_time(run, monkeypatch):
     def nothing(state):
         return {"nothing": np.full(state.shape, np.nan)}
 
-    result, _, _ = run(FixedStrategist(strategy(nothing)), dataclasses.replace(COARSE, patience_plans=3), seconds=60.0)
+    monkeypatch.setattr(module, "PATIENCE_PLANS", 3)
+    result, _, _ = run(FixedStrategist(strategy(nothing)), seconds=60.0)
     assert (result["end_reason"], result["steps"]) == ("no-plan", 4)
 
 

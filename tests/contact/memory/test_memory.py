@@ -8,7 +8,7 @@ import pytest
 from experiences import experience
 
 from coral.contact.memory.embedding import HashedConcepts
-from coral.contact.memory.memory import FORMAT, Memory, MemoryCfg
+from coral.contact.memory.memory import FORMAT, Memory
 from coral.errors import InputError
 
 
@@ -84,13 +84,6 @@ def test_what_the_plan_cannot_do_is_not_offered(scene, memory, change):
     one = scene("pick-box")
     memory.add(experience(one))
     assert memory.find(differing(one.facts, change)) == []
-
-
-def test_the_wording_may_be_asked_to_be_similar(scene, memory):
-    one = scene("pick-box")
-    memory.add(experience(one))
-    deaf = Memory(memory.where, MemoryCfg(similarity=0.9), HashedConcepts())
-    assert deaf.find(differing(one.facts, say_otherwise)) == []
 
 
 def test_other_goals_do_not_match_however_near_the_words(scene, memory):

@@ -84,7 +84,6 @@ def test_of_what_is_no_box_a_centre_must_lie_on_the_true_surface(scene, center, 
         RegionsAnswer.model_validate({"can": {"regions": [{"center": scaled, "normal": [0, 0, 1], "extent": 0.002}]}}),
         one.facts,
         (),
-        None,
         Scenery.of(one.trial),
     )
     assert (found.code if found else None) == code

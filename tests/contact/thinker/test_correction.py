@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from histories import history, sliding
 from recorded import RULES
 
 from coral.advisor.question import Reply
@@ -13,12 +14,14 @@ from coral.contact.scene.observation import HandTarget, Transition
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker import correction
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.correction import TouchHistory, correct_beliefs
+from coral.contact.thinker.correction import CorrectionSchedule, TouchHistory, correct_beliefs
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.world_model.identification import Fit
 from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer
 
 FITTED = PhysicalParameters(0.4, 0.3)
+MOVED = history(100, period_s=0.1, box=sliding(1.0))
+"""Ten seconds in which the box slides."""
 
 
 class Scripted:
@@ -156,3 +159,51 @@ def test_little_touch_or_an_object_seen_inside_the_table_leaves_nothing_to_repla
     done, before, after, told = correct(advisor, pushed(correct.one, steps, sunk_m))
     assert (done, after, advisor.questions) == (False, before, [])
     assert "too little" in told[0][1]["text"]
+
+
+def due_times(schedule, steps):
+    """Simulated times at which a correction is due, asked after every step."""
+    return [round(steps[k - 1].after.time_s, 6) for k in range(1, len(steps) + 1) if schedule.due(steps[:k])]
+
+
+def test_a_correction_is_due_at_each_interval_until_all_but_the_last_are_spent():
+    assert due_times(CorrectionSchedule(every_s=1.0), MOVED) == [1.0, 2.0, 3.0, 4.0]
+
+
+def test_the_last_one_is_kept_for_the_end_of_the_episode():
+    schedule = CorrectionSchedule(every_s=1.0)
+    due_times(schedule, MOVED[:50])
+    assert schedule.due(MOVED, last=True) == "box"
+    assert schedule.done == 5
+    assert schedule.due(MOVED, last=True) is None
+
+
+def test_at_the_end_no_interval_is_waited_for():
+    assert CorrectionSchedule(every_s=60.0).due(MOVED, last=True) == "box"
+
+
+def test_without_an_interval_or_a_history_nothing_is_due():
+    assert CorrectionSchedule(every_s=0.0).due(MOVED, last=True) is None
+    assert CorrectionSchedule(every_s=2.0).due([], last=True) is None
+
+
+def test_an_interval_without_touch_is_not_counted_and_the_next_touch_is_corrected_at_once():
+    def later(k):
+        return (0.001 * max(0, k - 52), 0.0, 0.03)
+
+    schedule = CorrectionSchedule(every_s=2.0)
+    # 4 mm have been gone at step 56
+    assert due_times(schedule, history(60, period_s=0.1, box=later)) == [5.6]
+    assert schedule.done == 1
+
+
+def test_each_correction_is_of_what_was_moved_since_the_one_before():
+    def box(k):
+        return (0.002 * min(k, 20), 0.0, 0.03)
+
+    def cup(k):
+        return (0.5, 0.001 * max(0, k - 20), 0.03)
+
+    schedule = CorrectionSchedule(every_s=2.0)
+    steps = history(40, period_s=0.1, box=box, cup=cup)
+    assert [schedule.due(steps[:k]) for k in (20, 40)] == ["box", "cup"]

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from coral.contact.scene.observation import BodyState, HandTarget, Observation, Transition
-from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
+from coral.contact.thinker import progress_monitor
+from coral.contact.thinker.progress_monitor import SURPRISE_TAU_S, OuterCfg, ProgressMonitor
 from coral.contact.thinker.strategist import PlanReport
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -19,9 +20,9 @@ def observed(time_s, x_m):
     return Observation(time_s, at_rest, 0.08, np.zeros(6), {"box": BodyState(np.array([x_m, 0.0, 0.0]), UPRIGHT)})
 
 
-def surprise_after(seconds, period_s, cfg):
+def surprise_after(seconds, period_s):
     """What is left of one surprise of 5 cm when nothing surprises any more for so long, at a period between plans."""
-    monitor, before = ProgressMonitor(cfg, ("push",)), observed(0.0, 0.0)
+    monitor, before = ProgressMonitor(OuterCfg(), ("push",)), observed(0.0, 0.0)
     still = HandTarget(np.zeros(3), UPRIGHT, 0.08, 600.0)
     for k in range(round(seconds / period_s) + 2):
         now = observed(k * period_s, 0.05 if k else 0.0)
@@ -35,13 +36,11 @@ def surprise_after(seconds, period_s, cfg):
 
 @pytest.mark.parametrize("period_s", [0.02, 0.04, 0.1])
 def test_a_surprise_fades_in_seconds_whatever_the_period_between_plans(period_s):
-    tau_s = OuterCfg().surprise_tau_s
-    assert surprise_after(1.0, period_s, OuterCfg()) == pytest.approx(0.05 * math.exp(-1.0 / tau_s), rel=1e-6)
-    assert surprise_after(1.0, period_s, OuterCfg(surprise_tau_s=0.5)) == pytest.approx(0.05 * math.exp(-2.0), rel=1e-6)
+    assert surprise_after(1.0, period_s) == pytest.approx(0.05 * math.exp(-1.0 / SURPRISE_TAU_S), rel=1e-6)
 
 
 def test_at_the_default_period_a_surprise_loses_four_percent_with_each_plan():
-    assert surprise_after(0.04, 0.04, OuterCfg()) == pytest.approx(0.05 * 0.96, rel=1e-14)
+    assert surprise_after(0.04, 0.04) == pytest.approx(0.05 * 0.96, rel=1e-14)
 
 
 def noticed_after(costs):
@@ -67,10 +66,11 @@ def test_a_reward_without_bound_that_creeps_is_no_progress_for_ever():
     assert noticed_after(fast + creeping) == pytest.approx(0.04 * 40 + 15 * 0.2, abs=0.3)
 
 
-def test_the_first_values_of_a_stages_end_are_kept_longer_than_the_record():
+def test_the_first_values_of_a_stages_end_are_kept_longer_than_the_record(monkeypatch):
+    monkeypatch.setattr(progress_monitor, "HISTORY_S", 0.1)
     read = iter(range(100))
     end = SimpleNamespace(read=lambda present: (next(read),))
-    monitor = ProgressMonitor(OuterCfg(history_s=0.1), ("reach", "lift"), {"reach": end})
+    monitor = ProgressMonitor(OuterCfg(), ("reach", "lift"), {"reach": end})
     plan = SimpleNamespace(cost=1.0, terms={}, now={}, expected_force=np.zeros((10, 3)), at_edge=0.0)
     for k in range(10):
         monitor.update(PlanReport(k, observed(0.04 * k, 0.0), plan, "reach", (), present="measured"))

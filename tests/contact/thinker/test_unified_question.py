@@ -3,18 +3,15 @@ from pydantic import ValidationError
 from recorded import RULES, compose
 
 from coral.advisor.question import Rejection, Reply
-from coral.contact.control.mppi_controller import ControllerCfg
-from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.plan.contact_regions import RegionsAnswer
-from coral.contact.plan.touchable_points import Scenery
+from coral.contact.plan.cost_plan import in_process
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.thinker.asker import Asker
-from coral.contact.thinker.scene_text import world_prompt
+from coral.contact.thinker.questions import Questions
 from coral.contact.thinker.think_cfg import ThinkCfg
-from coral.contact.thinker.unified_question import UnifiedAnswer, ask_unified
+from coral.contact.thinker.unified_question import UnifiedAnswer
 from coral.contact.world_model.parameter_estimates import ParameterEstimate
 
-LIMITS = PlannerLimits(ControllerCfg(), 0.02, 0.04)
 CODE = "def state_cost(self):\n    return norm(self.ee_pos - self.box_pos)"
 SIDE = {"center": (0.0, 0.0, 0.5), "normal": (0.0, 0.0, 1.0)}
 
@@ -39,13 +36,12 @@ def ask(scene):
     one = scene("pick-box")
 
     def run(advisor, wrong_plan=lambda answer: None, history=None, **cfg):
-        facts = {**one.facts, "diagnoses": [], "contact_strategy": True}
-        shown = world_prompt(one.facts, one.trial.task, one.world.schema, ThinkCfg(), LIMITS)
         asker = Asker(advisor)
+        questions = Questions(asker, one.trial, one.world, ThinkCfg(**cfg), in_process, lambda *_, **__: None)
+        questions.update_facts(one.now)
+        questions.check_plan = lambda plan, now: wrong_plan(plan)
         try:
-            return ask_unified(
-                asker, facts, shown, one.world, wrong_plan, ThinkCfg(**cfg), Scenery.of(one.trial), None, history
-            )
+            return questions.ask_everything(one.now, history)
         finally:
             asker.close()
 
@@ -79,8 +75,9 @@ def test_places_may_be_left_out_and_parameters_may_not():
 
 
 def test_what_is_accepted_is_believed(ask):
-    outcome = ask(Varied(parameters=parameters(0.4)))
-    assert outcome.attempts == 1
+    advisor = Varied(parameters=parameters(0.4))
+    ask(advisor)
+    assert advisor.reasons == []
     assert ask.one.world.beliefs[0]["box"] == PhysicalParameters(mass_kg=0.4, friction=0.7)
 
 

@@ -1,8 +1,10 @@
 import dataclasses
 
 import numpy as np
+import pytest
 from histories import TOOL, history, sliding
 
+from coral.contact.world_model import history as module
 from coral.contact.world_model.history import most_informative_object, windows
 
 NEAR, FAR = (0.0, 0.0, 0.1), (0.0, 0.0, -0.1)
@@ -21,13 +23,13 @@ def test_a_history_without_touch_says_nothing():
 
 
 def test_windows_of_an_object_that_slides_overlap_by_half():
-    found = windows(history(24, box=sliding(1.0)), "box", length=12)
+    found = windows(history(24, box=sliding(1.0)), "box")
     assert firsts(found) == [0, 6, 12]
     assert {len(window.steps) for window in found} == {12}
 
 
 def test_a_history_shorter_than_a_window_has_none():
-    assert windows(history(11, box=sliding(1.0)), "box", length=12) == []
+    assert windows(history(11, box=sliding(1.0)), "box") == []
 
 
 def test_what_resists_a_force_tells_something_where_the_hand_is_near_it():
@@ -36,20 +38,21 @@ def test_what_resists_a_force_tells_something_where_the_hand_is_near_it():
     assert windows(history(12, box=NEAR, force=(0.2, 0.0, 0.0)), "box") == []
 
 
-def test_the_windows_that_tell_most_are_kept_in_the_order_of_time():
+@pytest.mark.parametrize(("most", "kept"), [(1, [24]), (3, [0, 18, 24])])
+def test_the_windows_that_tell_most_are_kept_in_the_order_of_time(monkeypatch, most, kept):
     # 1 mm per step until step 12, nothing until 24, then 3 mm
     def place(k):
         return np.array([0.001 * min(k, 12) + 0.003 * max(0, k - 24), 0.0, 0.03])
 
     steps = history(36, box=place)
-    assert firsts(windows(steps, "box", most=1)) == [24]
-    assert firsts(windows(steps, "box", most=3)) == [0, 18, 24]
+    monkeypatch.setattr(module, "MOST", most)
+    assert firsts(windows(steps, "box")) == kept
 
 
 def test_no_window_spans_a_gap_in_time_or_begins_where_no_replay_can():
     steps = history(12, box=sliding(1.0)) + history(12, box=sliding(1.0), start_s=1.0)
-    assert firsts(windows(steps, "box", length=12)) == [0, 50]
-    assert firsts(windows(steps, "box", length=12, usable=lambda start: start.time_s > 0.5)) == [50]
+    assert firsts(windows(steps, "box")) == [0, 50]
+    assert firsts(windows(steps, "box", usable=lambda start: start.time_s > 0.5)) == [50]
 
 
 def test_the_object_that_moved_farthest_tells_most_though_it_came_back():

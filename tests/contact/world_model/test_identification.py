@@ -11,7 +11,6 @@ from coral.contact.world_model.force_balance import Balance
 from coral.contact.world_model.history import Window
 from coral.contact.world_model.history_replay import HistoryReplay
 from coral.contact.world_model.identification import (
-    Fit,
     compare,
     fit_by_balance,
     fit_by_replay,
@@ -30,11 +29,10 @@ def test_a_proposal_equal_to_the_belief_explains_no_better(scene):
 
 def test_what_a_history_does_not_tell_stays_as_it_was_believed(scene, monkeypatch):
     # Slow pushes: the product of mass and friction is known to 10 %, neither of them is.
-    before, after = {"box": PhysicalParameters(1.0, 0.5)}, PhysicalParameters(4.0, 0.2)
-    found = Fit("box", before["box"], after, 1.0, 0.5, True, 5.0, 5.0, 0.1, 8)
-    monkeypatch.setattr(module, "identify", lambda *_: found)
+    before = {"box": PhysicalParameters(1.0, 0.5)}
+    monkeypatch.setattr(module, "identify", lambda *_: (PhysicalParameters(4.0, 0.2), (5.0, 5.0, 0.1)))
     monkeypatch.setattr(module, "compare", lambda *_: (1.0, 0.4))
-    fit = fit_by_replay(None, "box", before, np.random.default_rng(0))
+    fit = fit_by_replay(SimpleNamespace(windows=[]), "box", before, np.random.default_rng(0))
     assert fit.after.mass_kg * fit.after.friction == pytest.approx(0.8, rel=0.05)
     assert fit.after.mass_kg == pytest.approx(1.5, rel=0.2)
     assert fit.accepted

@@ -5,7 +5,6 @@ from pydantic import ValidationError
 
 from coral.contact.scene.trial import PhysicalParameters
 from coral.contact.world_model.parameter_correction import ObjectParameters, ParametersAnswer, verify_parameters
-from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
 
 BELIEVED = {"box": PhysicalParameters(1.0, 0.5), "cup": PhysicalParameters(0.2, 0.4)}
 
@@ -37,12 +36,6 @@ def test_an_impossible_correction_is_refused_with_a_reason(given, code, reason):
     found = verify_parameters(answer(("cup", 0.2, 0.4), given), BELIEVED)
     assert found.code == code
     assert found.reason.startswith(reason)
-
-
-def test_the_bounds_are_those_that_were_configured():
-    narrow = ParameterBoundsCfg(mass_kg=(0.1, 0.3))
-    assert verify_parameters(answer(("box", 0.4, 0.3)), BELIEVED, narrow).code == "bounds"
-    assert verify_parameters(answer(("box", 0.2, 0.3)), BELIEVED, narrow) is None
 
 
 def test_a_correction_of_one_object_leaves_the_others_as_they_were_believed():

@@ -137,10 +137,9 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
                 "stage": "lift",
                 "code": "not_finite",
                 "reason": "line 3: nan",
-                "meanwhile": "reach",
             },
             "The cost could not be evaluated",
-            "the last good cost, “reach”, took over",
+            "line 3: nan",
         ),
         (
             {"event": "fallback", "what": "plan", "by": "heuristic", "because": "requeries-used-up"},

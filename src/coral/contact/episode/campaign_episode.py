@@ -17,7 +17,6 @@ from coral.contact.episode.variants import REMEMBERING, AdvisorSetup, contact_mo
 from coral.contact.memory.memory import Memory
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import sample_trial
-from coral.contact.thinker.think_cfg import resolved
 from coral.errors import RunError
 from coral.file_writer import write_whole
 from coral.run_files import TaskFiles
@@ -70,7 +69,7 @@ def run_episode(
                 seed=seed,
                 world=world,
                 folder=folder,
-                think=resolved(cfg.think, cfg.controller, advisor),
+                think=cfg.think,
                 memory=None if own is None else own.where,
                 model=model or contact_model(),
             ),

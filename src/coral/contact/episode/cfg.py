@@ -25,8 +25,6 @@ class EpisodeCfg:
     replan_steps: Count = 2
     """Control steps executed per plan. Departs from the paper: it executes one; two halve the
     time, and feedback runs at every step."""
-    patience_plans: Count = 25
-    """The episode ends after this many successive plans without a valid rollout."""
     planning: PlanningCfg = field(default_factory=PlanningCfg)
     """The planning world."""
     controller: ControllerCfg = field(default_factory=ControllerCfg)

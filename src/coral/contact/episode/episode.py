@@ -42,7 +42,7 @@ from coral.contact.scene.trial import Trial, with_beliefs
 from coral.contact.thinker.asker import EpisodeOver
 from coral.contact.thinker.fallback import NoDecision
 from coral.contact.thinker.strategist import NoStrategy, PlanReport, Strategist
-from coral.contact.thinker.think_cfg import resolved
+from coral.contact.thinker.think_cfg import decision_budget
 from coral.contact.worlds.evaluation_world import EvaluationWorld, WorldError
 from coral.contact.worlds.registry import make_world
 from coral.contact.worlds.robot_world import RobotWorld, in_real_time
@@ -50,6 +50,9 @@ from coral.errors import InputError, RunError
 from coral.run_files import RunFiles
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter
+
+PATIENCE_PLANS = 25
+"""The episode ends after this many successive plans without a valid rollout."""
 
 
 class Episode:
@@ -86,7 +89,8 @@ class Episode:
     ) -> None:
         self._make_controller = hand_controller_maker(controller)
         cfg = checked(cfg, "--cfg")
-        cfg = dataclasses.replace(cfg, think=resolved(cfg.think, cfg.controller, advisor))
+        think = dataclasses.replace(cfg.think, budget=decision_budget(cfg.think.budget, advisor))
+        cfg = dataclasses.replace(cfg, think=think)
         self.trial, self.strategist, self.cfg = trial, strategist, cfg
         self.variant, self.advisor = variant, advisor
         self.time_limit_s = trial.task.time_limit_s
@@ -97,7 +101,6 @@ class Episode:
         """Factors on the terms of the costs; a live page sets them."""
         self.latest_plan: HandPlan | None = None
         whole_steps(cfg.planning.step_s, cfg.planning.physics_dt_s, "--cfg", "planning.physics_dt_s")
-        whole_steps(cfg.planning.step_s, cfg.think.outer.replay_dt_s, "--cfg", "think.outer.replay_dt_s")
         self.world: RobotWorld = make_world(world, trial, cfg.planning.step_s) if isinstance(world, str) else world
         if abs(self.world.control_period_s - cfg.planning.step_s) > 1e-9:
             expected = f"{self.world.control_period_s:g} s, the control period of the world {self.world.name!r}"
@@ -280,7 +283,7 @@ class Episode:
             return True
         if self.end_reason:
             return True
-        began, going = self.t, self.cfg.think.meanwhile == "go-on"
+        began, going = self.t, True
         self._thinking = True
         while self.t < began + seconds - 1e-9 and not self.end_reason:
             try:
@@ -397,7 +400,7 @@ class Episode:
             self.end_reason, self.detail = "no-plan", "the plan contains a value that is not finite"
             return None
         self._without_plan = 0 if plan.valid else self._without_plan + 1
-        if self._without_plan >= self.cfg.patience_plans:
+        if self._without_plan >= PATIENCE_PLANS:
             self.end_reason = "no-plan"
             self.detail = f"{self._without_plan} plans in a row had no valid rollout"
             return None

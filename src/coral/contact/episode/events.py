@@ -38,7 +38,7 @@ EVENTS = {
     "`cost`, the `gain`, and what follows (`diagnosis`, `text`); `stage`.",
     "correction": "Mass and friction of an `object` were replayed with the history: whether new ones were "
     "`accepted`, `text`, `errors` of both, values `before` and `after`; `decided`, `source`, `failure`, `refused`.",
-    "cost_error": "A cost failed in use: `stage`, `code`, `reason`, and what happens `meanwhile`.",
+    "cost_error": "A cost failed in use: `stage`, `code`, `reason`.",
     "end": "The last line: `reason`, `detail`, `advisor_calls`, `repairs`, `memory_hit`.",
 }
 """Every line also has `step` and `t` (simulated seconds). Beliefs and poses have a key for each object."""

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -62,28 +63,14 @@ class AdvisorSetup:
 Make = Callable[[Task, AdvisorSetup], Strategist]
 
 
-def _asking_variant(
-    variant: str,
-    *,
-    remember: bool = True,
-    strategy: bool = True,
-    regions: bool = True,
-    refine: bool = True,
-    unified: bool = False,
-    tracking: bool = True,
-) -> Make:
-    """Make a variant that asks an advisor, with parts of the method disabled."""
+def _asking_variant(variant: str, **parts: Any) -> Make:
+    """Make a variant that asks an advisor, with parts of `ThinkCfg` enabled or disabled."""
 
     def make(task: Task, asking: AdvisorSetup) -> Strategist:
-        memory = Memory(asking.memory, asking.think.memory) if asking.memory is not None and remember else None
-        think = dataclasses.replace(
-            asking.think,
-            strategy=strategy and asking.think.strategy,
-            regions=regions and strategy and asking.think.regions,
-            refine=refine and asking.think.refine,
-            unified=unified or asking.think.unified,
-            tracking=tracking and asking.think.tracking,
-        )
+        remembers = asking.memory is not None and variant in REMEMBERING
+        memory = Memory(asking.memory, asking.think.memory) if remembers else None
+        think = dataclasses.replace(asking.think, **parts)
+        think = dataclasses.replace(think, regions=think.regions and think.strategy)
         advisor = asking.given or make_advisor(
             asking.advisor,
             rules={},
@@ -136,13 +123,11 @@ VARIANTS: dict[str, Make] = {
     "full": _asking_variant("full"),
     # The same questions; `of_variant` makes the planner the paper's.
     "paper": _asking_variant("paper"),
-    "no-memory": _asking_variant("no-memory", remember=False),
+    "no-memory": _asking_variant("no-memory"),
     "no-refinement": _asking_variant("no-refinement", refine=False),
-    # Remembered plans have a contact strategy.
-    "unguided": _asking_variant("unguided", remember=False, strategy=False),
+    "unguided": _asking_variant("unguided", strategy=False),
     "no-regions": _asking_variant("no-regions", regions=False),
-    # Memory is looked up by mass and friction, which only this single answer would provide.
-    "unified": _asking_variant("unified", remember=False, unified=True),
+    "unified": _asking_variant("unified", unified=True),
     "no-tracking": _asking_variant("no-tracking", tracking=False),
 }
 """Function that makes the strategist of each variant."""
@@ -165,7 +150,8 @@ WHAT = {
 ALONE = ("expert", "expert-fsm")
 """Variants without an advisor."""
 REMEMBERING = ("full", "paper", "no-refinement", "no-regions", "no-tracking")
-"""Variants that use the experience memory; all but `no-regions` add to it."""
+"""Variants that use the experience memory; all but `no-regions` add to it. Remembered plans have a contact strategy,
+which `unguided` leaves out, and are looked up by mass and friction, which `unified` asks for with the plan."""
 
 
 def make_strategist(variant: str, task: Task, asking: AdvisorSetup | None = None) -> Strategist:

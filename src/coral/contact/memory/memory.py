@@ -11,7 +11,6 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, field_validator
 
-from coral.config import Count, Signed
 from coral.contact.memory.embedding import DEFAULT, Embedder, Vector, embedder_of
 from coral.contact.memory.goal_match import GoalMatch, match_goals
 from coral.contact.memory.scene_numbers import (
@@ -109,21 +108,20 @@ class Match:
     """How its goals correspond to those of the scene."""
 
 
+CANDIDATES = 3
+"""Maximum number of remembered plans that are adapted and checked."""
+FAILURES = 3
+"""A plan that failed this often without ever succeeding again is no longer offered."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class MemoryCfg:
     """How experiences are retrieved."""
 
     embedder: str = DEFAULT
     """Embeds instructions: `concepts` (a small lexicon), or an entry point of the group `coral.embedders`."""
-    similarity: Signed = -1.0
-    """Smallest cosine similarity of the instructions. None is required: goals decide, and the wording ranks, because
-    a paraphrase may share no word."""
-    candidates: Count = 3
-    """Maximum number of remembered plans that are adapted and checked."""
     rehearsed: Annotated[int, Field(ge=0)] = 3
     """Maximum number of plans tried in an imagined run. 0 follows the first that passes its checks, untried."""
-    failures: Count = 3
-    """A plan that failed this often without ever succeeding again is no longer offered."""
 
 
 class Memory:
@@ -131,13 +129,13 @@ class Memory:
 
     Args:
         where: The SQLite file; created at the first success.
-        cfg: Limits within which an experience matches.
+        cfg: Names the embedder.
         embedder: Embeds texts; by default the one that `cfg` names.
     """
 
     def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
         self.store = SqliteStore(Path(where))
-        self.cfg, self.embedder = cfg or MemoryCfg(), embedder or embedder_of((cfg or MemoryCfg()).embedder)
+        self.embedder = embedder or embedder_of((cfg or MemoryCfg()).embedder)
 
     @property
     def where(self) -> str:
@@ -203,21 +201,21 @@ class Memory:
         """Record that an experience was used, and whether the episode succeeded."""
         self.store.count(number, helped)
 
-    def find(self, facts: SceneFacts, most: int | None = None) -> list[Match]:
+    def find(self, facts: SceneFacts) -> list[Match]:
         """Find the experiences that match a scene, best first.
 
         The goals have to be of the same kinds, directions and manner; the instructions must not contradict each other;
         sizes, masses, heights and places may differ within limits, but what had to fit the hand still has to. Of those
-        that are left, similar wording, success in earlier uses and similar numbers come first.
+        that are left, similar wording, success in earlier uses and similar numbers come first. No similarity of the
+        wording is required: a paraphrase may share no word.
 
         Args:
             facts: The scene (`scene_facts`).
-            most: Maximum number of matches; by default `candidates`.
         """
         here = self.embedder.embed(facts["instruction"])
         found = []
         for stored in self.all():
-            if stored.used - stored.helped >= self.cfg.failures and not stored.helped:
+            if stored.used - stored.helped >= FAILURES and not stored.helped:
                 continue
             match = self._match(stored, facts, here)
             if match is not None:
@@ -230,7 +228,7 @@ class Memory:
             score = match.similarity + stored.success_rate - 0.5 * match.distance - 0.2 * len(match.goals.missing)
             return (failed, -score, -stored.id)
 
-        return sorted(found, key=rank)[: self.cfg.candidates if most is None else most]
+        return sorted(found, key=rank)[:CANDIDATES]
 
     def _match(self, stored: Stored, facts: SceneFacts, here: Vector) -> Match | None:
         """Compare an experience with the scene; None if its plan cannot serve."""
@@ -245,8 +243,6 @@ class Memory:
         if distance > 1.0 or not _still_fits_hand(held, goals, before, numbers, facts):
             return None
         similarity = float(np.dot(here, self._vector(stored, len(here))))
-        if similarity < self.cfg.similarity:
-            return None
         return Match(stored, round(similarity, 4), round(distance, 4), goals)
 
     def _vector(self, stored: Stored, size: int) -> Vector:

@@ -35,12 +35,6 @@ searched."""
 CHEAPER = 0.02
 """A place is cheaper if it saves this share of the jump: a descent ends a step short of the jump, and another place as
 far from the object must not count as a way through."""
-JUMP = 0.05
-"""Rise of the cost at one place that counts as a barrier, relative to its fall on the way there."""
-NEAR_M = 0.3
-"""A barrier around an object lies at most this far from its surface: a hand begins some 0.2 m away."""
-BEYOND_M = 0.12
-"""The planner finds its way through a barrier if something within this distance is cheaper."""
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 """The palm pointing down."""
 TURNS: tuple[Array, ...] = tuple(

@@ -7,14 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field, RootModel
 
-from coral.config import Signed
 from coral.contact.control.hand_model import MAX_OPENING_M
 from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.cost.context import Context
@@ -23,8 +21,8 @@ from coral.contact.scene.geometry import quaternion_of, rotate, rotation_of
 
 Array = NDArray[np.float64]
 Approach = Literal["push", "press", "pinch"]
-Corner = tuple[Signed, Signed, Signed]
-"""Corner of a box in the world, m."""
+ReachBox = tuple[tuple[float, float, float], tuple[float, float, float]]
+"""Lowest and highest corner of the box in the world, m, that bounds the tool."""
 PAD_M = 0.010
 """Distance from the tool to a finger's forward face."""
 TIP_M = 0.008
@@ -100,27 +98,12 @@ def _numbers(vector: Sequence[float]) -> str:
     return f"[{', '.join(f'{value:g}' for value in vector)}]"
 
 
-@dataclass(frozen=True, kw_only=True)
-class RegionCfg:
-    """Where the hand may go to a region."""
-
-    reach_low_m: Corner | None = None
-    reach_high_m: Corner | None = None
-    """Corners of the box that bounds the tool; None for the controller's workspace."""
+def reach_box(controller: ControllerCfg) -> ReachBox:
+    """Return the box in which a controller lets the tool move."""
+    return controller.workspace_low_m, controller.workspace_high_m
 
 
-def reach_box(cfg: RegionCfg, controller: ControllerCfg | None = None) -> tuple[Corner, Corner]:
-    """Return the lowest and highest corner of the box that bounds the tool.
-
-    Args:
-        cfg: Bounds.
-        controller: Its workspace replaces bounds that are None; by default one with its defaults.
-    """
-    controller = controller or ControllerCfg()
-    return (
-        controller.workspace_low_m if cfg.reach_low_m is None else cfg.reach_low_m,
-        controller.workspace_high_m if cfg.reach_high_m is None else cfg.reach_high_m,
-    )
+REACH = reach_box(ControllerCfg())
 
 
 def natural_approach(normal: Array) -> Approach:

@@ -16,7 +16,6 @@ from coral.contact.cost.stages import Guide, Stage, Strategy, Test
 from coral.contact.cost_program import CostError, CostProgram
 from coral.contact.cost_program.state import objects_of
 from coral.contact.plan.contact_regions import Array, RegionsAnswer, guide
-from coral.contact.plan.last_good_cost import LastGoodCost
 from coral.contact.plan.plan_language import MOST_NAMES, MOST_STAGES, write_out
 from coral.contact.plan.unseen import objects_read, unseen_of, waiting_cost
 
@@ -217,7 +216,6 @@ def make_strategy(
     schema: Schema,
     sizes: Mapping[str, Array],
     load: Loader = in_process,
-    keep: LastGoodCost | None = None,
     candidates: Sequence[Array] | None = None,
 ) -> Strategy:
     """Make the strategy that the planner follows.
@@ -229,7 +227,6 @@ def make_strategy(
         schema: The quantities of the state.
         sizes: Full extents of the objects, m.
         load: Loads programs.
-        keep: Replaces a cost that fails in use by the last one that worked; None lets the failure through.
         candidates: For each region, in order, its touchable points, Shape=(n, 3) m in the object's frame; None takes
             the regions' flat discs.
 
@@ -249,9 +246,7 @@ def make_strategy(
             ]
             if stage.toward is not None:
                 guides.append(Guide(_points(stage.toward, schema), opening_m=said.opening))
-        cost = waiting_cost(
-            stage.cost if keep is None else keep.following(stage.cost), objects_read(stage.cost, schema)
-        )
+        cost = waiting_cost(stage.cost, objects_read(stage.cost, schema))
         stages.append(
             Stage(
                 said.name,

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from coral.config import Count, Positive
 from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.mppi_controller import Controller, ControllerCfg
 from coral.contact.control.planning_world import PlanningWorld
@@ -22,19 +21,13 @@ SEED = 20_261
 """The same samples at every call: one plan has one imagined run."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ImaginedRunCfg:
-    """Length and effort of the run."""
-
-    most_s: Positive = 6.0
-    """Simulated time."""
-    replan_steps: Count = 4
-    """Control steps between two plans."""
-    controller: ControllerCfg = field(
-        default_factory=lambda: replace(ControllerCfg(), mppi=KnotMppiCfg(samples=16, fine=0.0, spread_quantile=0.9))
-    )
-    """The planner, with few samples: where a stage begins is to be known to a centimetre or two. So few get further
-    with equal noise than with fine samples."""
+REPLAN_STEPS = 4
+"""Control steps between two plans."""
+MOST_S = 6.0
+"""Simulated time in which the beginnings of stages are looked for."""
+CONTROLLER = replace(ControllerCfg(), mppi=KnotMppiCfg(samples=16, fine=0.0, spread_quantile=0.9))
+"""The planner for that: where a stage begins is to be known to a centimetre or two. So few samples get further with
+equal noise than with fine ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,33 +47,39 @@ class ImaginedMoment:
 
 
 def imagine(
-    world: PlanningWorld, strategy: Strategy, now: Observation, cfg: ImaginedRunCfg | None = None
+    world: PlanningWorld, strategy: Strategy, now: Observation, most_s: float, cfg: ControllerCfg
 ) -> Iterator[ImaginedMoment]:
     """Follow a plan in the planning world, under the best belief.
 
     The run ends after `most_s`, when no rollout is valid, or when a cost cannot be evaluated.
+
+    Args:
+        world: The planning world with its beliefs.
+        strategy: The plan.
+        now: The present state.
+        most_s: Simulated time.
+        cfg: The planner.
     """
-    cfg = cfg or ImaginedRunCfg()
-    controller = Controller(world, cfg.controller, np.random.default_rng(SEED))
+    controller = Controller(world, cfg, np.random.default_rng(SEED))
     progress, since, latest = Progress(strategy), now, None
-    for step in range(0, round(cfg.most_s / world.cfg.step_s), cfg.replan_steps):
+    for step in range(0, round(most_s / world.cfg.step_s), REPLAN_STEPS):
         stage = progress.stage
         try:
-            plan = controller.plan(now, stage, step, since, latest, cfg.replan_steps if latest else 0)
+            plan = controller.plan(now, stage, step, since, latest, REPLAN_STEPS if latest else 0)
             if not plan.valid or plan.now is None:
                 return
             if progress.update(plan.now):
                 since = now
         except CostError:
             return
-        after = states_under(world, now, plan.targets[: cfg.replan_steps], step)
+        after = states_under(world, now, plan.targets[:REPLAN_STEPS], step)
         yield ImaginedMoment(now, stage.name, progress.stage.name, plan, after)
         now = now if after is None else observation_of(after, now)
-        latest = plan.targets[cfg.replan_steps - 1]
+        latest = plan.targets[REPLAN_STEPS - 1]
 
 
 def stage_beginnings(
-    world: PlanningWorld, strategy: Strategy, now: Observation, wanted: Sequence[str], cfg: ImaginedRunCfg | None = None
+    world: PlanningWorld, strategy: Strategy, now: Observation, wanted: Sequence[str]
 ) -> dict[str, Observation]:
     """Return the states in which stages begin when the plan is followed in the planning world.
 
@@ -89,13 +88,12 @@ def stage_beginnings(
         strategy: The plan.
         now: The present state.
         wanted: Names of the stages; the run ends once all have begun.
-        cfg: Length and effort.
 
     Returns:
         By name, the state in which a stage first begins; stages that are not reached are missing.
     """
     found = {strategy.begin or strategy.stages[0].name: now}
-    for moment in imagine(world, strategy, now, cfg):
+    for moment in imagine(world, strategy, now, MOST_S, CONTROLLER):
         found.setdefault(moment.next_stage, moment.now)
         if all(name in found for name in wanted):
             break

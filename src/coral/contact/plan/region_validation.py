@@ -14,18 +14,18 @@ from coral.contact.plan.contact_regions import (
     FACING,
     MOST,
     OFF_SURFACE_M,
+    REACH,
     SAMPLES,
     TIP_M,
     Array,
+    ReachBox,
     Region,
-    RegionCfg,
     RegionsAnswer,
     closing_axis,
     natural_approach,
-    reach_box,
 )
 from coral.contact.plan.convex_pieces import Solid
-from coral.contact.plan.touchable_points import MISSED, REACH, Candidates, Scenery, candidates_of, off_surface
+from coral.contact.plan.touchable_points import AWAY, MISSED, Candidates, Scenery, candidates_of, off_surface
 from coral.contact.scene.facts import ObjectFacts, SceneFacts, on_table
 from coral.contact.scene.geometry import rotate
 
@@ -34,8 +34,8 @@ def verify_regions(
     answer: RegionsAnswer,
     facts: SceneFacts,
     stages: Sequence[str] = (),
-    cfg: RegionCfg | None = None,
     scenery: Scenery | None = None,
+    reach: ReachBox = REACH,
 ) -> Rejection | None:
     """Return why regions cannot be used, or None: unknown object, off the surface, or no point that can be touched.
 
@@ -43,10 +43,10 @@ def verify_regions(
         answer: The regions.
         facts: Facts of the scene (`scene_facts`): sizes, poses, table.
         stages: Names of the plan's stages.
-        cfg: Bounds.
         scenery: True shapes; by default the bounding boxes in the facts.
+        reach: Where the hand may go.
     """
-    cfg, scenery = cfg or RegionCfg(), scenery or Scenery.boxes(facts)
+    scenery = scenery or Scenery.boxes(facts)
     for name, held in answer.root.items():
         if name not in facts["objects"]:
             return _reject(
@@ -60,11 +60,11 @@ def verify_regions(
                 return _reject(name, wrong[0], f"region {index + 1} of {name}: {wrong[1]}", index)
     if not answer.each():
         return Rejection(code="none", reason="no region on any object; name at least one place to touch")
-    candidates = candidates_of(answer, facts, stages, scenery, cfg)
+    candidates = candidates_of(answer, facts, stages, scenery, reach)
     places = [(name, index) for name, held in answer.root.items() for index in range(len(held.regions))]
     for (name, index), left in zip(places, candidates, strict=True):
         if not len(left.points):
-            code, reason = _no_candidate_left(left, facts["objects"][name], cfg)
+            code, reason = _no_candidate_left(left, facts["objects"][name], reach)
             return _reject(name, code, f"region {index + 1} of {name}: {reason}", index)
     return None
 
@@ -132,7 +132,7 @@ def _points_inward(center: Array, normal: Array, solids: Sequence[Solid]) -> boo
     )
 
 
-def _no_candidate_left(left: Candidates, item: ObjectFacts, cfg: RegionCfg) -> tuple[str, str]:
+def _no_candidate_left(left: Candidates, item: ObjectFacts, reach: ReachBox) -> tuple[str, str]:
     """Return why no candidate of a region can be touched."""
     count = sum(left.lost.values())
     reasons = ", ".join(f"{number} {reason}" for reason, number in left.lost.items())
@@ -140,12 +140,9 @@ def _no_candidate_left(left: Candidates, item: ObjectFacts, cfg: RegionCfg) -> t
     code, mend = "buried", "touch it on a side that is free"
     if worst == MISSED:
         code, mend = "missed", f"in the object's frame it extends {_extent(item)}"
-    elif worst == REACH:
-        low, high = reach_box(cfg)
-        code, mend = (
-            "out-of-reach",
-            (f"in the world the hand gets from {_text(np.asarray(low))} to {_text(np.asarray(high))} m"),
-        )
+    elif worst == AWAY:
+        low, high = map(np.asarray, reach)
+        code, mend = "out-of-reach", f"in the world the hand gets from {_text(low)} to {_text(high)} m"
     return code, f"none of its {count} candidate points can be touched: {reasons}; {mend}"
 
 

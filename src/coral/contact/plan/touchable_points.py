@@ -14,13 +14,13 @@ from coral.contact.plan.contact_regions import (
     FACING,
     LOWEST_M,
     OFF_SURFACE_M,
+    REACH,
     TIP_M,
+    ReachBox,
     Region,
-    RegionCfg,
     RegionsAnswer,
     candidates,
     natural_approach,
-    reach_box,
     tool_at,
 )
 from coral.contact.plan.convex_pieces import Solid, box, pieces
@@ -29,7 +29,7 @@ from coral.contact.scene.geometry import from_rotvec, rotate, rotation_of
 from coral.contact.scene.trial import Trial
 
 Array = NDArray[np.float64]
-MISSED, TABLE, REACH = "off the face", "below the table's top", "out of the hand's reach"
+MISSED, TABLE, AWAY = "off the face", "below the table's top", "out of the hand's reach"
 FLUSH_M = 1e-4
 """A candidate this close to the surface is not moved: advisors round to this."""
 SEAM_M = 5e-4
@@ -116,7 +116,7 @@ def candidates_of(
     facts: SceneFacts,
     stages: Sequence[str] = (),
     scenery: Scenery | None = None,
-    cfg: RegionCfg | None = None,
+    reach: ReachBox = REACH,
 ) -> list[Candidates]:
     """Find the touchable candidates of every region, in the regions' order.
 
@@ -128,9 +128,9 @@ def candidates_of(
         facts: Facts of the scene (`scene_facts`): poses, fixtures, table.
         stages: Names of the plan's stages, in order.
         scenery: True shapes; by default the bounding boxes in the facts.
-        cfg: Bounds.
+        reach: Where the hand may go.
     """
-    scenery, cfg = scenery or Scenery.boxes(facts), cfg or RegionCfg()
+    scenery = scenery or Scenery.boxes(facts)
     order = {stage: index for index, stage in enumerate(stages)}
     begins: dict[str, int] = {}
     for name, region in answer.each():
@@ -139,7 +139,7 @@ def candidates_of(
     for name, region in answer.each():
         when = order.get(region.stage, 0)
         standing = [other for other in facts["objects"] if other != name and begins.get(other, when) >= when]
-        candidates.append(touchable(name, region, facts, scenery, cfg, standing if when == begins[name] else None))
+        candidates.append(touchable(name, region, facts, scenery, reach, standing if when == begins[name] else None))
     return candidates
 
 
@@ -148,7 +148,7 @@ def touchable(
     region: Region,
     facts: SceneFacts,
     scenery: Scenery,
-    cfg: RegionCfg,
+    reach: ReachBox,
     standing: Sequence[str] | None,
 ) -> Candidates:
     """Find the touchable candidates of one region.
@@ -158,7 +158,7 @@ def touchable(
         region: The region.
         facts: Facts of the scene.
         scenery: Shapes.
-        cfg: Bounds.
+        reach: Where the hand may go.
         standing: Other objects in their present poses; None if this object may have moved: only its surface counts
             then.
     """
@@ -171,7 +171,7 @@ def touchable(
     points = points[on_face]
     if standing is None or not len(points):
         return Candidates(points, dict(lost))
-    reasons = _hindrances(name, region, points, facts, scenery, cfg, standing)
+    reasons = _hindrances(name, region, points, facts, scenery, reach, standing)
     lost.update(reason for reason in reasons if reason)
     return Candidates(points[[not reason for reason in reasons]], dict(lost))
 
@@ -182,7 +182,7 @@ def _hindrances(
     points: Array,
     facts: SceneFacts,
     scenery: Scenery,
-    cfg: RegionCfg,
+    reach: ReachBox,
     standing: Sequence[str],
 ) -> list[str]:
     """Return why each point cannot be touched in the object's present pose; "" if it can."""
@@ -207,9 +207,9 @@ def _hindrances(
             blocked = (solid.depth(tool) > BURIED_M) & (approach != "pinch")
             reasons[(reasons == "") & buried] = f"inside {thing}"
             reasons[(reasons == "") & blocked] = f"with no room for a finger before {thing}"
-    low, high = map(np.asarray, reach_box(cfg))
+    low, high = map(np.asarray, reach)
     outside = (tool < low).any(axis=1) | (tool > high).any(axis=1)
-    reasons[(reasons == "") & outside] = REACH
+    reasons[(reasons == "") & outside] = AWAY
     return [str(reason) for reason in reasons]
 
 

@@ -24,7 +24,6 @@ from coral.contact.policy.cameras import PolicyCameras
 from coral.contact.policy.client import PolicyError, printable
 from coral.contact.scene.observation import Array, HandTarget, Observation
 from coral.contact.scene.trial import Trial
-from coral.contact.thinker.think_cfg import resolved
 from coral.contact.worlds.evaluation_world import WorldError
 from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
@@ -70,7 +69,6 @@ class PolicyEpisode:
     def __init__(
         self, trial: Trial, world: str, policy: Policy, cfg: EpisodeCfg, folder: Path, address: Address
     ) -> None:
-        cfg = replace(cfg, think=resolved(cfg.think, cfg.controller, "none"))
         self.trial, self.policy, self.cfg, self.address = trial, policy, cfg, address
         self.time_limit_s = trial.task.time_limit_s
         self.step, self.t, self.end_reason, self.detail = 0, 0.0, "", ""

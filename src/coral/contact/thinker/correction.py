@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -20,6 +21,11 @@ from coral.contact.world_model.history import most_informative_object, windows
 from coral.contact.world_model.history_replay import HistoryReplay, compare_motions
 from coral.contact.world_model.identification import BETTER, fit_by_balance, fit_by_replay, replay_errors
 from coral.contact.world_model.parameter_correction import ParametersAnswer, verify_parameters
+
+REPLAY_DT_S = 0.004
+"""Longest physics step in replays, finer than in rollouts."""
+SUNK_M = 0.002
+"""Windows in which an object begins deeper in the table than this are not replayed."""
 
 
 @dataclass(frozen=True)
@@ -53,14 +59,15 @@ def correct_beliefs(
     stretches = windows(
         past.steps,
         name,
-        most=14,
-        usable=lambda start: trial.lowest_point(name, start.objects[name]) > -cfg.outer.sunk_m,
+        usable=lambda start: trial.lowest_point(name, start.objects[name]) > -SUNK_M,
     )
     if len(stretches) < 2:
         emit("correction", object=name, accepted=False, text="too little was touched or moved to replay")
         return False
     believed = dict(world.beliefs[0])
-    finer = PlanningWorld(trial, believed, now, replace(world.cfg, physics_dt_s=cfg.outer.replay_dt_s))
+    step_s = world.cfg.step_s
+    finer_s = step_s / math.ceil(step_s / REPLAY_DT_S - 1e-9)
+    finer = PlanningWorld(trial, believed, now, replace(world.cfg, physics_dt_s=finer_s))
     try:
         replay = HistoryReplay(finer, stretches)
         found = balances(past.steps, name, trial) if cfg.identify.by == "balance" else None
@@ -77,7 +84,7 @@ def correct_beliefs(
         kept = f"mass {told[name]['mass']:g}, friction {told[name]['friction']:g} for {name}"
 
         def wrong(answer: ParametersAnswer) -> Rejection | None:
-            refusal = verify_parameters(answer, believed, cfg.belief)
+            refusal = verify_parameters(answer, believed)
             if refusal is not None or answer.keeps(believed):
                 return refusal
             before, after = tried[:] = replay_errors(replay, name, believed, answer.physical(believed), found)
@@ -132,21 +139,23 @@ def correct_beliefs(
     return outcome.answer is not None and not kept_values
 
 
+MOST_CORRECTIONS = 5
+"""Maximum number per episode. One is kept for the end: objects are lifted last, and that reveals their weight."""
+
+
 @dataclass
 class CorrectionSchedule:
     """Decides when to correct and for which object, and counts the corrections of an episode."""
 
     every_s: float
     """Simulated time between two corrections; 0 disables them."""
-    most: int
-    """Maximum number per episode. One is kept for the end: objects are lifted last, and that reveals their weight."""
     done: int = 0
     _since: float = 0.0
     _seen: int = 0
 
     def due(self, steps: Sequence[Transition], last: bool = False) -> str | None:
         """Return the object to correct now, or None."""
-        if not self.every_s or not steps or self.done >= self.most - (not last):
+        if not self.every_s or not steps or self.done >= MOST_CORRECTIONS - (not last):
             return None
         now = steps[-1].after.time_s
         if now - self._since < self.every_s - 1e-9 and not last:

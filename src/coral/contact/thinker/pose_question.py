@@ -81,23 +81,20 @@ def verify_poses(answer: PosesAnswer, facts: Mapping[str, Any]) -> Rejection | N
 
 
 def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, Any]:
-    """Collect the prior knowledge: shapes, usual orientations, the camera, and its measured depth.
+    """Collect the prior knowledge: shapes, usual orientations, and the camera.
 
     Of each object: label and extents (m), the centre of its bounding box in its frame, its points relative to that
-    centre, the pose of the task file (x, y, z, qw, qx, qy, qz), and how many of its pixels have a measured depth, with
-    the lowest and highest corner of these points in the world, None without any.
+    centre, and the pose of the task file (x, y, z, qw, qx, qy, qz).
 
     Args:
         trial: The trial; only the task file and the sizes are read from it.
         now: Observation of the robot's own sensors.
-        frame: The first picture, with the objects' segmentation.
+        frame: The first picture.
     """
     table = trial.task.table
     objects: dict[str, Any] = {}
-    points = _world_points(frame)
     for item in trial.task.objects:
         T = nominal_pose(trial, item.name)
-        seen = points[frame.mask(item.name) & (frame.depth > 0)]
         corners = trial.corners(item.name)
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
         usual = BodyState(T[:3, 3], quaternion_of(T[:3, :3]))
@@ -110,8 +107,6 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, An
                 for point, at in item.points.items()
             },
             "usual_pose": pose(usual),
-            "pixels": len(seen),
-            "seen_box_m": [_round(seen.min(axis=0)), _round(seen.max(axis=0))] if len(seen) else None,
         }
     height, width = frame.depth.shape
     return {
@@ -134,7 +129,7 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, An
 
 
 def pose_prompt(facts: Mapping[str, Any]) -> dict[str, Any]:
-    """Fill the template "object-poses", without measured depth: a model sees only the picture.
+    """Fill the template "object-poses": a model sees only the picture, no measured depth.
 
     Named points, relative to the centre of the box, distinguish an object's front from its back.
     """
@@ -193,15 +188,6 @@ def ask_poses(
         **{name: pose(body) for name, body in found.items()},
     )
     return found
-
-
-def _world_points(frame: RgbdFrame) -> Array:
-    """Compute the world point of every pixel, Shape=(H, W, 3) m."""
-    rows, columns = np.indices(frame.depth.shape)
-    fx, fy, cx, cy = frame.lens
-    rays = np.stack([(columns - cx) / fx, (rows - cy) / fy, np.ones(frame.depth.shape)], axis=-1)
-    T = frame.T_world_camera
-    return np.asarray(rays * frame.depth[..., None].astype(float) @ T[:3, :3].T + T[:3, 3])
 
 
 def _round(values: Array) -> list[float]:

@@ -14,10 +14,15 @@ from coral.contact.scene.observation import Array, Transition
 from coral.contact.thinker.plan_note import PlanNote, note_of
 from coral.contact.thinker.strategist import PlanReport
 
+HISTORY_S = 6.0
+"""Length of the history that diagnosis and correction use."""
+SURPRISE_TAU_S = 0.97986393046407
+"""Time constant of the decay of surprises: 0.96 is kept from plan to plan at the default interval of 0.04 s."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class OuterCfg:
-    """When the outer loop steps in, and which history it uses."""
+    """When the outer loop steps in."""
 
     n_retry: Count = 15
     """Attempts without progress before the advisor is asked (paper, section 4)."""
@@ -32,15 +37,6 @@ class OuterCfg:
     steady push succeeds while its cost, of speed and force, stays constant."""
     refinements: NonNegative = 5
     """Maximum number of refinements in one episode."""
-    history_s: Positive = 6.0
-    """Length of the history that diagnosis and correction use."""
-    surprise_tau_s: Positive = 0.97986393046407
-    """Time constant of the decay of surprises. The default keeps a share of 0.96 from plan to plan at the default
-    interval of 0.04 s."""
-    replay_dt_s: Positive = 0.004
-    """Physics step in replays, finer than in rollouts."""
-    sunk_m: Positive = 0.002
-    """Windows in which an object begins deeper in the table than this are not replayed."""
 
 
 @dataclass
@@ -58,16 +54,16 @@ class ProgressMonitor:
     returns: int = 0
     """Number of times that the plan fell back to an earlier stage."""
     steps: list[Transition] = field(default_factory=list)
-    """Control steps of the last `history_s`."""
+    """Control steps of the last `HISTORY_S`."""
     costs: list[tuple[float, float]] = field(default_factory=list)
     """Costs of the plans, each after the time of the plan."""
     notes: list[PlanNote] = field(default_factory=list)
-    """Stage, terms and contacts of the plans of the last `history_s`."""
+    """Stage, terms and contacts of the plans of the last `HISTORY_S`."""
     first_ends: dict[str, tuple[PartReading, ...]] = field(default_factory=dict)
     """The comparisons that end a stage as they were at its first plan, by stage."""
     surprise_m: Mapping[str, float] = field(default_factory=dict)
     """By object, the distance between its position after a plan's first step and the predicted one, summed with a decay
-    of `surprise_tau_s`."""
+    of `SURPRISE_TAU_S`."""
     _stage: int = -1
     _farthest_stage: int = -1
     _first_cost: dict[int, float] = field(default_factory=dict)
@@ -138,7 +134,7 @@ class ProgressMonitor:
         if note.end:
             self.first_ends.setdefault(note.stage, note.end)
         self._add_surprises(report)
-        horizon = report.now.time_s - self.cfg.history_s
+        horizon = report.now.time_s - HISTORY_S
         while self.steps and self.steps[0].before.time_s < horizon:
             self.steps.pop(0)
         while self.costs and self.costs[0][0] < horizon:
@@ -149,7 +145,7 @@ class ProgressMonitor:
     def _add_surprises(self, report: PlanReport) -> None:
         # Sums of control periods differ in their last bits; the decay of a surprise must not.
         elapsed_s = round(report.now.time_s - self._reported_s, 9)
-        kept = exp(-elapsed_s / self.cfg.surprise_tau_s)
+        kept = exp(-elapsed_s / SURPRISE_TAU_S)
         surprise = dict(self.surprise_m)
         for name, place in self._expected.items():
             if report.taken:

@@ -15,7 +15,7 @@ from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.context import Context
 from coral.contact.perception.scene_labels import PictureLabels
-from coral.contact.plan.contact_regions import LIMITS, RegionsAnswer
+from coral.contact.plan.contact_regions import LIMITS, ReachBox, RegionsAnswer, reach_box
 from coral.contact.plan.cost_plan import Compiled, Loader, PlanAnswer, make_strategy
 from coral.contact.plan.imagined_run import stage_beginnings
 from coral.contact.plan.plan_check import judge_plan
@@ -33,7 +33,7 @@ from coral.contact.thinker.scene_facts import scene_facts
 from coral.contact.thinker.scene_text import world_prompt
 from coral.contact.thinker.strategist import NoStrategy
 from coral.contact.thinker.think_cfg import ThinkCfg
-from coral.contact.thinker.unified_question import ask_unified
+from coral.contact.thinker.unified_question import KIND, UnifiedAnswer, unified_prompt
 from coral.contact.world_model.parameter_estimates import ParameterEstimates, belief_prompt, verify_estimates
 
 Array = NDArray[np.float64]
@@ -85,6 +85,10 @@ class Questions:
         self.advice: tuple[str, ...] = ()
 
     @property
+    def _reach(self) -> ReachBox:
+        return reach_box(self._limits().controller)
+
+    @property
     def beliefs(self) -> dict[str, PhysicalParameters]:
         """Return the planning world's beliefs about the objects."""
         return dict(self._world.beliefs[0])
@@ -105,9 +109,7 @@ class Questions:
             ParameterEstimates,
             self.facts,
             belief_prompt(self.facts),
-            lambda answer: verify_estimates(
-                answer, {name: list(size) for name, size in self.sizes.items()}, self._cfg.belief
-            ),
+            lambda answer: verify_estimates(answer, {name: list(size) for name, size in self.sizes.items()}),
             with_picture=True,
         )
         if outcome.answer is None:
@@ -185,11 +187,11 @@ class Questions:
 
     def check_regions(self, regions: RegionsAnswer, plan: PlanAnswer) -> Rejection | None:
         """Return why a plan's regions cannot be used in the scene as last observed; None if they can."""
-        return verify_regions(regions, self.facts, plan.names, self._cfg.region, self.scenery)
+        return verify_regions(regions, self.facts, plan.names, self.scenery, self._reach)
 
     def touchable_candidates(self, regions: RegionsAnswer, plan: PlanAnswer) -> list[Array]:
         """Return the points of each region that can be touched; report how many were dropped and why."""
-        found = candidates_of(regions, self.facts, plan.names, self.scenery, self._cfg.region)
+        found = candidates_of(regions, self.facts, plan.names, self.scenery, self._reach)
         dropped = [
             {"object": name, "stage": region.stage, "kept": len(left.points), "lost": dict(left.lost)}
             for (name, region), left in zip(regions.each(), found, strict=True)
@@ -203,18 +205,21 @@ class Questions:
         self, now: Observation, history: Mapping[str, Any] | None = None
     ) -> tuple[PlanAnswer, RegionsAnswer] | None:
         """Ask a single question about everything (variant `unified`) and adopt the accepted beliefs."""
-        before = self.beliefs
-        outcome = ask_unified(
-            self._asker,
-            self._plan_facts(),
-            self.world_prompt(),
-            self._world,
-            lambda answer: self.check_plan(answer, self.present(now)),
-            self._cfg,
-            self.scenery,
-            self.labels(now),
-            history,
-        )
+        before, facts = self.beliefs, self._plan_facts()
+        sizes = {name: item["size_m"] for name, item in facts["objects"].items()}
+
+        def wrong(answer: UnifiedAnswer) -> Rejection | None:
+            refusal = verify_estimates(answer.estimates, sizes)
+            if refusal is not None:
+                return refusal
+            self._world.believe(answer.estimates.physical())  # the plan is checked under the beliefs that come with it
+            refusal = self.check_plan(answer, self.present(now))
+            if refusal is None and self._cfg.regions:
+                refusal = self.check_regions(answer.places, answer)
+            return refusal
+
+        prompt = unified_prompt(self.world_prompt(), self._cfg, history)
+        outcome = self._asker.ask(KIND, UnifiedAnswer, facts, prompt, wrong, with_picture=True, labels=self.labels(now))
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
             self._world.believe(before)

@@ -9,7 +9,7 @@ from coral.contact.control.mppi_controller import ControllerCfg
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.plan.imagined_outcome import ImaginedJudge, ImaginedOutcome
-from coral.contact.plan.imagined_run import ImaginedRunCfg, imagine
+from coral.contact.plan.imagined_run import imagine
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
@@ -20,7 +20,7 @@ MOST_RETURNS = 2
 """Returns to an earlier stage after which the diagnosis says `slipped`."""
 
 CONTROLLER = replace(ControllerCfg(), mppi=KnotMppiCfg(samples=16))
-"""The planner: few samples, drawn as the inner loop draws them. With equal noise (`ImaginedRunCfg`) good plans did not
+"""The planner: few samples, drawn as the inner loop draws them. With equal noise, good plans did not
 leave their first stage."""
 
 
@@ -55,8 +55,8 @@ def try_recalled(
     repair was stuck then too: it is refused only for what it breaks.
     """
     judge, monitor = ImaginedJudge(trial, names), ProgressMonitor(cfg, tuple(names))
-    length, end_s = ImaginedRunCfg(most_s=trial.task.time_limit_s, controller=CONTROLLER), first.time_s
-    for moment in imagine(world, strategy, first, length):
+    end_s = first.time_s
+    for moment in imagine(world, strategy, first, trial.task.time_limit_s, CONTROLLER):
         judge.update(moment)
         end_s = moment.now.time_s
         stuck = monitor.update(PlanReport(0, moment.now, moment.plan, moment.stage))

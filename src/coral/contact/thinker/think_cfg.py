@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal
 
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.registry import asks_person
-from coral.config import Count, NonNegative
-from coral.contact.control.mppi_controller import ControllerCfg
+from coral.config import NonNegative
 from coral.contact.control.planning_effort import EffortCfg
 from coral.contact.memory.memory import MemoryCfg
-from coral.contact.plan.contact_regions import RegionCfg, reach_box
 from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.progress_monitor import OuterCfg
 from coral.contact.world_model.identification import IdentifyCfg
-from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
 
 Told = Literal["paper", "words", "full"]
 """How much a question about a plan tells."""
@@ -46,8 +43,6 @@ class ThinkCfg:
     """Whether objects are tracked. Off (`no-tracking`): the advisor is asked for their poses once."""
     correct_every_s: NonNegative = 0.0
     """Simulated time between corrections of the world model while not stuck; 0 corrects only when stuck."""
-    corrections: Count = 5
-    """Maximum number of these corrections per episode; one is kept for its end."""
     budget: BudgetCfg = field(default_factory=BudgetCfg)
     """Attempts and wall time of one decision."""
     fallback: StandIn = "prior"
@@ -57,14 +52,8 @@ class ThinkCfg:
     """Simulated latency of an answer: 0, SECONDS, fixed:SECONDS, lognormal:MEDIAN:SIGMA, measured, recorded, paper or
     auto. `paper` is 2.3 s (questions with a picture), 1.5 s (a plan) or 3 s (a repair); `auto` is 0 for persons,
     measured for models, recorded for recordings."""
-    meanwhile: Literal["go-on", "hold"] = "go-on"
-    """What the hand does during the latency once there is a plan: follow the plan, or hold still."""
-    belief: ParameterBoundsCfg = field(default_factory=ParameterBoundsCfg)
-    """Bounds of believed parameters."""
     memory: MemoryCfg = field(default_factory=MemoryCfg)
     """Retrieval of remembered plans."""
-    region: RegionCfg = field(default_factory=RegionCfg)
-    """Bounds of contact regions."""
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
     """Fit of world-model corrections."""
     effort: EffortCfg = field(default_factory=EffortCfg)
@@ -74,21 +63,5 @@ class ThinkCfg:
 
 
 def decision_budget(cfg: BudgetCfg, advisor: str) -> BudgetCfg:
-    """Return attempts and time of one decision."""
+    """Return attempts and time of one decision; a person gets more time than a model."""
     return cfg.within(DESK_S if asks_person(advisor) else MODEL_S)
-
-
-def resolved(think: ThinkCfg, controller: ControllerCfg, advisor: str) -> ThinkCfg:
-    """Return the configuration with a number for everything that is None.
-
-    Args:
-        think: Configuration of the outer loop.
-        controller: Its workspace bounds the regions.
-        advisor: The advisor as on the command line; a person gets more time than a model.
-    """
-    low, high = reach_box(think.region, controller)
-    return replace(
-        think,
-        region=replace(think.region, reach_low_m=low, reach_high_m=high),
-        budget=decision_budget(think.budget, advisor),
-    )

@@ -22,7 +22,6 @@ from coral.contact.perception.advisor_camera import Look, to_picture
 from coral.contact.perception.scene_labels import ABOVE, PictureLabels, label_picture
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_strategy
-from coral.contact.plan.last_good_cost import LastGoodCost
 from coral.contact.plan.stage_end import stage_ends
 from coral.contact.scene.observation import BodyState, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
@@ -85,9 +84,7 @@ class Thinker:
         self._emit: Callable[..., None] = lambda event, **fields: None
         self._given = dict(given or {})
         self._worker = worker or CostWorker()  # its process starts with the first program
-        self._correction_schedule = CorrectionSchedule(
-            cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0, cfg.corrections
-        )
+        self._correction_schedule = CorrectionSchedule(cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0)
         self._now: Observation
         self._repairs, self._harder = 0, 0
         self._attempt: Strategy
@@ -107,8 +104,6 @@ class Thinker:
         self._regions = RegionsAnswer({})
         self._questions: Questions
         self._monitor: ProgressMonitor
-        self._failure: CostError | None = None
-        self._last_good = LastGoodCost(self._note_failure)
         self._camera: Look = lambda: None
         self._limits: Callable[[], PlannerLimits] | None = None
 
@@ -190,19 +185,9 @@ class Thinker:
         return self._strategy("asked")
 
     def on_plan(self, report: PlanReport) -> Strategy | None:
-        """Ask again if there is no progress, or if a cost failed and the last good one took over.
-
-        Raises:
-            CostError: See `Strategist.on_plan`.
-        """
+        """Ask again if there is no progress."""
         self._history += report.taken
         self._now = report.now
-        failure, self._failure = self._failure, None
-        if failure is not None:
-            strategy = self._repair_cost(failure, report.stage, report.now, self._last_good.name)
-            if strategy is None:
-                raise failure
-            return strategy
         if self._monitor.update(report) and self.cfg.refine and self._repairs < self.cfg.outer.refinements:
             return self._refine(report)
         self._correct_if_due()
@@ -210,14 +195,10 @@ class Thinker:
 
     def on_cost_error(self, error: CostError, stage: str, now: Observation) -> Strategy | None:
         """Ask for the repair of a cost that failed in use, at most as often as the outer loop may replan."""
-        return self._repair_cost(error, stage, now, "")
-
-    def _repair_cost(self, error: CostError, stage: str, now: Observation, meanwhile: str) -> Strategy | None:
-        self._emit("cost_error", stage=stage, code=error.code, reason=str(error), meanwhile=meanwhile)
+        self._emit("cost_error", stage=stage, code=error.code, reason=str(error))
         if not self.cfg.refine or self._repairs >= self.cfg.outer.refinements:
             return None
         self._repairs += 1
-        self._failure = None
         self._questions.diagnoses.append("cost-error")
         self._questions.update_facts(now)
         try:
@@ -273,7 +254,6 @@ class Thinker:
             self._world.schema,
             self._questions.sizes,
             self._load,
-            self._last_good,
             candidates,
         )
         return self._attempt
@@ -281,9 +261,6 @@ class Thinker:
     def _new_monitor(self) -> ProgressMonitor:
         ends = stage_ends(self._plan, self._world.schema, self._load)
         return ProgressMonitor(self.cfg.outer, tuple(self._plan.names), ends)
-
-    def _note_failure(self, error: CostError) -> None:
-        self._failure = self._failure or error
 
     def _repaired_strategy(self) -> Strategy:
         try:

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import PhysicalParameters
-from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
+from coral.contact.world_model.parameter_estimates import FRICTION, MASS_KG
 from coral.errors import InputError, nearest
 
 FORM = "NAME=MASS,FRICTION, more than one separated by semicolons"
 
 
-def parse_beliefs(
-    text: str, task: Task, where: str = "--believe", cfg: ParameterBoundsCfg | None = None
-) -> dict[str, PhysicalParameters]:
+def parse_beliefs(text: str, task: Task, where: str = "--believe") -> dict[str, PhysicalParameters]:
     """Parse the beliefs about a task's objects.
 
     Raises:
         InputError: The form is wrong, an object is unknown or repeated, or a value is out of bounds.
     """
-    cfg = cfg or ParameterBoundsCfg()
     names = [item.name for item in task.objects]
     found: dict[str, PhysicalParameters] = {}
     for word in (part.strip() for part in text.split(";") if part.strip()):
@@ -33,7 +30,7 @@ def parse_beliefs(
             )
         if name in found:
             raise InputError(where, "", f"{name!r} twice", "each object once")
-        for what, value, (low, high) in (("mass (kg)", mass, cfg.mass_kg), ("friction", friction, cfg.friction)):
+        for what, value, (low, high) in (("mass (kg)", mass, MASS_KG), ("friction", friction, FRICTION)):
             if not low <= value <= high:
                 raise InputError(where, f"{name}, {what}", value, f"a number from {low:g} to {high:g}")
         found[name] = PhysicalParameters(mass, friction)

@@ -10,6 +10,13 @@ import numpy as np
 
 from coral.contact.scene.observation import Observation, Transition
 
+LENGTH, MOST = 12, 14
+"""Steps of a window, and the maximum number of windows: few steps, because a rollout of contact diverges from the world
+within tenths of a second."""
+MOVED_M, FORCE_N = 0.0005, 0.3
+"""A window in which the object moved less, and the hand near it felt less, is ignored."""
+NEAR_M = 0.25
+
 
 @dataclass(frozen=True)
 class Window:
@@ -26,10 +33,6 @@ class Window:
 def windows(
     steps: Sequence[Transition],
     name: str,
-    length: int = 12,
-    most: int = 10,
-    moved_m: float = 0.0005,
-    force_n: float = 0.3,
     usable: Callable[[Observation], bool] = lambda start: True,
 ) -> list[Window]:
     """Select the windows of a history in which the object was pushed or slid, the most informative ones, in time order.
@@ -37,16 +40,11 @@ def windows(
     Args:
         steps: The history.
         name: Name of the object.
-        length: Steps of a window; few, because a rollout of contact diverges from the world within tenths of a
-            second.
-        most: Maximum number of windows.
-        moved_m: A window in which the object moved less, without contact, is ignored.
-        force_n: Force on the hand that counts as contact.
         usable: Whether a replay can begin at an observation.
     """
     found = []
-    for first in range(0, len(steps) - length + 1, length // 2):
-        part = steps[first : first + length]
+    for first in range(0, len(steps) - LENGTH + 1, LENGTH // 2):
+        part = steps[first : first + LENGTH]
         if any(abs(b.before.time_s - a.after.time_s) > 1e-6 for a, b in itertools.pairwise(part)) or not usable(
             part[0].before
         ):
@@ -54,9 +52,9 @@ def windows(
         way = np.array([step.after.objects[name].position - step.before.objects[name].position for step in part])
         moved = float(np.linalg.norm(way, axis=1).sum())
         force = float(np.mean([np.linalg.norm(step.after.wrench[:3]) for step in part]))
-        if moved > moved_m or (force > force_n and _is_near(part, name)):
+        if moved > MOVED_M or (force > FORCE_N and _is_near(part, name)):
             found.append((moved + 0.002 * min(force, 5.0), first, Window(tuple(part))))
-    best = sorted(found, key=lambda item: -item[0])[:most]
+    best = sorted(found, key=lambda item: -item[0])[:MOST]
     return [window for _, _, window in sorted(best, key=lambda item: item[1])]
 
 
@@ -82,5 +80,5 @@ def most_informative_object(steps: Sequence[Transition]) -> str | None:
     return min(names, key=lambda one: float(np.linalg.norm(felt.after.objects[one].position - tool)))
 
 
-def _is_near(part: Sequence[Transition], name: str, most_m: float = 0.25) -> bool:
-    return any(np.linalg.norm(step.after.objects[name].position - step.after.tool.position) < most_m for step in part)
+def _is_near(part: Sequence[Transition], name: str) -> bool:
+    return any(np.linalg.norm(step.after.objects[name].position - step.after.tool.position) < NEAR_M for step in part)

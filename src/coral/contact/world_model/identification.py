@@ -8,7 +8,7 @@ standard deviation of each and of the product.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -33,7 +33,7 @@ ROUNDS = 3
 ELITE = 0.25
 """Share of the best beliefs, about which the next round samples."""
 BETTER = 0.02
-"""A correction is accepted if it lowers the error of the held-out windows by this share."""
+"""A correction is accepted if it lowers the error by this share."""
 KNOWN = 0.15
 """Relative standard deviation up to which a parameter counts as known."""
 MUCH = 0.3
@@ -63,7 +63,7 @@ class Fit:
     """The proposed parameters."""
     error_before: float
     error_after: float
-    """Replay error of the held-out windows."""
+    """Errors of the replay and, if it counts, of the balance of forces."""
     accepted: bool
     """Whether it explains the history better."""
     mass_sd: float
@@ -87,19 +87,22 @@ class Fit:
         return f"{what}; the history tells little of either"
 
 
+Found = tuple[PhysicalParameters, tuple[float, float, float]]
+"""Mass and friction that explain a history best, and the relative deviations of mass, friction and their product."""
+
+
 def identify(
     replay: HistoryReplay,
     name: str,
     believed: Mapping[str, PhysicalParameters],
     rng: np.random.Generator,
-) -> Fit:
-    """Fit the mass m and friction mu of one object.
+) -> Found:
+    """Find the mass m and friction mu of one object that explain a history best.
 
     Minimise over (log m, log mu), within bounds, the mean squared replay error of every second window (a grid, then
-    the cross-entropy method). The fit is accepted on the other windows, so that it must hold for unseen ones.
+    the cross-entropy method); the correction is accepted on all of them, so that it must hold for unseen ones.
     """
     seen = [True] * len(replay.windows) if len(replay.windows) < 4 else [k % 2 == 0 for k in range(len(replay.windows))]
-    held = [True] * len(seen) if all(seen) else [not one for one in seen]
 
     def parts(theta: Array) -> Array:
         beliefs = [{**believed, name: PhysicalParameters(float(np.exp(m)), float(np.exp(f)))} for m, f in theta]
@@ -120,20 +123,9 @@ def identify(
         theta = np.clip(theta, low, high)
         all_theta, found = np.concatenate([all_theta, theta]), np.concatenate([found, parts(theta)])
         spread = 0.6 * spread
-    floor = found.min(axis=0)
-    optimum, sd = _find_valley(all_theta, replay.score(found[:, seen], floor[seen]).mean(axis=1), low, high)
-    after = PhysicalParameters(float(np.exp(optimum[0])), float(np.exp(optimum[1])))
-    pair = replay.score(parts(np.stack([present, optimum])), floor)[:, held].mean(axis=1)
-    return Fit(
-        name,
-        believed[name],
-        after,
-        float(pair[0]),
-        float(pair[1]),
-        _is_accepted(float(pair[0]), float(pair[1]), sd),
-        *sd,
-        len(replay.windows),
-    )
+    score = replay.score(found[:, seen], found.min(axis=0)[seen]).mean(axis=1)
+    optimum, deviations = _find_valley(all_theta, score, low, high)
+    return PhysicalParameters(float(np.exp(optimum[0])), float(np.exp(optimum[1]))), deviations
 
 
 def fit_by_replay(
@@ -147,48 +139,41 @@ def fit_by_replay(
     Slow pushes determine only the product of mass and friction; fitted freely, a block of 1 kg became one of 4.6 kg
     that slides on ice. Belief and fit are treated as normal in the logarithms; the mean of their product is proposed.
     """
-    return shrink_to_belief(identify(replay, name, believed, rng), replay, believed)
+    return shrink_to_belief(identify(replay, name, believed, rng), replay, name, believed)
 
 
 def fit_by_balance(found: Balance, replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters]) -> Fit:
     """Fit by the balance of forces, shrunk as in `fit_by_replay`; the replay decides whether it is better."""
     after, covariance = solve_balance(found, np.log([MASS_KG, FRICTION]))
-    one = np.ones(2)
-    sd = [float(np.sqrt(v)) for v in (covariance[0, 0], covariance[1, 1], one @ covariance @ one)]
-    fit = Fit(name, believed[name], after, np.inf, np.inf, False, sd[0], sd[1], sd[2], len(replay.windows))
-    return shrink_to_belief(fit, replay, believed, found)
+    return shrink_to_belief((after, _deviations(covariance)), replay, name, believed, found)
 
 
 def shrink_to_belief(
-    fit: Fit,
+    fitted: Found,
     replay: HistoryReplay,
+    name: str,
     believed: Mapping[str, PhysicalParameters],
     forces: Balance | None = None,
 ) -> Fit:
     """Shrink a fit towards the belief; accept it if the replay explains the history better. See `fit_by_replay`.
 
     Args:
-        fit: Result of the history alone.
+        fitted: Result of the history alone.
         replay: Replay of the history.
+        name: The object.
         believed: Present beliefs about all objects.
         forces: Balances of forces, if they count as well.
     """
-    name = fit.object
-    both = (fit.product_sd**2 - fit.mass_sd**2 - fit.friction_sd**2) / 2
-    told = np.array([[fit.mass_sd**2, both], [both, fit.friction_sd**2]])
+    before, (found, deviations) = believed[name], fitted
+    mass_sd, friction_sd, product_sd = deviations
+    both = (product_sd**2 - mass_sd**2 - friction_sd**2) / 2
+    told = np.array([[mass_sd**2, both], [both, friction_sd**2]])
     doubted = np.diag(np.square(DOUBT))
-    now, found = (np.log([one.mass_kg, one.friction]) for one in (fit.before, fit.after))
-    mean = now + doubted @ np.linalg.solve(doubted + told, found - now)
+    old, new = (np.log([one.mass_kg, one.friction]) for one in (before, found))
+    mean = old + doubted @ np.linalg.solve(doubted + told, new - old)
     after = PhysicalParameters(float(np.exp(mean[0])), float(np.exp(mean[1])))
-    before_error, after_error = replay_errors(replay, name, believed, {**believed, name: after}, forces)
-    sd = fit.mass_sd, fit.friction_sd, fit.product_sd
-    return replace(
-        fit,
-        after=after,
-        error_before=before_error,
-        error_after=after_error,
-        accepted=_is_accepted(before_error, after_error, sd),
-    )
+    errors = replay_errors(replay, name, believed, {**believed, name: after}, forces)
+    return Fit(name, before, after, *errors, _is_accepted(*errors, deviations), *deviations, len(replay.windows))
 
 
 def _is_accepted(before: float, after: float, sd: tuple[float, float, float]) -> bool:
@@ -249,6 +234,11 @@ def _find_valley(theta: Array, score: Array, low: Array, high: Array) -> tuple[A
         step = -np.linalg.solve(curvature, found[1:3])
         length = float(np.linalg.norm(step))
         optimum = np.clip(best + step * min(1.0, 0.35 / max(length, 1e-9)), low, high)
+    return optimum, _deviations(covariance)
+
+
+def _deviations(covariance: Array) -> tuple[float, float, float]:
+    """Return the standard deviations of two variables, Shape=(2, 2), and of their sum."""
     one = np.ones(2)
     sd = [float(np.sqrt(v)) for v in (covariance[0, 0], covariance[1, 1], one @ covariance @ one)]
-    return optimum, (sd[0], sd[1], sd[2])
+    return sd[0], sd[1], sd[2]

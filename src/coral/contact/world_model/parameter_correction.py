@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from coral.advisor.question import Rejection
 from coral.contact.scene.trial import PhysicalParameters
-from coral.contact.world_model.parameter_estimates import ParameterBoundsCfg
+from coral.contact.world_model.parameter_estimates import FRICTION, MASS_KG
 
 SAME = 0.01
 """Relative difference up to which a value counts as kept."""
@@ -50,15 +50,12 @@ class ParametersAnswer(BaseModel):
         return {**believed, **{one.label: PhysicalParameters(one.mass, one.friction) for one in self.objects}}
 
 
-def verify_parameters(
-    answer: ParametersAnswer, believed: Mapping[str, PhysicalParameters], cfg: ParameterBoundsCfg | None = None
-) -> Rejection | None:
+def verify_parameters(answer: ParametersAnswer, believed: Mapping[str, PhysicalParameters]) -> Rejection | None:
     """Return why corrected parameters cannot be tried, or None; the replay decides whether they are better."""
-    cfg = cfg or ParameterBoundsCfg()
     for one in answer.objects:
         if one.label not in believed:
             return Rejection(code="objects", reason=f"{one.label} is no object; there are {', '.join(believed)}")
-        for field, value, (low, high) in (("mass", one.mass, cfg.mass_kg), ("friction", one.friction, cfg.friction)):
+        for field, value, (low, high) in (("mass", one.mass, MASS_KG), ("friction", one.friction, FRICTION)):
             if not low <= value <= high:
                 return Rejection(
                     code="bounds", reason=f"{field} of {one.label} is {value:g}; it lies within {low:g} and {high:g}"

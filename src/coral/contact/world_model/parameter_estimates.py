@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, RootModel
 
 from coral.advisor.question import Rejection
-from coral.config import Positive
 from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.trial import PhysicalParameters
+
+MASS_KG, FRICTION = (0.005, 20.0), (0.02, 2.0)
+"""Possible parameters of an object that a hand can move, as in the task format."""
+DENSITY_KG_M3 = (5.0, 12_000.0)
+"""Bounds on mass over the volume of the bounding box: above air-filled foam, below lead."""
 
 
 class ParameterEstimate(BaseModel):
@@ -34,29 +37,13 @@ class ParameterEstimates(RootModel[dict[str, ParameterEstimate]]):
         }
 
 
-@dataclass(frozen=True, kw_only=True)
-class ParameterBoundsCfg:
-    """Physically possible parameters of an object that a hand can move."""
-
-    mass_kg: tuple[Positive, Positive] = (0.005, 20.0)
-    """Bounds, as in the task format."""
-    friction: tuple[Positive, Positive] = (0.02, 2.0)
-    """Bounds, as in the task format."""
-    density_kg_m3: tuple[Positive, Positive] = (5.0, 12_000.0)
-    """Bounds on mass over the volume of the bounding box: above air-filled foam, below lead."""
-
-
-def verify_estimates(
-    answer: ParameterEstimates, sizes: Mapping[str, Sequence[float]], cfg: ParameterBoundsCfg | None = None
-) -> Rejection | None:
+def verify_estimates(answer: ParameterEstimates, sizes: Mapping[str, Sequence[float]]) -> Rejection | None:
     """Return why estimates are implausible, or None.
 
     Args:
         answer: The estimates.
         sizes: Full extents (m) of every movable object.
-        cfg: Bounds.
     """
-    cfg = cfg or ParameterBoundsCfg()
     wanted, given = set(sizes), set(answer.root)
     if wanted != given:
         missing, extra = sorted(wanted - given), sorted(given - wanted)
@@ -72,8 +59,8 @@ def verify_estimates(
     for name, one in answer.root.items():
         volume = math.prod(sizes[name])
         for field, value, (low, high), unit in (
-            ("mass_kg", one.mass_kg, cfg.mass_kg, " kg"),
-            ("friction_coeff", one.friction_coeff, cfg.friction, ""),
+            ("mass_kg", one.mass_kg, MASS_KG, " kg"),
+            ("friction_coeff", one.friction_coeff, FRICTION, ""),
         ):
             if not (math.isfinite(value) and low <= value <= high):
                 return Rejection(
@@ -82,7 +69,7 @@ def verify_estimates(
                     f"move lies between {low:g} and {high:g}{unit}",
                     details={"object": name},
                 )
-        low, high = cfg.density_kg_m3
+        low, high = DENSITY_KG_M3
         if not low <= one.mass_kg / volume <= high:
             sides = " x ".join(f"{100 * side:.1f}" for side in sizes[name])
             return Rejection(

@@ -316,13 +316,11 @@ def _correction(event: Record) -> ThoughtPart:
 
 
 def _cost_error(event: Record) -> ThoughtPart:
-    meanwhile = event.get("meanwhile")
-    text = f"In stage “{event.get('stage')}”: {event.get('reason')}."
     return ThoughtPart(
         title="The cost could not be evaluated",
         state="bad",
         chips=(str(event.get("code")),),
-        text=f"{text} Meanwhile the last good cost, “{meanwhile}”, took over." if meanwhile else text,
+        text=f"In stage “{event.get('stage')}”: {event.get('reason')}.",
     )
 
 
