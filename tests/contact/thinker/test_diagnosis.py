@@ -95,7 +95,7 @@ def test_a_hand_that_presses_hard_against_what_lies_still_is_blocked_and_one_tha
 
 
 def judged(steps, notes, returns=0):
-    return diagnose(steps, "box", returns, 0.0, collect_evidence(steps, notes, "box", np.full(3, 0.06), 0.0))
+    return diagnose(steps, "box", returns, 0.0, collect_evidence(steps, notes, "box", np.full(3, 0.06)))
 
 
 def plans(steps, *touched):
@@ -204,7 +204,7 @@ def test_an_end_from_which_the_cost_leads_away_to_the_object_is_wrong():
     def told(terms, box=beside):
         steps = history(110, box=box)
         notes = ending(steps, (NEAR, 0.4, 0.012), terms=terms)
-        found = collect_evidence(steps, notes, "box", np.full(3, 0.06), 0.0, began)
+        found = collect_evidence(steps, notes, "box", np.full(3, 0.06), began)
         return diagnose(steps, "box", 0, 0.0, found)
 
     assert told({"way": 0.1}) == "stage-never-ends"

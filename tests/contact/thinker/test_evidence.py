@@ -17,7 +17,7 @@ def note(time_s, *touched, terms=None):
 
 
 def evidence(steps, notes=()):
-    return collect_evidence(steps, notes, "box", SIZE, 0.02)
+    return collect_evidence(steps, notes, "box", SIZE)
 
 
 def coming_down(k):
@@ -28,7 +28,7 @@ def test_distances_are_measured_to_the_objects_box():
     found = evidence(history(100, box=BOX, tool=coming_down, told=lambda k: np.array(coming_down(k)) - [0, 0, 0.004]))
     assert (found.first_m, found.least_m, found.last_m) == pytest.approx((0.2, 0.1, 0.1))
     assert found.lag_m == pytest.approx(0.003)
-    assert (found.seconds, found.moved_m, found.surprise_m) == pytest.approx((2.0, 0.0, 0.02))
+    assert (found.seconds, found.moved_m) == pytest.approx((2.0, 0.0))
     assert "no nearer than 10.0 cm to the box" in found.sentences()[0]
 
 

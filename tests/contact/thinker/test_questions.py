@@ -155,7 +155,7 @@ def test_prompts_have_few_tokens(ask, task):
     advisor = Unplanned()
     one, questions, _ = ask(advisor, task)
     name = next(iter(one.sizes))
-    found = collect_evidence(steps_of(10, **{name: (0.0, 0.0, 0.03)}), (), name, np.ones(3), 0.0)
+    found = collect_evidence(steps_of(10, **{name: (0.0, 0.0, 0.03)}), (), name, np.ones(3))
     everything = dataclasses.replace(
         found, touched=0.4, others=("table",), felt=0.5, unexplained=0.2, unpredicted_n=9.0, sunk=0.1, largest_term="a"
     )

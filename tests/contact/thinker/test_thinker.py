@@ -50,6 +50,28 @@ def thinker(one, advisor=None, memory=None, given=None, rehearsed=0, **cfg):
     return strategist, told
 
 
+def begun(one, *args, **kwargs):
+    """A strategist that has given its first strategy, and its events."""
+    strategist, told = thinker(one, *args, **kwargs)
+    strategist.begin(one.trial, one.now, one.world)
+    return strategist, told
+
+
+def standing(one):
+    """A control step in which nothing moves."""
+    return Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
+
+
+def first_change(strategist, one, stage, taken=()):
+    """The strategy that replaces the first one, of whose stage nothing moves on."""
+    changes = (strategist.on_plan(plan_report(one, 0.1 * k, stage, 5.0, taken)) for k in range(8))
+    return next((other for other in changes if other is not None), None)
+
+
+SOON = OuterCfg(n_retry=2, attempt_s=0.1, refinements=1)
+"""Stuck after 0.2 s, once."""
+
+
 def decisions(told):
     """Event and source of every decision."""
     return [(event, fields["source"]) for event, fields in told if "decided" in fields]
@@ -78,8 +100,7 @@ def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):
 def test_what_is_given_is_believed_and_not_asked_for(scene):
     one = scene("pick-box")
     truth = one.trial.objects["box"].physical
-    strategist, told = thinker(one, given={"box": PhysicalParameters(2.0, 0.9)})
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, told = begun(one, given={"box": PhysicalParameters(2.0, 0.9)})
     assert one.world.beliefs[0]["box"] == PhysicalParameters(2.0, 0.9)
     assert one.trial.objects["box"].physical == truth
     assert decisions(told) == [("plan_answer", "advisor"), ("regions", "advisor")]
@@ -154,8 +175,7 @@ def test_what_others_decided_is_not_remembered_as_the_advisors(scene, tmp_path):
     one = scene("pick-box")
     for advisor, kept in ((PlansOnly(), 0), (None, 1)):
         memory = Memory(tmp_path / f"{kept}.sqlite", embedder=HashedConcepts())
-        strategist, _ = thinker(one, advisor, memory)
-        strategist.begin(one.trial, one.now, one.world)
+        strategist, _ = begun(one, advisor, memory)
         strategist.on_end("success")
         assert len(memory.export()["experiences"]) == kept
 
@@ -189,15 +209,12 @@ def test_a_models_refused_cost_is_mended_by_the_reason(scene):
 def test_a_success_is_remembered_and_used_at_the_next_start(scene, tmp_path):
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
     one = scene("pick-box")
-    strategist, _ = thinker(one, memory=memory)
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, _ = begun(one, memory=memory)
     strategist.on_end("timeout")
     assert memory.all() == []
-    strategist, _ = thinker(one, memory=memory)
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, _ = begun(one, memory=memory)
     strategist.on_end("success")
-    again, told = thinker(one, memory=memory)
-    again.begin(one.trial, one.now, one.world)
+    again, told = begun(one, memory=memory)
     assert again.counts.memory_hit
     assert again.counts.advisor_calls == 1  # the masses and frictions; plan and regions are remembered
     assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
@@ -210,8 +227,7 @@ def test_what_succeeded_in_a_shipped_task_is_used_when_the_same_trial_comes_agai
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
     one = scene(task)
     memory.add(experience(one))
-    strategist, told = thinker(one, memory=memory)
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, told = begun(one, memory=memory)
     assert [fields["refused"] for event, fields in told if event == "recall"] == [""]
     assert strategist.counts.memory_hit
     strategist.on_end("timeout")
@@ -222,8 +238,7 @@ def remembering(scene, tmp_path):
     """A scene, and a memory in which the rules' own plan for it is."""
     one = scene("pick-box")
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
-    strategist, _ = thinker(one, memory=memory)
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, _ = begun(one, memory=memory)
     strategist.on_end("success")
     return one, memory
 
@@ -277,8 +292,7 @@ def test_what_is_remembered_is_tried_without_regions_too(remembering, monkeypatc
     one, memory = remembering
     run = RecallRun(ImaginedOutcome(True, 1.0, 1.0, 1.0), 2.5, "")
     monkeypatch.setattr("coral.contact.thinker.recall.try_recalled", lambda *_: run)
-    strategist, told = thinker(one, memory=memory, regions=False, rehearsed=1)
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, told = begun(one, memory=memory, regions=False, rehearsed=1)
     assert [fields["outcome"]["succeeded"] for event, fields in told if event == "recall"] == [1]
     assert strategist.counts.memory_hit
     strategist.on_end("timeout")
@@ -286,8 +300,7 @@ def test_what_is_remembered_is_tried_without_regions_too(remembering, monkeypatc
 
 def test_a_remembered_plan_that_was_replaced_did_not_help_and_the_one_that_did_is_kept(remembering):
     one, memory = remembering
-    strategist, _ = thinker(one, memory=memory)
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, _ = begun(one, memory=memory)
     assert strategist.on_cost_error(CostError("runtime", "no"), "above", one.now) is not None
     strategist.on_end("success")
     first, other = memory.all()
@@ -298,14 +311,12 @@ def test_a_remembered_plan_that_was_replaced_did_not_help_and_the_one_that_did_i
 
 def test_a_plan_that_needed_a_repair_is_followed_with_it_and_nobody_is_asked(remembering):
     one, memory = remembering
-    strategist, _ = thinker(one, memory=memory)
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, _ = begun(one, memory=memory)
     strategist.on_cost_error(CostError("runtime", "no"), "above", one.now)
     strategist.on_end("success")
     memory.forget(1)
 
-    again, told = thinker(one, memory=memory)
-    again.begin(one.trial, one.now, one.world)
+    again, told = begun(one, memory=memory)
     asked = again.counts.advisor_calls
     assert again.on_cost_error(CostError("runtime", "no"), "above", one.now) is not None
     assert again.counts.advisor_calls == asked
@@ -317,8 +328,7 @@ def test_a_plan_that_needed_a_repair_is_followed_with_it_and_nobody_is_asked(rem
 
 def test_a_success_is_found_again_by_the_scene_that_its_plan_began_in(remembering):
     one, memory = remembering
-    strategist, _ = thinker(one, memory=memory)
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, _ = begun(one, memory=memory)
     box = one.now.objects["box"]
     higher = dataclasses.replace(box, position=box.position + np.array([0.0, 0.0, 0.2]))
     lifted = dataclasses.replace(one.now, objects={**one.now.objects, "box": higher})
@@ -331,8 +341,7 @@ def test_a_success_is_found_again_by_the_scene_that_its_plan_began_in(rememberin
 def test_a_success_by_a_remembered_repair_is_counted_and_not_stored_again(remembering):
     one, memory = remembering
     for _ in range(2):
-        strategist, _ = thinker(one, memory=memory)
-        strategist.begin(one.trial, one.now, one.world)
+        strategist, _ = begun(one, memory=memory)
         strategist.on_cost_error(CostError("runtime", "no"), "above", one.now)
         strategist.on_end("success")
         if len(memory.all()) == 2 and memory.get(2).used == 0:
@@ -344,8 +353,7 @@ def test_a_success_by_a_remembered_repair_is_counted_and_not_stored_again(rememb
 def test_a_success_without_regions_is_not_kept(scene, tmp_path):
     one = scene("pick-box")
     memory = Memory(tmp_path / "m.sqlite", embedder=HashedConcepts())
-    strategist, _ = thinker(one, memory=memory, regions=False)
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, _ = begun(one, memory=memory, regions=False)
     strategist.on_end("success")
     assert memory.all() == []
 
@@ -413,13 +421,8 @@ def test_an_object_that_goes_to_and_fro_is_no_progress(scene):
 
 def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):
     one = scene("pick-box")
-    strategist, told = thinker(one, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
-    strategist.begin(one.trial, one.now, one.world)
-    other = None
-    for k in range(8):
-        step = Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
-        other = other or strategist.on_plan(plan_report(one, 0.1 * k, "above", 5.0, (step,)))
-    assert other is not None
+    strategist, told = begun(one, outer=SOON)
+    assert first_change(strategist, one, "above", taken=(standing(one),)) is not None
     assert strategist.counts.repairs == 1
     stuck = next(fields for event, fields in told if event == "stuck")
     assert stuck["diagnosis"] == "not-reached"
@@ -460,8 +463,7 @@ def test_a_planner_that_is_too_weak_gets_more_samples_once_before_the_plan_chang
 ):
     one, planner = scene("pick-box"), WeakPlanner()
     monkeypatch.setattr(thinking, "probe_effort", lambda *given: Found(gain))
-    strategist, told = thinker(one, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, told = begun(one, outer=SOON)
     changed = [
         strategist.on_plan(dataclasses.replace(plan_report(one, 0.1 * k, "above", 5.0), planner=planner)) is not None
         for k in range(12)
@@ -477,8 +479,7 @@ def test_a_planner_that_is_too_weak_gets_more_samples_once_before_the_plan_chang
 def test_the_time_of_the_trial_with_more_samples_passes_in_the_world(scene, monkeypatch):
     one, passed = scene("pick-box"), []
     monkeypatch.setattr(thinking, "probe_effort", lambda *given: Found(0.3))
-    strategist, _ = thinker(one, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, _ = begun(one, outer=SOON)
     strategist.attach_episode(SimpleNamespace(clock_s=0.0, go_on=lambda seconds: passed.append(seconds) or True))
     for k in range(6):
         report = dataclasses.replace(plan_report(one, 0.1 * k, "above", 5.0), planner=WeakPlanner(), plan_s=0.04)
@@ -500,11 +501,8 @@ class Regrouper:
 
 def test_after_a_repair_places_to_touch_are_asked_for_the_new_stages(scene):
     one = scene("pick-box")
-    strategist, told = thinker(one, Regrouper(), outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
-    strategist.begin(one.trial, one.now, one.world)
-    other = None
-    for k in range(8):
-        other = other or strategist.on_plan(plan_report(one, 0.1 * k, "task", 5.0))
+    strategist, told = begun(one, Regrouper(), outer=SOON)
+    other = first_change(strategist, one, "task")
     assert [stage.name for stage in other.stages] == NAMES
     regions = [fields for event, fields in told if event == "regions"]
     assert [(fields["failure"], fields["refused"]) for fields in regions] == [("", [])] * 2
@@ -522,28 +520,24 @@ class Silent(Regrouper):
 
 def test_a_plan_that_stays_keeps_the_places_that_it_was_made_for(scene):
     one = scene("pick-box")
-    strategist, told = thinker(one, Silent(), outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
+    strategist, told = thinker(one, Silent(), outer=SOON)
     before = strategist.begin(one.trial, one.now, one.world)
-    other = None
-    for k in range(8):
-        other = other or strategist.on_plan(plan_report(one, 0.1 * k, "above", 5.0))
+    other = first_change(strategist, one, "above")
     assert [event for event, _ in told].count("regions") == 1
     assert [len(stage.guides) for stage in other.stages] == [len(stage.guides) for stage in before.stages]
 
 
 def test_without_refinement_nothing_changes(scene):
     one = scene("pick-box")
-    strategist, _ = thinker(one, refine=False, outer=OuterCfg(n_retry=1, attempt_s=0.1))
-    strategist.begin(one.trial, one.now, one.world)
-    assert [strategist.on_plan(plan_report(one, 0.1 * k, "above", 5.0)) for k in range(6)] == [None] * 6
+    strategist, _ = begun(one, refine=False, outer=OuterCfg(n_retry=1, attempt_s=0.1))
+    assert first_change(strategist, one, "above") is None
     assert strategist.counts.repairs == 0
 
 
 @pytest.mark.parametrize("reason", ["success", "timeout"])
 def test_without_memory_nothing_is_kept(scene, reason):
     one = scene("pick-box")
-    strategist, told = thinker(one)
-    strategist.begin(one.trial, one.now, one.world)
+    strategist, told = begun(one)
     strategist.on_end(reason)
     assert "remembered" not in [event for event, _ in told]
     assert isinstance(one.world.beliefs[0]["box"], PhysicalParameters)
@@ -644,8 +638,7 @@ class Unified:
 
 def test_one_wrong_part_refuses_a_unified_answer_as_a_whole(scene):
     one, advisor = scene("pick-box"), Unified()
-    strategist, told = thinker(one, advisor, unified=True)
-    strategist.begin(one.trial, one.now, one.world)
+    _, told = begun(one, advisor, unified=True)
     assert "900" in advisor.heard[0]
     assert one.world.beliefs[0]["box"].mass_kg < 20.0
     assert "regions" in advisor.prompts[0]
@@ -654,10 +647,8 @@ def test_one_wrong_part_refuses_a_unified_answer_as_a_whole(scene):
 
 def test_a_unified_mind_that_is_stuck_asks_its_one_question_with_the_history(scene):
     one, advisor = scene("pick-box"), Unified()
-    strategist, told = thinker(one, advisor, unified=True, outer=OuterCfg(n_retry=2, attempt_s=0.1, refinements=1))
-    strategist.begin(one.trial, one.now, one.world)
-    step = Transition(one.now, HandTarget(one.now.tool.position, one.now.tool.quaternion, 0.08, 600.0), one.now)
-    assert any(strategist.on_plan(plan_report(one, 0.1 * k, "above", 5.0, (step,))) for k in range(8))
+    strategist, told = begun(one, advisor, unified=True, outer=SOON)
+    assert first_change(strategist, one, "above", taken=(standing(one),)) is not None
     assert "What happened lately" in advisor.prompts[-1]
     assert "correction" not in [event for event, _ in told]
 

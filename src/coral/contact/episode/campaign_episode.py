@@ -36,18 +36,9 @@ def run_episode(
 ) -> dict[str, Any]:
     """Run an episode; the same arguments give the same episode as `coral contact run`.
 
-    Args:
-        task: The task.
-        cfg: Configuration of the episode.
-        folder: Run folder for logs, states and metrics.
-        world: Name of the evaluation world.
-        variant: Name of the variant.
-        advisor: As on the command line; "none" for a variant without an advisor.
-        seed: Seed of all random numbers.
-        memory: Initial experiences of a variant with memory, as exported by `Memory.export`; None for none. Each trial
-            has its own copy, so that trials do not depend on each other or on their order; new experiences are written
-            to `remembered.json` in the run folder.
-        model: Configuration of calls to a real model.
+    A variant with memory begins with the experiences in `memory`, as exported by `Memory.export`. Each trial has its
+    own copy, so that trials do not depend on each other or on their order; new experiences are written to
+    `remembered.json` in the run folder.
 
     Returns:
         Metrics and timing, with `evaluation_world`, `fallback` (the policy), and `memory_known`, the number of

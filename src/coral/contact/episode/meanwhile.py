@@ -8,12 +8,9 @@ from types import TracebackType
 
 
 class Meanwhile:
-    """Takes steps in a thread for as long as a `with` block lasts.
+    """Takes steps in a thread for as long as a `with` block lasts, or until a step returns False.
 
     A block of planning spends its time in MuJoCo, which lets other threads run; a step spends it waiting for the robot.
-
-    Args:
-        step: Takes one step; returns False when there is nothing more to do.
 
     Attributes:
         steps: Steps taken in the last block.

@@ -66,12 +66,6 @@ def make_referee(
     Poses do not tell who touches whom. Leaving out the conditions that read contacts would let other states pass (a box
     that was never lifted is upright and still), so perception refuses a task with such a condition.
 
-    Args:
-        judged_by: The configured referee.
-        world: The world of the episode.
-        trial: The trial.
-        operator_verdict: Asks the operator; None if there is no operator.
-
     Raises:
         InputError: This referee cannot judge this task in this world.
     """

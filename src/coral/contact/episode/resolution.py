@@ -30,18 +30,7 @@ def check_combination(
     tracker: str | None = None,
     prompt: str | None = None,
 ) -> None:
-    """Check that the parts of an episode go together.
-
-    Args:
-        variant: Name of the variant.
-        advisor: The advisor, as on the command line.
-        seed: Seed.
-        policy: A served policy that acts instead.
-        cost: Name of a cost of the user's own, which the planner follows instead.
-        believe: Stated masses and frictions.
-        memory: The experience memory.
-        tracker: The tracker.
-        prompt: What a question about a plan tells.
+    """Check that the parts of an episode go together; `cost` is one of the user's own, followed instead of a variant.
 
     Raises:
         InputError: They do not; the error names the flags.

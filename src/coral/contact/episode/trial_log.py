@@ -14,14 +14,7 @@ from coral.runs import RunWriter, provenance
 
 
 def write_head(writer: RunWriter, trial: Trial, about: dict[str, Any], cfg: dict[str, Any]) -> None:
-    """Write task.yaml and config.yaml.
-
-    Args:
-        writer: Writer of the run folder.
-        trial: The trial.
-        about: World, advisor, variant, and further fields that identify the run.
-        cfg: The episode's configuration as a mapping.
-    """
+    """Write task.yaml and config.yaml; `about` are world, advisor, variant and what else identifies the run."""
     writer.yaml(TaskFiles.TASK, trial.task.model_dump(mode="json"))
     head = {"system": "contact", "task": trial.task.name, **about}
     writer.yaml(RunFiles.CONFIG, {**head, "episode": cfg, "provenance": provenance()})
@@ -48,13 +41,7 @@ def parameter_fields(physical: PhysicalParameters) -> dict[str, float]:
 
 
 def end_reason(judge: Judge, truth: Truth, time_left: bool) -> str:
-    """Return why the episode ends after a control step; "" while it continues. Call it at every control step.
-
-    Args:
-        judge: Judge of the trial.
-        truth: The true state after the step.
-        time_left: Whether the time limit is not reached yet.
-    """
+    """Return why the episode ends after a control step; "" while it continues. Call it at every control step."""
     done, lost = judge.success(truth), judge.failure(truth)
     if lost is not None:
         return lost
@@ -66,13 +53,7 @@ def end_reason(judge: Judge, truth: Truth, time_left: bool) -> str:
 
 
 def conditions_not_held(trial: Trial, holding: Sequence[bool], truth: Truth) -> str:
-    """Return which of the task's conditions do not hold, and by how much; "" if they hold or were not checked.
-
-    Args:
-        trial: The trial.
-        holding: Which conditions hold; see `Referee.holding`.
-        truth: The state that was judged.
-    """
+    """Return which of the task's conditions do not hold, and by how much; "" if they hold or were not checked."""
     conditions = trial.task.success.conditions[: len(holding)]
     names = []
     for one, holds in zip(conditions, holding, strict=True):

@@ -51,10 +51,7 @@ DEFAULT = "concepts"
 
 
 def embedder_of(name: str) -> Embedder:
-    """Return an embedder by name.
-
-    Args:
-        name: `concepts`, or an entry point of the group `coral.embedders`.
+    """Return an embedder by name: `concepts`, or an entry point of the group `coral.embedders`.
 
     Raises:
         InputError: There is none of this name, or it cannot be loaded.

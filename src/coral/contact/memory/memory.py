@@ -208,9 +208,6 @@ class Memory:
         sizes, masses, heights and places may differ within limits, but what had to fit the hand still has to. Of those
         that are left, similar wording, success in earlier uses and similar numbers come first. No similarity of the
         wording is required: a paraphrase may share no word.
-
-        Args:
-            facts: The scene (`scene_facts`).
         """
         here = self.embedder.embed(facts["instruction"])
         found = []

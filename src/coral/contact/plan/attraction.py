@@ -25,31 +25,16 @@ MOST_STARTS = 13
 class Attraction:
     """Descents of a cost over the position of the hand; everything else stays as it is."""
 
-    starts: Array
-    """First positions, Shape=(n, 3) m."""
     ends: Array
     """Positions from which no step in any direction lowers the cost, Shape=(n, 3) m."""
-    begun: Array
-    """Cost at the start, Shape=(n,)."""
     reached: Array
     """Cost at the end, Shape=(n,)."""
-
-    @property
-    def span(self) -> float:
-        """Return the typical fall of the cost on the way."""
-        return float(np.median(self.begun - self.reached))
+    span: float
+    """Typical fall of the cost on the way."""
 
 
 def total_cost(terms: Terms, shape: tuple[int, int]) -> Array:
-    """Sum the terms of every state.
-
-    Args:
-        terms: Each broadcastable to `shape`.
-        shape: Shape of the batch.
-
-    Returns:
-        Shape=shape.
-    """
+    """Sum the terms of every state, Shape=shape."""
     total = np.zeros(shape)
     for term in terms.values():
         total = total + np.asarray(term)
@@ -72,45 +57,25 @@ def at_rest(state: Context) -> dict[str, Any]:
 
 
 def cost_at(cost: Cost, values: dict[str, Any], positions: Array) -> Array:
-    """Compute the cost with the hand at other positions.
-
-    Args:
-        cost: The cost.
-        values: Quantities of one state.
-        positions: Shape=(n, 3) m.
-
-    Returns:
-        Shape=(n,).
-    """
+    """Compute the cost of one state, Shape=(n,), with the hand at other positions, Shape=(n, 3) m."""
     shape = (len(positions), 1)
     return total_cost(cost(Context({**values, "ee_pos": positions[:, None, :]}, shape)), shape)[:, 0]
 
 
 def follow_cost(cost: Cost, values: dict[str, Any]) -> Attraction:
-    """Move the hand downhill from where it is and from around each object.
-
-    Args:
-        cost: The cost.
-        values: Quantities of one state, as `at_rest` returns them.
+    """Move the hand downhill from where it is and from around each object, in a state as `at_rest` returns it.
 
     Raises:
         CostError: The cost cannot be evaluated.
     """
-    starts = starting_places(values)
-    ends, begun, reached = descend(cost, values, starts)
-    return Attraction(starts, ends, begun, reached)
+    ends, begun, reached = descend(cost, values, starting_places(values))
+    return Attraction(ends, reached, float(np.median(begun - reached)))
 
 
 def descend(
     cost: Cost, values: dict[str, Any], starts: Array, strides: tuple[tuple[float, int], ...] = STRIDES
 ) -> tuple[Array, Array, Array]:
-    """Move the hand downhill from several places.
-
-    Args:
-        cost: The cost.
-        values: Quantities of one state.
-        starts: First positions, Shape=(n, 3) m.
-        strides: Length (m) and maximum number of steps of each round.
+    """Move the hand of one state downhill from several places, Shape=(n, 3) m.
 
     Returns:
         Last positions, Shape=(n, 3) m, and the cost at the first and at the last ones, Shape=(n,).

@@ -32,11 +32,7 @@ class Solid:
     """Rotation from its own frame to the parent frame, Shape=(3, 3)."""
 
     def leave(self, points: Array, direction: Array) -> tuple[Array, Array]:
-        """Compute where the straight lines through points leave the solid.
-
-        Args:
-            points: Shape=(n, 3) m.
-            direction: Shape=(3,), of length 1.
+        """Compute where straight lines through points, Shape=(n, 3) m, leave the solid; the direction has length 1.
 
         Returns:
             Distance along the direction from each point, Shape=(n,) m, negative behind it, nan if the line misses; and

@@ -21,6 +21,8 @@ class CostFault:
     """A sentence for the author of the cost."""
     fatal: bool = True
     """Whether the fault forbids using the cost."""
+    stage: str = ""
+    """Stage of the plan; "" if the fault is in none, or the cost is alone."""
 
 
 @runtime_checkable

@@ -52,13 +52,6 @@ def imagine(
     """Follow a plan in the planning world, under the best belief.
 
     The run ends after `most_s`, when no rollout is valid, or when a cost cannot be evaluated.
-
-    Args:
-        world: The planning world with its beliefs.
-        strategy: The plan.
-        now: The present state.
-        most_s: Simulated time.
-        cfg: The planner.
     """
     controller = Controller(world, cfg, np.random.default_rng(SEED))
     progress, since, latest = Progress(strategy), now, None
@@ -81,13 +74,7 @@ def imagine(
 def stage_beginnings(
     world: PlanningWorld, strategy: Strategy, now: Observation, wanted: Sequence[str]
 ) -> dict[str, Observation]:
-    """Return the states in which stages begin when the plan is followed in the planning world.
-
-    Args:
-        world: The planning world with its beliefs.
-        strategy: The plan.
-        now: The present state.
-        wanted: Names of the stages; the run ends once all have begun.
+    """Return the states in which stages begin when the plan is followed until all that are wanted have begun.
 
     Returns:
         By name, the state in which a stage first begins; stages that are not reached are missing.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from coral.advisor.question import Rejection
 from coral.contact.control.hand_model import MAX_OPENING_M, SQUEEZE_M
@@ -27,15 +27,6 @@ OF_THE_PLACE = ("unreachable", "barrier")
 """Faults that depend on where things stand: a later stage has them only where it begins."""
 Beginnings = Callable[[Sequence[Compiled]], Mapping[str, Sequence[Context]]]
 """States around those in which the later stages begin, by the stage's name; a stage that is never reached has none."""
-
-
-@dataclass(frozen=True)
-class StageFault:
-    """A fault of one stage."""
-
-    stage: str
-    """Name of the stage."""
-    fault: CostFault
 
 
 @dataclass(frozen=True)
@@ -67,26 +58,28 @@ def judge_plan(
     """
     structure = structure_faults(answer)
     compiled, broken = _compile_each(answer, schema, load)
-    found = [StageFault("", fault) for fault in structure] + broken
-    unsure: dict[str, list[CostFault]] = {}
+    found = structure + broken
+    unsure: set[str] = set()
     first = answer.begin or answer.names[0]
     for made in compiled:
         name = made.answer.name
-        faults = [*verify_cost(made.cost, samples), *_condition_faults(made, samples)]
+        faults = [
+            replace(fault, stage=name)
+            for fault in (*verify_cost(made.cost, samples), *_condition_faults(made, samples))
+        ]
         if name == first:
-            found += [StageFault(name, fault) for fault in faults]
+            found += faults
             continue
-        found += [StageFault(name, fault) for fault in faults if fault.code not in OF_THE_PLACE]
-        later = [fault for fault in faults if fault.code in OF_THE_PLACE]
-        if later:
-            unsure[name] = later
-    if unsure and beginnings is not None and not any(one.fault.fatal for one in found):
+        found += [fault for fault in faults if fault.code not in OF_THE_PLACE]
+        if any(fault.code in OF_THE_PLACE for fault in faults):
+            unsure.add(name)
+    if unsure and beginnings is not None and not any(one.fatal for one in found):
         states = beginnings(compiled)
         for made in compiled:
             name = made.answer.name
             if name in unsure and states.get(name):
                 found += [
-                    StageFault(name, fault)
+                    replace(fault, stage=name)
                     for fault in verify_cost(made.cost, states[name])
                     if fault.code in OF_THE_PLACE
                 ]
@@ -118,14 +111,14 @@ def structure_faults(answer: PlanAnswer) -> list[CostFault]:
     return [CostFault("stages", 0, text) for text in faults]
 
 
-def _compile_each(answer: PlanAnswer, schema: Schema, load: Loader) -> tuple[list[Compiled], list[StageFault]]:
+def _compile_each(answer: PlanAnswer, schema: Schema, load: Loader) -> tuple[list[Compiled], list[CostFault]]:
     """Compile the stages; those that cannot be compiled are faults."""
     compiled, broken = [], []
     for stage in answer.each():
         try:
             compiled.append(compile_stage(stage, schema, load))
         except CostError as error:
-            broken.append(StageFault(stage.name, CostFault(error.code, error.line, str(error))))
+            broken.append(CostFault(error.code, error.line, str(error), stage=stage.name))
     return compiled, broken
 
 
@@ -144,12 +137,12 @@ def _condition_faults(made: Compiled, samples: Sequence[Context]) -> list[CostFa
     return faults
 
 
-def _verdict(answer: PlanAnswer, found: Sequence[StageFault]) -> PlanVerdict:
-    def told(one: StageFault) -> str:
-        return f"stage {one.stage!r}: {one.fault.reason}" if one.stage and answer.stages else one.fault.reason
+def _verdict(answer: PlanAnswer, found: Sequence[CostFault]) -> PlanVerdict:
+    def told(one: CostFault) -> str:
+        return f"stage {one.stage!r}: {one.reason}" if one.stage and answer.stages else one.reason
 
-    fatal = [one for one in found if one.fault.fatal]
-    advice = tuple(told(one) for one in found if not one.fault.fatal)
+    fatal = [one for one in found if one.fatal]
+    advice = tuple(told(one) for one in found if not one.fatal)
     if not fatal:
         return PlanVerdict(None, advice)
     reasons = [told(one) for one in fatal]
@@ -158,25 +151,25 @@ def _verdict(answer: PlanAnswer, found: Sequence[StageFault]) -> PlanVerdict:
         reason += f" Also worth knowing, though no reason to refuse: {'; '.join(advice)}."
     return PlanVerdict(
         Rejection(
-            code=fatal[0].fault.code,
+            code=fatal[0].code,
             reason=reason,
-            details={"stage": fatal[0].stage, "faults": [one.fault.code for one in fatal]},
+            details={"stage": fatal[0].stage, "faults": [one.code for one in fatal]},
             listing=list_program(answer, fatal),
         ),
         advice,
     )
 
 
-def list_program(answer: PlanAnswer, faults: Sequence[StageFault]) -> str:
+def list_program(answer: PlanAnswer, faults: Sequence[CostFault]) -> str:
     """Return the stages that have faults with numbered lines, each fault below its line."""
     marked = {one.stage for one in faults}
     parts = [_list_stage(stage, faults) for stage in answer.each() if stage.name in marked]
     return "\n".join(parts)
 
 
-def _list_stage(stage: StageAnswer, faults: Sequence[StageFault]) -> str:
+def _list_stage(stage: StageAnswer, faults: Sequence[CostFault]) -> str:
     lines = [f"stage {stage.name!r}"]
-    own = [one.fault for one in faults if one.stage == stage.name]
+    own = [one for one in faults if one.stage == stage.name]
     for number, text in enumerate(stage.code.split("\n"), 1):
         lines.append(f"{number:3d} | {text}")
         lines += [f"    ^ {fault.code}" for fault in own if fault.line == number]

@@ -52,10 +52,6 @@ def containing_body(values: Mapping[str, Any], point: Array) -> tuple[str, float
     """Return the body that keeps the fingertips from a point, and how deep the point lies in it; "" if none does.
 
     An object that the open fingers can straddle is no obstacle.
-
-    Args:
-        values: Quantities of one state.
-        point: Shape=(3,) m, in the world.
     """
     deepest, name = REACH_M, ""
     movable = objects_of(values)

@@ -39,12 +39,7 @@ def verify_regions(
 ) -> Rejection | None:
     """Return why regions cannot be used, or None: unknown object, off the surface, or no point that can be touched.
 
-    Args:
-        answer: The regions.
-        facts: Facts of the scene (`scene_facts`): sizes, poses, table.
-        stages: Names of the plan's stages.
-        scenery: True shapes; by default the bounding boxes in the facts.
-        reach: Where the hand may go.
+    `scenery` are the true shapes; by default the bounding boxes in the facts.
     """
     scenery = scenery or Scenery.boxes(facts)
     for name, held in answer.root.items():

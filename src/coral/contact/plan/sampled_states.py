@@ -16,32 +16,21 @@ from coral.contact.scene.observation import BodyState, Observation
 
 Array = NDArray[np.float64]
 ABOVE_M = 0.06
+RANDOM, HORIZON = 24, 60
+"""Number of random rollouts, and control steps of every rollout."""
 COMMON_SEED = 20_260
 """Seed of the random paths on which every program is checked."""
 DOWNWARD = np.array([0.0, 0.0, -1.0])
 
 
-def sample_states(
-    world: PlanningWorld,
-    now: Observation,
-    sizes: Mapping[str, Array],
-    count: int = 24,
-    horizon: int = 60,
-) -> list[Context]:
+def sample_states(world: PlanningWorld, now: Observation, sizes: Mapping[str, Array]) -> list[Context]:
     """Sample rolled-out states around the hand and the objects, varied enough to tell good futures from bad ones.
 
     Half of them approach the objects: each from above, pressed down on, and down beside each side and against it. The
     others are random, but the same ones at every call (common random numbers): one program gets one verdict.
-
-    Args:
-        world: The planning world with its beliefs.
-        now: First state of the rollouts.
-        sizes: Full extents of the objects, m.
-        count: Number of random rollouts.
-        horizon: Control steps of each rollout.
     """
-    paths = _sample_paths(now, sizes, np.random.default_rng(COMMON_SEED), count)
-    share = np.linspace(0, 1, horizon)
+    paths = _sample_paths(now, sizes, np.random.default_rng(COMMON_SEED))
+    share = np.linspace(0, 1, HORIZON)
     position = np.stack([_interpolate_path(now.tool.position, path[0], share) for path in paths])
     quaternion = np.stack([_interpolate_rotation(now.tool.quaternion, path[1], share) for path in paths])
     opening = np.stack([now.opening_m + (path[2] - now.opening_m) * np.minimum(1, 2 * share) for path in paths])
@@ -52,10 +41,10 @@ def sample_states(
 ToolPath = tuple[list[Array], Array, float]
 
 
-def _sample_paths(now: Observation, sizes: Mapping[str, Array], rng: np.random.Generator, count: int) -> list[ToolPath]:
+def _sample_paths(now: Observation, sizes: Mapping[str, Array], rng: np.random.Generator) -> list[ToolPath]:
     """Sample paths that approach the objects, then random ones."""
     paths = [path for name, body in now.objects.items() for path in _approach_paths(body, np.asarray(sizes[name]), now)]
-    return paths + [_random_path(now, rng) for _ in range(count)]
+    return paths + [_random_path(now, rng) for _ in range(RANDOM)]
 
 
 def _approach_paths(body: BodyState, size: Array, now: Observation) -> list[ToolPath]:

@@ -121,14 +121,7 @@ def candidates_of(
     """Find the touchable candidates of every region, in the regions' order.
 
     An object is examined in its present pose for the stage that touches it first; before later stages it may have been
-    moved, and so may other objects that are touched earlier.
-
-    Args:
-        answer: The regions.
-        facts: Facts of the scene (`scene_facts`): poses, fixtures, table.
-        stages: Names of the plan's stages, in order.
-        scenery: True shapes; by default the bounding boxes in the facts.
-        reach: Where the hand may go.
+    moved, and so may other objects that are touched earlier. Shapes are by default the bounding boxes in the facts.
     """
     scenery = scenery or Scenery.boxes(facts)
     order = {stage: index for index, stage in enumerate(stages)}
@@ -153,14 +146,7 @@ def touchable(
 ) -> Candidates:
     """Find the touchable candidates of one region.
 
-    Args:
-        name: Name of the object.
-        region: The region.
-        facts: Facts of the scene.
-        scenery: Shapes.
-        reach: Where the hand may go.
-        standing: Other objects in their present poses; None if this object may have moved: only its surface counts
-            then.
+    `standing` are other objects in their present poses; None if this object may have moved: only its surface counts.
     """
     normal = np.asarray(region.normal, dtype=float) / np.linalg.norm(region.normal)
     points = project(candidates(region), normal, scenery.objects[name], np.asarray(region.center))

@@ -114,9 +114,7 @@ class EndEvidence:
 def collect_end(notes: Sequence[PlanNote], first: Mapping[str, tuple[PartReading, ...]] | None = None) -> EndEvidence:
     """Collect what became of the end of the last stage.
 
-    Args:
-        notes: Notes about the plans of the record.
-        first: The comparisons as they were when each stage began; by default at the beginning of the record.
+    `first` has the comparisons as they were when each stage began; by default the beginning of the record counts.
     """
     if not notes:
         return EndEvidence("", ())

@@ -74,8 +74,6 @@ class Evidence:
     and the fingers were wider apart than its smallest extent."""
     closing: float
     """Share of the steps at which the fingers were told to close on something: 3 mm below their opening."""
-    surprise_m: float
-    """Distance of the object from where plans predicted it, summed with a decay of a second."""
     largest_term: str
     """The term that held the cost up at the end; "" if unknown."""
     largest_share: float
@@ -130,18 +128,11 @@ def collect_evidence(
     notes: Sequence[PlanNote],
     name: str,
     size: Array,
-    surprise_m: float,
     first_ends: Mapping[str, tuple[PartReading, ...]] | None = None,
 ) -> Evidence:
-    """Collect what a record says.
+    """Collect what a record of one step or more says of an object with a bounding box of this size, Shape=(3,) m.
 
-    Args:
-        steps: Control steps, at least one.
-        notes: Notes about the plans of that time.
-        name: The object.
-        size: Full extents of its bounding box, Shape=(3,) m.
-        surprise_m: See `Evidence.surprise_m`.
-        first_ends: See `collect_end`.
+    `first_ends` is that of `collect_end`.
     """
     away = [_outside(step.after.objects[name], size, step.after.tool.position) for step in steps]
     force = [float(np.linalg.norm(step.after.wrench[:3])) for step in steps]
@@ -187,7 +178,6 @@ def collect_evidence(
         at_edge=sum(note.at_edge for note in late) / max(len(late), 1),
         around=float(np.mean([_is_around(step.after, name, size) for step in late_steps])),
         closing=float(np.mean([step.command.opening_m < step.after.opening_m - HELD_M for step in steps])),
-        surprise_m=surprise_m,
         largest_term=largest,
         largest_share=abs(terms[largest]) / whole if whole else 0.0,
         largest_value=terms.get(largest, 0.0),

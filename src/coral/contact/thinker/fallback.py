@@ -14,13 +14,7 @@ fail: it ends, and its reason names the failure."""
 
 
 class NoDecision(RuntimeError):
-    """The advisor did not decide, and the chosen policy lets nothing else stand.
-
-    Args:
-        policy: `hold` or `fail`.
-        what: The open decision.
-        failure: Why the advisor did not decide, as named by `consult`.
-    """
+    """The advisor did not decide, and the chosen policy lets nothing else stand."""
 
     def __init__(self, policy: StandIn, what: str, failure: str) -> None:
         self.end_reason = failed(failure) if policy == "fail" else f"no-decision: {what}"
@@ -31,14 +25,7 @@ class NoDecision(RuntimeError):
 
 
 def stand_in(emit: Callable[..., None], policy: StandIn, what: str, failure: str, by: str) -> None:
-    """Report that the advisor did not decide and what stands instead.
-
-    Args:
-        emit: Event sink.
-        policy: The policy.
-        what: The open decision.
-        failure: Why the advisor did not decide.
-        by: What stands under `prior`; "" if nothing can.
+    """Report that the advisor did not decide and what stands instead: `by`, "" if nothing can.
 
     Raises:
         NoDecision: Nothing does.

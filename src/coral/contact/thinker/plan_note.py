@@ -40,12 +40,7 @@ class PlanNote:
 
 
 def note_of(report: PlanReport, end: StageEnd | None = None) -> PlanNote:
-    """Return what is kept of a report.
-
-    Args:
-        report: The report.
-        end: The end of its stage, if there is one.
-    """
+    """Return what is kept of a report, with the end of its stage."""
     plan = report.plan
     force = plan.expected_force
     x, y, z = (0.0, 0.0, 0.0) if force is None else np.mean(np.asarray(force)[:FORCE_STEPS], axis=0)

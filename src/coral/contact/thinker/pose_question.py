@@ -84,12 +84,7 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, An
     """Collect the prior knowledge: shapes, usual orientations, and the camera.
 
     Of each object: label and extents (m), the centre of its bounding box in its frame, its points relative to that
-    centre, and the pose of the task file (x, y, z, qw, qx, qy, qz).
-
-    Args:
-        trial: The trial; only the task file and the sizes are read from it.
-        now: Observation of the robot's own sensors.
-        frame: The first picture.
+    centre, and the pose of the task file (x, y, z, qw, qx, qy, qz). The trial's true poses are not read.
     """
     table = trial.task.table
     objects: dict[str, Any] = {}
@@ -152,15 +147,7 @@ def ask_poses(
     emit: Callable[..., None],
     policy: StandIn = "prior",
 ) -> dict[str, BodyState]:
-    """Ask an advisor for the objects' poses.
-
-    Args:
-        asker: The advisor.
-        trial: As in `pose_facts`.
-        first: As `now` in `pose_facts`.
-        frame: As in `pose_facts`.
-        emit: Event sink.
-        policy: The fallback policy.
+    """Ask an advisor for the objects' poses; the arguments are those of `pose_facts`.
 
     Raises:
         NoDecision: It gives none: where nothing is tracked, nothing can stand for them.

@@ -43,15 +43,6 @@ Emit = Callable[..., None]
 class Questions:
     """Asks about one scene and verifies the answers; without one, what is believed and followed already stands.
 
-    Args:
-        asker: The advisor.
-        trial: The trial.
-        world: The planning world; its beliefs are set.
-        cfg: Which parts are enabled.
-        load: Loads cost programs.
-        emit: Event sink; receives every outcome.
-        limits: Tells the present limits of the planner; None for one with the defaults.
-
     Attributes:
         load: Loads the cost programs of later answers.
         facts: The scene as last observed.
@@ -118,10 +109,7 @@ class Questions:
         self._world.believe(beliefs)
         self._emit(
             "beliefs",
-            failure=outcome.failure,
-            attempts=outcome.attempts,
-            refused=_rejection_reasons(outcome),
-            **self._decided_fields("parameters", outcome),
+            **self._outcome_fields("parameters", outcome),
             **_round_beliefs(beliefs),
         )
 
@@ -177,10 +165,7 @@ class Questions:
         found = outcome.answer or RegionsAnswer({})
         self._emit(
             "regions",
-            failure=outcome.failure,
-            attempts=outcome.attempts,
-            refused=_rejection_reasons(outcome),
-            **self._decided_fields("regions", outcome),
+            **self._outcome_fields("regions", outcome),
             regions=found.model_dump(mode="json"),
         )
         return found
@@ -232,10 +217,7 @@ class Questions:
     def check_plan(self, plan: PlanAnswer, now: Observation, load: Loader | None = None) -> Rejection | None:
         """Return why a plan's programs cannot be used on states around the present one; None if they can.
 
-        Args:
-            plan: The plan.
-            now: The present state.
-            load: Loads its programs, if not as for answers.
+        `load` loads them, if they are not an answer's.
         """
         if self._cfg.prompt == "paper" and plan.stages and load is None and self._asker.source == "advisor":
             return Rejection(code="stages", reason="give one function, `code`, and no stages")
@@ -284,12 +266,14 @@ class Questions:
             self.stood_in.add(what)
         stand_in(self._emit, self._cfg.fallback, what, failure, by)
 
-    def _decided_fields(self, what: str, outcome: Outcome[Any]) -> dict[str, str]:
-        """Return who decided, for the event of a decision; empty if the advisor did not."""
+    def _outcome_fields(self, what: str, outcome: Outcome[Any]) -> dict[str, Any]:
+        """Return the attempts of a decision and who decided, for its event."""
+        refused = [rejection.reason for rejection in outcome.rejections]
+        told = {"failure": outcome.failure, "attempts": outcome.attempts, "refused": refused}
         if outcome.answer is None:
-            return {}
+            return told
         self.stood_in.discard(what)
-        return {"decided": what, "source": self._asker.source}
+        return {**told, "decided": what, "source": self._asker.source}
 
     def _emit_plan(self, kind: str, outcome: Outcome[Any], what: str) -> None:
         plan: PlanAnswer | None = outcome.answer
@@ -298,10 +282,7 @@ class Questions:
         self._emit(
             "plan_answer",
             kind=kind,
-            failure=outcome.failure,
-            attempts=outcome.attempts,
-            refused=_rejection_reasons(outcome),
-            **self._decided_fields(what, outcome),
+            **self._outcome_fields(what, outcome),
             explanation="" if plan is None else plan.explanation,
             code="" if plan is None else plan.text(),
             advice=[] if plan is None else list(self.advice),
@@ -324,10 +305,6 @@ class Questions:
 def regions_prompt(shown: Mapping[str, Any], plan: PlanAnswer) -> dict[str, Any]:
     """Return the placeholders of the question where the stages of a plan touch."""
     return {**shown, "plan": plan.outline(), "limits": LIMITS}
-
-
-def _rejection_reasons(outcome: Outcome[Any]) -> list[str]:
-    return [rejection.reason for rejection in outcome.rejections]
 
 
 def _round_beliefs(beliefs: Mapping[str, PhysicalParameters]) -> dict[str, list[float]]:

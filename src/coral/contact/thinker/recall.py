@@ -65,11 +65,6 @@ class Recall:
         The first that succeeds in its imagined run, or comes through all its stages there without being refused, is
         followed: under guessed masses and frictions, a run tells no more. If none does, it is the one that came
         furthest of those that are not refused.
-
-        Args:
-            memory: The memory.
-            first: The first observation.
-            emit: The run's log.
         """
         most, runs = self._cfg.memory.rehearsed, 0
         tried: list[RecalledPlan] = []

@@ -16,10 +16,7 @@ from coral.contact.scene.trial import PhysicalParameters, Trial, part_size
 def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalParameters] | None = None) -> SceneFacts:
     """Describe the scene in plain numbers: metres, kilograms, quaternions (w, x, y, z), world frame.
 
-    Args:
-        trial: The trial; only shapes are read from it.
-        now: The latest observation.
-        beliefs: Believed masses and frictions; None before the first estimate.
+    Only shapes are read from the trial. Masses and frictions are the believed ones, and missing before an estimate.
     """
     task = trial.task
     objects: dict[str, ObjectFacts] = {}

@@ -316,13 +316,10 @@ class Thinker:
         monitor, now = self._monitor, report.now
         name = most_informative_object(monitor.steps) or next(iter(self._questions.sizes))
         surprise_m = monitor.surprise_m.get(name, 0.0)
-        found = (
-            collect_evidence(
-                monitor.steps, monitor.notes, name, self._questions.sizes[name], surprise_m, monitor.first_ends
-            )
-            if monitor.steps
-            else None
-        )
+        size = self._questions.sizes[name]
+        found = None
+        if monitor.steps:
+            found = collect_evidence(monitor.steps, monitor.notes, name, size, monitor.first_ends)
         kind = diagnose(monitor.steps, name, monitor.returns, surprise_m, found)
         if kind in PLANNER_MAY_BE_WEAK and not self._diagnosed_by_model and self._plan_harder(report, kind):
             return None

@@ -48,12 +48,6 @@ class UnifiedAnswer(PlanAnswer):
 
 
 def unified_prompt(shown: Mapping[str, Any], cfg: ThinkCfg, history: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Return the placeholders of the single question.
-
-    Args:
-        shown: Task, scene, hand, planner and cost language as prompts show them.
-        cfg: Which parts are enabled.
-        history: For a repair: what the prompt says of the plan that failed.
-    """
+    """Return the placeholders of the single question; `history` is what a repair says of the plan that failed."""
     prompt: dict[str, Any] = {**shown, "places": cfg.regions, "code": "", "error": ""}
     return prompt if history is None else fit_prompt(KIND, {**prompt, **history})

@@ -37,10 +37,7 @@ def windows(
 ) -> list[Window]:
     """Select the windows of a history in which the object was pushed or slid, the most informative ones, in time order.
 
-    Args:
-        steps: The history.
-        name: Name of the object.
-        usable: Whether a replay can begin at an observation.
+    A replay begins only at an observation that is usable.
     """
     found = []
     for first in range(0, len(steps) - LENGTH + 1, LENGTH // 2):

@@ -33,6 +33,9 @@ FORCE_SHARE = 0.3
 MOST = 6.0
 """Errors are clipped at this many units: one slipped contact must not decide."""
 
+COMPARED = 6
+"""Maximum number of windows that a question shows."""
+
 
 class HistoryReplay:
     """Replays windows of a history under many beliefs at once."""
@@ -104,19 +107,15 @@ class HistoryReplay:
 
 
 def compare_motions(
-    replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters], most: int = 6
+    replay: HistoryReplay, name: str, believed: Mapping[str, PhysicalParameters]
 ) -> list[dict[str, Any]]:
-    """Replay windows of a history under a belief, and compare the object's motion with the measured one.
+    """Replay the first windows of a history, and compare the object's motion with the measured one.
 
-    Args:
-        replay: Replay of the history.
-        name: The object.
-        believed: Beliefs about all objects.
-        most: Maximum number of windows, the first ones; windows that diverge are left out.
+    Windows that diverge are left out.
     """
     replay.world.believe([believed])
     rows: list[dict[str, Any]] = []
-    for window in replay.windows[:most]:
+    for window in replay.windows[:COMPARED]:
         states, sane = replay.world.rollout(window.start, replay.controls(window))
         if not sane[0]:
             continue

@@ -157,12 +157,7 @@ def shrink_to_belief(
 ) -> Fit:
     """Shrink a fit towards the belief; accept it if the replay explains the history better. See `fit_by_replay`.
 
-    Args:
-        fitted: Result of the history alone.
-        replay: Replay of the history.
-        name: The object.
-        believed: Present beliefs about all objects.
-        forces: Balances of forces, if they count as well.
+    With `forces`, balances of forces count as well.
     """
     before, (found, deviations) = believed[name], fitted
     mass_sd, friction_sd, product_sd = deviations

@@ -38,12 +38,7 @@ class ParameterEstimates(RootModel[dict[str, ParameterEstimate]]):
 
 
 def verify_estimates(answer: ParameterEstimates, sizes: Mapping[str, Sequence[float]]) -> Rejection | None:
-    """Return why estimates are implausible, or None.
-
-    Args:
-        answer: The estimates.
-        sizes: Full extents (m) of every movable object.
-    """
+    """Return why estimates for objects of these full extents (m) are implausible, or None."""
     wanted, given = set(sizes), set(answer.root)
     if wanted != given:
         missing, extra = sorted(wanted - given), sorted(given - wanted)
