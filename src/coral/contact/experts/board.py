@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Terms
-from coral.contact.cost.stages import Guide, Stage, Strategy
+from coral.contact.cost.stages import Guide, Stage, Strategy, Test
 from coral.contact.experts.terms import axis, near, norm, turned
 from coral.contact.scene.geometry import quaternion_of
 from coral.contact.scene.task import Task
 
 Array = NDArray[np.float64]
+Place = Callable[[Context], Array]
+Way = tuple[str, Test]
 
 DOWN_WIDE = np.array([0.0, np.sqrt(0.5), -np.sqrt(0.5), 0.0])
 """Pointing down, the fingers opening along x: two contact points behind the board."""
@@ -19,14 +23,9 @@ POINTING = np.array([0.87, -0.5, 0.0]) / np.hypot(0.87, 0.5)
 """Along the edge and inward: within reach of a Panda on the board's near side with the opening upright."""
 
 
-def pinch_quaternion(tool: Array) -> Array:
-    """Compute the orientation along `POINTING` with the opening's y axis up (the opposite grip is at arm limits)."""
-    y = np.array([0.0, 0.0, 1.0])
-    found = quaternion_of(np.column_stack([np.cross(y, POINTING), y, POINTING]))
-    return found if np.dot(found, tool) >= 0 else -found
-
-
-PINCH = pinch_quaternion(np.array([1.0, 0, 0, 0]))
+UP = np.array([0.0, 0.0, 1.0])
+PINCH = quaternion_of(np.column_stack([np.cross(UP, POINTING), UP, POINTING]))
+"""Along `POINTING` with the opening's y axis up (the opposite grip is at arm limits)."""
 
 
 def edge(state: Context) -> Array:
@@ -108,32 +107,11 @@ def fsm(task: Task) -> Strategy:
     def push(state: Context) -> Terms:
         return push_terms(state, overhang)
 
-    def pose(goal: Array, quaternion: Array, opening: float, state: Context) -> Terms:
-        return {
-            "reach": 10.0 * _distance(state.ee_pos, goal),
-            "turn": 2.0 * _turn(state, quaternion),
-            "opening": 15.0 * np.abs(state.gripper_target - opening),
-            "leave alone": leave(state),
-            "calm": calm(state),
-        }
-
     def high(state: Context) -> Array:
         return np.asarray(behind(state, 0.05) + np.array([0.0, 0.0, 0.15]))
 
-    def beside(state: Context, back_m: float, up_m: float) -> Array:
-        return np.asarray(grip(state) - back_m * POINTING + np.array([0.0, 0.0, up_m]))
-
-    def rise(state: Context) -> Terms:
-        return pose(high(state), DOWN_WIDE, 0.07, state)
-
-    def turn(state: Context) -> Terms:
-        return pose(beside(state, 0.12, 0.17), PINCH, 0.07, state)
-
-    def descend(state: Context) -> Terms:
-        return pose(beside(state, 0.11, 0.0), PINCH, 0.07, state)
-
-    def insert(state: Context) -> Terms:
-        return pose(beside(state, 0.0, 0.0), PINCH, 0.07, state)
+    def beside(back_m: float, up_m: float) -> Place:
+        return lambda state: np.asarray(grip(state) - back_m * POINTING + np.array([0.0, 0.0, up_m]))
 
     def pinch(state: Context) -> Terms:
         both = state.board_left_contact * state.board_right_contact
@@ -156,12 +134,31 @@ def fsm(task: Task) -> Strategy:
             "stay near": 2.0 * norm((state.ee_pos - state.board_init_pos)[..., :1]),
         }
 
-    def at(goal: Array, quaternion: Array, now: Context, near_m: float = 0.02, angle: float = 0.15) -> bool:
+    def at(goal: Array, quaternion: Array, now: Context, near_m: float, angle: float) -> bool:
         return bool(_distance(now.ee_pos, goal)[0, 0] < near_m and _turn(now, quaternion)[0, 0] < angle)
 
-    def to(goal: object, quaternion: Array | None, opening: float) -> tuple[Guide, ...]:
+    def to(goal: Place, quaternion: Array | None, opening: float) -> tuple[Guide, ...]:
         turn_to = None if quaternion is None else (lambda now: quaternion)
-        return (Guide(lambda now: goal(now)[0], turn_to, opening),)  # type: ignore[operator]
+        return (Guide(lambda now: goal(now)[0], turn_to, opening),)
+
+    def moving(
+        name: str, goal: Place, quaternion: Array, near_m: float, angle: float, sigma: float = 1.0, *back: Way
+    ) -> Stage:
+        """Make a stage that brings the open hand to a place."""
+
+        def pose(state: Context) -> Terms:
+            return {
+                "reach": 10.0 * _distance(state.ee_pos, goal(state)),
+                "turn": 2.0 * _turn(state, quaternion),
+                "opening": 15.0 * np.abs(state.gripper_target - 0.07),
+                "leave alone": leave(state),
+                "calm": calm(state),
+            }
+
+        def arrived(now: Context) -> bool:
+            return at(goal(now), quaternion, now, near_m, angle)
+
+        return Stage(name, pose, to(goal, quaternion, 0.07), until=arrived, next=back, sigma=sigma)
 
     def lost(now: Context) -> bool:
         return bool(_distance(now.ee_pos, grip(now))[0, 0] > 0.06)
@@ -176,7 +173,7 @@ def fsm(task: Task) -> Strategy:
                 "approach",
                 approach,
                 to(lambda s: behind(s, 0.03), DOWN_WIDE, 0.07),
-                until=lambda now: at(behind(now, 0.03), DOWN_WIDE, now),
+                until=lambda now: at(behind(now, 0.03), DOWN_WIDE, now, 0.02, 0.15),
             ),
             Stage(
                 "push",
@@ -185,28 +182,10 @@ def fsm(task: Task) -> Strategy:
                 sigma=0.7,
                 until=lambda now: bool(edge(now)[0, 0] > overhang - 0.004),
             ),
-            Stage("rise", rise, to(high, DOWN_WIDE, 0.07), until=lambda now: at(high(now), DOWN_WIDE, now, 0.04, 0.5)),
-            Stage(
-                "turn",
-                turn,
-                to(lambda s: beside(s, 0.12, 0.17), PINCH, 0.07),
-                next=(("approach", short),),
-                until=lambda now: at(beside(now, 0.12, 0.17), PINCH, now, 0.03),
-            ),
-            Stage(
-                "descend",
-                descend,
-                to(lambda s: beside(s, 0.11, 0.0), PINCH, 0.07),
-                sigma=0.6,
-                until=lambda now: at(beside(now, 0.11, 0.0), PINCH, now, 0.012, 0.1),
-            ),
-            Stage(
-                "insert",
-                insert,
-                to(lambda s: beside(s, 0.0, 0.0), PINCH, 0.07),
-                sigma=0.5,
-                until=lambda now: at(grip(now), PINCH, now, 0.012, 0.12),
-            ),
+            moving("rise", high, DOWN_WIDE, 0.04, 0.5),
+            moving("turn", beside(0.12, 0.17), PINCH, 0.03, 0.15, 1.0, ("approach", short)),
+            moving("descend", beside(0.11, 0.0), PINCH, 0.012, 0.1, 0.6),
+            moving("insert", beside(0.0, 0.0), PINCH, 0.012, 0.12, 0.5),
             Stage(
                 "pinch",
                 pinch,

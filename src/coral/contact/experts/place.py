@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -112,7 +114,7 @@ def fsm(task: Task) -> Strategy:
         def cost(state: Context) -> Terms:
             return {**stage.cost(state), "leave others alone": 3.0 * _other_motion(state, task)}
 
-        return Stage(stage.name, cost, stage.guides, stage.stiffness_n_m, stage.until, stage.next, stage.sigma)
+        return replace(stage, cost=cost)
 
     def holding(state: Context) -> Terms:
         return {
@@ -123,22 +125,19 @@ def fsm(task: Task) -> Strategy:
             "leave others alone": 3.0 * _other_motion(state, task),
         }
 
-    def to(goal: Array, weight: float = 10.0) -> dict[str, Array]:
-        return {"carry": weight * goal}
-
     def aside(state: Context) -> Array:
         return norm((state[f"{name}_pos"] - state.goal_pos)[..., :2])
 
     def raise_(state: Context) -> Terms:
-        return {**holding(state), **to(np.abs(state[f"{name}_pos"][..., 2] - carry_m))}
+        return {**holding(state), "carry": 10.0 * np.abs(state[f"{name}_pos"][..., 2] - carry_m)}
 
     def carry(state: Context) -> Terms:
         height = np.abs(state[f"{name}_pos"][..., 2] - carry_m)
-        return {**holding(state), **to(aside(state) + height)}
+        return {**holding(state), "carry": 10.0 * (aside(state) + height)}
 
     def lower(state: Context) -> Terms:
         height = np.abs(state[f"{name}_pos"][..., 2] - _resting_height(state, name))
-        return {**holding(state), **to(aside(state) + height), "gently": 1.0 * norm(state[f"{name}_vel"])}
+        return {**holding(state), "carry": 10.0 * (aside(state) + height), "gently": 1.0 * norm(state[f"{name}_vel"])}
 
     def release(state: Context) -> Terms:
         return {
