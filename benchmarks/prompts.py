@@ -43,7 +43,6 @@ from coral.contact.scene.task_file import every_task, shipped_tasks, suite_tasks
 from coral.contact.scene.task_names import HALVES, SUITES
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.thinker.think_cfg import resolved
 
 A = TypeVar("A", bound=BaseModel)
 SEED, LATENCY = 2000, "fixed:0.04"
@@ -194,9 +193,7 @@ def episode_of(
     cfg = replace(cfg, record=replace(cfg.record, states=False, report=False))
     cfg = resolve_episode(cfg, variant=VARIANT, prompt=prompt)
     with tempfile.TemporaryDirectory() as out:
-        given = AdvisorSetup(
-            advisor=advisor.name, given=advisor, seed=seed, think=resolved(cfg.think, cfg.controller, advisor.name)
-        )
+        given = AdvisorSetup(advisor=advisor.name, given=advisor, seed=seed, think=cfg.think)
         loaded = load_task(task)
         strategist = make_strategist(VARIANT, loaded, given)
         told: set[str] = set()

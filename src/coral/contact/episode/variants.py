@@ -67,8 +67,8 @@ def _asking_variant(variant: str, **parts: Any) -> Make:
     """Make a variant that asks an advisor, with parts of `ThinkCfg` enabled or disabled."""
 
     def make(task: Task, asking: AdvisorSetup) -> Strategist:
-        remembers = asking.memory is not None and variant in REMEMBERING
-        memory = Memory(asking.memory, asking.think.memory) if remembers else None
+        known = asking.memory if variant in REMEMBERING else None
+        memory = None if known is None else Memory(known, asking.think.memory)
         think = dataclasses.replace(asking.think, **parts)
         think = dataclasses.replace(think, regions=think.regions and think.strategy)
         advisor = asking.given or make_advisor(

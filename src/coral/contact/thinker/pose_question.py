@@ -18,11 +18,11 @@ from coral.contact.perception.advisor_camera import to_picture
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.tracked_world import nominal_pose
 from coral.contact.scene.geometry import quaternion_of, rotate
-from coral.contact.scene.observation import Array, BodyState, Observation
+from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.fallback import StandIn, stand_in
-from coral.contact.thinker.scene_facts import pose
+from coral.contact.thinker.scene_facts import pose, rounded
 
 BESIDE_M, BELOW_M = 0.3, 0.02
 """Margin beside the table and below its top within which a centre is accepted."""
@@ -96,9 +96,9 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, An
         objects[item.name] = {
             "label": item.label or item.name,
             "size_m": [round(float(v), 5) for v in trial.size(item.name)],
-            "middle_m": _round(middle),
+            "middle_m": rounded(middle),
             "points_m": {
-                point: _round(np.asarray(at) * trial.objects[item.name].scale - middle)
+                point: rounded(np.asarray(at) * trial.objects[item.name].scale - middle)
                 for point, at in item.points.items()
             },
             "usual_pose": pose(usual),
@@ -114,8 +114,8 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, An
         },
         "hand": {"pose": pose(now.tool)},
         "camera": {
-            "position": _round(frame.T_world_camera[:3, 3]),
-            "axes_right_down_forward": [_round(axis) for axis in frame.T_world_camera[:3, :3].T],
+            "position": rounded(frame.T_world_camera[:3, 3]),
+            "axes_right_down_forward": [rounded(axis) for axis in frame.T_world_camera[:3, :3].T],
             "focal_px": round(float(frame.lens[0]), 1),
             "width_px": width,
             "height_px": height,
@@ -175,7 +175,3 @@ def ask_poses(
         **{name: pose(body) for name, body in found.items()},
     )
     return found
-
-
-def _round(values: Array) -> list[float]:
-    return [round(float(value), 5) for value in values]

@@ -158,7 +158,7 @@ class Questions:
             regions_prompt(self.world_prompt(), plan),
             lambda answer: self.check_regions(answer, plan),
             with_picture=self._cfg.prompt != "paper",  # A.8 to A.10 are text
-            labels=self.labels(self._seen),
+            labels=PictureLabels.of(self._trial.task, self._seen),
         )
         if outcome.answer is None:
             self._without_regions(outcome.failure)
@@ -204,7 +204,9 @@ class Questions:
             return refusal
 
         prompt = unified_prompt(self.world_prompt(), self._cfg, history)
-        outcome = self._asker.ask(KIND, UnifiedAnswer, facts, prompt, wrong, with_picture=True, labels=self.labels(now))
+        outcome = self._asker.ask(
+            KIND, UnifiedAnswer, facts, prompt, wrong, with_picture=True, labels=PictureLabels.of(self._trial.task, now)
+        )
         found, self._unanswered = outcome.answer, outcome.failure
         if found is None:
             self._world.believe(before)
@@ -243,7 +245,7 @@ class Questions:
             prompt,
             lambda plan: self.check_plan(plan, self.present(now)),
             with_picture=self._cfg.prompt != "paper",  # A.8 to A.10 are text
-            labels=self.labels(now),
+            labels=PictureLabels.of(self._trial.task, now),
         )
         if self.present(now) is not now:  # the episode continued while the advisor answered
             self.update_facts(self.present(now))
@@ -296,10 +298,6 @@ class Questions:
     def world_prompt(self) -> dict[str, Any]:
         """Return what every question about a plan shows of task, scene, hand, planner and cost language."""
         return world_prompt(self.facts, self._trial.task, self._world.schema, self._cfg, self._limits())
-
-    def labels(self, now: Observation) -> PictureLabels:
-        """Return what is written into pictures: where things are believed to be."""
-        return PictureLabels.of(self._trial.task, now)
 
 
 def regions_prompt(shown: Mapping[str, Any], plan: PlanAnswer) -> dict[str, Any]:

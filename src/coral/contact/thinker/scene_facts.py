@@ -25,21 +25,21 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
         factors = trial.objects[name].scale
         objects[name] = {
             "label": item.label or name,
-            "size_m": _round(trial.size(name)),
+            "size_m": rounded(trial.size(name)),
             "pose": pose(now.objects[name]),
             "shapes": sorted({part.shape for part in item.parts}),
             "solid_share": round(_solid_share(trial, name), 3),
             "parts": [
-                {"size_m": _round(part_size(part, factors)), "position": _round(np.asarray(part.position) * factors)}
+                {"size_m": rounded(part_size(part, factors)), "position": rounded(np.asarray(part.position) * factors)}
                 for part in item.parts
                 if part.shape != "mesh" and not any(part.rpy_deg)
             ],
-            "points": {point: _round(np.asarray(at) * factors) for point, at in item.points.items()},
+            "points": {point: rounded(np.asarray(at) * factors) for point, at in item.points.items()},
         }
         corners = trial.corners(name)
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
         if np.abs(middle).max() > 0.001:
-            objects[name]["middle_m"] = _round(middle)
+            objects[name]["middle_m"] = rounded(middle)
         if item.joint is not None:
             at = trial.joint_position(name, now.objects[name])
             objects[name]["joint"] = {
@@ -81,10 +81,11 @@ def scene_facts(trial: Trial, now: Observation, beliefs: Mapping[str, PhysicalPa
 
 def pose(body: BodyState) -> list[float]:
     """Return x, y, z, qw, qx, qy, qz."""
-    return [*_round(body.position), *_round(body.quaternion)]
+    return [*rounded(body.position), *rounded(body.quaternion)]
 
 
-def _round(values: Any) -> list[float]:
+def rounded(values: Any) -> list[float]:
+    """Return a vector as prompts and events show it."""
     return [round(float(value), 5) for value in values]
 
 
