@@ -22,7 +22,6 @@ WORLD = {
     "staged": True,
 }
 CONTEXT = {
-    "sea-floor-kinds": {"distance_m": 2.5, "kinds": ["a car tyre"]},
     "reef-centroid": AHEAD,
     "reef-waypoint": AHEAD,
     "reef-mission": AHEAD
@@ -93,7 +92,6 @@ CONTEXT = {
     },
 }
 MUST_SAY = {
-    "sea-floor-kinds": ["from 2.5 m", "a car tyre"],
     "reef-centroid": [
         "Arrows +X and +Y",
         "Yellow line",
