@@ -120,7 +120,7 @@ def test_every_code_of_an_attempt_has_a_row(room, codes):
         told |= set(
             re.findall(r"(?:Rejection\(\s*code=|(?:BadAnswer|AdvisorUnavailable|PolicyError)\(\s*)\"([\w-]+)\"", text)
         )
-        if path.stem in ("region_validation", "parse", "own_verifier"):
+        if path.stem in ("region_validation", "parse", "own_parts"):
             told |= set(re.findall(r'(?:return|(?:code|CODE|mend) =|name,)[\s(]*"([a-z-]+)"[,\n]', text))
     assert len(told) > 9
     assert told - set(codes) == set()

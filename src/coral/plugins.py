@@ -16,8 +16,7 @@ GROUPS = {
     "coral.advisors": "function (name, rest, Setting) that makes an advisor; NAME[:ARGUMENT] after --advisor",
     "coral.controllers": "function of a ControllerSetup that makes a controller of the vehicle; NAME after "
     "--cfg.driver",
-    "coral.triggers": "function of a TriggerCfg that makes a trigger, or a function of a TriggerMoment; NAME after "
-    "--trigger",
+    "coral.triggers": "function of a TriggerMoment that returns whether to ask now; NAME after --trigger",
     "coral.verifiers": "function (question, answer) that returns why an answer is refused, or None; NAME after "
     "--verifier",
     "coral.costs": "function of a Task that makes a cost, a Stage, several stages or a Strategy; NAME after --cost",

@@ -61,7 +61,6 @@ TIMING = {
     "wall_time_s": "Wall time of the run (s).",
     "realtime_factor": "Simulated time over wall time.",
     "control_ms": "Time of the controller in a tick of a survey (ms): `_median` and `_p99`, as of the others below.",
-    "control_ms_histogram": "The same as `counts` between `edges`.",
     "tick_ms": "Time of the whole tick.",
     "picture_age_ms": "Age of the camera's picture at sea.",
     "plan_ms": "Time of a plan of the hand, or of an answer of a served policy.",

@@ -20,8 +20,7 @@ from coral.interface.settings import resolve_settings
 from coral.plugins import our_part
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.decide.mistakes import REEF_MISTAKES
-from coral.reef.decide.own_trigger import MakeTrigger, Wanted
-from coral.reef.decide.own_verifier import Check
+from coral.reef.decide.own_parts import Check, Wanted
 from coral.reef.drive.controllers import MakeController
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -50,7 +49,7 @@ def run_mission(
     *,
     advisor: str | Advisor = "heuristic",
     controller: str | MakeController | None = None,
-    trigger: str | MakeTrigger | Wanted | None = None,
+    trigger: str | Wanted | None = None,
     verifier: str | Check | None = None,
     variant: str = "full",
     preset: str = "clear",
@@ -73,8 +72,8 @@ def run_mission(
         advisor: Who decides: as on the command line, or an object with a `name` and a coroutine `answer`.
         controller: "ddp-mppi", "pd", an entry point of the group `coral.controllers`, or a function of a
             `ControllerSetup` that makes a controller.
-        trigger: When the advisor is asked: a function of a `TriggerMoment`, a class with the methods of `Trigger`, or
-            an entry point of the group `coral.triggers`.
+        trigger: When the advisor is asked: a function of a `TriggerMoment` that returns whether to ask, or an entry
+            point of the group `coral.triggers`.
         verifier: A function of question and answer that returns why an answer is refused, or None; it comes after our
             own checks. Or an entry point of the group `coral.verifiers`.
         variant: Configuration of the pipeline.

@@ -103,7 +103,7 @@ def test_a_doubtful_cluster_is_looked_at_last():
     belief.tracker.tracks[0] = replace(belief.tracks[0], doubtful=True)
     asked = ask(planner)  # nothing else is left: now it is a dot like others
     assert not any(c.get("doubtful") for c in asked.question.facts["centroids"])
-    assert asked.acceptable == 1
+    assert asked.acceptable
     assert not asked.finished
     assert belief.unvisited() == []  # asking has changed nothing that the robot knows
 

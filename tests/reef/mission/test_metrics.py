@@ -3,7 +3,7 @@ import json
 import pytest
 
 from coral.errors import InputError
-from coral.reef.mission.metrics import DEFINITIONS, compute_metrics, metrics_of
+from coral.reef.mission.metrics import DEFINITIONS, clusters_left, compute_metrics, metrics_of, seconds_in_states
 
 
 def row(step, x, coverage, covered, clearance=1.0):
@@ -53,10 +53,8 @@ def test_counts_and_rates_by_hand():
         "coverage_time_s": 25.0,
         "steps_per_percent": 16.0,
         "distance_m": 7.0,
-        "mean_speed_m_s": 0.175,
         "min_clearance_m": 0.05,
         "planner_failures": 1,
-        "path_replans": 1,
         "end_reason": "time limit",
     }
 
@@ -76,3 +74,24 @@ def test_a_killed_run_is_measured_up_to_its_last_whole_line(tmp_path):
 def test_a_folder_that_is_no_run_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"events\.jsonl"):
         compute_metrics(tmp_path)
+
+
+def state(t, name):
+    return {"t": t, "event": "state", "state": name}
+
+
+def test_the_seconds_of_the_states_add_up_to_the_run():
+    events = [state(0.5, "surveying"), state(3.0, "holding"), {"t": 4.0, "event": "question"}, state(5.0, "surveying")]
+    found = seconds_in_states(events, 9.0)
+    assert found == {"ready": 0.5, "surveying": 6.5, "holding": 2.0}
+    assert sum(found.values()) == pytest.approx(9.0)
+
+
+def test_runs_without_states_have_none():
+    assert seconds_in_states([{"t": 1.0, "event": "goal"}], 5.0) == {}
+    assert clusters_left([{"t": 1.0, "event": "goal"}]) is None
+
+
+def test_what_is_left_is_counted_as_it_was_at_the_end():
+    events = [{"t": 1.0, "event": "left", "clusters": []}, {"t": 9.0, "event": "left", "clusters": [{}, {}]}]
+    assert clusters_left(events) == 2

@@ -15,7 +15,7 @@ from coral.reef.drive.controller import shift_matrix
 from coral.reef.map.costfield import CostField
 from coral.reef.mission.end_reasons import END_REASONS
 from coral.reef.mission.metrics import compute_metrics
-from coral.reef.mission.mission import Mission, tick_edges
+from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.pilot.guard import GuardCfg
@@ -256,9 +256,3 @@ def test_eyes_that_do_not_exist_are_refused_before_a_folder_is_made(pond, tmp_pa
     with pytest.raises(InputError, match=r"--perception: found 'rbg'"):
         Mission(pond, dataclasses.replace(QUIET, perception="rbg"), RuleAdvisor(REEF_RULES), tmp_path / "run")
     assert not (tmp_path / "run").exists()
-
-
-def test_a_slow_first_tick_does_not_widen_the_bins_of_the_others():
-    edges = tick_edges(np.array([420.3, *[2.0] * 90, *[9.0] * 9]))
-    assert (len(edges), edges[39], edges[-1]) == (41, pytest.approx(11 * 39 / 40), 421.0)
-    assert tick_edges(np.zeros(1))[-1] == 10.0

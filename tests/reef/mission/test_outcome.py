@@ -29,9 +29,7 @@ def line(*corners):
 
 
 def test_driving_back_along_its_own_path_is_noticed():
-    way, stretches = driven_back(line((0, 0), (10, 0), (10, 0.4), (2, 0.4)))
-    assert stretches == 1
-    assert way == pytest.approx(8.0 - 2.5, abs=1.5)  # the first metres back are less than 5 m of way later
+    assert driven_back(line((0, 0), (10, 0), (10, 0.4), (2, 0.4))) == 1
 
 
 @pytest.mark.parametrize(
@@ -45,7 +43,7 @@ def test_driving_back_along_its_own_path_is_noticed():
     ],
 )
 def test_other_paths_are_not_driven_back(path):
-    assert driven_back(path) == (0.0, 0)
+    assert driven_back(path) == 0
 
 
 def rows(true, believed, speeds):
@@ -70,11 +68,8 @@ def test_figures_of_a_small_run_by_hand(tmp_path):
     table = rows([(0, 0), (1, 0), (2, 0)], [(9, 9), (0, 0.3), (1, 0.1)], [0.0, 0.2, 0.04])
     events = [
         {"event": "start", "clusters_total": 2},
-        {"event": "question", "t": 0.0},
         {"event": "cluster_covered", "t": 0.1},
-        {"event": "question", "t": 0.1},
         {"event": "cluster_covered", "t": 0.2},
-        {"event": "question", "t": 0.3},
         {"event": "judged", "phantoms": 3, "oracle_time_to_90_s": 0.1},
         {"event": "end", "t": 0.3, "reason": "time limit"},
     ]
@@ -86,24 +81,14 @@ def test_figures_of_a_small_run_by_hand(tmp_path):
         "time_to_80_s": 0.2,
         "time_to_90_s": 0.2,
         "time_to_100_s": None,
-        "imaged_time_to_50_s": 0.1,
-        "imaged_time_to_80_s": 0.1,
-        "imaged_time_to_90_s": 0.1,
-        "imaged_time_to_100_s": 0.2,
         "inspected_auc": area_under(np.array([0, 0.1, 0.2, 0.3]), np.array([0, 0.5, 0.9, 0.9])),
-        "imaged_auc": area_under(np.array([0, 0.1, 0.2, 0.3]), np.array([0.2, 0.9, 1.0, 1.0])),
         "oracle_ratio_90": 2.0,
         "idle_fraction": round(2 / 3, 4),
         "path_deviations": 1,
-        "off_route_fraction": 0.0,
-        "backtracked_m": 0.0,
         "phantom_clusters": 3,
         "position_error_m": 0.1,
-        "position_error_max_m": 0.3,
         "odometry_error_m": 1.1,
-        "odometry_error_max_m": 1.3,
         "all_covered_s": 0.2,
-        "all_covered_calls": 2,
     }
     assert set(found) == set(DEFINITIONS)
 

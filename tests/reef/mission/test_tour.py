@@ -33,13 +33,6 @@ def test_lanes_lie_evenly_and_leave_nothing_farther_than_half_a_spacing():
         assert ys[-1] >= height - 5.0 - 1e-9
 
 
-def test_shifted_lanes_stay_in_the_area():
-    start = Pose(0.0, 0.0, 0.0)
-    assert lanes((30.0, 20.0), 10.0, start, 3.0)[1::2, 1].tolist() == [8.0, 18.0]
-    assert lanes((30.0, 20.0), 10.0, start, -5.0)[1::2, 1].tolist() == [0.0, 10.0, 20.0]
-    assert lanes((30.0, 20.0), 10.0, start, 6.0)[1::2, 1].tolist() == [1.0, 11.0]
-
-
 def test_lanes_begin_at_the_corner_next_to_the_start():
     assert lanes((20, 20), 10.0, Pose(2, 3, 0)).tolist() == [[2, 3], [1, 5], [19, 5], [19, 15], [1, 15]]
     assert lanes((20, 20), 10.0, Pose(18, 17, 0)).tolist() == [[18, 17], [19, 15], [1, 15], [1, 5], [19, 5]]

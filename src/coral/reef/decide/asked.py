@@ -36,5 +36,5 @@ class AskedState:
     """Where the robot goes on exploring without a question: the advisor has left that to its own tour."""
     finished: bool = False
     """Nothing is left that the robot could visit or explore, and it is on its way to nothing."""
-    acceptable: int = 0
-    """How many of the choices on offer would pass."""
+    acceptable: bool = False
+    """Whether any of the choices on offer would pass."""

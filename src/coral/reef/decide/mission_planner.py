@@ -17,7 +17,7 @@ from coral.reef.decide.facts import describe, waypoint_options
 from coral.reef.decide.guesses import Guess
 from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.own_verifier import Verifier
+from coral.reef.decide.own_parts import Verifier
 from coral.reef.decide.planner import Answer, Draw, PlannerCfg, Prompts
 from coral.reef.decide.provable import finished_dot, hazard
 from coral.reef.decide.questions import goal_of_dot, goal_of_step, make_question, outside, surroundings
@@ -87,15 +87,8 @@ class MissionPlanner:
         options = waypoint_options(belief, left, pose, cfg.step_m, cfg.separation_m)
         facts = describe(outlook, left, options) | {"mission": self._told(outlook)}
         question = make_question("mission", "reef-mission", MissionAnswer, facts, outlook, cfg, self.prompts, self.draw)
-        dots = [t for t in outlook.unvisited() if math.isfinite(left.path_m(t.x, t.y))]
-        return AskedState(
-            question=question,
-            mode="mission",
-            outlook=outlook,
-            left=left,
-            around=surroundings(outlook, left, cfg.forward_m),
-            acceptable=len(dots) + len(options),
-        )
+        around = surroundings(outlook, left, cfg.forward_m)
+        return AskedState(question=question, mode="mission", outlook=outlook, left=left, around=around)
 
     def _told(self, outlook: Outlook) -> dict[str, Any]:
         """Return what a question tells of the mission."""

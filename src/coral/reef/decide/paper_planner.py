@@ -13,7 +13,7 @@ from coral.reef.decide.asked import AskedState, Mode
 from coral.reef.decide.facts import describe, waypoint_options
 from coral.reef.decide.guesses import Guess
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.own_verifier import Verifier
+from coral.reef.decide.own_parts import Verifier
 from coral.reef.decide.planner import Answer, Draw, PlannerCfg, Prompts
 from coral.reef.decide.questions import (
     KINDS,
@@ -65,9 +65,10 @@ class PaperPlanner:
         asked = AskedState(question=None, mode=mode, outlook=outlook, left=left, around=around)
         if not left.frontiers and not any(math.isfinite(left.path_m(t.x, t.y)) for t in outlook.unvisited()):
             return replace(asked, finished=not outlook.under_way)
-        pose = outlook.arrival.pose
-        options = waypoint_options(outlook.belief, left, pose, cfg.step_m, cfg.separation_m)
-        facts = describe(outlook, left, None if mode == "centroid" else options)
+        facts = describe(outlook, left, None)
+        if mode == "waypoint":
+            pose = outlook.arrival.pose
+            facts["options"] = waypoint_options(outlook.belief, left, pose, cfg.step_m, cfg.separation_m)
         question = make_question(
             mode,
             KINDS[mode] + PAPER,
@@ -78,13 +79,7 @@ class PaperPlanner:
             self.prompts,
             self.draw,
         )
-        asked = replace(asked, question=question)
-        goals = (
-            [Goal(x=t.x, y=t.y, index=t.index) for t in outlook.unvisited()]
-            if mode == "centroid"
-            else [goal_of_step(asked, o["forward_m"], o["left_m"]) for o in options]
-        )
-        return replace(asked, acceptable=sum(self._refuse(asked, goal, pose) is None for goal in goals))
+        return replace(asked, question=question)
 
     def verify(self, asked: AskedState, answer: Answer) -> Rejection | None:
         """Check the point that was chosen (Alg. 2, lines 11-15)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from coral.reef.decide.mission_planner import MissionPlanner
-from coral.reef.decide.own_verifier import Verifier
+from coral.reef.decide.own_parts import Verifier
 from coral.reef.decide.paper_planner import PaperPlanner
 from coral.reef.decide.planner import Draw, HighLevelPlanner, PlannerCfg, Prompts
 from coral.reef.decide.tour_planner import TourPlanner

@@ -20,7 +20,7 @@ from coral.reef.decide.asked import AskedState, Mode
 from coral.reef.decide.facts import describe, waypoint_options
 from coral.reef.decide.guesses import Guess, GuessRecord
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.own_verifier import Verifier
+from coral.reef.decide.own_parts import Verifier
 from coral.reef.decide.planner import Answer, Draw, PlannerCfg, Prompts
 from coral.reef.decide.provable import (
     contradiction,
@@ -124,7 +124,7 @@ class TourPlanner:
             self.prompts,
             self.draw,
         )
-        return replace(asked, question=question, acceptable=len(dots) if mode == "centroid" else len(passing))
+        return replace(asked, question=question, acceptable=bool(dots if mode == "centroid" else passing))
 
     def _look(self, outlook: Outlook) -> AskedState:
         """Analyse the map as it will be when the answer is needed."""

@@ -30,7 +30,6 @@ SPEED_M_S, MARGIN_S = 0.4, 12.0
 """Expected on the way home, and time kept for it."""
 Fact = Mapping[str, Any]
 Side = Literal["near", "left", "right", "far"]
-SIDES: tuple[Side, ...] = ("near", "left", "far", "right")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,11 +19,9 @@ from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
 from coral.reef.decide.baselines import baseline_rules
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.own_trigger import MakeTrigger
-from coral.reef.decide.own_verifier import Verifier
+from coral.reef.decide.own_parts import Verifier, Wanted
 from coral.reef.decide.planner import Draw
 from coral.reef.decide.planners import make_planner
-from coral.reef.decide.trigger import SmartTrigger
 from coral.reef.decide.wordless import BlindOrders, Wordless
 from coral.reef.drive.controllers import ControllerSetup, MakeController, controller_maker
 from coral.reef.drive.delay_aware_driver import DelayAwareDriver
@@ -58,7 +56,8 @@ class Deciding:
     """Draws the pictures of a question."""
     make_driver: MakeController | None = None
     """None: `driver` of the configuration."""
-    make_trigger: MakeTrigger = SmartTrigger
+    wanted: Wanted | None = None
+    """Decides when the advisor is asked; None: Eq. 12."""
     verify: Verifier | None = None
     commands: NDArray[np.float64] | None = None
     """A plan to follow in place of questions. Shape=(K, 2)."""
@@ -122,7 +121,7 @@ def make_robot(
             deciding.log,
             cfg.pilot,
             deciding.numbers,
-            deciding.make_trigger,
+            deciding.wanted,
         )
         if isinstance(pilot, TourPilot) and deciding.commands is not None:
             pilot.commands = deciding.commands

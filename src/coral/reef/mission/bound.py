@@ -24,7 +24,8 @@ from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.vehicle import VehicleCfg
 from coral.reef.world.world import ReefWorld
 
-SHARES = (0.5, 0.8, 0.9)
+SHARE = 0.9
+"""Of what is inspected when the tour counts as done (`oracle_ratio_90`)."""
 _CODE = (
     "mission/oracle",
     "pilot/stops",
@@ -44,8 +45,8 @@ _CODE = (
 class Bound:
     """The cached part of a tour."""
 
-    times: dict[float, float | None]
-    """Times at which 50, 80 and 90 % are inspected (s), by share. None: never."""
+    time_s: float | None
+    """Time at which `SHARE` is inspected (s). None: never."""
     commands: NDArray[np.float64]
     """Shape=(K, 2), forward speed (m/s) and yaw rate (rad/s) of each tick."""
 
@@ -58,7 +59,7 @@ def oracle_bound(
     vehicle: VehicleCfg,
     dt: float = 0.1,
 ) -> Bound:
-    """Return the oracle's tour and its times. The arguments are those of `plan_tour`.
+    """Return the oracle's tour and its time. The arguments are those of `plan_tour`.
 
     Deterministic. The tour is planned again only if the world, the camera, the vehicle, the water, the definition of
     inspected or the planner has changed.
@@ -70,6 +71,7 @@ def oracle_bound(
         "visibility_m": visibility_m,
         "vehicle": [vehicle.hull_radius_m, vehicle.max_speed_m_s, vehicle.max_yaw_rate_rad_s],
         "dt": dt,
+        "share": SHARE,
         "code": _code(),
     }
     key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:24]
@@ -77,19 +79,15 @@ def oracle_bound(
         return _kept[key]
     path = _folder() / f"{key}.json"
     with contextlib.suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
-        _kept[key] = _from_json(read_json(path, "a tour"))
+        content: Any = read_json(path, "a tour")
+        time_s = None if content["time_s"] is None else float(content["time_s"])
+        _kept[key] = Bound(time_s, np.array(content["commands"], np.float64).reshape(-1, 2))
         return _kept[key]
     tour = plan_tour(world, camera, imaging, visibility_m=visibility_m, vehicle=vehicle, dt=dt)
-    found = _kept[key] = Bound({share: tour.time_to(share) for share in SHARES}, tour.commands)
+    found = _kept[key] = Bound(tour.time_to(SHARE), tour.commands)
     with contextlib.suppress(OSError):
-        content = {"times": [found.times[share] for share in SHARES], "commands": found.commands.tolist()}
-        write_whole(path, json.dumps(content))
+        write_whole(path, json.dumps({"time_s": found.time_s, "commands": found.commands.tolist()}))
     return found
-
-
-def _from_json(content: Any) -> Bound:
-    times = [None if value is None else float(value) for value in content["times"]]
-    return Bound(dict(zip(SHARES, times, strict=True)), np.array(content["commands"], np.float64).reshape(-1, 2))
 
 
 _kept: dict[str, Bound] = {}

@@ -7,15 +7,14 @@ EVENTS = {
     "Python. At sea also `judged_by`, `vehicle`, `camera`, `sonar` and `resumed`.",
     "instruction": "The words of a mission, at the start or changed under way: `text`, and `by` whom.",
     "question": "A question was asked: number of the `decision`, `attempt` (0: the first), `mode`, digests of its "
-    "`pictures`, `centroids` of the chain, and what would be `acceptable`.",
+    "`pictures`, `centroids` of the chain.",
     "verdict": "An answer was judged: `decision`, `attempt`, `verdict`, `code` of a refusal, `tokens_in`, "
     "`tokens_out`, `cost_usd`, `faults` of a bad reply; `reason` of a refusal, the `answer`, and when it was "
     "`asked_at` (s).",
     "goal": "A goal was adopted: `x`, `y` (m); its `source` (an advisor or fallback, `initial`, `tour`, `home`), "
     "`decision`, `reason`; `index` of the cluster; `centroids`; `violates`: whether it goes back or off the trend "
     "(Eqs. 4-8); `waits`: goals before it; `then`: goals after it; `later_s`: what it costs; `expect`: what the "
-    "advisor expects there; `overtaken`: the robot has seen it from near meanwhile; in a mission in words also the "
-    "side it is to `look` from, and what was `said` of things.",
+    "advisor expects there; in a mission in words also the side it is to `look` from, and what was `said` of things.",
     "held": "A decision without a goal: `source`, `decision`, `reason`; in a mission in words also its `answer`, "
     "`said`, `look`, `violates`.",
     "fallback": "The advisor did not decide: `decision`, `failure`, and the `policy` that took over.",

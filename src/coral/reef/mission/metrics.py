@@ -11,7 +11,6 @@ from coral.advisor.attribution import DEFINITIONS as ATTRIBUTION
 from coral.advisor.attribution import attribution_of
 from coral.errors import InputError
 from coral.reef.mission import outcome
-from coral.reef.pilot import timeliness
 from coral.run_files import RunFiles
 from coral.runs import read_events, read_rows
 
@@ -38,10 +37,8 @@ DEFINITIONS = {
     "coverage_time_s": "Simulated time (s) at which the last cluster of this run was covered.",
     "steps_per_percent": "Steps for each percentage point of coverage (paper: coverage efficiency); null without any.",
     "distance_m": "Length of the true trajectory (m).",
-    "mean_speed_m_s": "Distance over time (m/s).",
     "min_clearance_m": "Smallest true distance between the robot disc and an obstacle (m).",
     "planner_failures": "Control ticks at which no rollout was feasible and the vehicle braked.",
-    "path_replans": "Reference paths planned anew because the vehicle had left the old one.",
     "end_reason": "Why the mission ended.",
     "judged_by": "Who judged coverage, contacts and clearance of `reef sail`: the truth of a simulated reef, or, where "
     "nobody knows the truth, the vehicle's own map and sensors.",
@@ -61,7 +58,6 @@ DEFINITIONS = {
     "answer": "What the advisor answered when it said that such a mission was done; null if it did not.",
     "conditions": "Its conditions, each with what was found.",
     **outcome.DEFINITIONS,
-    **timeliness.DEFINITIONS,
 }
 
 
@@ -80,7 +76,6 @@ def compute_metrics(folder: Path) -> dict[str, Any]:
         **metrics_of(events, rows),
         **verdict_of(events),
         **outcome.outcome_metrics(folder, events, rows),
-        **timeliness.timeliness_of(events),
     }
 
 
@@ -101,7 +96,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
     """Compute the metrics from the events and the rows of the trajectory, both in order."""
     events = list(events)
     counts = dict.fromkeys(("collision", "question", "fallback", "planner_failure"), 0)
-    requeries = rejections = deviations = replans = 0
+    requeries = rejections = deviations = 0
     clusters_total, covered_at, end, preset = 0, 0.0, "killed", None
     for event in events:
         kind = event["event"]
@@ -119,8 +114,6 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
             rejections += event["verdict"] == "rejected"
         elif kind == "goal":
             deviations += bool(event.get("violates"))
-        elif kind == "monitor":
-            replans += 1
         elif kind == "cluster_covered":
             covered_at = float(event["t"])
         elif kind == "end":
@@ -148,10 +141,8 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
         "coverage_time_s": round(covered_at, 3),
         "steps_per_percent": round(steps / (100.0 * coverage), 3) if coverage else None,
         "distance_m": round(distance, 3),
-        "mean_speed_m_s": round(distance / t, 4) if t else 0.0,
         "min_clearance_m": round(clearance, 4) if math.isfinite(clearance) else None,
         "planner_failures": counts["planner_failure"],
-        "path_replans": replans,
         "end_reason": end,
         "preset": preset,
         "seconds_in_state": seconds_in_states(events, t),

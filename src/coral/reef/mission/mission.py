@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.consult import DEADLINE_S
@@ -18,10 +16,8 @@ from coral.advisor.log import AttemptRecorder
 from coral.advisor.question import Advisor
 from coral.config import checked, to_mapping
 from coral.errors import InputError
-from coral.reef.decide.own_trigger import MakeTrigger, Wanted, trigger_maker
-from coral.reef.decide.own_verifier import Check, find_verifier
+from coral.reef.decide.own_parts import Check, Wanted, find_trigger, find_verifier
 from coral.reef.decide.planner import Draw
-from coral.reef.decide.trigger import SmartTrigger
 from coral.reef.drive.controllers import MakeController, controller_maker, part_name
 from coral.reef.eyes.backends import open_eyes
 from coral.reef.map.belief import Belief
@@ -61,7 +57,7 @@ class Mission:
         preset: str = "clear",
         draw: Draw | None = None,
         controller: str | MakeController | None = None,
-        trigger: str | MakeTrigger | Wanted | None = None,
+        trigger: str | Wanted | None = None,
         verifier: str | Check | None = None,
         begins: Callable[[], None] = lambda: None,
     ) -> None:
@@ -77,7 +73,7 @@ class Mission:
             preset: Name of the water and sensors, for the record.
             draw: Draws the pictures of questions; None for no pictures.
             controller: Replaces `cfg.driver`: a name, or a function of a `ControllerSetup`.
-            trigger: Replaces the smart trigger; see `trigger_maker`.
+            trigger: Replaces the smart trigger; see `find_trigger`.
             verifier: Checks answers that the planner's own checks pass; see `find_verifier`.
             begins: Called when the inputs are checked, before anything that may take long.
 
@@ -91,8 +87,7 @@ class Mission:
             raise InputError("--seed", "", repr(seed), "a number of 0 or more")
         cfg = instructed(cfg, world.mission)
         make_driver = controller_maker(cfg.driver if controller is None else controller)
-        make_trigger: MakeTrigger = SmartTrigger if trigger is None else trigger_maker(trigger)
-        verify = None if verifier is None else find_verifier(verifier)
+        wanted, verify = find_trigger(trigger), find_verifier(verifier)
         exchanged = {"controller": controller, "trigger": trigger, "verifier": verifier}
         self.exchanged = {name: part_name(part) for name, part in exchanged.items() if part is not None}
         """Parts that replace ours, by name, for the record."""
@@ -129,7 +124,7 @@ class Mission:
             log=self.attempts,
             draw=draw or (lambda outlook: ()),
             make_driver=make_driver,
-            make_trigger=make_trigger,
+            wanted=wanted,
             verify=verify,
             commands=commands,
         )
@@ -310,7 +305,7 @@ class Mission:
         soon = None
         if self.end_reason and meter.inspected >= 0.9 - 1e-6:
             visibility_m = sim.noise.visibility_m
-            soon = oracle_bound(self.world, sim.camera, sim.imaging, visibility_m, sim.vehicle).times[0.9]
+            soon = oracle_bound(self.world, sim.camera, sim.imaging, visibility_m, sim.vehicle).time_s
         self.emit(
             "judged",
             clusters=self.judge.clusters(),
@@ -338,30 +333,8 @@ class Mission:
         return self.instruct if self.cfg.planner.instruction.text else None
 
     def _finish(self) -> dict[str, Any]:
-        control = np.array(self.loop.control_ms) if self.loop.control_ms else np.zeros(1)
-        timing: dict[str, Any] = timing_of(
-            self._wall, self.t, control_ms=self.loop.control_ms, tick_ms=self.loop.tick_ms
-        )
+        timing = timing_of(self._wall, self.t, control_ms=self.loop.control_ms, tick_ms=self.loop.tick_ms)
         metrics = compute_metrics(self.writer.folder)
         self.writer.json(RunFiles.METRICS, metrics)
-        histogram, edges = np.histogram(control, bins=tick_edges(control))
-        self.writer.json(
-            RunFiles.TIMING,
-            {
-                **timing,
-                "control_ms_histogram": {"counts": histogram.tolist(), "edges": [round(float(e), 4) for e in edges]},
-            },
-        )
+        self.writer.json(RunFiles.TIMING, timing)
         return {**metrics, **timing}
-
-
-def tick_edges(control_ms: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the edges of 40 bins for times of ticks (ms), of which the last one reaches to the slowest tick.
-
-    Args:
-        control_ms: Shape=(N,), N >= 1.
-    """
-    usual = max(10.0, math.ceil(1.2 * float(np.percentile(control_ms, 99, method="lower"))))
-    edges = np.linspace(0.0, usual, 41)
-    edges[-1] = max(usual, math.ceil(control_ms.max()))
-    return edges

@@ -35,27 +35,17 @@ DEFINITIONS = {
     "inspected": "The same at a resolution at which an ecologist counts oysters: pixels of at most 0.05 m, that is, "
     "from at most 2.3 m with the default camera.",
     **{f"time_to_{100 * s:.0f}_s": f"Simulated time (s) until {s:.0%} was inspected; null if never." for s in SHARES},
-    **{
-        f"imaged_time_to_{100 * s:.0f}_s": f"Simulated time (s) until {s:.0%} was imaged; null if never."
-        for s in SHARES
-    },
     "inspected_auc": "Area under the curve of `inspected`: its mean over the first 600 s, the last value held.",
-    "imaged_auc": "The same of `imaged`.",
     "oracle_ratio_90": "time_to_90_s over that of an oracle, which knows the reef and drives a short tour past all of "
     "it at cruise speed. The tour is a heuristic, not a proven optimum; null where 90 % was not inspected.",
     "idle_fraction": "Share of the time that the vehicle stood still: less than 0.05 m/s over ground, turning or not.",
     "path_deviations": "Deviations of the path that was driven, whatever was adopted: times that it went farther than "
     "3 m from the reef, and stretches of 2 m or more driven back along itself.",
-    "off_route_fraction": "Share of the path driven farther than 3 m from the reef.",
-    "backtracked_m": "Length (m) of path driven back along its own earlier course.",
     "phantom_clusters": "Clusters on the robot's map at the end that match no true one (no oyster within 1 m).",
     "position_error_m": "Distance between the position that the robot believed at the end and the true one (m).",
-    "position_error_max_m": "The largest such distance of the mission (m).",
     "odometry_error_m": "The same distance for the odometry alone, before correction (m).",
-    "odometry_error_max_m": "The largest distance of the odometry alone (m).",
     "all_covered_s": "Simulated time (s) at which every cluster counted as covered, where `--cfg.stop-when-covered` "
     "would end a mission; null where it never came to that.",
-    "all_covered_calls": "Advisor calls until then.",
 }
 """Definitions of the metrics, for the report."""
 
@@ -68,31 +58,19 @@ def outcome_metrics(folder: Path, events: Iterable[Mapping[str, Any]], rows: Seq
     best = judged.get("oracle_time_to_90_s")
     soon = times["time_to_90_s"]
     path = np.array([(float(row["x"]), float(row["y"])) for row in rows]).reshape(-1, 2)
-    backtracked_m, stretches = driven_back(path)
-    errors, drifts = _position_errors(rows, "est"), _position_errors(rows, "odo")
-    steps = np.hypot(*np.diff(path, axis=0).T) if len(path) > 1 else np.zeros(0)
-    away = (
-        reef_m[-len(steps) :] > OFF_ROUTE_M if len(steps) and len(reef_m) >= len(steps) else np.zeros(len(steps), bool)
-    )
     speeds = [math.hypot(float(row.get("u", "nan")), float(row.get("v", "nan"))) for row in rows]
     return {
         "imaged": round(float(imaged[-1]), 4) if len(t) else None,
         "inspected": round(float(inspected[-1]), 4) if len(t) else None,
         **times,
-        **{f"imaged_{key}": time_to(t, imaged, s) for key, s in zip(times, SHARES, strict=True)},
         "inspected_auc": area_under(t, inspected),
-        "imaged_auc": area_under(t, imaged),
         "oracle_ratio_90": round(soon / best, 3) if soon is not None and best else None,
         "idle_fraction": round(sum(v < IDLE_M_S for v in speeds) / len(speeds), 4) if speeds else None,
-        "path_deviations": excursions(reef_m) + stretches,
-        "off_route_fraction": round(float(steps[away].sum() / steps.sum()), 4) if steps.sum() else 0.0,
-        "backtracked_m": round(backtracked_m, 3),
+        "path_deviations": excursions(reef_m) + driven_back(path),
         "phantom_clusters": judged.get("phantoms"),
-        "position_error_m": round(errors[-1], 4) if errors else None,
-        "position_error_max_m": round(max(errors), 4) if errors else None,
-        "odometry_error_m": round(drifts[-1], 4) if drifts else None,
-        "odometry_error_max_m": round(max(drifts), 4) if drifts else None,
-        **_all_covered(events),
+        "position_error_m": _position_error(rows, "est"),
+        "odometry_error_m": _position_error(rows, "odo"),
+        "all_covered_s": _all_covered_s(events),
     }
 
 
@@ -121,15 +99,15 @@ def excursions(reef_m: NDArray[np.float64]) -> int:
     return count
 
 
-def driven_back(path: NDArray[np.float64]) -> tuple[float, int]:
-    """Return the length (m) driven back along the path itself and the number of stretches. path: Shape=(N, 2)."""
+def driven_back(path: NDArray[np.float64]) -> int:
+    """Count the stretches that were driven back along the path itself. path: Shape=(N, 2)."""
     if len(path) < 2:
-        return 0.0, 0
+        return 0
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
     at = np.arange(0.0, float(way[-1]), SAMPLE_M)
     places = np.stack([np.interp(at, way, path[:, k]) for k in range(2)], axis=1)
     if len(places) < 2:
-        return 0.0, 0
+        return 0
     along = np.diff(places, axis=0)
     heading, places = np.arctan2(along[:, 1], along[:, 0]), places[:-1]
     back = np.zeros(len(places), bool)
@@ -140,34 +118,32 @@ def driven_back(path: NDArray[np.float64]) -> tuple[float, int]:
         back[k] = bool((near & (turn > math.radians(BACK_DEG))).any())
     edges = np.flatnonzero(np.diff(np.concatenate([[0], back.astype(int), [0]])))
     lengths = (edges[1::2] - edges[::2]) * SAMPLE_M
-    return float(lengths.sum()), int((lengths >= STRETCH_M).sum())
+    return int((lengths >= STRETCH_M).sum())
 
 
-def _position_errors(rows: Sequence[Row], of: str) -> list[float]:
-    """Distances (m) of an estimate (est, odo) from the true position; a tick's estimate is of where the last one ended.
+def _position_error(rows: Sequence[Row], of: str) -> float | None:
+    """Return the distance (m) of the last estimate (est, odo) from the true position; None if it was not recorded.
 
-    Empty if it was not recorded.
+    A tick's estimate is of where the last one ended.
     """
-    if not rows or f"{of}_x" not in rows[0]:
-        return []
-    true = [(float(row["x"]), float(row["y"])) for row in rows]
-    believed = [(float(row[f"{of}_x"]), float(row[f"{of}_y"])) for row in rows]
-    return [math.dist(a, b) for a, b in zip(true, believed[1:], strict=False)]
+    if len(rows) < 2 or f"{of}_x" not in rows[0]:
+        return None
+    true, believed = rows[-2], rows[-1]
+    there = float(believed[f"{of}_x"]), float(believed[f"{of}_y"])
+    return round(math.dist((float(true["x"]), float(true["y"])), there), 4)
 
 
-def _all_covered(events: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the time at which the experimenter would stop, and the calls until then."""
-    total, covered, calls = 0, 0, 0
+def _all_covered_s(events: Iterable[Mapping[str, Any]]) -> float | None:
+    """Return the time at which the experimenter would stop."""
+    total, covered = 0, 0
     for event in events:
         if event["event"] == "start":
             total = int(event["clusters_total"])
-        elif event["event"] == "question":
-            calls += 1
         elif event["event"] == "cluster_covered":
             covered += 1
             if covered == total:
-                return {"all_covered_s": round(float(event["t"]), 3), "all_covered_calls": calls}
-    return {"all_covered_s": None, "all_covered_calls": None}
+                return round(float(event["t"]), 3)
+    return None
 
 
 def _judged(path: Path) -> tuple[NDArray[np.float64], ...]:

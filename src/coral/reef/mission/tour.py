@@ -35,20 +35,17 @@ class TourPilot(Pilot):
         return v, omega
 
 
-def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose, offset_m: float = 0.0) -> NDArray[np.float64]:
+def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose) -> NDArray[np.float64]:
     """Return straight lanes along x, `spacing_m` apart, so that no place is farther than half of that from a lane.
 
-    They lie symmetrically in the area, or `offset_m` beside that (at most one spacing), and begin at the corner nearest
-    to the start. With an offset the strip along one border lies farther from a lane.
+    They lie symmetrically in the area, and begin at the corner nearest to the start.
 
     Returns:
         Waypoints, beginning with the start (m). Shape=(2 N + 1, 2).
     """
     width, height = size_m
     count = max(1, math.ceil(height / spacing_m - 1e-9))
-    shifts = range(-1, count + 1) if offset_m else range(count)
-    ys = [height / 2 + spacing_m * (k - (count - 1) / 2) + offset_m for k in shifts]
-    ys = [y for y in ys if 0.0 <= y <= height]
+    ys = [height / 2 + spacing_m * (k - (count - 1) / 2) for k in range(count)]
     if start.y > height / 2:
         ys.reverse()
     ends = [min(BORDER_M, width / 2), max(width - BORDER_M, width / 2)]

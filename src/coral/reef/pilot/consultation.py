@@ -148,7 +148,6 @@ class Consultation:
             decision=self.number,
             attempt=self._attempts,
             mode=self._mode,
-            acceptable=asked.acceptable,
             pictures=[p.digest for p in question.pictures],
             centroids=chain_of(asked.outlook.belief, asked.outlook.closed),
         )

@@ -123,7 +123,6 @@ class Goals:
             index=goal.index,
             reason=getattr(answer, "reason", ""),
             **planner.adopt(asked, answer, goal),
-            **({"overtaken": True} if self._overtaken(goal) else {}),
             **({"waits": len(before)} if before else {}),
             **({"then": then} if then else {}),
         )
@@ -136,8 +135,3 @@ class Goals:
         """Keep what an answer in a mission in words says of things, where no goal comes of it."""
         pose = asked.outlook.arrival.pose
         return self._planner.adopt(asked, answer, Goal(x=pose.x, y=pose.y)) if hasattr(answer, "answer") else {}
-
-    def _overtaken(self, goal: Goal) -> bool:
-        """Check whether the robot has seen the chosen cluster from near while the answer was awaited."""
-        track = self._belief.track(goal.index)
-        return track is not None and track.visited

@@ -11,7 +11,7 @@ from coral.advisor.consult import Attempt
 from coral.advisor.fallback import failed
 from coral.advisor.question import Advisor
 from coral.reef.decide.asked import AskedState
-from coral.reef.decide.own_trigger import MakeTrigger
+from coral.reef.decide.own_parts import FunctionTrigger, Wanted
 from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.decide.trigger import Cause, Firing, SmartTrigger
 from coral.reef.drive.controller import Plan
@@ -60,13 +60,13 @@ class Pilot:
         log: Callable[[Attempt], None],
         cfg: PilotCfg | None = None,
         numbers: Iterator[int] | None = None,
-        trigger: MakeTrigger = SmartTrigger,
+        wanted: Wanted | None = None,
     ) -> None:
         """Set up a robot; `numbers` numbers its decisions, and robots that share a log share it too."""
         self.cfg = cfg or PilotCfg()
         self.belief, self.planner, self.driver, self.clock = belief, planner, driver, clock
         self.route = planner.route
-        self.trigger = trigger(self.cfg.trigger)
+        self.trigger = SmartTrigger(self.cfg.trigger) if wanted is None else FunctionTrigger(wanted, self.cfg.trigger)
         self.monitor = PathMonitor(self.cfg.monitor)
         prepare_s = 0.0 if self.cfg.synchronous else self.cfg.prepare_s
         self.cost_to_go = CostToGo(

@@ -1,8 +1,9 @@
 import pytest
 
+from coral.advisor.question import Rejection
 from coral.errors import InputError
-from coral.reef.decide.own_trigger import FunctionTrigger, trigger_maker
-from coral.reef.decide.trigger import SmartTrigger, TriggerCfg
+from coral.reef.decide.own_parts import FunctionTrigger, find_trigger, find_verifier
+from coral.reef.decide.trigger import TriggerCfg
 
 
 def at(trigger, t, x=0.0, target=(9.0, 0.0), pending=False, speed=0.5):
@@ -40,12 +41,20 @@ def test_the_function_sees_the_time_since_the_last_question():
     assert seen == [float("inf"), 3.0]
 
 
-def test_a_class_is_made_with_the_configuration_and_a_function_is_wrapped():
-    assert isinstance(trigger_maker(SmartTrigger)(TriggerCfg()), SmartTrigger)
-    assert isinstance(trigger_maker(lambda now: True)(TriggerCfg()), FunctionTrigger)
+def test_a_text_becomes_a_refusal_and_none_passes():
+    verify = find_verifier(lambda question, answer: "too deep" if answer > 3 else None)
+    assert verify(None, 4) == Rejection(code="own", reason="too deep")
+    assert verify(None, 3) is None
 
 
-@pytest.mark.parametrize("trigger", ["no-such-trigger", 3])
-def test_what_is_no_trigger_is_refused(trigger):
-    with pytest.raises(InputError, match="--trigger: found"):
-        trigger_maker(trigger)
+def test_a_rejection_keeps_its_code():
+    mine = Rejection(code="mine", reason="no")
+    assert find_verifier(lambda question, answer: mine)(None, 0) is mine
+
+
+@pytest.mark.parametrize("find", [find_trigger, find_verifier])
+@pytest.mark.parametrize("given", ["no-such-part", 3])
+def test_what_is_no_function_is_refused(find, given):
+    assert find(None) is None
+    with pytest.raises(InputError, match=f"--{find.__name__.removeprefix('find_')}: found"):
+        find(given)
