@@ -5,7 +5,6 @@ Usage: python docs/site/tables.py NAME    (prints a table; without a name, the n
 
 from __future__ import annotations
 
-import inspect
 import re
 import sys
 from collections.abc import Callable
@@ -90,7 +89,7 @@ TABLES: dict[str, Callable[[], str]] = {
     **{name: partial(make.named, head, resolve_name(place)) for name, (head, place) in NAMED.items()},
     "columns-task": partial(make.named, "columns | what", columns_told()),
     "variants-survey": partial(
-        make.named, "variant | what", {name: inspect.getdoc(of) for name, of in VARIANTS.items()}
+        make.named, "variant | what", {name: variant.what for name, variant in VARIANTS.items()}
     ),
     "sensor-faults": partial(make.named, "fault | what", {name: kind.means for name, kind in SENSOR_FAULTS.items()}),
     "advisors": partial(make.named, "advisor | who", {entry.form: entry.what for entry in ENTRIES}),

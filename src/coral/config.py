@@ -174,3 +174,27 @@ def dotted_keys(content: Mapping[str, Any], prefix: str = "") -> list[str]:
     for key, value in content.items():
         found += dotted_keys(value, f"{prefix}{key}.") if isinstance(value, Mapping) else [f"{prefix}{key}"]
     return found
+
+
+def nested(given: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Turn dotted keys into nested mappings.
+
+    Raises:
+        InputError: A key is no name, or stands for a value and for a group.
+    """
+    made: dict[str, Any] = {}
+    for key, value in given.items():
+        if not isinstance(key, str):
+            raise InputError(where, "", repr(key), "names of keys")
+        *groups, last = key.replace("-", "_").split(".")
+        inner = made
+        for group in groups:
+            inner = inner.setdefault(group, {})
+            if not isinstance(inner, dict):
+                raise InputError(where, key, "a value and a group of this name", "one of the two")
+        held = nested(value, where) if isinstance(value, Mapping) else value
+        if isinstance(held, dict) and isinstance(inner.get(last), dict):
+            inner[last] |= held
+        else:
+            inner[last] = held
+    return made

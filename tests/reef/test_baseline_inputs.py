@@ -5,7 +5,6 @@ import json
 
 import pytest
 
-from coral.advisor.prompt import render
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.answers import WaypointChoice
 from coral.reef.decide.heuristic import REEF_RULES
@@ -81,7 +80,7 @@ def test_without_verification_only_points_off_the_map_are_refused(variant, codes
     belief._trail = [(15.0, 10.0)]
     belief.map.explored[:, :360] = True
     belief.map.obstacle[190:210, 370:390] = True  # 18.5 to 19.5 m, straight ahead
-    planner = make_planner(belief, CostFieldCfg(), render, lambda outlook: (), cfg.planner)
+    planner = make_planner(belief, CostFieldCfg(), lambda outlook: (), cfg.planner)
     asked = planner.ask(planner.outlook())
     found = []
     for forward, left in ((0, 0), (4, 0), (-4, 0), (6, 0)):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from coral.config import changed_keys, dotted_keys, merge, read_yaml
+from coral.config import changed_keys, dotted_keys, merge, nested, read_yaml
 from coral.errors import InputError
 
 C = TypeVar("C")
@@ -30,29 +30,9 @@ def resolve_settings(given: Any, default: C, where: str = "cfg") -> tuple[C, fro
         content: Mapping[str, Any] = read_yaml(Path(given))
         return merge(default, content, str(given)), frozenset(dotted_keys(content))
     if isinstance(given, Mapping):
-        content = _nested(given, where)
+        content = nested(given, where)
         return merge(default, content, where), frozenset(dotted_keys(content))
     if not dataclasses.is_dataclass(given) or not isinstance(given, type(default)):
         expected = f"a {type(default).__name__}, a mapping of its keys or a YAML file"
         raise InputError(where, "", f"{type(given).__name__}", expected)
     return given, frozenset(changed_keys(given, default))
-
-
-def _nested(given: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """Turn dotted keys into nested mappings."""
-    made: dict[str, Any] = {}
-    for key, value in given.items():
-        if not isinstance(key, str):
-            raise InputError(where, "", repr(key), "names of keys")
-        *groups, last = key.replace("-", "_").split(".")
-        inner = made
-        for group in groups:
-            inner = inner.setdefault(group, {})
-            if not isinstance(inner, dict):
-                raise InputError(where, key, "a value and a group of this name", "one of the two")
-        held = _nested(value, where) if isinstance(value, Mapping) else value
-        if isinstance(held, dict) and isinstance(inner.get(last), dict):
-            inner[last] |= held
-        else:
-            inner[last] = held
-    return made

@@ -36,9 +36,7 @@ def belief(*clusters, pose=NORTH):
 
 
 def facts(made, rejections=(), **changes):
-    planner = TourPlanner(
-        made, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda outlook: (), PlannerCfg(**changes)
-    )
+    planner = TourPlanner(made, CostFieldCfg(), lambda outlook: (), PlannerCfg(**changes))
     return planner.ask(planner.outlook(), rejections).question.facts
 
 

@@ -7,7 +7,6 @@ import math
 import pytest
 from beds import belief_with, see
 
-from coral.advisor.prompt import render
 from coral.reef.decide.mission_answer import LookFrom, Mark, MissionAnswer
 from coral.reef.decide.mission_planner import MissionPlanner, way_round
 from coral.reef.decide.planner import InstructionCfg, PlannerCfg
@@ -19,7 +18,7 @@ TOLD = InstructionCfg(text="Find the ghost net.", time_s=180.0)
 
 
 def planner_for(belief):
-    planner = make_planner(belief, CostFieldCfg(), render, lambda outlook: (), PlannerCfg(instruction=TOLD))
+    planner = make_planner(belief, CostFieldCfg(), lambda outlook: (), PlannerCfg(instruction=TOLD))
     assert isinstance(planner, MissionPlanner)
     return planner
 

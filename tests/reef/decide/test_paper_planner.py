@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from beds import belief_with
 
-from coral.advisor.prompt import render
 from coral.reef.decide.answers import CentroidAnswer, WaypointAnswer
 from coral.reef.decide.paper_planner import PaperPlanner
 from coral.reef.decide.planner import PlannerCfg
@@ -15,7 +14,7 @@ from coral.reef.world.geometry import Pose
 
 
 def planner_for(belief, **changes):
-    return PaperPlanner(belief, CostFieldCfg(), render, lambda outlook: (), PlannerCfg(algorithm="paper", **changes))
+    return PaperPlanner(belief, CostFieldCfg(), lambda outlook: (), PlannerCfg(algorithm="paper", **changes))
 
 
 def ask(planner, *rejections):

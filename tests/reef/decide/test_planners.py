@@ -1,7 +1,6 @@
 import pytest
 from beds import belief_with
 
-from coral.advisor.prompt import render
 from coral.reef.decide.paper_planner import PaperPlanner
 from coral.reef.decide.planner import PlannerCfg
 from coral.reef.decide.planners import PLANNERS, make_planner
@@ -13,7 +12,7 @@ from coral.reef.map.costfield import CostFieldCfg
 def test_the_configuration_names_the_planner(algorithm, kind):
     assert PLANNERS[algorithm] is kind
     belief = belief_with([(14.0, 10.0)])
-    made = make_planner(belief, CostFieldCfg(), render, lambda outlook: (), PlannerCfg(algorithm=algorithm))
+    made = make_planner(belief, CostFieldCfg(), lambda outlook: (), PlannerCfg(algorithm=algorithm))
     assert type(made) is kind
     asked = made.ask(made.outlook())
     belief.tracker.tracks = []  # what the robot learns meanwhile changes no question

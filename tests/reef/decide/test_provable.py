@@ -3,21 +3,19 @@ import pytest
 from beds import belief_with, see
 
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.provable import ProvableCfg, finished_dot, hazard, leads_nowhere
-from coral.reef.decide.remaining import Dot, RemainingCfg, what_remains
+from coral.reef.decide.provable import finished_dot, hazard, leads_nowhere
+from coral.reef.decide.remaining import Dot, what_remains
 from coral.reef.decide.route import Goal, here
 from coral.reef.decide.survey import SurveyCfg, survey
 from coral.reef.map.costfield import CostFieldCfg
 
-CFG = ProvableCfg()
 
-
-def nowhere(belief, *points, cfg=CFG):
+def nowhere(belief, *points):
     outlook = Outlook.now(belief)
     left = survey(outlook, CostFieldCfg(), 1.0, SurveyCfg())
     dots = [Dot(x=t.x, y=t.y, index=t.index, left_m2=1.0) for t in outlook.unvisited()]
-    remaining = what_remains(outlook, left, dots, CostFieldCfg(), RemainingCfg())
-    return leads_nowhere(outlook, remaining, *np.array(points).T, cfg).tolist()
+    remaining = what_remains(outlook, left, dots, CostFieldCfg())
+    return leads_nowhere(outlook, remaining, *np.array(points).T).tolist()
 
 
 def test_only_what_shows_nothing_and_is_nearer_to_nothing_leads_nowhere():
@@ -26,7 +24,6 @@ def test_only_what_shows_nothing_and_is_nearer_to_nothing_leads_nowhere():
     assert nowhere(belief, *points) == [False, False, True, False]
     belief.map.explored[:100, 180:220] = False  # white water to the south
     assert nowhere(belief, *points) == [False] * 4
-    assert nowhere(belief_with([(16.0, 10.0)]), (5.0, 10.0), cfg=ProvableCfg(finished=False)) == [False]
 
 
 def test_where_nothing_is_left_nothing_is_refused():

@@ -17,7 +17,7 @@ def tour_of(points, cfg=CFG, area=1.0):
     outlook = Outlook.now(belief)
     left = survey(outlook, CostFieldCfg(), 1.0, SurveyCfg())
     dots = [Dot(x=t.x, y=t.y, index=t.index, left_m2=area) for t in belief.tracks]
-    remaining = what_remains(outlook, left, dots, CostFieldCfg(), cfg.remaining)
+    remaining = what_remains(outlook, left, dots, CostFieldCfg())
     return plan_tour(remaining, left, outlook.arrival, cfg)
 
 

@@ -16,9 +16,7 @@ from coral.reef.world.geometry import Pose
 
 
 def planner_for(belief, **changes):
-    return TourPlanner(
-        belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda outlook: (), PlannerCfg(**changes)
-    )
+    return TourPlanner(belief, CostFieldCfg(), lambda outlook: (), PlannerCfg(**changes))
 
 
 def under_way(belief, *goals, **changes):

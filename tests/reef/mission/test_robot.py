@@ -45,7 +45,7 @@ def robot():
 
         def pilot(one):
             rules = RuleAdvisor(REEF_RULES)
-            planner = TourPlanner(one.belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda outlook: ())
+            planner = TourPlanner(one.belief, CostFieldCfg(), lambda outlook: ())
             return Pilot(one.belief, planner, one.driver, rules, rules, one.clock, one.emit, lambda attempt: None)
 
         def emit(event, **fields):

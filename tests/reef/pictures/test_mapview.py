@@ -6,6 +6,8 @@ import pytest
 from coral.reef.pictures.mapview import CELL_COLORS, MapScene, MapViewCfg, cell_classes, draw_map, png
 from coral.reef.world.geometry import Pose
 
+WHOLE = (0.0, 0.0, 20.0, 20.0)
+
 RED, BLUE, ORANGE, YELLOW = (220, 20, 40), (25, 90, 230), (255, 133, 0), (255, 217, 0)
 
 
@@ -28,13 +30,13 @@ def has(rgb, color):
     return where(rgb, color) is not None
 
 
-@pytest.mark.parametrize("crop", [True, False])
+@pytest.mark.parametrize("window", [None, WHOLE])
 @pytest.mark.parametrize("kind", [0, 1, 2, 3])
-def test_a_cell_has_the_colour_of_its_class(kind, crop):
+def test_a_cell_has_the_colour_of_its_class(kind, window):
     cells = grid()
     cells[80:120, 40:400] = 1  # so that a crop has something to keep
     cells[200:240, 100:140] = kind  # y 10..12 m, x 5..7 m
-    picture = draw_map(MapScene(cells=cells, cell_m=0.05), MapViewCfg(crop=crop, legend=False))
+    picture = draw_map(MapScene(cells=cells, cell_m=0.05), MapViewCfg(window=window, legend=False))
     assert pixel(picture, 6.0, 11.0) == tuple(CELL_COLORS[kind])
     assert pixel(picture, 10.0, 5.0) == tuple(CELL_COLORS[1])
 
@@ -42,46 +44,46 @@ def test_a_cell_has_the_colour_of_its_class(kind, crop):
 def test_north_is_up_and_east_is_right():
     cells = grid()
     cells[:200] = 1  # the southern half
-    picture = draw_map(MapScene(cells=cells, cell_m=0.05), MapViewCfg(crop=False, legend=False, axes=False))
-    assert tuple(picture.rgb[-60, 380]) == tuple(CELL_COLORS[1])
-    assert tuple(picture.rgb[60, 380]) == (255, 255, 255)
+    picture = draw_map(MapScene(cells=cells, cell_m=0.05), MapViewCfg(window=WHOLE, legend=False))
+    assert pixel(picture, 10.0, 5.0) == tuple(CELL_COLORS[1])
+    assert pixel(picture, 10.0, 15.0) == (255, 255, 255)
     low, high = picture.to_pixels(np.array([[0.0, 0.0], [20.0, 20.0]]))
-    np.testing.assert_allclose(low, (0, picture.rgb.shape[0]))
-    np.testing.assert_allclose(high, (picture.rgb.shape[1], 0), atol=1e-6)
+    assert low[0] < high[0]
+    assert low[1] > high[1]
 
 
 @pytest.mark.parametrize("theta", [0.0, math.pi / 2, 2.5, -2.0])
 def test_red_arrow_points_forward_and_blue_arrow_left(theta):
     scene = MapScene(cells=grid(), cell_m=0.05, pose=Pose(10.0, 10.0, theta))
-    picture = draw_map(scene, MapViewCfg(crop=False, legend=False, axes=False))
+    picture = draw_map(scene, MapViewCfg(window=WHOLE, legend=False))
     robot = picture.to_pixels(np.array([10.0, 10.0]))
     for color, angle in ((RED, theta), (BLUE, theta + math.pi / 2)):
         toward = np.array(where(picture.rgb, color)) - robot
         assert math.cos(math.atan2(-toward[1], toward[0]) - angle) > 0.99
 
 
-def test_chain_is_blue_in_the_given_order():
+def test_the_links_of_the_chain_are_blue():
     points = np.array([(4.0, 10.0), (16.0, 10.0), (10.0, 16.0)])
-    cfg = MapViewCfg(crop=False, legend=False, labels=False)
-    joined = draw_map(MapScene(cells=grid(), cell_m=0.05, centroids=points, chain=(0, 2, 1)), cfg)
+    cfg = MapViewCfg(window=WHOLE, legend=False)
+    joined = draw_map(MapScene(cells=grid(), cell_m=0.05, centroids=points, links=((0, 2), (2, 1))), cfg)
     assert pixel(joined, 7.0, 13.0) == BLUE
     assert pixel(joined, 10.0, 10.0) == (255, 255, 255)
     assert pixel(joined, 4.0, 10.0) == ORANGE
-    apart = draw_map(MapScene(cells=grid(), cell_m=0.05, centroids=points, chain=()), cfg)
+    apart = draw_map(MapScene(cells=grid(), cell_m=0.05, centroids=points, links=()), cfg)
     assert not has(apart.rgb, BLUE)
 
 
 def test_a_visited_centroid_is_hollow():
     points = np.array([(4.0, 10.0), (16.0, 10.0)])
     scene = MapScene(cells=grid(), cell_m=0.05, centroids=points, visited=(True, False))
-    picture = draw_map(scene, MapViewCfg(crop=False, labels=False))
+    picture = draw_map(scene, MapViewCfg(window=WHOLE))
     assert pixel(picture, 4.0, 10.0) != ORANGE
     assert pixel(picture, 16.0, 10.0) == ORANGE
 
 
 def test_trajectory_is_yellow_with_a_dark_edge():
     scene = MapScene(cells=grid(), cell_m=0.05, trajectory=np.array([(3.0, 10.0), (17.0, 10.0)]))
-    picture = draw_map(scene, MapViewCfg(crop=False, legend=False))
+    picture = draw_map(scene, MapViewCfg(window=WHOLE, legend=False))
     assert pixel(picture, 9.9, 10.0) == YELLOW
     column, row = (int(v) for v in picture.to_pixels(np.array([9.9, 10.0])))
     assert picture.rgb[row - 4 : row + 5, column].sum(axis=1).min() < 300
@@ -90,7 +92,7 @@ def test_trajectory_is_yellow_with_a_dark_edge():
 @pytest.mark.parametrize("at", [(0.05, 0.05), (19.95, 19.95), (0.05, 19.95), (19.95, 0.05)])
 def test_labels_stay_inside_the_picture(at):
     scene = MapScene(cells=grid(), cell_m=0.05, centroids=np.array([at]), indices=(12,))
-    cfg = MapViewCfg(crop=False, legend=False, axes=False)
+    cfg = MapViewCfg(window=WHOLE, legend=False)
     ink = (150, 62, 0)
     corner = draw_map(scene, cfg).rgb
     middle = draw_map(MapScene(cells=grid(), cell_m=0.05, centroids=np.array([(10.0, 10.0)]), indices=(12,)), cfg).rgb
@@ -119,7 +121,7 @@ def test_the_crop_keeps_everything_that_is_drawn():
 
 def test_size_and_type_hold_for_any_shape():
     for shape in ((400, 400), (600, 200), (200, 600), (3, 5)):
-        for cfg in (MapViewCfg(), MapViewCfg(crop=False), MapViewCfg(size_px=300, legend=False, axes=False)):
+        for cfg in (MapViewCfg(), MapViewCfg(size_px=300, legend=False)):
             rgb = draw_map(MapScene(cells=np.ones(shape, np.uint8), cell_m=0.05), cfg).rgb
             assert rgb.dtype == np.uint8
             assert max(rgb.shape[:2]) <= cfg.size_px
@@ -130,7 +132,7 @@ def test_the_legend_of_a_narrow_map_is_not_cut():
     cells = np.ones((600, 100), np.uint8)
 
     def lowest_rows(goal):
-        rgb = draw_map(MapScene(cells=cells, cell_m=0.05, goal=goal), MapViewCfg(crop=False)).rgb
+        rgb = draw_map(MapScene(cells=cells, cell_m=0.05, goal=goal), MapViewCfg()).rgb
         return rgb[-30:]  # the second line of the legend, where the goal stands last
 
     plain, with_goal = lowest_rows(None), lowest_rows((2.0, 2.0))
@@ -157,7 +159,7 @@ def test_a_dot_below_the_robot_s_arrow_stays_visible():
     scene = MapScene(
         cells=grid(), cell_m=0.05, pose=Pose(4.0, 4.0, 0.0), arrival=Pose(10.0, 10.0, 0.0), centroids=points
     )
-    picture = draw_map(scene, MapViewCfg(crop=False, labels=False))
+    picture = draw_map(scene, MapViewCfg(window=WHOLE))
     assert 0.0 < picture.to_pixels(points[0])[0] - picture.to_pixels(np.array([10.0, 10.0]))[0] < 50.0  # on the arrow
     assert pixel(picture, 11.0, 10.0) == ORANGE
 
@@ -182,13 +184,13 @@ def test_arrows_and_the_end_of_the_area_are_in_the_picture(x, y, theta):
     scene = MapScene(
         cells=cells, cell_m=0.1, pose=Pose(10.0, 10.0, 0.0), arrival=Pose(x, y, theta), border=(0.0, 0.0, 20.0, 20.0)
     )
-    view = draw_map(scene, MapViewCfg(legend=False, axes=False))
+    view = draw_map(scene, MapViewCfg(legend=False))
     height, width = view.rgb.shape[:2]
     along = np.array([math.cos(theta), math.sin(theta)])
     for arrow in (56 * along, 46 * np.array([-along[1], along[0]])):
         column, row = view.to_pixels(np.array([x, y])) + arrow * (1, -1)
-        assert 0 <= column <= width
-        assert 0 <= row <= height
+        assert 40 <= column <= width - 12  # inside the axes
+        assert 22 <= row <= height - 30
     x0, y0, x1, y1 = view.window
     assert min(x0, y0) < 0.0
     assert max(x1, y1) > 20.0

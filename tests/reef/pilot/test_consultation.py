@@ -8,7 +8,6 @@ from beds import belief_with
 
 from coral.advisor.clock import SimulatedClock
 from coral.advisor.consult import BudgetCfg
-from coral.advisor.prompt import render
 from coral.advisor.question import Reply
 from coral.reef.decide.mission_answer import MissionAnswer
 from coral.reef.decide.planner import InstructionCfg, PlannerCfg
@@ -37,7 +36,7 @@ class Asking:
     def __init__(self, answer):
         self.events, self.attempts = [], []
         cfg = PlannerCfg(instruction=InstructionCfg(text="Find the net.", time_s=180.0))
-        planner = make_planner(belief_with([(14.0, 10.0)]), CostFieldCfg(), render, lambda outlook: (), cfg)
+        planner = make_planner(belief_with([(14.0, 10.0)]), CostFieldCfg(), lambda outlook: (), cfg)
         self.clock = SimulatedClock("fixed:3", np.random.default_rng(0))
         self.consultation = Consultation(
             planner, Says(answer), Says(DONE), self.clock, SimpleNamespace(field=None),

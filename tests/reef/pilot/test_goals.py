@@ -5,7 +5,6 @@ import pytest
 from beds import belief_with
 
 from coral.advisor.clock import SimulatedClock
-from coral.advisor.prompt import render
 from coral.reef.decide.mission_answer import MissionAnswer
 from coral.reef.decide.planner import InstructionCfg, PlannerCfg
 from coral.reef.decide.planners import make_planner
@@ -21,7 +20,7 @@ class Setting:
     def __init__(self):
         self.belief, self.events, self.renewed = belief_with([(14.0, 10.0), (6.0, 10.0)]), [], []
         cfg = PlannerCfg(instruction=InstructionCfg(text="Find the net.", time_s=180.0))
-        self.planner = make_planner(self.belief, CostFieldCfg(), render, lambda outlook: (), cfg)
+        self.planner = make_planner(self.belief, CostFieldCfg(), lambda outlook: (), cfg)
         self.clock = SimulatedClock("fixed:3", np.random.default_rng(0))
         self.goals = Goals(
             self.belief, self.planner, self.clock, self.emit, lambda: self.renewed.append(True), PilotCfg()

@@ -3,7 +3,6 @@
 import pytest
 from beds import belief_with
 
-from coral.advisor.prompt import render
 from coral.errors import InputError
 from coral.reef.decide.planner import InstructionCfg, PlannerCfg
 from coral.reef.decide.planners import make_planner
@@ -14,7 +13,7 @@ from coral.reef.pilot.instruction_change import InstructionChange
 
 def planner_of(text):
     cfg = PlannerCfg(instruction=InstructionCfg(text=text))
-    return make_planner(belief_with([(12.0, 10.0)]), CostFieldCfg(), render, lambda outlook: (), cfg)
+    return make_planner(belief_with([(12.0, 10.0)]), CostFieldCfg(), lambda outlook: (), cfg)
 
 
 def test_new_words_are_taken_over_once_and_told():

@@ -8,7 +8,8 @@ import pytest
 from coral.reef.map.belief import Belief
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
-from coral.reef.pilot.look_round import LookRound, LookRoundCfg
+from coral.reef.pilot import look_round
+from coral.reef.pilot.look_round import LookRound
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Pose
 
@@ -73,9 +74,10 @@ def test_what_it_asks_about_is_a_copy():
     assert LookRound(belief).step(lambda other: shut(other) or not shut(belief)) == "turn"
 
 
-def test_another_place_is_worth_another_turn_but_not_for_ever():
+def test_another_place_is_worth_another_turn_but_not_for_ever(monkeypatch):
+    monkeypatch.setattr(look_round, "MOST_TURNS", 2)
     belief = fenced()
-    look = LookRound(belief, LookRoundCfg(times=2))
+    look = LookRound(belief)
     assert look.step(shut) == "turn"
     belief.pose = Pose(4.5, 5.0, 0.0)
     assert look.step(shut) == "turn"

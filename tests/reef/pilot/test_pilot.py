@@ -58,7 +58,7 @@ class Drive:
     def __init__(self, cfg=None, driver=None):
         self.events, self.attempts, self.commands, self.pending = [], [], [], []
         belief = Belief(OccupancyMap((20.0, 20.0), CAMERA))
-        planner = TourPlanner(belief, CostFieldCfg(), lambda kind, context: (kind, "0"), lambda outlook: ())
+        planner = TourPlanner(belief, CostFieldCfg(), lambda outlook: ())
         clock = SimulatedClock(f"fixed:{LATENCY_S:g}", np.random.default_rng(0))
         self.pilot = Pilot(
             belief, planner, driver or PdController(), Ahead(), RuleAdvisor(REEF_RULES), clock,

@@ -5,21 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from coral.config import Fraction, Positive
 from coral.reef.map.belief import Belief
 
-
-@dataclass(frozen=True, kw_only=True)
-class GuessCfg:
-    """When a guess has come out, and what it may cost."""
-
-    near_m: Positive = 2.0
-    """A guess is right if oysters lie this near to its place; what is known there already is no guess."""
-    seen_share: Fraction = 0.9
-    """It has come out once this share of the water within `near_m` of its place is explored."""
-    allowance_s: Positive = 30.0
-    """What a guess may cost before any has come out: three answers of the paper's median latency. Departs from the
-    paper: its answers state no expectation."""
+NEAR_M = 2.0
+"""A guess is right if oysters lie this near to its place; what is known there already is no guess."""
+SEEN_SHARE = 0.9
+"""It has come out once this share of the water within `NEAR_M` of its place is explored."""
+ALLOWANCE_S = 30.0
+"""What a guess may cost before any has come out: three answers of the paper's median latency."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,39 +45,35 @@ class GuessRecord:
         """Return the number of guesses that were wrong."""
         return sum(guess.hit is False for guess in self.guesses)
 
-    def allowance_s(self, sure: float, cfg: GuessCfg) -> float:
+    def allowance_s(self, sure: float) -> float:
         """Return how much later the rest may be seen for the next guess (s).
 
         The share of right guesses is taken to be (right + 1) / (all + 2), one half before any (Laplace's rule).
         """
         share = (self.right + 1) / (self.right + self.wrong + 2)
-        return 2.0 * share * sure * cfg.allowance_s
+        return 2.0 * share * sure * ALLOWANCE_S
 
-    def settled(self, belief: Belief, cfg: GuessCfg) -> tuple[GuessRecord, list[Guess]]:
+    def settled(self, belief: Belief) -> tuple[GuessRecord, list[Guess]]:
         """Judge the open guesses by the present map. Return the new record, and the guesses that have come out."""
-        guesses = tuple(_judged(guess, belief, cfg) for guess in self.guesses)
+        guesses = tuple(_judged(guess, belief) for guess in self.guesses)
         out = [new for old, new in zip(self.guesses, guesses, strict=True) if old.hit is None and new.hit is not None]
         return GuessRecord(guesses), out
 
-    def with_guess(self, guess: Guess, belief: Belief, cfg: GuessCfg) -> GuessRecord:
+    def with_guess(self, guess: Guess, belief: Belief) -> GuessRecord:
         """Note a guess, unless oysters are known there or the same was guessed already."""
-        again = any(
-            one.hit is None and math.dist((one.x, one.y), (guess.x, guess.y)) <= cfg.near_m for one in self.guesses
-        )
-        return (
-            self if again or oysters_near(belief, guess.x, guess.y, cfg.near_m) else GuessRecord((*self.guesses, guess))
-        )
+        again = any(one.hit is None and math.dist((one.x, one.y), (guess.x, guess.y)) <= NEAR_M for one in self.guesses)
+        return self if again or oysters_near(belief, guess.x, guess.y) else GuessRecord((*self.guesses, guess))
 
 
-def oysters_near(belief: Belief, x: float, y: float, near_m: float) -> bool:
-    """Check whether the map shows oysters within a distance of a point, doubtful ones left out."""
-    return any(math.dist((t.x, t.y), (x, y)) <= near_m for t in belief.tracks if not t.doubtful)
+def oysters_near(belief: Belief, x: float, y: float) -> bool:
+    """Check whether the map shows oysters near a point, doubtful ones left out."""
+    return any(math.dist((t.x, t.y), (x, y)) <= NEAR_M for t in belief.tracks if not t.doubtful)
 
 
-def _judged(guess: Guess, belief: Belief, cfg: GuessCfg) -> Guess:
+def _judged(guess: Guess, belief: Belief) -> Guess:
     if guess.hit is not None:
         return guess
-    if oysters_near(belief, guess.x, guess.y, cfg.near_m):
+    if oysters_near(belief, guess.x, guess.y):
         return replace(guess, hit=True)
-    seen = 1.0 - belief.map.unexplored_share(guess.x, guess.y, cfg.near_m)
-    return replace(guess, hit=False) if seen >= cfg.seen_share else guess
+    seen = 1.0 - belief.map.unexplored_share(guess.x, guess.y, NEAR_M)
+    return replace(guess, hit=False) if seen >= SEEN_SHARE else guess

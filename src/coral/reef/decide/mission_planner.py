@@ -18,7 +18,7 @@ from coral.reef.decide.guesses import Guess
 from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.own_parts import Verifier
-from coral.reef.decide.planner import Answer, Draw, PlannerCfg, Prompts
+from coral.reef.decide.planner import Answer, Draw, PlannerCfg
 from coral.reef.decide.provable import finished_dot, hazard
 from coral.reef.decide.questions import goal_of_dot, goal_of_step, make_question, outside, surroundings
 from coral.reef.decide.route import Goal, Route, here
@@ -42,13 +42,12 @@ class MissionPlanner:
         self,
         belief: Belief,
         fields: CostFieldCfg,
-        prompts: Prompts,
         draw: Draw,
         cfg: PlannerCfg | None = None,
         verifier: Verifier | None = None,
     ) -> None:
         """Set up the planner of one robot; see `make_planner`."""
-        self.belief, self.fields, self.prompts, self.draw, self._verifier = belief, fields, prompts, draw, verifier
+        self.belief, self.fields, self.draw, self._verifier = belief, fields, draw, verifier
         self.cfg = cfg or PlannerCfg()
         self.route = Route(belief, self.cfg.route, self.cfg.instruction.clear_m)
         self.said: tuple[Said, ...] = ()
@@ -86,7 +85,7 @@ class MissionPlanner:
         left = survey(outlook, self.fields, cfg.forward_m, cfg.survey)
         options = waypoint_options(belief, left, pose, cfg.step_m, cfg.separation_m)
         facts = describe(outlook, left, options) | {"mission": self._told(outlook)}
-        question = make_question("mission", "reef-mission", MissionAnswer, facts, outlook, cfg, self.prompts, self.draw)
+        question = make_question("mission", "reef-mission", MissionAnswer, facts, outlook, cfg, self.draw)
         around = surroundings(outlook, left, cfg.forward_m)
         return AskedState(question=question, mode="mission", outlook=outlook, left=left, around=around)
 
@@ -231,11 +230,6 @@ def way_round(look: LookFrom, thing: tuple[float, float], robot: tuple[float, fl
     """Return goals that lead round a thing to the side of a look, the last one at its distance, facing the thing.
 
     Whoever is nearer already stays where it is.
-
-    Args:
-        look: Side and distance.
-        thing: Its place (m).
-        robot: Where the robot will be (m).
     """
     begin = math.atan2(robot[1] - thing[1], robot[0] - thing[0])
     turn = {"near": 0.0, "left": -0.5 * math.pi, "right": 0.5 * math.pi, "far": math.pi}[look.side]

@@ -14,7 +14,7 @@ from coral.reef.decide.facts import describe, waypoint_options
 from coral.reef.decide.guesses import Guess
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.own_parts import Verifier
-from coral.reef.decide.planner import Answer, Draw, PlannerCfg, Prompts
+from coral.reef.decide.planner import Answer, Draw, PlannerCfg
 from coral.reef.decide.questions import (
     KINDS,
     PAPER,
@@ -41,13 +41,12 @@ class PaperPlanner:
         self,
         belief: Belief,
         fields: CostFieldCfg,
-        prompts: Prompts,
         draw: Draw,
         cfg: PlannerCfg | None = None,
         verifier: Verifier | None = None,
     ) -> None:
         """Set up the planner of one robot; see `make_planner`."""
-        self.belief, self.fields, self.prompts, self.draw, self._verifier = belief, fields, prompts, draw, verifier
+        self.belief, self.fields, self.draw, self._verifier = belief, fields, draw, verifier
         self.cfg = cfg or PlannerCfg()
         self.route = Route(belief, self.cfg.route)
 
@@ -76,7 +75,6 @@ class PaperPlanner:
             facts,
             outlook,
             cfg,
-            self.prompts,
             self.draw,
         )
         return replace(asked, question=question)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
@@ -10,9 +10,8 @@ from coral.advisor.question import Picture, Rejection
 from coral.config import Count, NonNegative
 from coral.reef.decide.answers import CentroidAnswer, WaypointAnswer
 from coral.reef.decide.asked import AskedState
-from coral.reef.decide.guesses import Guess, GuessCfg
+from coral.reef.decide.guesses import Guess
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.provable import ProvableCfg
 from coral.reef.decide.route import Goal, Route, RouteCfg
 from coral.reef.decide.survey import SurveyCfg
 from coral.reef.decide.topology import TopologyCfg
@@ -20,8 +19,6 @@ from coral.reef.decide.verify import VerifyCfg
 from coral.reef.map.costfield import CostField
 
 Answer = CentroidAnswer | WaypointAnswer
-Prompts = Callable[[str, Mapping[str, Any]], tuple[str, str]]
-"""Renders the prompt of a template from its context; returns (text, version)."""
 Draw = Callable[[Outlook], tuple[Picture, ...]]
 
 
@@ -64,10 +61,9 @@ class PlannerCfg:
     survey: SurveyCfg = field(default_factory=SurveyCfg)
     verify: VerifyCfg = field(default_factory=VerifyCfg)
     """The paper's check; under `tour` its violations are counted only."""
-    provable: ProvableCfg = field(default_factory=ProvableCfg)
-    """The check of `tour`."""
+    finished: bool = True
+    """Whether `tour` refuses ways back through finished water. False for lanes that were planned before the dive."""
     topology: TopologyCfg = field(default_factory=TopologyCfg)
-    guesses: GuessCfg = field(default_factory=GuessCfg)
     instruction: InstructionCfg = field(default_factory=InstructionCfg)
     """With one, questions tell it and `algorithm` is not used. Not in the paper."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from coral.reef.decide.mission_planner import MissionPlanner
 from coral.reef.decide.own_parts import Verifier
 from coral.reef.decide.paper_planner import PaperPlanner
-from coral.reef.decide.planner import Draw, HighLevelPlanner, PlannerCfg, Prompts
+from coral.reef.decide.planner import Draw, HighLevelPlanner, PlannerCfg
 from coral.reef.decide.tour_planner import TourPlanner
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostFieldCfg
@@ -20,20 +20,10 @@ PLANNERS: dict[str, type[TourPlanner | PaperPlanner | MissionPlanner]] = {
 def make_planner(
     belief: Belief,
     fields: CostFieldCfg,
-    prompts: Prompts,
     draw: Draw,
     cfg: PlannerCfg | None = None,
     verifier: Verifier | None = None,
 ) -> HighLevelPlanner:
-    """Make the planner of one robot.
-
-    Args:
-        belief: What the robot knows; it keeps changing.
-        fields: How obstacles are inflated for distances.
-        prompts: Renders prompts.
-        draw: Draws the pictures of a question.
-        cfg: Which planner, and its settings.
-        verifier: Checks what the planner's own checks pass.
-    """
+    """Make the planner of one robot."""
     cfg = cfg or PlannerCfg()
-    return PLANNERS["mission" if cfg.instruction.text else cfg.algorithm](belief, fields, prompts, draw, cfg, verifier)
+    return PLANNERS["mission" if cfg.instruction.text else cfg.algorithm](belief, fields, draw, cfg, verifier)

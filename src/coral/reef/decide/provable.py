@@ -7,13 +7,11 @@ angles (`verify.py`).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.advisor.question import Rejection
-from coral.config import Positive
 from coral.reef.decide.answers import CentroidChoice, Expectation, WaypointChoice
 from coral.reef.decide.asked import AskedState
 from coral.reef.decide.outlook import Outlook
@@ -29,18 +27,10 @@ END_SHARE = 0.9
 """A cluster of which less than this has been seen must not be left behind at the end."""
 END_REEF_M = 1.5
 """Nor unexplored water this near to known oysters."""
+TOLERANCE_M = 0.3
+"""A waypoint leads away if it is farther by this from everything that is left: twice the cell of the search."""
 GUESS_M = 8.0
 """A guess lies within this of a goal that is chosen for it: the camera's range and 2 m."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ProvableCfg:
-    """When a way is finished."""
-
-    finished: bool = True
-    """Whether ways back through finished water are refused. False for lanes that were planned before the dive."""
-    tolerance_m: Positive = 0.3
-    """A waypoint leads away if it is farther by this from everything that is left: twice the cell of the search."""
 
 
 def contradiction(asked: AskedState, answer: CentroidChoice | WaypointChoice, goal: Goal | None) -> str:
@@ -86,7 +76,7 @@ def finished_dot(outlook: Outlook, index: int | None) -> Rejection | None:
 
 
 def leads_nowhere(
-    outlook: Outlook, remaining: Remaining, xs: NDArray[np.float64], ys: NDArray[np.float64], cfg: ProvableCfg
+    outlook: Outlook, remaining: Remaining, xs: NDArray[np.float64], ys: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
     """Tell which points show nothing and lead to nothing: all about them is known, and nothing left is nearer.
 
@@ -95,16 +85,15 @@ def leads_nowhere(
         remaining: What is left.
         xs: Points (m). Shape=(N,).
         ys: Shape=(N,).
-        cfg: Thresholds.
     """
-    if not cfg.finished or not len(remaining.places) or not len(xs):
+    if not len(remaining.places) or not len(xs):
         return np.zeros(len(xs), bool)
     cells = outlook.belief.map
     at = zip(xs.tolist(), ys.tolist(), strict=True)
     shows = np.array([cells.unexplored_share(x, y, SEE_M) > EXPLORED_SHARE for x, y in at])
     for track in outlook.unvisited():
         shows |= np.hypot(xs - track.x, ys - track.y) <= SEE_M
-    return np.asarray(~shows & ~remaining.nearer(xs, ys, outlook.arrival.pose[:2], cfg.tolerance_m))
+    return np.asarray(~shows & ~remaining.nearer(xs, ys, outlook.arrival.pose[:2], TOLERANCE_M))
 
 
 def too_early_to_end(asked: AskedState) -> Rejection | None:

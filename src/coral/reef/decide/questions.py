@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from coral.advisor.prompt import render
 from coral.advisor.question import Question, Rejection
 from coral.reef.decide.answers import CentroidAnswer
 from coral.reef.decide.asked import AskedState
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.planner import Answer, Draw, PlannerCfg, Prompts
+from coral.reef.decide.planner import Answer, Draw, PlannerCfg
 from coral.reef.decide.route import Goal
 from coral.reef.decide.survey import Survey
 from coral.reef.decide.verify import Surroundings
@@ -34,21 +35,9 @@ def make_question(
     facts: Mapping[str, Any],
     outlook: Outlook,
     cfg: PlannerCfg,
-    prompts: Prompts,
     draw: Draw,
 ) -> Question[Any]:
-    """Render a question.
-
-    Args:
-        mode: Mode that it is asked in.
-        template: Name of its prompt.
-        answer_type: What the answer must validate against.
-        facts: What the pictures show, and what the prompt tells besides.
-        outlook: What the robot knows.
-        cfg: Settings that the prompt names.
-        prompts: Renders prompts.
-        draw: Draws pictures.
-    """
+    """Render a question."""
     belief = outlook.belief
     context = {
         "facts": facts,
@@ -56,7 +45,7 @@ def make_question(
         "latency_s": outlook.latency_s,
         "inspect_m": belief.inspect_m,
     }
-    prompt, version = prompts(template if belief.cfg.centroids else WITHOUT_CHAIN, context)
+    prompt, version = render(template if belief.cfg.centroids else WITHOUT_CHAIN, context)
     return Question(
         kind=KINDS[mode],
         prompt=prompt,

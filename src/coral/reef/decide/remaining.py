@@ -10,22 +10,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Count
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.survey import Frontier, Survey
 from coral.reef.map.costfield import CostField, CostFieldCfg
 
-
-@dataclass(frozen=True, kw_only=True)
-class RemainingCfg:
-    """How many places are measured exactly."""
-
-    max_places: int = 9
-    """Places with known ways; the nearest ones, clusters first. The search for a tour grows as n² 2^n."""
-    frontier_gap_m: float = 4.0
-    """Frontiers closer than this to one that is among them add none."""
-    ratio: Count = 3
-    """Map cells per cell of the distance search."""
+MOST_PLACES = 9
+"""Places with known ways; the nearest ones, clusters first. The search for a tour grows as n² 2^n."""
+GAP_M = 4.0
+"""Frontiers closer than this to one that is among them add none."""
+RATIO = 3
+"""Map cells per cell of the distance search."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,32 +68,20 @@ class Remaining:
         return found
 
 
-def what_remains(
-    outlook: Outlook, left: Survey, dots: Sequence[Dot], fields: CostFieldCfg, cfg: RemainingCfg
-) -> Remaining:
-    """Collect the places that are left.
-
-    Args:
-        outlook: What the robot knows. What is nearer to another robot is that one's to visit.
-        left: What is left to explore, with the distances from where the robot will be.
-        dots: Clusters on offer.
-        fields: How obstacles are inflated for the distances.
-        cfg: How many places.
-    """
+def what_remains(outlook: Outlook, left: Survey, dots: Sequence[Dot], fields: CostFieldCfg) -> Remaining:
+    """Collect the places that are left."""
     belief = outlook.belief
     near = sorted(dots, key=lambda dot: (left.path_m(dot.x, dot.y), dot.x, dot.y))
     within_reach = (dot for dot in near if math.isfinite(left.path_m(dot.x, dot.y)))
-    places: list[Dot | Frontier] = list(itertools.islice(within_reach, cfg.max_places))
+    places: list[Dot | Frontier] = list(itertools.islice(within_reach, MOST_PLACES))
     for front in left.frontiers:
-        apart = all(
-            math.dist((front.x, front.y), (p.x, p.y)) >= cfg.frontier_gap_m for p in places if isinstance(p, Frontier)
-        )
-        if len(places) < cfg.max_places and apart:
+        apart = all(math.dist((front.x, front.y), (p.x, p.y)) >= GAP_M for p in places if isinstance(p, Frontier))
+        if len(places) < MOST_PLACES and apart:
             places.append(front)
     chosen = {id(place) for place in places}
     known: list[Dot | Frontier] = [*dots, *left.frontiers]
     beyond = [(p.x, p.y) for p in known if id(p) not in chosen]
-    coarse = replace(fields, ratio=cfg.ratio)
+    coarse = replace(fields, ratio=RATIO)
     water = belief.water(coarse)
     ways = tuple(CostField.over(water.slowness, (p.x, p.y), cell_m=water.cell_m, cfg=coarse) for p in places)
     return Remaining(tuple(places), ways, np.array(beyond, np.float64).reshape(-1, 2))

@@ -10,13 +10,13 @@ The trend of the chain, which the paper's memory gives to Eqs. 7 and 8, is `refe
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Positive
-from coral.reef.decide.remaining import Dot, Remaining, RemainingCfg
+from coral.reef.decide.remaining import Dot, Remaining
 from coral.reef.decide.route import Arrival, turn_to
 from coral.reef.decide.survey import Survey
 from coral.reef.map.costfield import CostField
@@ -33,11 +33,10 @@ FAR_M2 = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class TopologyCfg:
-    """Size of the graph, and what its places are worth."""
+    """What the places of the graph are worth."""
 
     enabled: bool = True
     """False is the ablation "w/o topological memory". Departs from the paper: it switches modes by Alg. 2 alone."""
-    remaining: RemainingCfg = field(default_factory=RemainingCfg)
     speed_m_s: Positive = 0.5
     yaw_rate_rad_s: Positive = 0.6
     frontier_worth: float = 0.1
@@ -102,14 +101,7 @@ class RemainingTour:
 
 
 def plan_tour(remaining: Remaining, left: Survey, arrival: Arrival, cfg: TopologyCfg) -> RemainingTour | None:
-    """Plan the tour of what is left from where the robot will be; None if nothing is left.
-
-    Args:
-        remaining: What is left.
-        left: Distances from `arrival`.
-        arrival: Where the tour begins.
-        cfg: Worths.
-    """
+    """Plan the tour of what is left from where the robot will be; None if nothing is left."""
     if not remaining.places:
         return None
     nodes = [

@@ -21,7 +21,7 @@ from coral.reef.decide.facts import describe, waypoint_options
 from coral.reef.decide.guesses import Guess, GuessRecord
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.own_parts import Verifier
-from coral.reef.decide.planner import Answer, Draw, PlannerCfg, Prompts
+from coral.reef.decide.planner import Answer, Draw, PlannerCfg
 from coral.reef.decide.provable import (
     contradiction,
     expected_at,
@@ -62,13 +62,12 @@ class TourPlanner:
         self,
         belief: Belief,
         fields: CostFieldCfg,
-        prompts: Prompts,
         draw: Draw,
         cfg: PlannerCfg | None = None,
         verifier: Verifier | None = None,
     ) -> None:
         """Set up the planner of one robot; see `make_planner`."""
-        self.belief, self.fields, self.prompts, self.draw, self._verifier = belief, fields, prompts, draw, verifier
+        self.belief, self.fields, self.draw, self._verifier = belief, fields, draw, verifier
         self.cfg = cfg or PlannerCfg()
         self.route = Route(belief, self.cfg.route)
         self.guesses = GuessRecord()
@@ -121,7 +120,6 @@ class TourPlanner:
             facts,
             outlook,
             cfg,
-            self.prompts,
             self.draw,
         )
         return replace(asked, question=question, acceptable=bool(dots if mode == "centroid" else passing))
@@ -145,7 +143,7 @@ class TourPlanner:
         outlook = replace(outlook, closed=frozenset(closed))
         left = survey(outlook, self.fields, cfg.forward_m, cfg.survey)
         left = left if cfg.explore else replace(left, frontiers=())
-        remaining = what_remains(outlook, left, dots, self.fields, cfg.topology.remaining)
+        remaining = what_remains(outlook, left, dots, self.fields)
         tour = plan_tour(remaining, left, arrival, cfg.topology) if cfg.topology.enabled else None
         around = surroundings(outlook, left, cfg.forward_m)
         return AskedState(
@@ -179,7 +177,7 @@ class TourPlanner:
                 "right": record.right,
                 "wrong": record.wrong,
                 "open": len(record.guesses) - record.right - record.wrong,
-                "allowance_s": round(record.allowance_s(1.0, self.cfg.guesses), 1),
+                "allowance_s": round(record.allowance_s(1.0), 1),
             }
         return told
 
@@ -227,7 +225,7 @@ class TourPlanner:
             )
         assert asked.remaining is not None
         at = np.array([goal.x]), np.array([goal.y])
-        if not asked.acceptable or not leads_nowhere(outlook, asked.remaining, *at, cfg.provable)[0]:
+        if not cfg.finished or not asked.acceptable or not leads_nowhere(outlook, asked.remaining, *at)[0]:
             return None
         return self._too_dear(asked, answer, goal)
 
@@ -240,7 +238,7 @@ class TourPlanner:
         if answer.expect is None:
             return Rejection(code="finished", reason=f"{why} If you expect something there, say what in `expect`.")
         price = math.inf if asked.tour is None else asked.tour.price_s(goal.x, goal.y)
-        allowed = asked.outlook.guesses.allowance_s(answer.expect.sure, self.cfg.guesses)
+        allowed = asked.outlook.guesses.allowance_s(answer.expect.sure)
         if price <= allowed:
             return None
         cost = f"{price:.0f} s" if math.isfinite(price) else "an unknown time"
@@ -301,22 +299,22 @@ class TourPlanner:
         if expect is not None:
             x, y = expected_at(asked, expect, goal)
             guess = Guess(x=round(x, 2), y=round(y, 2), what=expect.what[:200], sure=expect.sure)
-            self.guesses = self.guesses.with_guess(guess, self.belief, self.cfg.guesses)
+            self.guesses = self.guesses.with_guess(guess, self.belief)
             told["expect"] = {"x": guess.x, "y": guess.y, "what": guess.what, "sure": guess.sure}
         return told
 
     def settle(self) -> list[Guess]:
         """Return the guesses that have come out since the last call."""
-        self.guesses, out = self.guesses.settled(self.belief, self.cfg.guesses)
+        self.guesses, out = self.guesses.settled(self.belief)
         return out
 
     def _lead_nowhere(self, asked: AskedState, options: Sequence[Mapping[str, Any]]) -> list[bool]:
         assert asked.remaining is not None
         points = option_points(asked, options)
-        if not self.cfg.checks:
+        if not (self.cfg.checks and self.cfg.finished):
             return [False] * len(points)
         xs, ys = np.ascontiguousarray(points.T)
-        return [bool(bad) for bad in leads_nowhere(asked.outlook, asked.remaining, xs, ys, self.cfg.provable)]
+        return [bool(bad) for bad in leads_nowhere(asked.outlook, asked.remaining, xs, ys)]
 
     def _reach_now(self) -> Reach:
         """Find what can be reached on the map as it is now, from where the robot is."""

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt
 from coral.advisor.latency import LatencyCfg, latency_for, parse_latency
-from coral.advisor.prompt import render as render_prompt
 from coral.advisor.question import Advisor
 from coral.advisor.rules import RuleAdvisor
 from coral.errors import InputError
@@ -80,17 +79,8 @@ def make_robot(
 ) -> Robot:
     """Make a robot.
 
-    Args:
-        cfg: Configuration.
-        deciding: Who decides.
-        vehicle: What is driven.
-        start: Where it begins.
-        belief: Its map.
-        clock: Of its questions.
-        rng: Of its controller.
-        emit: emit(event, **fields) records an event.
-        eyes: Applied to the vehicle's pictures in the loop; None if they have classes and depth when they arrive.
-        response: How the vehicle follows its set-points; None: at once, as the simulated one does.
+    `eyes` are applied to the vehicle's pictures in the loop, None if they have classes and depth when they arrive.
+    `response` is how the vehicle follows its set-points, None: at once, as the simulated one does.
     """
     vehicle_cfg = cfg.simulator.vehicle
     make_driver = deciding.make_driver or controller_maker(cfg.driver)
@@ -107,9 +97,7 @@ def make_robot(
         driver = DelayAwareDriver(driver, response, vehicle_cfg.max_speed_m_s, cfg.control_period_s)
 
     def build(robot: Robot) -> Pilot:
-        planner = make_planner(
-            robot.belief, cfg.pilot.fields, render_prompt, deciding.draw, cfg.planner, verifier=deciding.verify
-        )
+        planner = make_planner(robot.belief, cfg.pilot.fields, deciding.draw, cfg.planner, verifier=deciding.verify)
         pilot = (Pilot if deciding.commands is None else TourPilot)(
             robot.belief,
             planner,

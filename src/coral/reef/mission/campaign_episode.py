@@ -37,17 +37,7 @@ def run_episode(
 ) -> dict[str, Any]:
     """Run a mission. The same arguments give the same mission as `coral reef run`.
 
-    Args:
-        world: World to survey.
-        cfg: Configuration of the mission, with the variant applied.
-        folder: Run folder, which keeps the logs, the world and the metrics.
-        variant: Name of the variant, for the record.
-        advisor: As on the command line.
-        seed: Of everything random.
-        preset: Name of the water and sensors, for the record; `cfg` and `world` have its values.
-        model: How a real model is called.
-        inbox: Where the desk asks.
-        draw: Draws the pictures for an advisor with eyes.
+    `cfg` and `world` have the values of `variant` and `preset`, whose names are for the record.
 
     Returns:
         Metrics and timing, with `topology`, `covered_at_s` (times at which clusters were covered, s) and `fallback`

@@ -81,10 +81,7 @@ class ReefTruth:
     def verdict(self, tracks: list[Track], instruction: str = "", answer: str | None = None) -> dict[str, Any]:
         """Return the fields of the `judged` event.
 
-        Args:
-            tracks: The clusters on the vehicle's map.
-            instruction: The last one of a mission in words.
-            answer: What its advisor answered; None if it did not say that it was done.
+        `answer` is None if the advisor of a mission in words did not say that it was done.
         """
         if answer is not None:
             self.end_mission(answer)

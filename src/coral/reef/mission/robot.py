@@ -43,17 +43,8 @@ class Robot:
     ) -> None:
         """Set up.
 
-        Args:
-            vehicle: What is driven.
-            start: Where it begins: it knows that.
-            belief: Its map.
-            localizer: Corrects its odometry.
-            driver: Its low-level planner.
-            clock: Of its questions.
-            emit: emit(event, **fields) records an event.
-            build: Builds its pilot.
-            faults: Spoil what is measured; none by default.
-            eyes: Find classes and depth in the vehicle's colour pictures; None if its pictures have them.
+        Without `faults` nothing spoils what is measured; `eyes` find classes and depth in the vehicle's colour
+        pictures, None if its pictures have them. `emit(event, **fields)` records an event.
         """
         self.vehicle, self.belief, self.driver, self.clock, self.emit = vehicle, belief, driver, clock, emit
         self.localizer, self.pose = localizer, start

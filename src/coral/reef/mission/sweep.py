@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from coral.config import dotted_keys, merge, to_mapping
+from coral.config import dotted_keys, merge, nested, to_mapping
 from coral.errors import InputError, nearest
 from coral.reef.drive.controllers import controller_maker
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -68,29 +68,25 @@ def apply_setting(overrides: Overrides, cfg: MissionCfg, world: ReefWorld) -> tu
         if key == CURRENT:
             world = _with_current(world, value)
             continue
-        for dotted, changed in _keys(key, value, cfg):
-            changes: Any = changed
-            for part in reversed(dotted.split(".")):
-                changes = {part: changes}
-            cfg = merge(cfg, changes, WHERE)
+        cfg = merge(cfg, nested(_keys(key, value, cfg), WHERE), WHERE)
         if key == "driver":
             controller_maker(cfg.driver, WHERE, key)
     return cfg, world
 
 
-def _keys(key: str, value: Any, cfg: MissionCfg) -> Iterator[tuple[str, Any]]:
+def _keys(key: str, value: Any, cfg: MissionCfg) -> dict[str, Any]:
+    """Return the dotted keys that a setting changes, with their values."""
     if key in SHORT:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError(WHERE, key, repr(value), "a number")
-        yield from ((dotted, factor * value) for dotted, factor in SHORT[key].items())
-        return
+        return {name: factor * value for name, factor in SHORT[key].items()}
     known = dotted_keys(to_mapping(cfg))
     if key not in known:
         words = [CURRENT, *SHORT]
         same_end = [name for name in known if name.rsplit(".", 1)[-1] == key]
         hint = f" (did you mean {same_end[0]!r}?)" if same_end else nearest(key, [*words, *known])
         raise InputError(WHERE, key, "an unknown key", f"{', '.join(words)}, or a key of the configuration{hint}")
-    yield key, value
+    return {key: value}
 
 
 def _with_current(world: ReefWorld, speed: Any) -> ReefWorld:

@@ -36,6 +36,12 @@ from coral.reef.world.geometry import Pose
 __all__ = ["CELL_COLORS", "MapPicture", "MapScene", "MapViewCfg", "camera_picture", "cell_classes", "draw_map", "png"]
 
 Box = tuple[float, float, float, float]
+MARGIN_M = 1.5
+"""Shown about the explored area."""
+MIN_SIDE_M = 10.0
+"""Minimum side of what is shown, so that the first pictures of a mission keep a sense of scale."""
+LEFT_PX, RIGHT_PX, TOP_PX, BOTTOM_PX = 40, 12, 22, 30
+"""Of the axes."""
 ARROWS_M = 1.5
 """Length of the arrows +X and +Y with their names, on a map of 15 m; on larger ones they hide more of it."""
 _CELL_WORDS = np.ascontiguousarray(np.pad(CELL_COLORS, ((0, 0), (0, 1)))).view(np.uint32)[:, 0]
@@ -49,10 +55,8 @@ class MapScene:
     """
 
     cells: NDArray[np.uint8]
-    """Shape=(H, W): 0 unexplored, 1 explored free, 2 obstacle, 3 oyster; row 0 is the smallest y."""
+    """Shape=(H, W): 0 unexplored, 1 explored free, 2 obstacle, 3 oyster; row 0 is the smallest y, from 0."""
     cell_m: float
-    origin: tuple[float, float] = (0.0, 0.0)
-    """World position of the corner of cell [0, 0]."""
     floor: Image | None = None
     """The floor from above, drawn in place of the classes: a whole number of pixels to a cell, row 0 in the south.
     Shape=(K H, K W, 3)."""
@@ -65,12 +69,10 @@ class MapScene:
     """Label of each centroid; None labels them 0, 1, 2, ..."""
     visited: Sequence[bool] | None = None
     """Whether the robot has been at each centroid; None means none has been visited."""
-    chain: Sequence[int] | None = None
-    """Rows of `centroids` in chain order, joined by blue lines; None joins them as they stand, () draws no line."""
     clusters: bool = True
     """Whether the robot extracts clusters at all; without them the legend does not name them."""
     links: Sequence[tuple[int, int]] | None = None
-    """Pairs of rows of `centroids` that blue lines join, in place of `chain`: a chain that forks."""
+    """Pairs of rows of `centroids` that blue lines join: a chain that forks; None joins them as they stand."""
     seen: Sequence[float | None] | None = None
     """Share of each cluster that has been seen from near, written beside it; None for one that is known from afar."""
     arrival: Pose | None = None
@@ -88,16 +90,9 @@ class MapViewCfg:
 
     size_px: int = 768
     """Longer side; providers scale larger pictures down to about this."""
-    crop: bool = True
-    """Whether to show only the explored area with a margin, else the whole grid."""
-    margin_m: float = 1.5
-    min_side_m: float = 10.0
-    """Minimum side of a crop, so that the first pictures of a mission keep a sense of scale."""
     window: tuple[float, float, float, float] | None = None
-    """Explicit (x0, y0, x1, y1) in metres; overrides `crop`."""
-    axes: bool = True
+    """What is shown, (x0, y0, x1, y1) in metres; None: the explored area with a margin."""
     legend: bool = True
-    labels: bool = True
 
 
 def cell_classes(explored: NDArray[np.bool_], obstacle: NDArray[np.bool_], target: NDArray[np.bool_]) -> Image:
@@ -120,12 +115,12 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     cfg = cfg or MapViewCfg()
     window = _window(scene, cfg)
     x0, y0, x1, y1 = window
-    left, right, top, bottom = (40, 12, 22, 30) if cfg.axes else (0, 0, 0, 0)
+    left, right, top, bottom = LEFT_PX, RIGHT_PX, TOP_PX, BOTTOM_PX
     legend_px = 54 if cfg.legend else 0
     scale = min((cfg.size_px - left - right) / (x1 - x0), (cfg.size_px - top - bottom - legend_px) / (y1 - y0))
     inner_w, inner_h = round(scale * (x1 - x0)), round(scale * (y1 - y0))
     # The legend needs its width even if the map is a narrow upright strip.
-    width = max(inner_w + left + right, LEGEND_PX if cfg.legend and cfg.size_px >= LEGEND_PX else 0)
+    width = max(inner_w + left + right, LEGEND_PX if cfg.legend else 0)
     rgb = np.full((inner_h + bottom + top + legend_px, width, 3), 255, np.uint8)
     view = MapPicture(rgb, scale, left - scale * x0, top + inner_h + scale * y0, window)
     inner = rgb[top : top + inner_h, left : left + inner_w]
@@ -133,9 +128,8 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
     # Overlays are clipped to the map by drawing into its slice.
     inside = MapPicture(inner, scale, -scale * x0, inner_h + scale * y0, window)
     draw_scale_bar(inside)
-    _draw_overlays(inside, scene, cfg)
-    if cfg.axes:
-        draw_axes(view, left, top, inner_w, inner_h)
+    _draw_overlays(inside, scene)
+    draw_axes(view, left, top, inner_w, inner_h)
     if cfg.legend:
         marks = {"goal": scene.goal is not None, "arrival": scene.arrival is not None, "clusters": scene.clusters}
         draw_legend(rgb, left, top + inner_h + bottom, **marks)
@@ -143,16 +137,13 @@ def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:
 
 
 def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, float]:
-    height, width = scene.cells.shape
-    ox, oy = scene.origin
-    whole = (ox, oy, ox + width * scene.cell_m, oy + height * scene.cell_m)
     if cfg.window is not None:
         return cfg.window
-    if not cfg.crop:
-        return whole
+    height, width = scene.cells.shape
+    whole = (0.0, 0.0, width * scene.cell_m, height * scene.cell_m)
     rows, columns = np.nonzero(scene.cells.any(axis=1))[0], np.nonzero(scene.cells.any(axis=0))[0]
-    xs = [ox + scene.cell_m * c for c in (columns[:1].tolist() + [i + 1 for i in columns[-1:].tolist()])]
-    ys = [oy + scene.cell_m * r for r in (rows[:1].tolist() + [i + 1 for i in rows[-1:].tolist()])]
+    xs = [scene.cell_m * c for c in (columns[:1].tolist() + [i + 1 for i in columns[-1:].tolist()])]
+    ys = [scene.cell_m * r for r in (rows[:1].tolist() + [i + 1 for i in rows[-1:].tolist()])]
     extra = [scene.trajectory, scene.centroids]
     extra += [_with_arrows(pose) for pose in (scene.pose, scene.arrival) if pose is not None]
     extra += [np.array([scene.goal])] if scene.goal is not None else []
@@ -163,20 +154,20 @@ def _window(scene: MapScene, cfg: MapViewCfg) -> tuple[float, float, float, floa
     if not xs:
         return whole
     # Where the border is drawn, the picture goes on beyond it: arrows fit in, and the end of the area is seen as such.
-    beyond = cfg.margin_m + ARROWS_M if scene.border is not None else 0.0
+    beyond = MARGIN_M + ARROWS_M if scene.border is not None else 0.0
     low, high = (whole[0] - beyond, whole[1] - beyond), (whole[2] + beyond, whole[3] + beyond)
-    x0, x1 = _span(min(xs) - cfg.margin_m, max(xs) + cfg.margin_m, cfg.min_side_m, low[0], high[0])
-    y0, y1 = _span(min(ys) - cfg.margin_m, max(ys) + cfg.margin_m, cfg.min_side_m, low[1], high[1])
+    x0, x1 = _span(min(xs) - MARGIN_M, max(xs) + MARGIN_M, MIN_SIDE_M, low[0], high[0])
+    y0, y1 = _span(min(ys) - MARGIN_M, max(ys) + MARGIN_M, MIN_SIDE_M, low[1], high[1])
     # A picture longer than 3:2 wastes the pixels of an advisor's picture.
     side = max(x1 - x0, y1 - y0) / 1.5
     x0, x1 = _span(x0, x1, side, low[0], high[0])
     y0, y1 = _span(y0, y1, side, low[1], high[1])
     snap = scene.cell_m
     return (
-        ox + snap * math.floor((x0 - ox) / snap + 1e-6),
-        oy + snap * math.floor((y0 - oy) / snap + 1e-6),
-        ox + snap * math.ceil((x1 - ox) / snap - 1e-6),
-        oy + snap * math.ceil((y1 - oy) / snap - 1e-6),
+        snap * math.floor(x0 / snap + 1e-6),
+        snap * math.floor(y0 / snap + 1e-6),
+        snap * math.ceil(x1 / snap - 1e-6),
+        snap * math.ceil(y1 / snap - 1e-6),
     )
 
 
@@ -196,9 +187,7 @@ def _span(low: float, high: float, least: float, floor: float, ceiling: float) -
 
 def _ground(scene: MapScene, window: tuple[float, float, float, float], width: int, height: int) -> Image:
     """Colour the cells of the window, north up, Shape=(height, width, 3)."""
-    ox, oy = scene.origin
-    c0, r0 = round((window[0] - ox) / scene.cell_m), round((window[1] - oy) / scene.cell_m)
-    c1, r1 = round((window[2] - ox) / scene.cell_m), round((window[3] - oy) / scene.cell_m)
+    c0, r0, c1, r1 = (round(edge / scene.cell_m) for edge in window)
     if scene.floor is not None:
         k = scene.floor.shape[0] // scene.cells.shape[0]
         floor = _cut(scene.floor, (k * r0, k * r1, k * c0, k * c1), 255)
@@ -222,7 +211,7 @@ def _cut(grid: NDArray[np.uint8], box: tuple[int, int, int, int], outside: int) 
     return cut
 
 
-def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
+def _draw_overlays(view: MapPicture, scene: MapScene) -> None:
     rgb = view.rgb
     if scene.border is not None:
         draw_border(view, scene.border)
@@ -232,8 +221,7 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
         for a, b in scene.links:
             draw_line(rgb, dots[[a, b]], BLUE, 2, edge=(255, 255, 255))
     else:
-        order = range(len(dots)) if scene.chain is None else scene.chain
-        draw_line(rgb, dots[list(order)], BLUE, 2, edge=(255, 255, 255))
+        draw_line(rgb, dots, BLUE, 2, edge=(255, 255, 255))
     if scene.goal is not None:
         _crosshair(rgb, view.to_pixels(np.array(scene.goal)))
     visited = scene.visited if scene.visited is not None else [False] * len(dots)
@@ -242,26 +230,26 @@ def _draw_overlays(view: MapPicture, scene: MapScene, cfg: MapViewCfg) -> None:
     if scene.pose is not None:
         robot = view.to_pixels(np.array(scene.pose[:2]))
         if scene.arrival is None:
-            robot = _robot(rgb, robot, scene.pose.theta, cfg.labels)
+            robot = _robot(rgb, robot, scene.pose.theta)
         else:
             forward = np.array([math.cos(scene.pose.theta), -math.sin(scene.pose.theta)])
             draw_arrow(rgb, robot, robot + 30 * forward, RED)
             draw_dot(rgb, robot, 8.0, RED)
             there = view.to_pixels(np.array(scene.arrival[:2]))
-            robot = np.concatenate([robot[None], _robot(rgb, there, scene.arrival.theta, cfg.labels)])
+            robot = np.concatenate([robot[None], _robot(rgb, there, scene.arrival.theta)])
             draw_dot(rgb, there, 8.0, RED)
             draw_dot(rgb, there, 5.0, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
     for dot, done, share in zip(dots, visited, shares, strict=True):
         draw_dot(rgb, dot, 6.5 if scene.floor is None else 2.5, FAR if share is None else ORANGE)
         if done and scene.floor is None:
             draw_dot(rgb, dot, 4.5, (255, 255, 255), edge=(255, 255, 255), edge_width=0.5)
-    if cfg.labels and len(dots):
+    if len(dots):
         names = [
             _name(index, share, shown=scene.seen is not None and not done)
             for index, share, done in zip(scene.indices or range(len(dots)), shares, visited, strict=True)
         ]
         _draw_labels(rgb, dots, names, robot)
-    for x, y, words in scene.marks if cfg.labels else ():
+    for x, y, words in scene.marks:
         column, row = view.to_pixels(np.array((x, y)))
         draw_text(rgb, words, column, row + 17, size=14, color=MARK, weight=700, halo=3, anchor="mm")
 
@@ -293,15 +281,14 @@ def _crosshair(rgb: Image, at: NDArray[np.float64]) -> None:
             draw_line(rgb, arm, color, 2 + extra)
 
 
-def _robot(rgb: Image, at: NDArray[np.float64], theta: float, labels: bool) -> NDArray[np.float64]:
+def _robot(rgb: Image, at: NDArray[np.float64], theta: float) -> NDArray[np.float64]:
     forward = np.array([math.cos(theta), -math.sin(theta)])
     leftward = np.array([-math.sin(theta), -math.cos(theta)])
     draw_arrow(rgb, at, at + 46 * leftward, BLUE)
     draw_arrow(rgb, at, at + 56 * forward, RED)
     draw_dot(rgb, at, 8.0, RED)
-    if labels:
-        draw_text(rgb, "+Y", *(at + 62 * leftward), size=15, color=BLUE, weight=700, halo=2, anchor="mm")
-        draw_text(rgb, "+X", *(at + 72 * forward), size=15, color=RED, weight=700, halo=2, anchor="mm")
+    draw_text(rgb, "+Y", *(at + 62 * leftward), size=15, color=BLUE, weight=700, halo=2, anchor="mm")
+    draw_text(rgb, "+X", *(at + 72 * forward), size=15, color=RED, weight=700, halo=2, anchor="mm")
     return np.array([at, at + 30 * forward, at + 72 * forward, at + 30 * leftward, at + 62 * leftward])
 
 

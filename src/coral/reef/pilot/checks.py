@@ -161,3 +161,8 @@ def has_landmarks(labels: NDArray[np.uint8]) -> bool:
 def same_picture(one: Frame, other: Frame) -> bool:
     """Check whether two pictures are equal in every pixel."""
     return np.array_equal(one.labels, other.labels) and np.array_equal(one.depth, other.depth, equal_nan=True)
+
+
+def same_echoes(one: RangeImage, other: RangeImage) -> bool:
+    """Check whether two range images are equal in every beam."""
+    return np.array_equal(one.ranges, other.ranges)

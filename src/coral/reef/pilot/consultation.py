@@ -75,17 +75,7 @@ class Consultation:
     ) -> None:
         """Set up that of one robot.
 
-        Args:
-            planner: Makes and verifies questions.
-            advisor: Who is asked.
-            fallback: Who is asked where the advisor failed.
-            clock: Clock of the robot's decisions.
-            way: To the present goal.
-            emit: Takes events.
-            log: Takes attempts.
-            budget: Of a decision.
-            prepare_s: How long a question takes to prepare, in simulated time (s).
-            numbers: Numbers of decisions; robots that share a log share them too.
+        A question takes `prepare_s` (s) of simulated time to prepare. Robots that share a log share `numbers` too.
         """
         self.advisor, self.fallback = advisor, fallback
         self.number = 0

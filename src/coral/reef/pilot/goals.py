@@ -34,13 +34,7 @@ class Goals:
     ) -> None:
         """Set up those of one robot.
 
-        Args:
-            belief: What the robot knows.
-            planner: Says which places an answer means; its route takes them.
-            clock: Clock of the robot's decisions.
-            emit: Takes events.
-            new_goal: Told where the goal at hand is a new one.
-            cfg: Lengths of the initial waypoint.
+        `new_goal` is told where the goal at hand is a new one.
         """
         self._belief, self._planner, self._clock, self._cfg = belief, planner, clock, cfg
         self._emit, self._new_goal, self._route = emit, new_goal, planner.route

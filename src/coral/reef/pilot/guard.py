@@ -16,7 +16,7 @@ from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.pilot import checks
 from coral.reef.pilot.checks import UnfitMeasurement, finite_numbers
 from coral.reef.pilot.dead_reckoning import REMEMBERED, PoseHistory
-from coral.reef.pilot.frozen import FrozenCamera
+from coral.reef.pilot.frozen import FrozenSensor
 from coral.reef.pilot.loop_time import LoopTime
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.vehicle.range_image import RangeImage
@@ -179,9 +179,8 @@ class SensorGuard:
         """Pose from which the next one may not have jumped, and since when it may have moved."""
         self._covariance: NDArray[np.float64] | None = None
         self._jumped = False
-        self._last_heard: Stamped[RangeImage] | None = None
-        self._same_m = 0.0
-        self._frozen = FrozenCamera(self.cfg.frozen_m, self.cfg.frozen_rad)
+        self._seen = FrozenSensor[Frame](checks.same_picture, self.cfg.frozen_m, self.cfg.frozen_rad)
+        self._heard = FrozenSensor[RangeImage](checks.same_echoes, self.cfg.frozen_m)
         self.attitude: Attitude | None = None
         """The last attitude that passed."""
         self._attitudes: deque[Stamped[Attitude]] = deque(maxlen=REMEMBERED)
@@ -330,7 +329,7 @@ class SensorGuard:
 
     def _check_frame(self, stamped: Stamped[Any]) -> Frame:
         frame = checks.check_frame(stamped.value, self._camera, self.cfg.min_seen)
-        if self._frozen.update(Stamped(stamped.t, frame), self._poses.velocity):
+        if self._seen.update(Stamped(stamped.t, frame), self._poses.velocity) and checks.has_landmarks(frame.labels):
             raise UnfitMeasurement("frozen", "the same picture while the vehicle moves")
         if frame.depth.flags.c_contiguous and frame.labels.flags.c_contiguous:
             return frame
@@ -340,12 +339,7 @@ class SensorGuard:
     def _check_sonar(self, stamped: Stamped[Any]) -> RangeImage:
         assert self._sonar is not None
         image = checks.check_range_image(stamped.value, self._sonar, self.cfg.min_heard)
-        last, self._last_heard = self._last_heard, Stamped(stamped.t, image)
-        if last is None or not np.array_equal(last.value.ranges, image.ranges):
-            self._same_m = 0.0
-            return image
-        self._same_m += math.hypot(*self._poses.velocity[:2]) * max(stamped.t - last.t, 0.0)
-        if self._same_m > self.cfg.frozen_m:
+        if self._heard.update(Stamped(stamped.t, image), self._poses.velocity):
             raise UnfitMeasurement("frozen", "the same image while the vehicle moves")
         return image
 

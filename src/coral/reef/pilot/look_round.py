@@ -4,33 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal
 
-from coral.config import Count, Positive
 from coral.reef.map.belief import Belief
 from coral.reef.world.geometry import Pose, wrap
 
 Step = Literal["turn", "forget"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class LookRoundCfg:
-    """How doubt is settled before nothing is left to explore."""
-
-    yaw_rate_rad_s: Positive = 0.5
-    """Rate of the turn; a picture at 10 Hz is then 3° from the one before."""
-    apart_m: Positive = 1.0
-    """A place this far from the last one is worth another turn."""
-    times: Count = 5
-    """Turns in a mission."""
+YAW_RATE_RAD_S = 0.5
+"""Rate of the turn; a picture at 10 Hz is then 3° from the one before."""
+APART_M = 1.0
+"""A place this far from the last one is worth another turn."""
+MOST_TURNS = 5
+"""In a mission."""
 
 
 class LookRound:
     """Takes one step after another: a turn on the spot; then doubtful obstacles are forgotten until seen again."""
 
-    def __init__(self, belief: Belief, cfg: LookRoundCfg | None = None) -> None:
-        self.belief, self.cfg = belief, cfg or LookRoundCfg()
+    def __init__(self, belief: Belief) -> None:
+        self.belief = belief
         self._place: Pose | None = None
         self._next: Step | None = "turn"
         self._turns = 0
@@ -39,10 +33,10 @@ class LookRound:
     def step(self, nothing_left: Callable[[Belief], bool]) -> Step | None:
         """Take the next step where doubt alone leaves nothing to explore; None where the map is sure of it."""
         belief, place = self.belief, self._place
-        if place is None or math.dist(place[:2], belief.pose[:2]) >= self.cfg.apart_m:
+        if place is None or math.dist(place[:2], belief.pose[:2]) >= APART_M:
             self._place, self._next = belief.pose, "turn"
         step = self._next
-        if step is None or (step == "turn" and self._turns >= self.cfg.times):
+        if step is None or (step == "turn" and self._turns >= MOST_TURNS):
             return None
         without = belief.snapshot()
         if not without.forget_doubt() or nothing_left(without):
@@ -73,4 +67,4 @@ class LookRound:
         if before * self._to_turn <= 0.0:
             self._to_turn = 0.0
             return None
-        return 0.0, math.copysign(self.cfg.yaw_rate_rad_s, before)
+        return 0.0, math.copysign(YAW_RATE_RAD_S, before)

@@ -24,7 +24,7 @@ from coral.reef.pilot.consultation import Consultation, Decided, Emit
 from coral.reef.pilot.goals import SURVEY_ENDED, Goals
 from coral.reef.pilot.guard import Reading, SensorGuard
 from coral.reef.pilot.instruction_change import InstructionChange
-from coral.reef.pilot.look_round import LookRound
+from coral.reef.pilot.look_round import YAW_RATE_RAD_S, LookRound
 from coral.reef.pilot.pilot_cfg import PilotCfg
 from coral.reef.pilot.safety import SafetyWatch
 from coral.reef.vehicle.sensing import VehicleObservation, Velocity
@@ -94,7 +94,7 @@ class Pilot:
         )
         self.safety = SafetyWatch(guard, emit)
         """Checks the sensors; its `states` say what the vehicle is doing, and why."""
-        self._look_round = LookRound(belief, self.cfg.look_round)
+        self._look_round = LookRound(belief)
         self.plan: Plan | None = None
         self.end_reason = ""
         """Why this robot has nothing more to do; "" again when it is asked anew and there is something."""
@@ -218,7 +218,7 @@ class Pilot:
         slow = math.hypot(velocity[0], velocity[1]) < self.cfg.blind_speed_m_s
         if slow and not (self._blind or self.homing) and (turn_rad := self.route.turn_rad(self.field)):
             self.trigger.new_goal()  # nor is to turn
-            return 0.0, math.copysign(self.cfg.look_round.yaw_rate_rad_s, turn_rad)
+            return 0.0, math.copysign(YAW_RATE_RAD_S, turn_rad)
         cells = self.belief.map
         if self._blind:
             distance = self.belief.distance_in_known_water(self.cfg.local_m, self.cfg.passed_m)

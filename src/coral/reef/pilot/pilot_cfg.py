@@ -11,7 +11,6 @@ from coral.reef.decide.trigger import TriggerCfg
 from coral.reef.drive.monitor import MonitorCfg
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.pilot.guard import GuardCfg
-from coral.reef.pilot.look_round import LookRoundCfg
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +25,6 @@ class PilotCfg:
     fallback: Fallback = FOR_RUNS
     """What happens when a decision was not reached within its budget: the rules decide, hold keeps the last goal and
     asks again, fail ends the mission. `coral reef bench` holds by default: there the advisor stands alone."""
-    look_round: LookRoundCfg = field(default_factory=LookRoundCfg)
     synchronous: bool = False
     """Stand still while a question is open, then drive for `action_s`: DREAM's protocol (paper IV-E), a baseline."""
     action_s: float = 1.0
