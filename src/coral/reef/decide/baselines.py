@@ -15,6 +15,7 @@ from coral.advisor.question import Rejection
 from coral.advisor.setting import Rule
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
 from coral.reef.decide.mission_answer import MissionAnswer
+from coral.reef.world.geometry import Pose, to_robot
 
 Fact = Mapping[str, Any]
 
@@ -47,13 +48,13 @@ class Lawnmower:
 
     def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
         """Return the next waypoint of the lanes, skipping those that cannot be approached."""
-        robot = facts["arrival"]["pose"]
+        pose = Pose(**facts["arrival"]["pose"])
         if self._points is None:
-            self._points = self._lanes(facts["area_m"], robot["x"], robot["y"])
+            self._points = self._lanes(facts["area_m"], pose.x, pose.y)
         refused = {(r.details.get("forward_m"), r.details.get("left_m")) for r in rejections}
         while self._points:
             x, y = self._points[0]
-            forward, left = _in_robot_frame(robot, x, y)
+            forward, left = to_robot(pose, x, y)
             if math.hypot(forward, left) < NEAR_M:
                 self._points.pop(0)
                 continue
@@ -101,11 +102,6 @@ def _towards(facts: Fact, forward: float, left: float, refused: set[tuple[Any, A
         return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
     best = min(open_, key=lambda o: o["path_m"] + 1.5 * math.hypot(o["forward_m"] - forward, o["left_m"] - left))
     return WaypointChoice(forward_m=best["forward_m"], left_m=best["left_m"], reason=f"towards {name}")
-
-
-def _in_robot_frame(robot: Fact, x: float, y: float) -> tuple[float, float]:
-    c, s = math.cos(robot["theta"]), math.sin(robot["theta"])
-    return c * (x - robot["x"]) + s * (y - robot["y"]), -s * (x - robot["x"]) + c * (y - robot["y"])
 
 
 def _straight(c: Fact) -> float:

@@ -17,7 +17,6 @@ from coral.reef.decide.facts import describe, waypoint_options
 from coral.reef.decide.guesses import Guess
 from coral.reef.decide.mission_answer import LookFrom, MissionAnswer
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.own_parts import Verifier
 from coral.reef.decide.planner import Answer, Draw, PlannerCfg
 from coral.reef.decide.provable import finished_dot, hazard
 from coral.reef.decide.questions import goal_of_dot, goal_of_step, make_question, outside, surroundings
@@ -44,10 +43,9 @@ class MissionPlanner:
         fields: CostFieldCfg,
         draw: Draw,
         cfg: PlannerCfg | None = None,
-        verifier: Verifier | None = None,
     ) -> None:
         """Set up the planner of one robot; see `make_planner`."""
-        self.belief, self.fields, self.draw, self._verifier = belief, fields, draw, verifier
+        self.belief, self.fields, self.draw = belief, fields, draw
         self.cfg = cfg or PlannerCfg()
         self.route = Route(belief, self.cfg.route, self.cfg.instruction.clear_m)
         self.said: tuple[Said, ...] = ()
@@ -119,12 +117,6 @@ class MissionPlanner:
     def verify(self, asked: AskedState, answer: Answer) -> Rejection | None:
         """Check an answer for what is unsafe or impossible."""
         assert isinstance(answer, MissionAnswer)
-        refusal = self._refuse(asked, answer)
-        if refusal is None and self._verifier is not None and asked.question is not None:
-            refusal = self._verifier(asked.question, answer)
-        return refusal
-
-    def _refuse(self, asked: AskedState, answer: MissionAnswer) -> Rejection | None:
         named = {
             "selected_centroid_index": answer.selected_centroid_index is not None,
             "waypoint": answer.waypoint is not None,

@@ -13,7 +13,6 @@ from coral.reef.decide.asked import AskedState, Mode
 from coral.reef.decide.facts import describe, waypoint_options
 from coral.reef.decide.guesses import Guess
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.own_parts import Verifier
 from coral.reef.decide.planner import Answer, Draw, PlannerCfg
 from coral.reef.decide.questions import (
     KINDS,
@@ -43,10 +42,9 @@ class PaperPlanner:
         fields: CostFieldCfg,
         draw: Draw,
         cfg: PlannerCfg | None = None,
-        verifier: Verifier | None = None,
     ) -> None:
         """Set up the planner of one robot; see `make_planner`."""
-        self.belief, self.fields, self.draw, self._verifier = belief, fields, draw, verifier
+        self.belief, self.fields, self.draw = belief, fields, draw
         self.cfg = cfg or PlannerCfg()
         self.route = Route(belief, self.cfg.route)
 
@@ -87,8 +85,6 @@ class PaperPlanner:
         refusal = outside(goal, self.belief) or (
             self._refuse(asked, goal, self.belief.pose) if self.cfg.checks else None
         )
-        if refusal is None and self._verifier is not None and asked.question is not None:
-            refusal = self._verifier(asked.question, answer)
         return None if refusal is None else replace(refusal, details={**refusal.details, **chosen(answer)})
 
     def _refuse(self, asked: AskedState, goal: Goal, now: Pose) -> Rejection | None:

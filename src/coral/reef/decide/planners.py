@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from coral.reef.decide.mission_planner import MissionPlanner
-from coral.reef.decide.own_parts import Verifier
 from coral.reef.decide.paper_planner import PaperPlanner
 from coral.reef.decide.planner import Draw, HighLevelPlanner, PlannerCfg
 from coral.reef.decide.tour_planner import TourPlanner
@@ -22,8 +21,7 @@ def make_planner(
     fields: CostFieldCfg,
     draw: Draw,
     cfg: PlannerCfg | None = None,
-    verifier: Verifier | None = None,
 ) -> HighLevelPlanner:
     """Make the planner of one robot."""
     cfg = cfg or PlannerCfg()
-    return PLANNERS["mission" if cfg.instruction.text else cfg.algorithm](belief, fields, draw, cfg, verifier)
+    return PLANNERS["mission" if cfg.instruction.text else cfg.algorithm](belief, fields, draw, cfg)

@@ -18,6 +18,7 @@ from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.remaining import Remaining
 from coral.reef.decide.route import Goal
 from coral.reef.map.water import Reach
+from coral.reef.world.geometry import to_world
 
 SEE_M = 3.0
 """A waypoint shows what lies within this of it."""
@@ -51,9 +52,7 @@ def expected_at(asked: AskedState, expect: Expectation, goal: Goal) -> tuple[flo
     """Return the place (m, world) of a guess; without one of its own it is the goal's."""
     if expect.forward_m is None or expect.left_m is None:
         return goal.x, goal.y
-    x, y, theta = asked.outlook.arrival.pose
-    c, s = math.cos(theta), math.sin(theta)
-    return x + c * expect.forward_m - s * expect.left_m, y + s * expect.forward_m + c * expect.left_m
+    return to_world(asked.outlook.arrival.pose, expect.forward_m, expect.left_m)
 
 
 def hazard(goal: Goal, reach: Reach) -> Rejection | None:

@@ -14,7 +14,7 @@ from coral.reef.decide.said import SAME_M
 from coral.reef.map.belief import Belief
 from coral.reef.map.chain import Track
 from coral.reef.map.costfield import CostField
-from coral.reef.world.geometry import Pose, to_robot
+from coral.reef.world.geometry import Pose, bearing
 
 FACED_RAD = 0.2
 """What is looked at is faced so exactly."""
@@ -128,20 +128,17 @@ class Route:
         if not self.goals:
             return 0.0
         if self._arrived and (face := self.goals[0].face) is not None:
-            return self._bearing(face)
+            return bearing(belief.pose, *face)
         near_m = belief.clear_m + BESIDE_M
         ahead = (
-            math.dist(at, belief.pose[:2]) < near_m and abs(self._bearing(at)) < AHEAD_RAD for at in belief.unchosen
+            math.dist(at, belief.pose[:2]) < near_m and abs(bearing(belief.pose, *at)) < AHEAD_RAD
+            for at in belief.unchosen
         )
         if not belief.clear_m or not any(ahead):
             return 0.0
         way = field.path_from(*belief.pose[:2], step_m=0.2)[:6]
-        turn = self._bearing((float(way[-1, 0]), float(way[-1, 1]))) if len(way) > 1 else 0.0
+        turn = bearing(belief.pose, float(way[-1, 0]), float(way[-1, 1])) if len(way) > 1 else 0.0
         return turn if abs(turn) > ASTRAY_RAD else 0.0
-
-    def _bearing(self, at: tuple[float, float]) -> float:
-        forward, left = to_robot(self.belief.pose, *at)
-        return math.atan2(left, forward)
 
     @property
     def lead_s(self) -> float:
@@ -244,7 +241,7 @@ class Route:
             at = belief.goal if goal.pass_m is None and belief.clear_m and belief.goal else (goal.x, goal.y)
             if goal.face is not None:
                 self._arrived = self._arrived or math.dist(at, belief.pose[:2]) < near
-                return self._arrived and abs(self._bearing(goal.face)) < FACED_RAD
+                return self._arrived and abs(bearing(belief.pose, *goal.face)) < FACED_RAD
             return math.dist(at, belief.pose[:2]) < near or self._explored(goal)
         track = belief.track(goal.index)
         if track is None or track.visited or not len(track.left):
@@ -283,8 +280,8 @@ def aim(left: NDArray[np.float64], pose: Pose, within_m: float) -> tuple[float, 
         within_m: Size of the part.
     """
     offset = left - np.array(pose[:2])
-    bearing = np.arctan2(offset[:, 1], offset[:, 0]) - pose.theta
-    turn = np.abs(np.arctan2(np.sin(bearing), np.cos(bearing)))
+    off = np.arctan2(offset[:, 1], offset[:, 0]) - pose.theta
+    turn = np.abs(np.arctan2(np.sin(off), np.cos(off)))
     first = left[np.argmin(np.hypot(offset[:, 0], offset[:, 1]) + turn)]
     part = left[np.hypot(left[:, 0] - first[0], left[:, 1] - first[1]) <= within_m]
     return float(part[:, 0].mean()), float(part[:, 1].mean())
@@ -317,12 +314,6 @@ def passed(track: Track, path: NDArray[np.float64], near_m: float, view_rad: flo
         seen = (np.hypot(ahead, across) <= near_m) & (np.abs(np.arctan2(across, ahead)) <= view_rad)
         left = left[~seen]
     return left
-
-
-def turn_to(pose: Pose, x: float, y: float) -> float:
-    """Return the angle by which a robot has to turn to face a point (rad, unsigned)."""
-    forward, left = to_robot(pose, x, y)
-    return abs(math.atan2(left, forward))
 
 
 def _shortened(path: NDArray[np.float64], by_m: float) -> NDArray[np.float64]:

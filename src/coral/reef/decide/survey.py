@@ -14,7 +14,7 @@ from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.route import Arrival
 from coral.reef.map.belief import Belief
 from coral.reef.map.costfield import CostField, CostFieldCfg
-from coral.reef.world.geometry import to_robot
+from coral.reef.world.geometry import bearing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,14 +141,13 @@ def _frontiers(belief: Belief, left: Survey, cfg: SurveyCfg, arrival: Arrival) -
         x, y = float(px[best]), float(py[best])
         if belief.failures(x, y) >= belief.cfg.max_attempts:
             continue
-        forward, to_left = to_robot(arrival.pose, x, y)
         found.append(
             Frontier(
                 x=x,
                 y=y,
                 length_m=float(members.size * cell_m),
                 path_m=float(path[best]),
-                bearing=math.atan2(to_left, forward),
+                bearing=bearing(arrival.pose, x, y),
                 unexplored=belief.map.unexplored_share(x, y, cfg.gain_radius_m),
                 reef_m=float(np.min(np.hypot(reef[:, 0] - x, reef[:, 1] - y))) if len(reef) else math.inf,
             )
@@ -167,8 +166,8 @@ def _explore_ahead(explored: NDArray[np.bool_], arrival: Arrival, cell_m: float,
             continue
         dy = (np.arange(y0, y0 + window.shape[0]) + 0.5) * cell_m - y
         dx = (np.arange(x0, x0 + window.shape[1]) + 0.5) * cell_m - x
-        bearing = np.arctan2(dy[:, None], dx[None, :]) - theta
-        turned = np.abs(np.arctan2(np.sin(bearing), np.cos(bearing)))
+        off = np.arctan2(dy[:, None], dx[None, :]) - theta
+        turned = np.abs(np.arctan2(np.sin(off), np.cos(off)))
         window |= (np.hypot(dx[None, :], dy[:, None]) <= cfg.look_m) & (turned <= math.radians(cfg.look_deg))
 
 

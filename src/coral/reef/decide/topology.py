@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from coral.config import Positive
 from coral.reef.decide.remaining import Dot, Remaining
-from coral.reef.decide.route import Arrival, turn_to
+from coral.reef.decide.route import Arrival
 from coral.reef.decide.survey import Survey
 from coral.reef.map.costfield import CostField
 from coral.reef.vehicle.delays import delays_from
-from coral.reef.world.geometry import Pose
+from coral.reef.world.geometry import Pose, bearing
 
 TOLD_S = 5.0
 """The price of a choice is reported from here on: less than an answer takes."""
@@ -88,8 +88,8 @@ class RemainingTour:
         cfg = self.cfg
         first = self.start.paths_m(xs, ys) / cfg.speed_m_s
         x, y, theta = self.pose
-        bearing = np.arctan2(ys - y, xs - x) - theta
-        first = first + np.abs(np.arctan2(np.sin(bearing), np.cos(bearing))) / cfg.yaw_rate_rad_s
+        off = np.arctan2(ys - y, xs - x) - theta
+        first = first + np.abs(np.arctan2(np.sin(off), np.cos(off))) / cfg.yaw_rate_rad_s
         onward = np.min(
             [
                 field.lengths(xs, ys) / cfg.speed_m_s + delay
@@ -111,7 +111,7 @@ def plan_tour(remaining: Remaining, left: Survey, arrival: Arrival, cfg: Topolog
         for p in remaining.places
     ]
     first = np.array([left.field.lookup(n.x, n.y) for n in nodes]) / cfg.speed_m_s
-    turns = np.array([turn_to(arrival.pose, n.x, n.y) for n in nodes]) / cfg.yaw_rate_rad_s
+    turns = np.array([abs(bearing(arrival.pose, n.x, n.y)) for n in nodes]) / cfg.yaw_rate_rad_s
     worth: NDArray[np.float64] = np.array([n.worth for n in nodes])
     onward = delays_from(remaining.between_m() / cfg.speed_m_s, worth)
     total: NDArray[np.float64] = first + turns + onward

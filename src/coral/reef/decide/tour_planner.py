@@ -20,7 +20,6 @@ from coral.reef.decide.asked import AskedState, Mode
 from coral.reef.decide.facts import describe, waypoint_options
 from coral.reef.decide.guesses import Guess, GuessRecord
 from coral.reef.decide.outlook import Outlook
-from coral.reef.decide.own_parts import Verifier
 from coral.reef.decide.planner import Answer, Draw, PlannerCfg
 from coral.reef.decide.provable import (
     contradiction,
@@ -64,10 +63,9 @@ class TourPlanner:
         fields: CostFieldCfg,
         draw: Draw,
         cfg: PlannerCfg | None = None,
-        verifier: Verifier | None = None,
     ) -> None:
         """Set up the planner of one robot; see `make_planner`."""
-        self.belief, self.fields, self.draw, self._verifier = belief, fields, draw, verifier
+        self.belief, self.fields, self.draw = belief, fields, draw
         self.cfg = cfg or PlannerCfg()
         self.route = Route(belief, self.cfg.route)
         self.guesses = GuessRecord()
@@ -189,8 +187,6 @@ class TourPlanner:
         if isinstance(goal, Rejection):
             return goal
         refusal = self._refuse(asked, answer, goal)
-        if refusal is None and self._verifier is not None and asked.question is not None:
-            refusal = self._verifier(asked.question, answer)
         return None if refusal is None else replace(refusal, details={**refusal.details, **chosen(answer)})
 
     def _refuse(

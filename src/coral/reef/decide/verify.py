@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from coral.advisor.question import Rejection
-from coral.reef.world.geometry import Pose, to_robot
+from coral.reef.world.geometry import Pose, bearing, to_robot
 
 Point = tuple[float, float]
 
@@ -58,8 +58,7 @@ def angle_between(a: Point, b: Point) -> float:
 
 def behind_robot(p: Point, pose: Pose, cfg: VerifyCfg) -> bool:
     """Eq. 4: the waypoint lies more than theta_back off the robot's heading."""
-    forward, left = to_robot(pose, *p)
-    return abs(math.atan2(left, forward)) > math.radians(cfg.theta_back_deg)
+    return abs(bearing(pose, *p)) > math.radians(cfg.theta_back_deg)
 
 
 def behind_previous(p: Point, robot: Point, previous: Point | None, cfg: VerifyCfg) -> bool:

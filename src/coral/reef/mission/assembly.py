@@ -97,7 +97,7 @@ def make_robot(
         driver = DelayAwareDriver(driver, response, vehicle_cfg.max_speed_m_s, cfg.control_period_s)
 
     def build(robot: Robot) -> Pilot:
-        planner = make_planner(robot.belief, cfg.pilot.fields, deciding.draw, cfg.planner, verifier=deciding.verify)
+        planner = make_planner(robot.belief, cfg.pilot.fields, deciding.draw, cfg.planner)
         pilot = (Pilot if deciding.commands is None else TourPilot)(
             robot.belief,
             planner,
@@ -110,6 +110,7 @@ def make_robot(
             cfg.pilot,
             deciding.numbers,
             deciding.wanted,
+            deciding.verify,
         )
         if isinstance(pilot, TourPilot) and deciding.commands is not None:
             pilot.commands = deciding.commands

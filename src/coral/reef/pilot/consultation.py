@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from coral.advisor.attribution import Source, source_of, spent
@@ -15,7 +14,9 @@ from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt, BudgetCfg, Outcome, consult
 from coral.advisor.question import Advisor, Question, Rejection
 from coral.reef.decide.asked import AskedState
+from coral.reef.decide.own_parts import Verifier
 from coral.reef.decide.planner import HighLevelPlanner
+from coral.reef.decide.questions import chosen
 from coral.reef.drive.cost_to_go import CostToGo
 from coral.reef.pilot.leftover import chain_of
 
@@ -72,15 +73,16 @@ class Consultation:
         budget: BudgetCfg,
         prepare_s: float,
         numbers: Iterator[int] | None = None,
+        verifier: Verifier | None = None,
     ) -> None:
         """Set up that of one robot.
 
-        A question takes `prepare_s` (s) of simulated time to prepare. Robots that share a log share `numbers` too.
+        A question takes `prepare_s` (s) of simulated time to prepare. `verifier` checks what the planner's checks pass.
         """
         self.advisor, self.fallback = advisor, fallback
         self.number = 0
         """Of the decision under way, or of the last one."""
-        self._planner, self._clock, self._way = planner, clock, way
+        self._planner, self._clock, self._way, self._verifier = planner, clock, way, verifier
         self._budget, self._prepare_s = budget, prepare_s
         self._emit, self._log = emit, log
         self._numbers = numbers or itertools.count()
@@ -125,7 +127,7 @@ class Consultation:
         """Have the next question prepared, from the belief as it is now."""
         self._asked_s = self._clock.now()
         for guess in self._planner.settle():
-            self._emit("guess", **dataclasses.asdict(guess))
+            self._emit("guess", **asdict(guess))
         asked = await self._prepare(rejections)
         question = asked.question
         if question is None:
@@ -155,9 +157,13 @@ class Consultation:
         return self._asked
 
     def _verify(self, question: Question[Any], answer: Any) -> Rejection | None:
-        """Check an answer to the last question."""
+        """Check an answer to the last question, by the planner and then by the user's own verifier."""
         assert self._asked is not None
-        return self._planner.verify(self._asked, answer)
+        refusal = self._planner.verify(self._asked, answer)
+        if refusal is not None or self._verifier is None:
+            return refusal
+        refusal = self._verifier(question, answer)
+        return None if refusal is None else replace(refusal, details={**refusal.details, **chosen(answer)})
 
     def _attempted(self, attempt: Attempt) -> None:
         refusal = attempt.rejection
@@ -170,7 +176,7 @@ class Consultation:
             reason=refusal.reason if refusal else "",
             answer=attempt.answer,
             asked_at=round(attempt.asked_at_s, 3),
-            **dataclasses.asdict(spent(attempt)),
+            **asdict(spent(attempt)),
             **({"faults": list(attempt.usage.faults)} if attempt.usage.faults else {}),
         )
         if attempt.verdict in ("accepted", "rejected", "malformed"):

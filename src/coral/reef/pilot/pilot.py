@@ -11,7 +11,7 @@ from coral.advisor.consult import Attempt
 from coral.advisor.fallback import failed
 from coral.advisor.question import Advisor
 from coral.reef.decide.asked import AskedState
-from coral.reef.decide.own_parts import FunctionTrigger, Wanted
+from coral.reef.decide.own_parts import FunctionTrigger, Verifier, Wanted
 from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.decide.trigger import Cause, Firing, SmartTrigger
 from coral.reef.drive.controller import Plan
@@ -61,8 +61,9 @@ class Pilot:
         cfg: PilotCfg | None = None,
         numbers: Iterator[int] | None = None,
         wanted: Wanted | None = None,
+        verifier: Verifier | None = None,
     ) -> None:
-        """Set up a robot; `numbers` numbers its decisions, and robots that share a log share it too."""
+        """Set up a robot; `numbers` numbers its decisions, also those of a pilot that follows."""
         self.cfg = cfg or PilotCfg()
         self.belief, self.planner, self.driver, self.clock = belief, planner, driver, clock
         self.route = planner.route
@@ -79,7 +80,7 @@ class Pilot:
             straight=not self.cfg.cost_to_go,
         )
         self.consultation = Consultation(
-            planner, advisor, fallback, clock, self.cost_to_go, emit, log, self.cfg.budget, prepare_s, numbers
+            planner, advisor, fallback, clock, self.cost_to_go, emit, log, self.cfg.budget, prepare_s, numbers, verifier
         )
         self.goals = Goals(belief, planner, clock, emit, self.trigger.new_goal, self.cfg)
         self.change = InstructionChange()

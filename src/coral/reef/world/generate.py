@@ -23,6 +23,8 @@ _LONGEST_NAME, _MOST = 60, 60
 """Letters of a world's name; clusters."""
 _SETTLE_M = 0.2
 """Largest gap between an oyster and its nearest neighbour, so that a cluster is one patch on the robot's map."""
+DENSE_RADIUS_M, CURRENT_MAX_M_S = 6.5, 0.08
+"""Reach of the dense field ahead of the start, and the fastest water."""
 _BORDER_M = 1.9
 """Least distance between the centre of a cluster and the world's edge."""
 
@@ -42,17 +44,15 @@ class GeneratorCfg:
     oysters: tuple[int, int] = (48, 88)
     """Range of the number of oysters in a cluster."""
     dense_obstacles: int = 20
-    """Number of obstacles within `dense_radius_m` ahead of the start. Fewer if they would close passages, but
+    """Number of obstacles within `DENSE_RADIUS_M` ahead of the start. Fewer if they would close passages, but
     at least half."""
-    dense_radius_m: float = 6.5
     obstacles: int = 34
-    """Number of obstacles farther from the start than `dense_radius_m`, most of them along the spine. Fewer if they
+    """Number of obstacles farther from the start than `DENSE_RADIUS_M`, most of them along the spine. Fewer if they
     would close passages, but at least half."""
     barriers: int = 0
     """Rows of posts across the reef, with gaps of `passage_m` to 0.1 m more. The paper has none."""
     passage_m: float = 1.0
     """Narrowest gap between two obstacles: the robot's diameter and 0.2 m on either side. 0.8 is the least."""
-    current_max_m_s: float = 0.08
     seed: int = 0
 
 
@@ -82,10 +82,10 @@ def generate(cfg: GeneratorCfg, name: str = "") -> ReefWorld:
         rng,
     )
     if cfg.barriers:
-        clutter.rows(_crossings(clusters, lines, cfg.barriers, cfg.dense_radius_m), "barriers")
-    clutter.field(cfg.dense_obstacles, cfg.dense_radius_m, "dense_obstacles")
-    clutter.along(cfg.obstacles, cfg.dense_radius_m, "obstacles")
-    direction, speed = rng.uniform(-math.pi, math.pi), rng.uniform(0.0, cfg.current_max_m_s)
+        clutter.rows(_crossings(clusters, lines, cfg.barriers, DENSE_RADIUS_M), "barriers")
+    clutter.field(cfg.dense_obstacles, DENSE_RADIUS_M, "dense_obstacles")
+    clutter.along(cfg.obstacles, DENSE_RADIUS_M, "obstacles")
+    direction, speed = rng.uniform(-math.pi, math.pi), rng.uniform(0.0, CURRENT_MAX_M_S)
     world = ReefWorld(
         name=name,
         topology="custom" if cfg.spine else cfg.topology,
@@ -129,11 +129,9 @@ def _check(cfg: GeneratorCfg) -> None:
     )
     demand("oysters", 1 <= cfg.oysters[0] <= cfg.oysters[1] <= 500, cfg.oysters, "a range within 1 to 500")
     demand("dense_obstacles", 0 <= cfg.dense_obstacles <= 500, cfg.dense_obstacles, "0 to 500")
-    demand("dense_radius_m", 2.0 <= cfg.dense_radius_m <= 50.0, cfg.dense_radius_m, "2 to 50 m")
     demand("obstacles", 0 <= cfg.obstacles <= 500, cfg.obstacles, "0 to 500")
     demand("barriers", 0 <= cfg.barriers <= 50, cfg.barriers, "0 to 50")
     demand("passage_m", 0.8 <= cfg.passage_m <= 5.0, cfg.passage_m, "0.8 to 5 m")
-    demand("current_max_m_s", 0.0 <= cfg.current_max_m_s <= 0.5, cfg.current_max_m_s, "0 to 0.5 m/s")
     demand("seed", 0 <= cfg.seed < 2**63, cfg.seed, "a number of 0 or more")
     wide, high = cfg.size_m
     for i, line in enumerate(cfg.spine):

@@ -68,3 +68,9 @@ def to_robot(pose: Pose, x: float, y: float) -> tuple[float, float]:
     c, s = math.cos(pose.theta), math.sin(pose.theta)
     dx, dy = x - pose.x, y - pose.y
     return c * dx + s * dy, -s * dx + c * dy
+
+
+def bearing(pose: Pose, x: float, y: float) -> float:
+    """Return the angle of a world point off a robot's heading (rad, left positive)."""
+    forward, left = to_robot(pose, x, y)
+    return math.atan2(left, forward)
