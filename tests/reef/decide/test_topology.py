@@ -2,23 +2,27 @@ import numpy as np
 import pytest
 from beds import belief_with
 
+from coral.reef.decide import topology
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.remaining import Dot, what_remains
 from coral.reef.decide.survey import SurveyCfg, survey
-from coral.reef.decide.topology import TopologyCfg, frontier_worth, plan_tour
+from coral.reef.decide.topology import frontier_worth, plan_tour
 from coral.reef.map.costfield import CostFieldCfg
 from coral.reef.world.geometry import Pose
 
-CFG = TopologyCfg(speed_m_s=0.5, yaw_rate_rad_s=1e6)
+
+@pytest.fixture(autouse=True)
+def _turning_takes_no_time(monkeypatch):
+    monkeypatch.setattr(topology, "YAW_RATE_RAD_S", 1e6)
 
 
-def tour_of(points, cfg=CFG, area=1.0):
+def tour_of(points, area=1.0):
     belief = belief_with(points, pose=Pose(10.0, 5.0, 0.0), size=(40.0, 10.0))
     outlook = Outlook.now(belief)
     left = survey(outlook, CostFieldCfg(), 1.0, SurveyCfg())
     dots = [Dot(x=t.x, y=t.y, index=t.index, left_m2=area) for t in belief.tracks]
     remaining = what_remains(outlook, left, dots, CostFieldCfg())
-    return plan_tour(remaining, left, outlook.arrival, cfg)
+    return plan_tour(remaining, left, outlook.arrival)
 
 
 def test_a_price_is_how_much_later_the_rest_is_seen():
@@ -42,6 +46,6 @@ def test_with_nothing_left_there_is_no_tour():
 
 
 def test_water_beside_the_reef_promises_more_than_water_far_from_it():
-    near, far = (frontier_worth(metres, 0.5, CFG) for metres in (1.0, 12.0))
+    near, far = (frontier_worth(metres, 0.5) for metres in (1.0, 12.0))
     assert near > 2.0 * far > 0.0
-    assert frontier_worth(1.0, 0.1, CFG) < near
+    assert frontier_worth(1.0, 0.1) < near

@@ -42,7 +42,7 @@ def changes(variant):
     [
         ("no-verification", ".planner.checks", False),
         ("no-centroid-selection", ".planner.centroid_selection", False),
-        ("no-topology", ".planner.topology.enabled", False),
+        ("no-topology", ".planner.topology", False),
         ("no-trigger", ".pilot.trigger.always", True),
         ("no-ddp", ".controller.uniform", True),
         ("no-cost-to-go", ".pilot.cost_to_go", False),

@@ -19,28 +19,21 @@ from numpy.typing import NDArray
 from coral.advisor.question import Rejection
 from coral.advisor.setting import Rule
 from coral.reef.decide.answers import CentroidChoice, WaypointChoice, WaypointStep
+from coral.reef.decide.remaining import GAP_M, MOST_PLACES
+from coral.reef.decide.topology import DOT_WORTH, FAR_M2, FRONTIER_WORTH, REEF_M, SPEED_M_S, YAW_RATE_RAD_S
 from coral.reef.decide.wordless import Wordless
 from coral.reef.vehicle.delays import delays_from, order_from
 
-SPEED_M_S, YAW_RATE_RAD_S = 0.5, 0.6
-"""At which the robot drives and turns."""
-DOT, FAR_M2 = 0.5, 0.5
-"""Worth of a cluster besides the area that is left of it (m²), and that area where it is seen from afar only."""
-FRONTIER, ELSEWHERE = 0.1, 0.02
-"""Worth of unexplored water beside the reef, and anywhere. Little: most of it is seen on the way to clusters."""
-REEF_M = 3.0
-"""Distance from the reef at which the worth of unexplored water has fallen to 1/e: oysters settle near oysters."""
+ELSEWHERE = 0.02
+"""Worth of unexplored water far from the reef."""
 FAILED_S = 10.0
 """A goal that failed already is put off by so much."""
-MOST_PLACES = 9
 REFUSED_RAD = 0.5
 """A waypoint this near to the direction of a refused one is as wrong."""
 SEEN_M = 3.0
 """A waypoint this near to a place shows it."""
 NEW_M = 2.0
 """A further waypoint this near to the one before adds nothing."""
-GAP_M = 4.0
-"""Frontiers nearer than this to a place already in the tour are part of it."""
 MOST_THEN = 2
 """Goals named besides the first, to continue with until the next answer comes."""
 
@@ -148,7 +141,7 @@ def _like_refused(option: Fact, refused: set[tuple[Any, Any]]) -> bool:
 def _places(facts: Fact) -> list[_Place]:
     """Return what is left to see and within reach, nearest first, clusters before the rest."""
     dots = [
-        _place(facts, c, DOT + _left_m2(c), f"cluster {c['index']}", c["index"], c["failed_attempts"])
+        _place(facts, c, DOT_WORTH + _left_m2(c), f"cluster {c['index']}", c["index"], c["failed_attempts"])
         for c in facts["centroids"]
         if not (c["visited"] or c.get("doubtful")) and c["path_m"] is not None
     ]
@@ -178,7 +171,7 @@ def _promise(frontier: Fact) -> float:
     """Return the worth of unexplored water."""
     reef_m = frontier["reef_m"]
     near = 0.5 if reef_m is None else math.exp(-reef_m / REEF_M)
-    return float((ELSEWHERE + FRONTIER * near) * min(1.0, 2.0 * frontier["unexplored"]))
+    return float((ELSEWHERE + FRONTIER_WORTH * near) * min(1.0, 2.0 * frontier["unexplored"]))
 
 
 def _beside(frontier: Fact) -> bool:

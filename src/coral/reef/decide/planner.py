@@ -14,7 +14,6 @@ from coral.reef.decide.guesses import Guess
 from coral.reef.decide.outlook import Outlook
 from coral.reef.decide.route import Goal, Route, RouteCfg
 from coral.reef.decide.survey import SurveyCfg
-from coral.reef.decide.topology import TopologyCfg
 from coral.reef.decide.verify import VerifyCfg
 from coral.reef.map.costfield import CostField
 
@@ -63,7 +62,9 @@ class PlannerCfg:
     """The paper's check; under `tour` its violations are counted only."""
     finished: bool = True
     """Whether `tour` refuses ways back through finished water. False for lanes that were planned before the dive."""
-    topology: TopologyCfg = field(default_factory=TopologyCfg)
+    topology: bool = True
+    """False is the ablation "w/o topological memory": no tour of all that is left. Departs from the paper: it switches
+    modes by Alg. 2 alone."""
     instruction: InstructionCfg = field(default_factory=InstructionCfg)
     """With one, questions tell it and `algorithm` is not used. Not in the paper."""
 

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Positive
 from coral.reef.decide.remaining import Dot, Remaining
 from coral.reef.decide.route import Arrival
 from coral.reef.decide.survey import Survey
@@ -27,22 +26,13 @@ TOLD_S = 5.0
 """The price of a choice is reported from here on: less than an answer takes."""
 DOT_WORTH = 0.5
 """Worth of a cluster, whatever its size; each square metre that is left to see of it adds 1."""
+SPEED_M_S, YAW_RATE_RAD_S = 0.5, 0.6
+"""At which the robot drives and turns."""
+FRONTIER_WORTH, REEF_M = 0.1, 3.0
+"""Worth of unexplored water beside the reef, and distance from it at which that has fallen to 1/e. Little: most of it is
+seen on the way to clusters."""
 FAR_M2 = 0.5
 """What is taken to be left to see of oysters seen from afar: about a small cluster's area."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class TopologyCfg:
-    """What the places of the graph are worth."""
-
-    enabled: bool = True
-    """False is the ablation "w/o topological memory". Departs from the paper: it switches modes by Alg. 2 alone."""
-    speed_m_s: Positive = 0.5
-    yaw_rate_rad_s: Positive = 0.6
-    frontier_worth: float = 0.1
-    """Worth of unexplored water beside the reef, less elsewhere. Little: most of it is seen on the way to clusters."""
-    reef_m: Positive = 3.0
-    """Distance from the reef at which that has fallen to 1/e."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +61,6 @@ class RemainingTour:
     start: Survey
     """Distances from where the tour begins."""
     pose: Pose
-    cfg: TopologyCfg
 
     @property
     def best(self) -> Place:
@@ -85,14 +74,13 @@ class RemainingTour:
 
     def prices_s(self, xs: NDArray[np.float64], ys: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the price (s) of going to points first, and to the places from there. Shape=(N,)."""
-        cfg = self.cfg
-        first = self.start.paths_m(xs, ys) / cfg.speed_m_s
+        first = self.start.paths_m(xs, ys) / SPEED_M_S
         x, y, theta = self.pose
         off = np.arctan2(ys - y, xs - x) - theta
-        first = first + np.abs(np.arctan2(np.sin(off), np.cos(off))) / cfg.yaw_rate_rad_s
+        first = first + np.abs(np.arctan2(np.sin(off), np.cos(off))) / YAW_RATE_RAD_S
         onward = np.min(
             [
-                field.lengths(xs, ys) / cfg.speed_m_s + delay
+                field.lengths(xs, ys) / SPEED_M_S + delay
                 for field, delay in zip(self.fields, self.onward_s, strict=True)
             ],
             axis=0,
@@ -100,33 +88,32 @@ class RemainingTour:
         return np.asarray(np.maximum(first + onward - self.best_s, 0.0))
 
 
-def plan_tour(remaining: Remaining, left: Survey, arrival: Arrival, cfg: TopologyCfg) -> RemainingTour | None:
+def plan_tour(remaining: Remaining, left: Survey, arrival: Arrival) -> RemainingTour | None:
     """Plan the tour of what is left from where the robot will be; None if nothing is left."""
     if not remaining.places:
         return None
     nodes = [
         Place(x=p.x, y=p.y, index=p.index, worth=DOT_WORTH + p.left_m2)
         if isinstance(p, Dot)
-        else Place(x=p.x, y=p.y, index=None, worth=frontier_worth(p.reef_m, p.unexplored, cfg))
+        else Place(x=p.x, y=p.y, index=None, worth=frontier_worth(p.reef_m, p.unexplored))
         for p in remaining.places
     ]
-    first = np.array([left.field.lookup(n.x, n.y) for n in nodes]) / cfg.speed_m_s
-    turns = np.array([abs(bearing(arrival.pose, n.x, n.y)) for n in nodes]) / cfg.yaw_rate_rad_s
+    first = np.array([left.field.lookup(n.x, n.y) for n in nodes]) / SPEED_M_S
+    turns = np.array([abs(bearing(arrival.pose, n.x, n.y)) for n in nodes]) / YAW_RATE_RAD_S
     worth: NDArray[np.float64] = np.array([n.worth for n in nodes])
-    onward = delays_from(remaining.between_m() / cfg.speed_m_s, worth)
+    onward = delays_from(remaining.between_m() / SPEED_M_S, worth)
     total: NDArray[np.float64] = first + turns + onward
     best = float(total.min())
     places = tuple(replace(n, later_s=float(t - best)) for n, t in zip(nodes, total, strict=True))
-    return RemainingTour(places, remaining.fields, onward, best, left, arrival.pose, cfg)
+    return RemainingTour(places, remaining.fields, onward, best, left, arrival.pose)
 
 
-def frontier_worth(reef_m: float, unexplored: float, cfg: TopologyCfg) -> float:
+def frontier_worth(reef_m: float, unexplored: float) -> float:
     """Return what a frontier promises: oysters settle near oysters, and more of them fit into more water.
 
     Args:
         reef_m: Distance to the nearest known oysters (m); inf when none are known.
         unexplored: Unexplored share of its surroundings.
-        cfg: Worths.
     """
-    near = math.exp(-reef_m / cfg.reef_m) if math.isfinite(reef_m) else 0.5
-    return cfg.frontier_worth * (0.2 + near) * min(1.0, 2.0 * unexplored)
+    near = math.exp(-reef_m / REEF_M) if math.isfinite(reef_m) else 0.5
+    return FRONTIER_WORTH * (0.2 + near) * min(1.0, 2.0 * unexplored)

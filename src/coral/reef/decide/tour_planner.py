@@ -142,7 +142,7 @@ class TourPlanner:
         left = survey(outlook, self.fields, cfg.forward_m, cfg.survey)
         left = left if cfg.explore else replace(left, frontiers=())
         remaining = what_remains(outlook, left, dots, self.fields)
-        tour = plan_tour(remaining, left, arrival, cfg.topology) if cfg.topology.enabled else None
+        tour = plan_tour(remaining, left, arrival) if cfg.topology else None
         around = surroundings(outlook, left, cfg.forward_m)
         return AskedState(
             question=None, mode="waypoint", outlook=outlook, left=left, around=around, remaining=remaining, tour=tour

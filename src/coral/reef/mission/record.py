@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Positive
+from coral.drawing import png
 from coral.errors import naming
 from coral.file_writer import open_log
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
@@ -132,7 +133,7 @@ class FrameRecorder:
     def keep_final_map(self, step: int, cells: Callable[[], NDArray[np.uint8]]) -> None:
         """Write the map of a run that keeps no snapshots: some kB, without which its report would show none."""
         if not self._cfg.frames:
-            self._writer.bytes(f"{SurveyFiles.FRAMES}{step:06d}_map.png", _png(cells()))
+            self._writer.bytes(f"{SurveyFiles.FRAMES}{step:06d}_map.png", png(cells()))
 
     def close(self) -> None:
         """Finish what was offered.
@@ -161,7 +162,7 @@ class FrameRecorder:
         if cells is not None:
             images["map"] = cells
         for name, image in images.items():
-            self._writer.bytes(f"{SurveyFiles.FRAMES}{step:06d}_{name}.png", _png(image))
+            self._writer.bytes(f"{SurveyFiles.FRAMES}{step:06d}_{name}.png", png(image))
         names = [f"{step:06d}_labels.png", f"{step:06d}_depth.png", "", "", ""]
         if frame.rgb is not None:
             names[2] = f"{step:06d}_rgb.jpg"
@@ -171,7 +172,7 @@ class FrameRecorder:
             for k, (name, share, whole) in enumerate(doubts, 3):
                 if share is not None:
                     names[k] = f"{step:06d}_{name}.png"
-                    self._writer.bytes(f"{SurveyFiles.FRAMES}{names[k]}", _png(pack_doubt(share, whole)))
+                    self._writer.bytes(f"{SurveyFiles.FRAMES}{names[k]}", png(pack_doubt(share, whole)))
             self._note_pose(t, taken_at, names)
 
     def _note_pose(self, t: float, at: PicturePose, names: list[str]) -> None:
@@ -183,13 +184,6 @@ class FrameRecorder:
                 self._poses.write(",".join(POSE_COLUMNS) + "\n")
             values = (t, at.pose.x, at.pose.y, at.height_m, at.roll, at.pitch, at.pose.theta, *at.odometry)
             self._poses.write(",".join([*(f"{v:.9g}" for v in values), *names]) + "\n")
-
-
-def _png(image: NDArray[Any]) -> bytes:
-    ok, encoded = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 3])
-    if not ok:
-        raise RuntimeError("a picture could not be encoded as PNG")
-    return encoded.tobytes()
 
 
 def _jpeg(rgb: NDArray[np.uint8]) -> bytes:

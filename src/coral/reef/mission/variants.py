@@ -122,7 +122,7 @@ VARIANTS: dict[str, Variant] = {
     ),
     "no-topology": Variant(
         what="No tour of what is left is planned: the mode follows Alg. 2, and no choice is priced.",
-        changes={"planner.topology.enabled": False},
+        changes={"planner.topology": False},
     ),
     "random": Variant(
         what="The whole system, but the advisor draws lots among what is offered; it takes as long as the rules.",
