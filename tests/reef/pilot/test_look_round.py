@@ -40,7 +40,7 @@ def test_it_turns_once_round_then_forgets_the_doubtful_obstacles_then_gives_up()
     assert look.step(shut) == "turn"
     turned = 0.0
     while (command := look.command()) is not None:
-        assert command == (0.0, look.cfg.yaw_rate_rad_s)
+        assert command == (0.0, look_round.YAW_RATE_RAD_S)
         belief.pose = belief.pose._replace(theta=math.remainder(belief.pose.theta + 0.05, math.tau))
         turned += 0.05
     assert turned == pytest.approx(math.tau, abs=0.06)
@@ -57,7 +57,7 @@ def test_it_turns_by_an_angle_beyond_a_whole_turn_on_either_side(angle):
     look.turn(angle)
     turned, step = 0.0, math.copysign(0.05, angle)
     while look.turning and (command := look.command()) is not None:
-        assert command == (0.0, math.copysign(look.cfg.yaw_rate_rad_s, angle))
+        assert command == (0.0, math.copysign(look_round.YAW_RATE_RAD_S, angle))
         belief.pose = belief.pose._replace(theta=math.remainder(belief.pose.theta + step, math.tau))
         turned += step
     assert turned == pytest.approx(angle, abs=0.06)

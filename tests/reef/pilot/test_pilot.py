@@ -13,9 +13,11 @@ from coral.advisor.clock import SimulatedClock
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.question import Reply
 from coral.advisor.rules import RuleAdvisor
+from coral.errors import InputError
 from coral.reef.decide.answers import WaypointChoice
 from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.tour_planner import TourPlanner
+from coral.reef.decide.planner import InstructionCfg, PlannerCfg
+from coral.reef.decide.planners import make_planner
 from coral.reef.drive.controller import DdpMppi, MppiCfg
 from coral.reef.drive.pd import PdController
 from coral.reef.map.belief import Belief
@@ -55,10 +57,10 @@ class Ahead:
 class Drive:
     """A pilot in a vehicle that moves as it is told."""
 
-    def __init__(self, cfg=None, driver=None):
+    def __init__(self, cfg=None, driver=None, planner=None):
         self.events, self.attempts, self.commands, self.pending = [], [], [], []
         belief = Belief(OccupancyMap((20.0, 20.0), CAMERA))
-        planner = TourPlanner(belief, CostFieldCfg(), lambda outlook: ())
+        planner = make_planner(belief, CostFieldCfg(), lambda outlook: (), planner)
         clock = SimulatedClock(f"fixed:{LATENCY_S:g}", np.random.default_rng(0))
         self.pilot = Pilot(
             belief, planner, driver or PdController(), Ahead(), RuleAdvisor(REEF_RULES), clock,
@@ -119,6 +121,24 @@ def test_the_robot_drives_on_while_a_question_is_open_and_hears_the_answer_when_
     assert answered == pytest.approx(asked + LATENCY_S)
     assert [attempt.verdict for attempt in mission.attempts][:1] == ["accepted"]
     assert all(v > 0.0 for v, _ in mission.commands[: round(answered / 0.1)])
+
+
+def test_new_words_of_a_mission_are_taken_over_at_the_next_tick_and_told_once(drive):
+    mission = drive(planner=PlannerCfg(instruction=InstructionCfg(text="Find the net.")))
+    assert mission.pilot.instruct(" Find the tyre. ", "page")
+    assert mission.pilot.planner.cfg.instruction.text == "Find the net."
+    mission.until(0.2)
+    assert mission.pilot.planner.cfg.instruction.text == "Find the tyre."
+    assert [(e["text"], e["by"]) for e in mission.told("instruction")] == [("Find the tyre.", "page")]
+    with pytest.raises(InputError, match="some words"):
+        mission.pilot.instruct(" ", "page")
+
+
+def test_a_survey_without_an_instruction_has_none_to_change(drive):
+    mission = drive()
+    assert not mission.pilot.instruct("Find the tyre.", "page")
+    mission.tick()
+    assert mission.told("instruction") == []
 
 
 class Leaves(Ahead):

@@ -29,8 +29,8 @@ DOT_WORTH = 0.5
 SPEED_M_S, YAW_RATE_RAD_S = 0.5, 0.6
 """At which the robot drives and turns."""
 FRONTIER_WORTH, REEF_M = 0.1, 3.0
-"""Worth of unexplored water beside the reef, and distance from it at which that has fallen to 1/e. Little: most of it is
-seen on the way to clusters."""
+"""Worth of unexplored water beside the reef, and distance from it at which that has fallen to 1/e. Little: most of it
+is seen on the way to clusters."""
 FAR_M2 = 0.5
 """What is taken to be left to see of oysters seen from afar: about a small cluster's area."""
 

@@ -11,6 +11,7 @@ from coral.advisor.consult import Attempt
 from coral.advisor.fallback import failed
 from coral.advisor.question import Advisor
 from coral.reef.decide.asked import AskedState
+from coral.reef.decide.mission_planner import MissionPlanner
 from coral.reef.decide.own_parts import FunctionTrigger, Verifier, Wanted
 from coral.reef.decide.planner import HighLevelPlanner
 from coral.reef.decide.trigger import Cause, Firing, SmartTrigger
@@ -23,7 +24,6 @@ from coral.reef.map.costfield import CostField
 from coral.reef.pilot.consultation import Consultation, Decided, Emit
 from coral.reef.pilot.goals import SURVEY_ENDED, Goals
 from coral.reef.pilot.guard import Reading, SensorGuard
-from coral.reef.pilot.instruction_change import InstructionChange
 from coral.reef.pilot.look_round import YAW_RATE_RAD_S, LookRound
 from coral.reef.pilot.pilot_cfg import PilotCfg
 from coral.reef.pilot.safety import SafetyWatch
@@ -31,6 +31,7 @@ from coral.reef.vehicle.sensing import VehicleObservation, Velocity
 from coral.reef.vehicle.states import Mover
 from coral.reef.vehicle.vehicle import VehicleState
 from coral.reef.world.geometry import Pose
+from coral.reef.world.instruction import checked_words
 
 Command = tuple[float, float]
 """Forward speed (m/s) and yaw rate (rad/s)."""
@@ -83,8 +84,10 @@ class Pilot:
             planner, advisor, fallback, clock, self.cost_to_go, emit, log, self.cfg.budget, prepare_s, numbers, verifier
         )
         self.goals = Goals(belief, planner, clock, emit, self.trigger.new_goal, self.cfg)
-        self.change = InstructionChange()
-        """Of a mission in words."""
+        self.told: tuple[str, str] | None = None
+        """New words of a mission in words and who said them, until the next tick takes them over."""
+        self.unasked = False
+        """Whether the instruction was changed since the last question."""
         layer = belief.map.layer
         guard = SensorGuard(
             belief.map.camera,
@@ -153,13 +156,21 @@ class Pilot:
         Raises:
             InputError: It is empty or too long.
         """
-        return self.change.tell(self.planner, words, by)
+        if not isinstance(self.planner, MissionPlanner):
+            return False
+        self.told = checked_words(words, by), by
+        return True
 
     def _take_words(self) -> None:
         """Take over an instruction that was changed: ask again, even where the survey had ended."""
-        if self.change.take(self.planner, self._emit):
-            self._withdraw()
-            self._ended = False
+        if self.told is None or not isinstance(self.planner, MissionPlanner):
+            return
+        (words, by), self.told = self.told, None
+        self.planner.instruct(words)
+        self._emit("instruction", text=words, by=by)
+        self.unasked = True
+        self._withdraw()
+        self._ended = False
 
     def _withdraw(self) -> None:
         """Withdraw an open question."""
@@ -275,7 +286,9 @@ class Pilot:
         soon = self._asks_ahead() if ahead else None
         if ahead and not self.route.goals:
             self.trigger.new_goal()  # to wait for an answer is not to be stuck
-        firing = self.change.cause(self.trigger.update(t, pose.x, pose.y, speed, target, self.pending, soon))
+        firing = self.trigger.update(t, pose.x, pose.y, speed, target, self.pending, soon)
+        if firing is not None and self.unasked and firing.cause == "distance":
+            firing = dataclasses.replace(firing, cause="instruction")  # only the change has brought it on
         if firing is not None and firing != self._last_firing:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
         self._last_firing = firing
@@ -288,7 +301,7 @@ class Pilot:
             self.route.drop(t)
         self.end_reason = ""
         self.trigger.asked(t, waits=not (ahead and self.route.goals))
-        self.change.asked()
+        self.unasked = False
         self._known |= {track.index for track in self.belief.tracks}
         self.consultation.ask()
         self._collect()
@@ -297,8 +310,8 @@ class Pilot:
         """Check whether the goals will be done before an answer can come, or there is a new cluster or instruction."""
         news = any(track.index not in self._known for track in self.belief.unvisited())
         if self.route.looking:  # what is looked at is in the pictures only when the robot is there
-            return self.change.unasked
-        return news or self.change.unasked or self.route.to_go_s(self.field) <= self.route.lead_s
+            return self.unasked
+        return news or self.unasked or self.route.to_go_s(self.field) <= self.route.lead_s
 
     def _collect(self) -> None:
         """Take over a decision that has ended."""
