@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from operator import not_
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -17,11 +18,6 @@ Extent = Annotated[float, Field(ge=0.001, le=100, strict=True)]
 Coordinate = Annotated[float, Field(ge=-1000, le=1000, strict=True)]
 Angle = Annotated[float, Field(ge=-7, le=7, strict=True)]
 Speed = Annotated[float, Field(ge=-1, le=1, strict=True)]
-
-
-def is_none(value: object) -> bool:
-    """Tell whether a value is left out of a file: files without it stay as they are."""
-    return value is None
 
 
 class WorldPart(BaseModel):
@@ -86,9 +82,9 @@ class Obstacle(WorldPart):
     """Its heading."""
     tether: Tether | None = None
     """For a floating obstacle: its line and its anchor."""
-    look: str | None = Field(default=None, exclude_if=is_none)
+    look: str | None = Field(default=None, exclude_if=not_)  # a file without it stays as it is
     """Of a part of a thing: its look in `kinds.yaml`."""
-    thing: str | None = Field(default=None, exclude_if=is_none)
+    thing: str | None = Field(default=None, exclude_if=not_)
     """The name of that thing."""
 
     @model_validator(mode="after")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
@@ -29,7 +28,6 @@ __all__ = [
     "load_world",
     "save_world",
     "shipped_worlds",
-    "world_schema",
 ]
 
 
@@ -69,8 +67,3 @@ def save_world(world: ReefWorld, path: Path, comment: str = "") -> None:
     text = to_text(world.model_dump(mode="json", exclude_none=True), comment.splitlines())
     with writing(path):
         write_whole(path, encodable(text))
-
-
-def world_schema() -> dict[str, Any]:
-    """Return the JSON schema of a world file, for editors that complete and check as one types."""
-    return ReefWorld.model_json_schema()

@@ -6,6 +6,7 @@ Angles in radians, counter-clockwise, 0 along +x.
 
 from __future__ import annotations
 
+from operator import not_
 from typing import Any, Literal
 
 from pydantic import Field, model_validator
@@ -22,7 +23,6 @@ from coral.reef.world.structures import (
     Tank,
     Wall,
     WorldPart,
-    is_none,
     structures,
 )
 
@@ -65,9 +65,9 @@ class Oyster(WorldPart):
     """Half-axes."""
     rpy: tuple[Angle, Angle, Angle] = (0.0, 0.0, 0.0)
     """Roll, pitch and yaw (z-y-x)."""
-    shape: Literal["sphere", "ellipsoid", "cylinder", "box"] | None = Field(default=None, exclude_if=is_none)
+    shape: Literal["sphere", "ellipsoid", "cylinder", "box"] | None = Field(default=None, exclude_if=not_)
     """Of a part of a thing that is taken for an oyster; null: ellipsoid."""
-    look: str | None = Field(default=None, exclude_if=is_none)
+    look: str | None = Field(default=None, exclude_if=not_)
     """Its look in `kinds.yaml`; null: an oyster's."""
 
 
@@ -78,7 +78,7 @@ class Cluster(WorldPart):
     """At most 40 characters."""
     oysters: tuple[Oyster, ...] = Field(min_length=1)
     """At least one."""
-    kind: str | None = Field(default=None, exclude_if=is_none)
+    kind: str | None = Field(default=None, exclude_if=not_)
     """What it is in truth, where it is a thing of the world's list."""
 
 
@@ -94,11 +94,6 @@ class Thing(WorldPart):
     """Its place."""
     yaw: Angle = 0.0
     """Its heading."""
-
-
-def is_empty(values: tuple[Any, ...]) -> bool:
-    """Tell whether a list is left out of a file: files without it stay as they are."""
-    return not values
 
 
 def _part(solid: dict[str, Any]) -> dict[str, Any]:
@@ -142,14 +137,14 @@ class ReefWorld(WorldPart):
     """Upright walls."""
     spine: tuple[tuple[tuple[Coordinate, Coordinate], ...], ...] = ()
     """Polylines (m) that the reef was grown along; for drawings only, no decision reads them."""
-    things: tuple[Thing, ...] = Field(default=(), max_length=200, exclude_if=is_empty)
+    things: tuple[Thing, ...] = Field(default=(), max_length=200, exclude_if=not_)
     """What else lies there. Its oysters go to `clusters`, the rest by class to `alike`, `obstacles` or `lying`."""
-    alike: tuple[Cluster, ...] = Field(default=(), exclude_if=is_empty)
+    alike: tuple[Cluster, ...] = Field(default=(), exclude_if=not_)
     """Things that the robot's classes do not tell from oysters. They are no oysters, and are not counted as such."""
-    lying: tuple[Cluster, ...] = Field(default=(), exclude_if=is_empty)
+    lying: tuple[Cluster, ...] = Field(default=(), exclude_if=not_)
     """Things that the robot's classes do not tell from the sea floor."""
 
-    mission: MissionText | None = Field(default=None, exclude_if=is_none)
+    mission: MissionText | None = Field(default=None, exclude_if=not_)
     """What is to be done, in words; null: survey the whole reef."""
 
     @model_validator(mode="before")
