@@ -1,6 +1,5 @@
 """The pictures that a run folder keeps."""
 
-import threading
 from dataclasses import replace
 
 import cv2
@@ -57,28 +56,6 @@ def test_without_frames_the_final_map_alone_is_kept(writer):
     recorder.keep_final_map(9, lambda: CELLS)
     recorder.close()
     assert kept(writer) == ["000009_map.png"]
-
-
-class SlowDisk:
-    """A run's writer that waits until it is told to go on."""
-
-    def __init__(self):
-        self.go, self.names = threading.Event(), []
-
-    def bytes(self, name, content):
-        assert self.go.wait(60.0)
-        self.names.append(name)
-
-
-def test_a_slow_disk_delays_nobody_and_what_it_cannot_take_is_counted():
-    disk = SlowDisk()
-    recorder = FrameRecorder(disk, RecordCfg(frame_period_s=1.0), patient=False)
-    for step in range(5):
-        recorder.offer(step, float(step), lambda: CELLS, FRAME)
-    assert recorder.left_out == 3
-    disk.go.set()
-    recorder.close()
-    assert sorted({name[:13] for name in disk.names}) == ["frames/000000", "frames/000001"]
 
 
 def test_a_full_disk_is_told_at_the_next_set():

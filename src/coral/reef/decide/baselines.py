@@ -38,12 +38,14 @@ def nearest_frontier(facts: Fact, rejections: Sequence[Rejection]) -> WaypointCh
     return _towards(facts, aim["forward_m"], aim["left_m"], refused, "the nearest frontier")
 
 
+SPACING_M, STRIDE_M, BORDER_M = 6.0, 4.0, 2.0
+"""Between lanes (the sensing range) and between waypoints of one, and from the lanes to the area's edge."""
+
+
 class Lawnmower:
     """Boustrophedon survey of the whole area. The lanes are planned before the dive, without the obstacles."""
 
-    def __init__(self, spacing_m: float = 6.0, stride_m: float = 4.0, border_m: float = 2.0) -> None:
-        """Set lanes `spacing_m` apart (the sensing range) with a waypoint every `stride_m`."""
-        self._spacing, self._stride, self._border = spacing_m, stride_m, border_m
+    def __init__(self) -> None:
         self._points: list[tuple[float, float]] | None = None
 
     def __call__(self, facts: Fact, rejections: Sequence[Rejection]) -> WaypointChoice:
@@ -77,9 +79,9 @@ class Lawnmower:
 
     def _lanes(self, area_m: Sequence[float], x: float, y: float) -> list[tuple[float, float]]:
         """Return the waypoints of lanes along x, from the corner nearest to the robot."""
-        b = self._border
-        n_lanes = max(2, math.ceil((area_m[1] - 2 * b) / self._spacing) + 1)
-        n_stops = max(2, math.ceil((area_m[0] - 2 * b) / self._stride) + 1)
+        b = BORDER_M
+        n_lanes = max(2, math.ceil((area_m[1] - 2 * b) / SPACING_M) + 1)
+        n_stops = max(2, math.ceil((area_m[0] - 2 * b) / STRIDE_M) + 1)
         ys = [b + k * (area_m[1] - 2 * b) / (n_lanes - 1) for k in range(n_lanes)]
         xs = [b + k * (area_m[0] - 2 * b) / (n_stops - 1) for k in range(n_stops)]
         if y > area_m[1] / 2:

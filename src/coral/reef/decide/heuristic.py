@@ -50,7 +50,6 @@ class _Place:
     worth: float
     name: str
     index: int | None = None
-    failed: int = 0
     put_off_s: float = 0.0
 
 
@@ -159,7 +158,7 @@ def _places(facts: Fact) -> list[_Place]:
 
 
 def _place(facts: Fact, at: Fact, worth: float, name: str, index: int | None = None, failed: int = 0) -> _Place:
-    return _Place(at["forward_m"], at["left_m"], at["path_m"], worth, name, index, failed, FAILED_S * failed)
+    return _Place(at["forward_m"], at["left_m"], at["path_m"], worth, name, index, FAILED_S * failed)
 
 
 def _left_m2(dot: Fact) -> float:

@@ -81,24 +81,17 @@ class RecordCfg:
 
 
 class FrameRecorder:
-    """Writes the known map and the camera pictures every few seconds of simulated time, on a thread of its own."""
+    """Writes the known map and the camera pictures every few seconds of simulated time, on a thread of its own.
 
-    def __init__(self, writer: RunWriter, cfg: RecordCfg, *, patient: bool = True) -> None:
-        """Record into a run.
+    `offer` waits while two sets are still to be written.
+    """
 
-        Args:
-            writer: The run's writer.
-            cfg: What is kept.
-            patient: Whether `offer` waits while two sets are still to be written, so that none is left out; if not,
-                the new one is left out.
-        """
-        self._writer, self._cfg, self._patient = writer, cfg, patient
+    def __init__(self, writer: RunWriter, cfg: RecordCfg) -> None:
+        self._writer, self._cfg = writer, cfg
         self._due = self._keyframe_due = 0.0
         self._poses: IO[str] | None = None
         self._thread = ThreadPoolExecutor(1, "coral-frames")
         self._open: deque[Future[None]] = deque()
-        self.left_out = 0
-        """Sets of pictures that were left out because the disk was too slow."""
 
     def offer(self, step: int, t: float, cells: Any, frame: Frame, taken_at: PicturePose | None = None) -> None:
         """Write a set of pictures if it is due.
@@ -124,9 +117,6 @@ class FrameRecorder:
         if keyframe:
             self._keyframe_due = t + cfg.keyframe_period_s
         self._finish(1)
-        if len(self._open) > 1:
-            self.left_out += 1
-            return
         now = cells() if with_map else None
         self._open.append(self._thread.submit(self._write, step, t, now, frame, taken_at if keyframe else None))
 
@@ -141,7 +131,6 @@ class FrameRecorder:
         Raises:
             OSError: A set could not be written.
         """
-        self._patient = True
         try:
             self._finish(0)
         finally:
@@ -150,8 +139,8 @@ class FrameRecorder:
                 self._poses.close()
 
     def _finish(self, leaving: int) -> None:
-        """Take note of the sets that have been written; wait until no more than `leaving` are open, if patient."""
-        while self._open and (self._open[0].done() or (self._patient and len(self._open) > leaving)):
+        """Take note of the sets that have been written; wait until no more than `leaving` are open."""
+        while self._open and (self._open[0].done() or len(self._open) > leaving):
             self._open.popleft().result()
 
     def _write(
