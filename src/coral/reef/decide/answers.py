@@ -32,7 +32,7 @@ def keep_first(most: int) -> BeforeValidator:
 Step = Annotated[int, Field(ge=-6, le=6), BeforeValidator(_no_bool)]
 """The bounds stand before the validator because pydantic leaves them out of the JSON schema otherwise."""
 Index = Annotated[int, BeforeValidator(_no_bool)]
-Reason = Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(shorten)]
+Text = Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(shorten)]
 
 _MOVE = re.compile(r"(forward|backward|back|left|right)\w*(?:\s+by)?\s+(\d+(?:\.\d+)?)", re.IGNORECASE)
 _SIGN = {
@@ -49,9 +49,7 @@ class Expectation(BaseModel):
 
     model_config = ConfigDict(frozen=True)
 
-    what: Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(shorten)] = Field(
-        description="what you expect, such as: the line of clusters goes on behind the rock"
-    )
+    what: Text = Field(description="what you expect, such as: the line of clusters goes on behind the rock")
     forward_m: Annotated[float, Field(ge=-60, le=60, allow_inf_nan=False)] | None = Field(
         default=None, description="where, metres forward; null: at the goal"
     )
@@ -78,7 +76,7 @@ class CentroidAnswer(BaseModel):
     model_config = ConfigDict(frozen=True)
 
     selected_centroid_index: Index | None = Field(description="label of the chosen orange dot; null when there is none")
-    reason: Reason = ""
+    reason: Text = ""
 
 
 class CentroidChoice(CentroidAnswer):
@@ -101,7 +99,7 @@ class WaypointAnswer(BaseModel):
 
     forward_m: Step = Field(description="metres forward (negative: backward), -6 to 6")
     left_m: Step = Field(description="metres to the left (negative: right), -6 to 6")
-    reason: Reason = ""
+    reason: Text = ""
 
     @model_validator(mode="before")
     @classmethod

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field
 
-from coral.reef.decide.answers import REASON_LIMIT, CentroidAnswer, Index, WaypointStep, keep_first, shorten
-
-Text = Annotated[str, Field(max_length=REASON_LIMIT), BeforeValidator(shorten)]
+from coral.reef.decide.answers import CentroidAnswer, Index, Text, WaypointStep, keep_first
 
 
 class LookFrom(BaseModel):

@@ -19,23 +19,14 @@ from coral.reef.world.world import ReefWorld, load_world, shipped_worlds
 
 PREFIX, KIND = "gen:", "kind:"
 COUNT = 40
-_KINDS: tuple[Topology, ...] = (
-    "branching",
-    "looping",
-    "patchy",
-    "branching",
-    "looping",
-    "patchy",
-    "branching",
-    "looping",
-)
-"""In turn: three of eight branch, three loop, two are broken into patches."""
+_KINDS: tuple[Topology, ...] = ("branching", "looping", "patchy")
+"""In turn, eight at a time: three of eight branch, three loop, two are broken into patches."""
 _EDGES_M = (30.0, 36.0, 42.0, 48.0, 54.0, 60.0, 33.0, 40.0, 51.0, 45.0)
 """In turn. The shipped reefs have 20 to 30 m."""
 
 
 def _settings(number: int) -> GeneratorCfg:
-    kind, edge = _KINDS[number % len(_KINDS)], _EDGES_M[number % len(_EDGES_M)]
+    kind, edge = _KINDS[number % 8 % 3], _EDGES_M[number % len(_EDGES_M)]
     return GeneratorCfg(
         topology=kind,
         size_m=(edge, edge),
