@@ -43,27 +43,14 @@ def robot():
         clocks.append(SimulatedClock("fixed:3", np.random.default_rng(0)))
         events = []
 
-        def pilot(one):
-            rules = RuleAdvisor(REEF_RULES)
-            planner = TourPlanner(one.belief, CostFieldCfg(), lambda outlook: ())
-            return Pilot(one.belief, planner, one.driver, rules, rules, one.clock, one.emit, lambda attempt: None)
-
         def emit(event, **fields):
             events.append({"event": event, **fields})
 
         world = ReefSimulator(POOL, cfg, np.random.default_rng(0))
-        cells = OccupancyMap(POOL.size_m, cfg.camera, None, cfg.sonar)
-        made = Robot(
-            SimulatedVehicle(world, 0.1, emit),
-            world.pose,
-            Belief(cells),
-            Localizer(cfg.camera),
-            PdController(),
-            clocks[-1],
-            emit,
-            pilot,
-            eyes=eyes,
-        )
+        belief, rules = Belief(OccupancyMap(POOL.size_m, cfg.camera, None, cfg.sonar)), RuleAdvisor(REEF_RULES)
+        planner = TourPlanner(belief, CostFieldCfg(), lambda outlook: ())
+        pilot = Pilot(belief, planner, PdController(), rules, rules, clocks[-1], emit, lambda attempt: None)
+        made = Robot(SimulatedVehicle(world, 0.1, emit), world.pose, pilot, Localizer(cfg.camera), eyes=eyes)
         made.events = events
         return made
 

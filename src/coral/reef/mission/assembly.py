@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,8 +59,6 @@ class Deciding:
     verify: Verifier | None = None
     commands: NDArray[np.float64] | None = None
     """A plan to follow in place of questions. Shape=(K, 2)."""
-    numbers: Iterator[int] = field(default_factory=itertools.count)
-    """Numbers the decisions."""
 
 
 def make_robot(
@@ -96,38 +93,23 @@ def make_robot(
     if response is not None:
         driver = DelayAwareDriver(driver, response, vehicle_cfg.max_speed_m_s, cfg.control_period_s)
 
-    def build(robot: Robot) -> Pilot:
-        planner = make_planner(robot.belief, cfg.pilot.fields, deciding.draw, cfg.planner)
-        pilot = (Pilot if deciding.commands is None else TourPilot)(
-            robot.belief,
-            planner,
-            robot.driver,
-            deciding.advisor,
-            RuleAdvisor(REEF_RULES),
-            robot.clock,
-            robot.emit,
-            deciding.log,
-            cfg.pilot,
-            deciding.numbers,
-            deciding.wanted,
-            deciding.verify,
-        )
-        if isinstance(pilot, TourPilot) and deciding.commands is not None:
-            pilot.commands = deciding.commands
-        return pilot
-
-    return Robot(
-        vehicle,
-        start,
+    pilot = (Pilot if deciding.commands is None else TourPilot)(
         belief,
-        Localizer(cfg.simulator.camera, cfg.localization),
+        make_planner(belief, cfg.pilot.fields, deciding.draw, cfg.planner),
         driver,
+        deciding.advisor,
+        RuleAdvisor(REEF_RULES),
         clock,
         emit,
-        build,
-        faults=FaultySensors(parse_fault(text) for text in cfg.faults),
-        eyes=eyes,
+        deciding.log,
+        cfg.pilot,
+        deciding.wanted,
+        deciding.verify,
     )
+    if isinstance(pilot, TourPilot) and deciding.commands is not None:
+        pilot.commands = deciding.commands
+    faults = FaultySensors(parse_fault(text) for text in cfg.faults)
+    return Robot(vehicle, start, pilot, Localizer(cfg.simulator.camera, cfg.localization), faults=faults, eyes=eyes)
 
 
 def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int, world: ReefWorld | None = None) -> Advisor:

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
-from coral.advisor.clock import SimulatedClock, WallClock
-from coral.reef.drive.local_planner import LocalPlanner
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
-from coral.reef.map.belief import Belief
 from coral.reef.map.echo_points import echoes_in_picture
 from coral.reef.map.localization import Localizer
 from coral.reef.mission.record import PicturePose
@@ -20,9 +16,6 @@ from coral.reef.vehicle.sensing import VehicleObservation
 from coral.reef.vehicle.states import PilotState
 from coral.reef.world.geometry import Frame, Pose
 
-Build = Callable[["Robot"], Pilot]
-"""Builds the pilot of a robot."""
-
 
 class Robot:
     """Couples a vehicle with its pilot."""
@@ -31,12 +24,8 @@ class Robot:
         self,
         vehicle: Vehicle,
         start: Pose,
-        belief: Belief,
+        pilot: Pilot,
         localizer: Localizer,
-        driver: LocalPlanner,
-        clock: SimulatedClock | WallClock,
-        emit: Callable[..., None],
-        build: Build,
         *,
         faults: FaultySensors | None = None,
         eyes: RgbPerception | None = None,
@@ -44,9 +33,9 @@ class Robot:
         """Set up.
 
         Without `faults` nothing spoils what is measured; `eyes` find classes and depth in the vehicle's colour
-        pictures, None if its pictures have them. `emit(event, **fields)` records an event.
+        pictures, None if its pictures have them.
         """
-        self.vehicle, self.belief, self.driver, self.clock, self.emit = vehicle, belief, driver, clock, emit
+        self.vehicle, self.pilot, self.belief, self.driver = vehicle, pilot, pilot.belief, pilot.driver
         self.localizer, self.pose = localizer, start
         """Where the robot believes it is: the odometry, corrected."""
         self.observed = VehicleObservation(t=0.0)
@@ -60,7 +49,6 @@ class Robot:
         self.odometry = start
         """Where odometry alone put the last picture."""
         self.command: Command = (0.0, 0.0)
-        self.pilot = build(self)
 
     def sense(self, t: float) -> VehicleObservation:
         """Measure at time `t` (s). Faults that are due spoil what is measured."""
@@ -131,9 +119,10 @@ class Robot:
 
     def think(self) -> float:
         """Choose the next command. Return the wall time spent waiting for a reply (s)."""
-        waited = self.clock.waited_s
+        clock = self.pilot.clock
+        waited = clock.waited_s
         self.command = self.pilot.drive(self.reading)
-        return self.clock.waited_s - waited
+        return clock.waited_s - waited
 
     def act(self) -> None:
         """Send the command."""

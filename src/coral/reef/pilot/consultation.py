@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -72,7 +71,6 @@ class Consultation:
         log: Callable[[Attempt], None],
         budget: BudgetCfg,
         prepare_s: float,
-        numbers: Iterator[int] | None = None,
         verifier: Verifier | None = None,
     ) -> None:
         """Set up that of one robot.
@@ -80,12 +78,11 @@ class Consultation:
         A question takes `prepare_s` (s) of simulated time to prepare. `verifier` checks what the planner's checks pass.
         """
         self.advisor, self.fallback = advisor, fallback
-        self.number = 0
+        self.number = -1
         """Of the decision under way, or of the last one."""
         self._planner, self._clock, self._way, self._verifier = planner, clock, way, verifier
         self._budget, self._prepare_s = budget, prepare_s
         self._emit, self._log = emit, log
-        self._numbers = numbers or itertools.count()
         self._task: asyncio.Task[Outcome[Any]] | None = None
         self._asked: AskedState | None = None
         self._by_rules = False
@@ -98,7 +95,7 @@ class Consultation:
 
     def ask(self) -> None:
         """Ask the advisor for the next decision."""
-        self._attempts, self.number, self._by_rules = 0, next(self._numbers), False
+        self._attempts, self.number, self._by_rules = 0, self.number + 1, False
         budget, clock, number = self._budget, self._clock, self.number
         asking = consult(self.advisor, self._observe, self._verify, budget, clock, self._attempted, number)
         self._task = clock.start(asking)

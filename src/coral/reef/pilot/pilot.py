@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 from coral.advisor.clock import SimulatedClock, WallClock
 from coral.advisor.consult import Attempt
@@ -60,11 +60,9 @@ class Pilot:
         emit: Emit,
         log: Callable[[Attempt], None],
         cfg: PilotCfg | None = None,
-        numbers: Iterator[int] | None = None,
         wanted: Wanted | None = None,
         verifier: Verifier | None = None,
     ) -> None:
-        """Set up a robot; `numbers` numbers its decisions, also those of a pilot that follows."""
         self.cfg = cfg or PilotCfg()
         self.belief, self.planner, self.driver, self.clock = belief, planner, driver, clock
         self.route = planner.route
@@ -81,12 +79,12 @@ class Pilot:
             straight=not self.cfg.cost_to_go,
         )
         self.consultation = Consultation(
-            planner, advisor, fallback, clock, self.cost_to_go, emit, log, self.cfg.budget, prepare_s, numbers, verifier
+            planner, advisor, fallback, clock, self.cost_to_go, emit, log, self.cfg.budget, prepare_s, verifier
         )
         self.goals = Goals(belief, planner, clock, emit, self.trigger.new_goal, self.cfg)
-        self.told: tuple[str, str] | None = None
+        self._told: tuple[str, str] | None = None
         """New words of a mission in words and who said them, until the next tick takes them over."""
-        self.unasked = False
+        self._unasked = False
         """Whether the instruction was changed since the last question."""
         layer = belief.map.layer
         guard = SensorGuard(
@@ -158,17 +156,17 @@ class Pilot:
         """
         if not isinstance(self.planner, MissionPlanner):
             return False
-        self.told = checked_words(words, by), by
+        self._told = checked_words(words, by), by
         return True
 
     def _take_words(self) -> None:
         """Take over an instruction that was changed: ask again, even where the survey had ended."""
-        if self.told is None or not isinstance(self.planner, MissionPlanner):
+        if self._told is None or not isinstance(self.planner, MissionPlanner):
             return
-        (words, by), self.told = self.told, None
+        (words, by), self._told = self._told, None
         self.planner.instruct(words)
         self._emit("instruction", text=words, by=by)
-        self.unasked = True
+        self._unasked = True
         self._withdraw()
         self._ended = False
 
@@ -287,7 +285,7 @@ class Pilot:
         if ahead and not self.route.goals:
             self.trigger.new_goal()  # to wait for an answer is not to be stuck
         firing = self.trigger.update(t, pose.x, pose.y, speed, target, self.pending, soon)
-        if firing is not None and self.unasked and firing.cause == "distance":
+        if firing is not None and self._unasked and firing.cause == "distance":
             firing = dataclasses.replace(firing, cause="instruction")  # only the change has brought it on
         if firing is not None and firing != self._last_firing:
             self._emit("trigger", cause=firing.cause, fired=firing.fired, held_by=firing.held_by)
@@ -301,7 +299,7 @@ class Pilot:
             self.route.drop(t)
         self.end_reason = ""
         self.trigger.asked(t, waits=not (ahead and self.route.goals))
-        self.unasked = False
+        self._unasked = False
         self._known |= {track.index for track in self.belief.tracks}
         self.consultation.ask()
         self._collect()
@@ -310,8 +308,8 @@ class Pilot:
         """Check whether the goals will be done before an answer can come, or there is a new cluster or instruction."""
         news = any(track.index not in self._known for track in self.belief.unvisited())
         if self.route.looking:  # what is looked at is in the pictures only when the robot is there
-            return self.unasked
-        return news or self.unasked or self.route.to_go_s(self.field) <= self.route.lead_s
+            return self._unasked
+        return news or self._unasked or self.route.to_go_s(self.field) <= self.route.lead_s
 
     def _collect(self) -> None:
         """Take over a decision that has ended."""
