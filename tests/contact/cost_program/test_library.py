@@ -8,7 +8,6 @@ from cost_oracles import fuzz_programs
 
 from coral.contact.cost_program import CostError
 from coral.contact.cost_program.library import BUILTINS, INSTEAD, MATH, NUMPY, PYTHON, Offer, builtin
-from coral.contact.cost_program.values import Seq, Vec
 
 SAME = {
     "enumerate from a number": "return sum(i * x for i, x in enumerate(self.ee_pos, 2))",
@@ -20,11 +19,15 @@ SAME = {
     "math": "return math.radians(90) + math.atan2(self.time, 2.0) + math.fabs(-self.time)",
 }
 REFUSED = {
-    "unknown keyword": ("return max([1, 2], key=abs)", "wrong_call", "not key="),
-    "argument given twice": ("return np.clip(self.time, 0.0, 1.0, a_min=1.0)", "wrong_call", "a_min once"),
-    "too many arguments": ("return norm(self.ee_pos, 2)", "wrong_call", "not 2 arguments"),
-    "missing argument": ("return dist(self.ee_pos)", "wrong_call", "dist takes (p, q), so q is missing"),
-    "name of an argument without one": ("return float(value=self.time)", "wrong_call", "not value="),
+    "unknown keyword": ("return max([1, 2], key=abs)", "wrong_call", "unexpected keyword argument 'key'"),
+    "argument given twice": ("return np.clip(self.time, 0.0, 1.0, a_min=1.0)", "wrong_call", "multiple values"),
+    "too many arguments": ("return norm(self.ee_pos, 2)", "wrong_call", "too many"),
+    "missing argument": (
+        "return dist(self.ee_pos)",
+        "wrong_call",
+        "dist takes (p, q): missing",
+    ),
+    "name of an argument without one": ("return float(value=self.time)", "wrong_call", "positional only"),
     "array of whole numbers": ("return np.array([1, 2], dtype=int)[0]", "wrong_call", "float64 only"),
     "range without a step": ("return sum(range(0, 3, 0))", "wrong_call", "not 0"),
     "range over the state": ("return sum(range(self.current_step))", "not_fixed", "whole numbers"),
@@ -61,20 +64,15 @@ def test_a_builtin_binds_arguments_by_place_and_by_name(meter):
     weigh = builtin("weigh", Offer(lambda meter, x, by=2.0: x * by, "n n"))
     assert weigh.call(meter, [3.0], {}) == 6.0
     assert weigh.call(meter, [3.0], {"by": 5.0}) == 15.0
-    with pytest.raises(CostError, match=r"weigh takes \(x, by\), so x is missing"):
+    with pytest.raises(CostError, match=r"weigh takes \(x, by\): missing a required argument: \'x\'"):
         weigh.call(meter, [], {"by": 5.0})
     with pytest.raises(CostError, match="weigh takes a number, not a list of 2"):
-        weigh.call(meter, [Seq((1.0, 2.0))], {})
+        weigh.call(meter, [[1.0, 2.0]], {})
 
 
 def test_the_largest_entry_of_a_vector_is_found_state_by_state(meter):
-    found = BUILTINS["max"].call(meter, [Vec((np.array([[1.0, 3.0]]), 2.0))], {})
+    found = BUILTINS["max"].call(meter, [np.array([[[1.0, 3.0]], [[2.0, 2.0]]])], {})
     assert found.tolist() == [[2.0, 3.0]]
-
-
-def test_an_iterator_has_no_length(meter):
-    with pytest.raises(CostError, match="an iterator has no length"):
-        BUILTINS["len"].call(meter, [Seq((1.0,), "iterator")], {})
 
 
 @pytest.mark.parametrize(("check", "count"), [("check_calls", 1500), ("check_programs", 200)])

@@ -95,7 +95,7 @@ def test_only_what_is_read_is_asked_for(schema):
         ("break", "syntax", 2, "outside a loop"),
         ("a = self.ee_pos\n    b = a\n    b[0] = 1.0\n    return a[0]", "not_allowed", 4, "make a new one"),
         ("return np.clip(self.time, 0.0, 1.0)[1]", "wrong_type", 2, "no numbered entries"),
-        ("return dist(self.ee_pos)", "wrong_call", 2, "q is missing"),
+        ("return dist(self.ee_pos)", "wrong_call", 2, "missing a required argument: 'q'"),
         ("if self.ee_pos:\n        return 1.0\n    return 0.0", "wrong_type", 2, "neither true nor false"),
         ("cost += self.time\n    return cost", "unset", 2, "begin with"),
     ],

@@ -33,6 +33,20 @@ SAME = {
         "if self.time > 0.5:\n    return 1.0\nelse:\n    y = self.gripper_opening\nreturn y"
     ),
     "text alone": "'A docstring.'\n3.0\npass\nreturn self.time",
+    # assigning
+    "chain of targets": "a = b = self.time\na += 1.0\nreturn a + 10.0 * b",
+    "nested targets": "(a, (b, c)), d = (1.0, (self.time, 3.0)), 4.0\nreturn a + 10.0 * b + 100.0 * c + 1000.0 * d",
+    "swap": "a, b = 1.0, self.time\na, b = b, a\nreturn a + 10.0 * b",
+    "entry of a dict": "d = {'a': 1.0}\nd['b'] = self.time\nd['a'] -= 0.5\nreturn d['a'] + 10.0 * d['b']",
+    "entry in a branch": (
+        "d = {'a': 1.0}\nif self.time > 0.5:\n    d['a'] = 3.0\n    d['b'] = 2.0\nd['c'] = 5.0\nreturn sum(d.values())"
+    ),
+    "dict in a loop": "d = {}\nfor i in range(3):\n    d[i] = self.ee_pos[i]\nreturn d[0] + 10.0 * d[2]",
+    "dict beside other values": "s, d = 0.0, {'a': 1.0}\nd['a'] = self.time\nreturn d['a'] + s",
+    "dicts in a list that are read": (
+        "s = 0.0\nfor t in [{'w': 2.0, 'x': self.time}, {'w': 1.0, 'x': 3.0}]:\n    s += t['w'] * t['x']\nreturn s"
+    ),
+    "array that becomes a new one": "v = self.ee_pos\nu = v\nv = v + 1.0\nreturn u[0] + 10.0 * v[0]",
 }
 REFUSED = {
     "print": ("print(self.time)\nreturn 1.0", "unknown_name", "leave it out"),
@@ -44,6 +58,33 @@ REFUSED = {
     ),
     "long list": ("s = 0.0\nfor x in np.ones(65):\n    s += x\nreturn s", "steps", "at most 64 turns"),
     "variable of one branch": ("if self.time > 0.5:\n    x = 1.0\nreturn x", "unset", "before the `if`"),
+    # assigning
+    "attribute of the state": ("self.time = 0.0\nreturn 1.0", "not_allowed", "the state cannot"),
+    "entry of the state": ("self.ee_pos[0] = 0.0\nreturn 1.0", "not_allowed", "make a new one"),
+    "attribute in place": ("self.ee_pos += 1.0\nreturn 1.0", "not_allowed", "a variable of your own"),
+    "sum that does not begin": ("cost += 1.0\nreturn cost", "unset", "begin with cost = 0.0"),
+    "entry of an array": ("v = self.ee_pos.copy()\nv[2] += 0.1\nreturn v[2]", "not_allowed", "np.array([...])"),
+    "array in place": ("v = self.ee_pos\nu = v\nv += 1.0\nreturn u[0]", "shared", "write v = v + ..."),
+    "list in place": ("xs = [1.0]\nxs += [2.0]\nreturn xs[1]", "shared", "write xs = xs + ..."),
+    "append": ("xs = [1.0]\nxs.append(2.0)\nreturn xs[1]", "unknown_attribute", "xs = xs + [x]"),
+    "update": ("d = {}\nd.update({'a': 1.0})\nreturn 1.0", "unknown_attribute", "are not changed"),
+    "dict with two names": ("d = {'a': 1.0}\ne = d\nd['a'] = 2.0\nreturn e['a']", "shared", "under another name"),
+    "dict of a list": ("d = {'a': 1.0}\nL = [d]\nd['a'] = 2.0\nreturn L[0]['a']", "shared", "another name"),
+    "dict of a tuple": ("t = ({'a': 1.0}, 2.0)\nd, x = t\nd['a'] = 2.0\nreturn t[0]['a']", "shared", "another name"),
+    "argument": ("def f(d):\n    d['a'] = 1.0\n    return 1.0\nd = {}\nreturn f(d)", "shared", "another name"),
+    "dict of a dict": ("d = {'a': {}}\nd['a']['b'] = 1.0\nreturn 1.0", "not_allowed", "their own name"),
+    "dict of the caller": (
+        "d = {}\ndef add(x):\n    d['a'] = x\n    return x\nreturn add(1.0) + d['a']",
+        "not_allowed",
+        "a function's own dicts",
+    ),
+    "method kept": ("d = {'a': 1.0}\ng = d.values\nd['a'] = 2.0\nreturn sum(g())", "not_allowed", "is called at once"),
+    "dict that a loop reads": (
+        "d = {'a': 1.0, 'b': 2.0}\nfor k in d:\n    d[k] = 2.0\nreturn d['a']",
+        "shared",
+        "fill another dict",
+    ),
+    "too few values": ("a, b = [self.time]\nreturn a", "wrong_size", "2 names cannot take 1 values"),
 }
 
 

@@ -1,123 +1,214 @@
-"""Arithmetic of numbers, vectors and lists, with NumPy's rules for arrays of different lengths."""
+"""Arithmetic of numbers and vectors for all states at once, with NumPy's rules for arrays of different lengths."""
 
 from __future__ import annotations
 
+import functools
+import math
+import operator
 from collections.abc import Callable
-from typing import cast
+from typing import Any
 
 import numpy as np
 
-from coral.contact.cost_program.limits import Meter
-from coral.contact.cost_program.scalars import is_truth, is_whole, no_truth, number, root, scalar
-from coral.contact.cost_program.values import NUMBER, Number, Seq, Value, Vec, bounded, kind
+from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.values import Array, Number, Value, bounded, is_vector, kind
+
+LARGEST_INT = 2**53  # the largest whole number that stays exact among arrays of float64
+
+OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "//": operator.floordiv,
+    "%": operator.mod,
+    "**": operator.pow,
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "!=": operator.ne,
+}
+NUMERIC = (np.ndarray, int, float)
+"""Types of numbers and vectors."""
+COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
+
+
+def is_truth(value: Value) -> bool:
+    """Check whether the value is a truth value, constant or per state, or a vector of them."""
+    return value.dtype.kind == "b" if isinstance(value, np.ndarray) else isinstance(value, bool)
+
+
+def numeric(meter: Meter, value: Value) -> Number:
+    """Return a number or vector; truth values count as 0 and 1.
+
+    Raises:
+        CostError: The value is neither.
+    """
+    if isinstance(value, np.ndarray):
+        return value.astype(np.float64) if value.dtype.kind == "b" else value
+    if isinstance(value, int | float):
+        return int(value) if isinstance(value, bool) else value
+    raise meter.fault("wrong_type", f"a number is needed here, not {kind(value)}")
+
+
+def no_truth(meter: Meter, value: Value) -> Number:
+    """Return a number or vector.
+
+    Raises:
+        CostError: It holds truth values, which NumPy's functions treat unlike 0 and 1, or is neither.
+    """
+    if is_truth(value):
+        raise meter.fault("wrong_type", "NumPy treats a truth value unlike a number here; write float(...) around it")
+    return numeric(meter, value)
+
+
+def truth(meter: Meter, value: Value) -> bool | Mask:
+    """Return whether the value is true, per state.
+
+    Raises:
+        CostError: The value is a vector or something else without a truth value.
+    """
+    if isinstance(value, np.ndarray) and value.ndim == 2:
+        return value if is_truth(value) else np.not_equal(value, 0)
+    if value is None or isinstance(value, int | float | str | list | tuple | dict):
+        return bool(value)
+    use = "; use its norm, np.any or np.all" if is_vector(value) else ""
+    raise meter.fault("wrong_type", f"{kind(value)} is neither true nor false{use}")
+
+
+def both(meter: Meter, a: bool | Mask, b: bool | Mask) -> bool | Mask:
+    """Compute the logical and of truth values."""
+    meter.made()
+    return a and b if isinstance(a, bool) and isinstance(b, bool) else np.logical_and(a, b)
+
+
+def where(meter: Meter, condition: Mask, a: Value, b: Value) -> Array:
+    """Return `a` in the states where the condition holds and `b` in the others."""
+    prepare(meter, condition, a, b)
+    sort: Any = np.bool_ if is_truth(a) and is_truth(b) else np.float64
+    return np.where(condition, np.asarray(a, dtype=sort), np.asarray(b, dtype=sort))
+
+
+def prepare(meter: Meter, *values: Value) -> None:
+    """Count the result of an operation on numbers and vectors before it is made.
+
+    Raises:
+        CostError: The lengths of the vectors do not match.
+    """
+    count, of_states = 1, False
+    for value in values:
+        if isinstance(value, np.ndarray) and value.ndim:
+            size = len(value) if value.ndim == 3 else 1
+            if size != count and 1 not in (size, count):
+                raise meter.fault("wrong_size", f"a vector of {count} and a vector of {size} do not match")
+            count, of_states = max(size, count), of_states or value.shape[-2:] != (1, 1)
+    meter.spend(count)
+    if of_states:
+        meter.made(count)
+
+
+def apply(meter: Meter, function: Callable[..., Any], *values: Value) -> Number:
+    """Apply a NumPy function to numbers and vectors; of constants it makes a constant.
+
+    Raises:
+        CostError: One of them is neither, or the lengths do not match.
+    """
+    given = [np.asarray(no_truth(meter, as_vector(meter, value)), dtype=np.float64) for value in values]
+    prepare(meter, *given)
+    found: Array = function(*given)
+    return found if found.ndim else found.item()
 
 
 def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
     """Apply an arithmetic operator or comparison to numbers, vectors or lists.
 
     Raises:
-        CostError: The operator does not apply to these values.
+        CostError: The operator does not apply to these values, or the result of constants does not exist.
     """
-    if isinstance(a, NUMBER) and isinstance(b, NUMBER):
-        return scalar(meter, symbol, a, b)
-    if isinstance(a, Seq) and isinstance(b, Seq):
-        if symbol == "+" and a.kind == b.kind in ("list", "tuple"):
-            return bounded(meter, Seq(a.items + b.items, a.kind))
-        raise meter.fault("wrong_type", f"`{symbol}` does not apply to two {a.kind}s; make them arrays with np.array")
-    if isinstance(a, Vec) or isinstance(b, Vec):
-        return _arrays(meter, symbol, a, b)
-    if isinstance(a, Seq) or isinstance(b, Seq):
-        raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}; use np.array")
-    if symbol in ("==", "!=") and isinstance(a, str) and isinstance(b, str):
-        meter.spend()
-        return (a == b) == (symbol == "==")
-    raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}")
+    if not (isinstance(a, NUMERIC) and isinstance(b, NUMERIC)):
+        if isinstance(a, str) and isinstance(b, str) and symbol in ("==", "!="):
+            return (a == b) == (symbol == "==")
+        if isinstance(a, list | tuple) and isinstance(b, list | tuple) and symbol == "+" and type(a) is type(b):
+            return bounded(meter, [*a, *b] if isinstance(a, list) else (*a, *b))
+        x, y = (as_vector(meter, a), as_vector(meter, b)) if is_vector(a) or is_vector(b) else (a, b)
+        if not (isinstance(x, NUMERIC) and isinstance(y, NUMERIC)):
+            make = "; use np.array" if isinstance(a, list | tuple) or isinstance(b, list | tuple) else ""
+            raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}{make}")
+        a, b = x, y
+    if is_truth(a) and is_truth(b) and symbol not in (*COMPARISONS, "/"):
+        raise meter.fault("wrong_type", f"NumPy's {symbol} of two truth values is no sum of numbers; write float(a)")
+    prepare(meter, a, b)
+    a, b = numeric(meter, a), numeric(meter, b)
+    if not isinstance(a, np.ndarray) and not isinstance(b, np.ndarray):
+        return _of_constants(meter, symbol, a, b)
+    return OPERATORS[symbol](np.asarray(a, dtype=np.float64) if symbol == "**" else a, b)
 
 
-def _arrays(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
-    def apply(x: Value, y: Value) -> Value:
-        if not (isinstance(x, NUMBER) and isinstance(y, NUMBER)):
-            raise meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(a)} and {kind(b)}")
-        if symbol == "**" and is_whole(x) and is_whole(y) and not (isinstance(y, int) and y >= 0):
-            raise meter.fault("wrong_type", "NumPy refuses negative powers of whole numbers; write 2.0, not 2")
-        return scalar(meter, symbol, x, y)
-
-    return elementwise(meter, apply, a, b)
-
-
-def elementwise(meter: Meter, function: Callable[..., Value], *values: Value) -> Value:
-    """Apply a function of numbers to vectors and numbers, broadcast as NumPy does.
-
-    Raises:
-        CostError: The lengths do not match.
-    """
-    given = [as_vector(meter, value) for value in values]
-    sizes = [len(value.items) for value in given if isinstance(value, Vec)]
-    if not sizes:
-        return function(*given)
-    count = max(sizes)
-    if not set(sizes) <= {1, count}:
-        text = " and ".join(f"a vector of {size}" for size in sizes)
-        raise meter.fault("wrong_size", f"{text} do not match")
-    columns = [
-        (value.items if len(value.items) == count else value.items * count)
-        if isinstance(value, Vec)
-        else (value,) * count
-        for value in given
-    ]
-    return Vec(tuple(map(function, *columns)))
+def _of_constants(meter: Meter, symbol: str, a: float, b: float) -> Number:
+    if symbol in ("/", "//", "%") and b == 0:
+        raise meter.fault("division_by_zero", "the divisor is the constant 0")
+    try:
+        if symbol == "**":
+            whole = isinstance(a, int) and isinstance(b, int) and b >= 0
+            found = math.pow(a, b)  # before a ** b, which could be huge
+            found = a**b if whole and abs(found) <= LARGEST_INT else found
+            if whole and not isinstance(found, int):
+                raise OverflowError
+        else:
+            found = OPERATORS[symbol](a, b)
+    except (OverflowError, ValueError):
+        raise meter.fault("too_large_number", f"{a} {symbol} {b} is no number that fits") from None
+    if isinstance(found, int) and abs(found) > LARGEST_INT:
+        raise meter.fault("too_large_number", "whole numbers reach to 2**53")
+    return found
 
 
 def as_vector(meter: Meter, value: Value) -> Value:
     """Convert a list or tuple to the vector that np.array would make; return anything else unchanged.
 
-    The entries become decimals if one of them is, else whole numbers if one of them is.
-
     Raises:
         CostError: It holds something else than numbers, or nothing.
     """
-    if not isinstance(value, Seq):
+    if not isinstance(value, list | tuple):
         return value
-    if value.kind == "iterator":
-        raise meter.fault("wrong_type", "an iterator is no array; write list(...) around it")
-    if not value.items:
+    if not value:
         raise meter.fault("wrong_size", "an array has at least one entry")
-    for item in value.items:
-        if isinstance(item, Vec | Seq):
+    for item in value:
+        if isinstance(item, list | tuple) or is_vector(item):
             raise meter.fault(
                 "wrong_size", "an array has one axis; write a list of vectors, and quat_rotate(q, v) for rotations"
             )
-        number(meter, item)
-    if all(map(is_truth, value.items)):
-        return bounded(meter, Vec(value.items))
-    whole = all(map(is_whole, value.items))
-
-    def renewed(item: Value) -> Value:
-        if isinstance(item, np.ndarray):
-            return item.astype(np.int64 if whole else np.float64, copy=False)
-        return int(cast(int, item)) if whole else float(cast(float, item))
-
-    return bounded(meter, Vec(tuple(map(renewed, value.items))))
+    sort: Any = np.bool_ if all(map(is_truth, value)) else np.float64
+    return stack(meter, [np.atleast_2d(np.asarray(numeric(meter, item), dtype=sort)) for item in value])
 
 
-def components(meter: Meter, value: Value, what: str = "a vector") -> tuple[Value, ...]:
-    """Return the components of a vector.
+def stack(meter: Meter, items: list[Array]) -> Array:
+    """Make a vector of its entries, each of every state or a constant, Shape=(K, H) or (1, 1)."""
+    meter.spend(len(items))
+    if any(item.shape != (1, 1) for item in items):
+        meter.made(len(items))
+    found: Array = np.stack(np.broadcast_arrays(*items))
+    return found
+
+
+def components(meter: Meter, value: Value, what: str = "a vector") -> Array:
+    """Return a vector, or the one that a list makes, with truth values as 0 and 1.
 
     Raises:
-        CostError: The value is not a vector of numbers.
+        CostError: The value is neither.
     """
     found = as_vector(meter, value)
-    if isinstance(found, Vec):
-        return found.items
+    if is_vector(found):
+        return np.asarray(numeric(meter, found))
     raise meter.fault("wrong_type", f"{what} is needed here, not {kind(value)}")
 
 
-def total(meter: Meter, items: tuple[Value, ...]) -> Value:
-    """Sum from left to right, as Python and NumPy do for short vectors."""
-    found: Value = number(meter, items[0])
-    for item in items[1:]:
-        found = scalar(meter, "+", found, number(meter, item))
-    return found
+def total(meter: Meter, vector: Array) -> Array:
+    """Sum a vector from left to right, as Python and NumPy do for short ones."""
+    prepare(meter, vector)
+    return functools.reduce(np.add, vector)
 
 
 def dot(meter: Meter, a: Value, b: Value) -> Value:
@@ -129,29 +220,14 @@ def dot(meter: Meter, a: Value, b: Value) -> Value:
     x, y = components(meter, a), components(meter, b)
     if len(x) != len(y):
         raise meter.fault("wrong_size", f"a vector of {len(x)} and a vector of {len(y)} do not match")
-    return total(meter, tuple(scalar(meter, "*", one, other) for one, other in zip(x, y, strict=True)))
+    return total(meter, np.asarray(binary(meter, "*", as_vector(meter, a), as_vector(meter, b))))
 
 
-def norm(meter: Meter, value: Value) -> Value:
+def norm(meter: Meter, value: Value) -> Array:
     """Compute the Euclidean length."""
-    items = components(meter, value)
-    square = total(meter, tuple(scalar(meter, "*", x, x) for x in items))
-    length = root(meter, number(meter, square))
+    vector = components(meter, value)
+    prepare(meter, vector)
+    length: Array = np.sqrt(total(meter, vector * vector))
     if meter.trace is not None:
         meter.trace.distance(meter.line, length)
     return length
-
-
-def negative(meter: Meter, value: Value) -> Value:
-    """Negate the value."""
-
-    def change(x: Value) -> Number:
-        meter.spend()
-        if isinstance(x, np.ndarray):
-            meter.made()
-        found = -no_truth(meter, x)  # type: ignore[misc]
-        return meter.as_plain(found) if meter.is_plain(x) else found
-
-    if isinstance(value, Seq):
-        raise meter.fault("wrong_type", f"`-` does not apply to {kind(value)}; use np.array")
-    return elementwise(meter, change, value)

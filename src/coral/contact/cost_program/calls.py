@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from coral.contact.cost_program.binding import hold
 from coral.contact.cost_program.library import CONSTANTS, MODULES, VECTOR_METHODS, instead
 from coral.contact.cost_program.limits import Meter
 from coral.contact.cost_program.machine import Machine
@@ -15,16 +14,14 @@ from coral.contact.cost_program.merging import merge
 from coral.contact.cost_program.state import read_quantity
 from coral.contact.cost_program.values import (
     Builtin,
-    DictValue,
     Function,
     Module,
     Partial,
     Scope,
-    Seq,
     State,
     Value,
-    Vec,
     bounded,
+    is_vector,
     kind,
 )
 from coral.errors import nearest
@@ -42,19 +39,20 @@ def attribute(machine: Machine, base: Value, name: str) -> Value:
         return read_quantity(machine.meter, machine.schema, name)
     if isinstance(base, Module):
         return _member(machine, base, name)
-    if isinstance(base, Vec) and name in VECTOR_METHODS:
+    if is_vector(base) and name in VECTOR_METHODS:
         method = VECTOR_METHODS[name]
         return Builtin(name, lambda meter, args, named: method.call(meter, [base, *args], named))
-    if isinstance(base, DictValue) and name in TABLE_METHODS:
+    if isinstance(base, dict) and name in TABLE_METHODS:
+        found = TABLE_METHODS[name](base)
 
         def entries(meter: Meter, args: list[Value], named: dict[str, Value]) -> Value:
             if args or named:
                 raise meter.fault("wrong_call", f"{name} takes no arguments")
-            return Seq(TABLE_METHODS[name](base), "iterator")
+            return found
 
         return Builtin(name, entries)
     changes = "; lists, dicts and arrays are not changed: make a new one, as with xs = xs + [x]"
-    known = list(VECTOR_METHODS) if isinstance(base, Vec) else list(TABLE_METHODS) * isinstance(base, DictValue)
+    known = list(VECTOR_METHODS) if is_vector(base) else list(TABLE_METHODS) * isinstance(base, dict)
     hint = changes if name in CHANGERS else f"{nearest(name, known)}; it has {', '.join(known)}" if known else ""
     raise machine.meter.fault("unknown_attribute", f"{kind(base)} has no {name!r}{hint}")
 
@@ -76,10 +74,10 @@ def _member(machine: Machine, module: Module, name: str) -> Value:
     return table[inside + name]
 
 
-TABLE_METHODS: dict[str, Callable[[DictValue], tuple[Value, ...]]] = {
-    "items": lambda table: tuple(Seq((key, value), "tuple") for key, value in table.items.items()),
-    "keys": lambda table: tuple(table.items),
-    "values": lambda table: tuple(table.items.values()),
+TABLE_METHODS: dict[str, Callable[[dict[Value, Value]], list[Value]]] = {
+    "items": lambda table: list(table.items()),
+    "keys": list,
+    "values": lambda table: list(table.values()),
 }
 CHANGERS = ("append", "extend", "insert", "pop", "remove", "clear", "sort", "reverse", "update", "setdefault", "fill")
 """Methods that would change a list, a dict or an array."""
@@ -127,9 +125,8 @@ def apply(machine: Machine, function: Value, args: list[Value], named: dict[str,
 
 
 def _has_gaps(value: Value) -> bool:
-    if isinstance(value, Seq):
-        return any(isinstance(item, Partial) for item in value.items)
-    return isinstance(value, DictValue) and any(isinstance(item, Partial) for item in value.items.values())
+    items = value.values() if isinstance(value, dict) else value if isinstance(value, list | tuple) else ()
+    return any(isinstance(item, Partial) for item in items)
 
 
 def invoke(
@@ -167,7 +164,7 @@ def bind(machine: Machine, function: Function, args: list[Value], named: dict[st
     wanted = function.arguments
     given = {**dict(zip(wanted, args, strict=False)), **named}
     doubled = [name for name in wanted[: len(args)] if name in named]
-    found = {**function.defaults, **{name: hold(machine, value) for name, value in given.items()}}
+    found = {**function.defaults, **given}
     if len(args) > len(wanted) or doubled or set(found) != set(wanted):
         raise machine.meter.fault("wrong_call", f"{function.name} takes ({', '.join(wanted)})")
     return found

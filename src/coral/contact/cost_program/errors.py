@@ -46,6 +46,12 @@ def printable(text: str, longest: int = 4000) -> str:
     return text[:longest]
 
 
+def line_of(source: str, number: int) -> str:
+    """Return the text of a line of a program, from 1; "" if there is none."""
+    lines = source.split("\n")
+    return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
+
+
 def is_term_name(name: object) -> bool:
     """Check whether reports, logs and terminals can show the text as the name of a term."""
     return isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable() and bool(name.strip())

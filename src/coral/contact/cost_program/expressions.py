@@ -1,4 +1,4 @@
-"""Evaluation of expressions for all states of the batch."""
+"""Evaluation of expressions for all states of the batch, and the names that their values are bound to."""
 
 from __future__ import annotations
 
@@ -8,16 +8,22 @@ from typing import Any, cast
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import binary, dot, elementwise, negative
-from coral.contact.cost_program.binding import checked_key, hold, storable
+from coral.contact.cost_program.arithmetic import apply, binary, both, dot, no_truth, truth
 from coral.contact.cost_program.calls import attribute, call
-from coral.contact.cost_program.comprehensions import comprehend
 from coral.contact.cost_program.limits import Mask
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import merge
-from coral.contact.cost_program.scalars import both, invert, no_truth, truth
-from coral.contact.cost_program.subscripts import subscript
-from coral.contact.cost_program.values import NUMBER, DictValue, Function, Poison, Seq, Value, Vec, bounded, kind
+from coral.contact.cost_program.values import (
+    Function,
+    Poison,
+    Scope,
+    Value,
+    bounded,
+    entries,
+    is_number,
+    is_vector,
+    kind,
+)
 
 SYMBOLS: dict[type[ast.AST], str] = {
     ast.Add: "+",
@@ -52,16 +58,10 @@ def evaluate(machine: Machine, node: ast.expr) -> Value:
 def _watch(machine: Machine, node: ast.expr, value: Value) -> None:
     """Record the first expression that is not finite in a state that counts."""
     trace = machine.meter.trace
-    if trace is None or trace.lost is not None or not isinstance(value, (*NUMBER, Vec)):
-        return
-    for item in value.items if isinstance(value, Vec) else (value,):
-        if isinstance(item, NUMBER):
-            lost = np.logical_not(np.isfinite(item))
-            if machine.meter.mask is not None:
-                lost = np.logical_and(lost, machine.meter.mask)
-            if np.any(lost):
-                trace.lost = (node.lineno, ast.unparse(node)[:80])
-                return
+    if trace is not None and trace.lost is None and (is_number(value) or is_vector(value)):
+        lost = np.logical_not(np.isfinite(value))
+        if np.any(lost if machine.meter.mask is None else np.logical_and(lost, machine.meter.mask)):
+            trace.lost = (node.lineno, ast.unparse(node)[:80])
 
 
 def _constant(machine: Machine, node: Any) -> Value:
@@ -75,7 +75,7 @@ def _name(machine: Machine, node: Any) -> Value:
 def _attribute(machine: Machine, node: Any) -> Value:
     base = evaluate(machine, node.value)
     machine.meter.line = node.lineno
-    if isinstance(base, DictValue):  # kept for later, it would not see how the dict changes
+    if isinstance(base, dict):  # kept for later, it would not see how the dict changes
         raise machine.meter.fault("not_allowed", "a method of a dict is called at once")
     return attribute(machine, base, node.attr)
 
@@ -106,7 +106,7 @@ def operate(machine: Machine, operator: ast.operator, left: Value, right: Value)
         CostError: The operator does not apply to these values.
     """
     if isinstance(operator, ast.MatMult):
-        if not isinstance(left, Vec) and not isinstance(right, Vec):
+        if not is_vector(left) and not is_vector(right):
             raise machine.meter.fault("wrong_type", f"`@` does not apply to {kind(left)} and {kind(right)}; use np.dot")
         return dot(machine.meter, left, right)
     return binary(machine.meter, SYMBOLS[type(operator)], left, right)
@@ -116,12 +116,15 @@ def _unary(machine: Machine, node: Any) -> Value:
     value = evaluate(machine, node.operand)
     machine.meter.line = node.lineno
     if isinstance(node.op, ast.Not):
-        return invert(machine.meter, value)
-    if isinstance(node.op, ast.USub):
-        return negative(machine.meter, value)
-    if isinstance(value, Seq):
-        raise machine.meter.fault("wrong_type", f"`+` does not apply to {kind(value)}; use np.array")
-    return elementwise(machine.meter, lambda x: no_truth(machine.meter, x), value)
+        met = truth(machine.meter, value)
+        return not met if isinstance(met, bool) else np.logical_not(met)
+    if isinstance(value, list | tuple):
+        symbol = "-" if isinstance(node.op, ast.USub) else "+"
+        raise machine.meter.fault("wrong_type", f"`{symbol}` does not apply to {kind(value)}; use np.array")
+    found = no_truth(machine.meter, value)
+    if not isinstance(node.op, ast.USub):
+        return found
+    return apply(machine.meter, np.negative, found) if isinstance(found, np.ndarray) else -found
 
 
 def _bool(machine: Machine, node: Any) -> Value:
@@ -179,16 +182,12 @@ def _compare(machine: Machine, node: Any) -> Value:
     return found
 
 
-def _items(machine: Machine, nodes: list[ast.expr]) -> tuple[Value, ...]:
-    return tuple(storable(machine, evaluate(machine, node)) for node in nodes)
-
-
 def _list(machine: Machine, node: Any) -> Value:
-    return bounded(machine.meter, Seq(_items(machine, node.elts)))
+    return bounded(machine.meter, [evaluate(machine, item) for item in node.elts])
 
 
 def _tuple(machine: Machine, node: Any) -> Value:
-    return bounded(machine.meter, Seq(_items(machine, node.elts), "tuple"))
+    return bounded(machine.meter, tuple(evaluate(machine, item) for item in node.elts))
 
 
 def _dict(machine: Machine, node: Any) -> Value:
@@ -196,9 +195,37 @@ def _dict(machine: Machine, node: Any) -> Value:
     for key_node, value_node in zip(node.keys, node.values, strict=True):
         if key_node is None:
             raise machine.meter.fault("not_allowed", "a dict has no ** entries; write them one by one")
-        key = checked_key(machine, evaluate(machine, key_node))
-        items[key] = hold(machine, evaluate(machine, value_node))
-    return bounded(machine.meter, DictValue(items))
+        items[checked_key(machine, evaluate(machine, key_node))] = evaluate(machine, value_node)
+    return bounded(machine.meter, items)
+
+
+def checked_key(machine: Machine, key: Value) -> Value:
+    """Return the key of a dict, checked.
+
+    Raises:
+        CostError: It is not a constant text or whole number.
+    """
+    if isinstance(key, str | int) and not isinstance(key, bool):
+        return key
+    raise machine.meter.fault("not_fixed", f"the keys of a dict are constant texts or whole numbers, not {kind(key)}")
+
+
+def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
+    """Bind the name, or the names of a tuple, of an assignment or loop.
+
+    Raises:
+        CostError: The target is no name, or the lengths differ.
+    """
+    if isinstance(target, ast.Name):
+        machine.frame.variables[target.id] = value
+        return
+    if not isinstance(target, ast.Tuple | ast.List):
+        raise machine.meter.fault("not_allowed", "only variables and entries of dicts can be set; the state cannot")
+    items = entries(machine.meter, value)
+    if len(items) != len(target.elts):
+        raise machine.meter.fault("wrong_size", f"{len(target.elts)} names cannot take {len(items)} values")
+    for part, item in zip(target.elts, items, strict=True):
+        unpack(machine, part, item)
 
 
 def _lambda(machine: Machine, node: Any) -> Value:
@@ -211,19 +238,89 @@ def make_function(
     """Make the function of a `def` or `lambda`; its defaults are evaluated now."""
     wanted = [argument.arg for argument in arguments.args]
     given = wanted[len(wanted) - len(arguments.defaults) :]
-    defaults = {
-        name: hold(machine, evaluate(machine, default)) for name, default in zip(given, arguments.defaults, strict=True)
-    }
+    defaults = {name: evaluate(machine, default) for name, default in zip(given, arguments.defaults, strict=True)}
     return Function(name, wanted, body, defaults, machine.frame, names | frozenset(wanted))
 
 
 def _comprehension(machine: Machine, node: Any) -> Value:
-    return comprehend(machine, node, evaluate)
+    """Evaluate the comprehension of a list or a generator.
+
+    Raises:
+        CostError: It cannot be evaluated, or which entries it has depends on the state.
+    """
+    names = frozenset(
+        item.id for generator in node.generators for item in ast.walk(generator.target) if isinstance(item, ast.Name)
+    )
+    found: list[Value] = []
+    outermost = evaluate(machine, node.generators[0].iter)  # in the enclosing scope, as in Python
+    machine.stack.append(Scope(machine.frame, names))
+
+    def is_met(test: ast.expr) -> bool:
+        met = truth(machine.meter, evaluate(machine, test))
+        if isinstance(met, bool):
+            return met
+        raise machine.meter.fault(
+            "not_fixed", "this filter depends on the state; write `x if condition else 0.0` in place of it"
+        )
+
+    def generate(level: int) -> None:
+        if level == len(node.generators):
+            found.append(evaluate(machine, node.elt))
+            return
+        generator = node.generators[level]
+        for item in entries(machine.meter, evaluate(machine, generator.iter) if level else outermost):
+            unpack(machine, generator.target, item)
+            if all(map(is_met, generator.ifs)):
+                generate(level + 1)
+
+    generate(0)
+    machine.stack.pop()
+    return bounded(machine.meter, found)
 
 
 def _subscript(machine: Machine, node: Any) -> Value:
-    base = evaluate(machine, node.value)
-    return subscript(machine, base, node.slice, evaluate)
+    return subscript(machine, evaluate(machine, node.value), node.slice)
+
+
+def subscript(machine: Machine, base: Value, node: ast.expr) -> Value:
+    """Evaluate `base[node]`: `v[0]`, `v[:2]`, `xs[-1]`, `weights["reach"]`.
+
+    Raises:
+        CostError: There is no such entry, or the index depends on the state.
+    """
+    fault = machine.meter.fault
+    if isinstance(base, dict):
+        key = checked_key(machine, evaluate(machine, node))
+        if key not in base:
+            known = ", ".join(ascii(name) for name in base)
+            raise fault("wrong_size", f"the dict has no {key!r}; it has {known or 'nothing'}")
+        return machine.usable(base[key], str(key))
+    if not isinstance(base, list | tuple) and not is_vector(base):
+        raise fault("wrong_type", f"{kind(base)} has no numbered entries")
+    if isinstance(node, ast.Slice):
+        ends = [_index(machine, evaluate(machine, end)) if end else None for end in (node.lower, node.upper, node.step)]
+        if ends[2] == 0:
+            raise fault("wrong_size", "the step of a slice is not 0")
+        found = base[slice(*ends)]
+        if is_vector(found) and not len(found):
+            raise fault("wrong_size", "an array has at least one entry")
+        machine.meter.spend(len(found))
+        return found
+    if isinstance(node, ast.Tuple):
+        raise fault("wrong_type", f"{kind(base)} has one axis")
+    where = _index(machine, evaluate(machine, node))
+    if not -len(base) <= where < len(base):
+        raise fault("wrong_size", f"{kind(base)} has no entry {where}")
+    return machine.usable(base[where], f"[{where}]")
+
+
+def _index(machine: Machine, value: Value) -> int:
+    if isinstance(value, int) and not isinstance(value, bool):
+        return value
+    raise machine.meter.fault(
+        "not_fixed",
+        f"an index is a constant whole number, not {kind(value)}; to pick by a condition on the state use np.where",
+    )
 
 
 def _misplaced(machine: Machine, node: Any) -> Value:

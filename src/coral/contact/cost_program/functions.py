@@ -1,27 +1,30 @@
-"""Functions of numbers and vectors: a part of `math` and `numpy`, and a few of our own."""
+"""Functions of numbers and vectors: a part of Python, `math` and `numpy`, and a few of our own."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, cast
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
-from coral.contact.cost_program.arithmetic import binary, components, elementwise, norm, total
-from coral.contact.cost_program.arrays import to_float, whole
-from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.scalars import (
+from coral.contact.cost_program.arithmetic import (
+    LARGEST_INT,
+    apply,
+    as_vector,
+    binary,
     both,
-    chosen,
-    either,
+    components,
     no_truth,
-    number,
-    pointwise,
-    scalar,
+    norm,
+    numeric,
+    prepare,
+    stack,
+    total,
     truth,
     where,
 )
-from coral.contact.cost_program.values import Number, Partial, Seq, Value, Vec, entries, kind
+from coral.contact.cost_program.limits import Mask, Meter
+from coral.contact.cost_program.values import Array, Builtin, Partial, Value, entries, is_number, is_vector, kind
 
 Call = Callable[..., Value]
 """Takes the meter, then the arguments of the program."""
@@ -31,12 +34,7 @@ def of_one(function: Callable[..., Any]) -> Call:
     """Make a function that applies NumPy's function of one number to every entry."""
 
     def call(meter: Meter, x: Value, /) -> Value:
-        def apply(item: Value) -> Number:
-            meter.made()
-            meter.spend()
-            return pointwise(meter, function, no_truth(meter, item))
-
-        return elementwise(meter, apply, x)
+        return apply(meter, function, x)
 
     return call
 
@@ -45,56 +43,51 @@ def of_two(function: Callable[..., Any]) -> Call:
     """Make a function that applies NumPy's function of two numbers to every pair of entries."""
 
     def call(meter: Meter, x1: Value, x2: Value, /) -> Value:
-        def apply(x: Value, y: Value) -> Number:
-            meter.made()
-            meter.spend()
-            return pointwise(meter, function, no_truth(meter, x), no_truth(meter, y))
-
-        return elementwise(meter, apply, x1, x2)
-
-    return call
-
-
-MAXIMUM, MINIMUM, ABS, EXP = of_two(np.maximum), of_two(np.minimum), of_one(np.abs), of_one(np.exp)
-
-
-def of_math(function: Callable[..., Any]) -> Call:
-    """Make a function of `math`, which raises where NumPy gives nan or infinity."""
-
-    def call(meter: Meter, x: Value, /) -> Value:
-        meter.made()
-        meter.spend()
-        given = np.asarray(number(meter, x), dtype=np.float64)
-        found = function(given)
-        if not np.isfinite(found).all():
-            lost = ~np.isfinite(found) & ~(np.isnan(given) | (np.isinf(given) & ~np.isnan(found)))
-            meter.refuse_where(
-                lost, "not_finite", "math raises an exception here in some state; guard the argument with max and min"
-            )
-        return meter.as_plain(cast(Number, found)) if isinstance(x, np.ndarray) else float(found)
+        return apply(meter, function, x1, x2)
 
     return call
 
 
 def whole_by(function: Callable[..., Any]) -> Call:
-    """Make math.floor, math.ceil or Python's round, which give whole numbers."""
+    """Make int, round, math.floor or math.ceil, which give whole numbers."""
 
-    def call(meter: Meter, x: Value, /) -> Value:
-        meter.spend()
-        if any(x is other for other in meter.zero_axes):
-            raise meter.fault("wrong_type", "np.where makes an array here; write float(...) around it")
-        return whole(meter, function, no_truth(meter, x))
+    def call(meter: Meter, x: Value = 0, /) -> Value:
+        if isinstance(x, int):
+            return int(x)
+        found = apply(meter, function, numeric(meter, x))
+        if not isinstance(found, np.ndarray):
+            if not abs(found) <= LARGEST_INT:
+                raise meter.fault("too_large_number", "no whole number can be made of this")
+            return int(found)
+        return found
 
     return call
+
+
+def to_float(meter: Meter, value: Value = 0.0, /) -> Value:
+    """Make a decimal: a number stays one, a truth value becomes 0 or 1, "inf" becomes infinity."""
+    if isinstance(value, str) and value in ("inf", "-inf"):
+        return float(value)
+    if not is_number(value):
+        raise meter.fault("wrong_type", f"float takes a number, not {kind(value)}")
+    found = numeric(meter, value)
+    return found if isinstance(found, np.ndarray) else float(found)
+
+
+def absolute(meter: Meter, x: Value, /) -> Value:
+    """Evaluate Python's `abs`."""
+    if isinstance(x, list | tuple):
+        raise meter.fault("wrong_type", f"abs takes a number or an array, not {kind(x)}; use np.abs")
+    return abs(x) if isinstance(x, int) and not isinstance(x, bool) else apply(meter, np.abs, x)
 
 
 def clip(meter: Meter, a: Value, a_min: Value, a_max: Value) -> Value:
     """Clip the value to two bounds, either of which may be None."""
     if a_min is not None:
-        a = MAXIMUM(meter, a, a_min)
+        a = apply(meter, np.maximum, a, a_min)
     if a_max is not None:
-        a = MINIMUM(meter, a, a_max)
-    return elementwise(meter, lambda x: no_truth(meter, x), a)
+        a = apply(meter, np.minimum, a, a_max)
+    return no_truth(meter, as_vector(meter, a))
 
 
 def clip01(meter: Meter, x: Value) -> Value:
@@ -104,68 +97,59 @@ def clip01(meter: Meter, x: Value) -> Value:
 
 def sigmoid(meter: Meter, x: Value) -> Value:
     """Compute 1 / (1 + exp(-x)) without overflow."""
-    half = binary(meter, "*", 0.5, of_one(np.tanh)(meter, binary(meter, "*", 0.5, x)))
-    return binary(meter, "+", 0.5, half)
+    return apply(meter, lambda value: 0.5 + 0.5 * np.tanh(0.5 * value), x)
 
 
 def near(meter: Meter, distance: Value, scale: Value) -> Value:
     """Compute exp(-(distance / scale)^2): 1 at 0, almost 0 beyond twice the scale."""
-    ratio = binary(meter, "/", distance, scale)
-    return EXP(meter, binary(meter, "*", -1.0, binary(meter, "*", ratio, ratio)))
+    return apply(meter, lambda d, s: np.exp(-np.square(d / s)), distance, scale)
 
 
 def select(meter: Meter, condition: Value, x: Value, y: Value, /) -> Value:
     """Evaluate np.where with three arguments."""
-
-    def choose(condition: Value, x: Value, y: Value) -> Value:
-        meter.spend()
-        met = truth(meter, condition)
-        if isinstance(met, np.ndarray) or isinstance(x, np.ndarray) or isinstance(y, np.ndarray):
-            return chosen(meter, np.atleast_2d(np.asarray(met, dtype=np.bool_)), x, y)
-        return cast(Number, np.where(met, cast(float, x), cast(float, y)).item())
-
-    found = elementwise(meter, choose, condition, x, y)
-    if not isinstance(found, Vec):  # NumPy makes an array without axes, which `+=` would change under all its names
-        found = np.atleast_2d(cast(float, found))
-        meter.zero_axes.append(found)
-    return found
+    given = as_vector(meter, condition)
+    met = given != 0 if is_vector(given) else truth(meter, given)
+    a, b = as_vector(meter, x), as_vector(meter, y)
+    if isinstance(met, bool) and not isinstance(a, np.ndarray) and not isinstance(b, np.ndarray):
+        return a if met else b
+    return where(meter, np.atleast_2d(np.asarray(met)), a, b)
 
 
 def cross(meter: Meter, a: Value, b: Value) -> Value:
     """Compute the cross product of two vectors of length 3."""
-    left, right = components(meter, a), components(meter, b)
-    if len(left) != 3 or len(right) != 3:
-        raise meter.fault("wrong_size", f"cross takes two vectors of 3, not of {len(left)} and {len(right)}")
-
-    def minor(i: int, j: int) -> Value:
-        return scalar(meter, "-", scalar(meter, "*", left[i], right[j]), scalar(meter, "*", left[j], right[i]))
-
-    return Vec((minor(1, 2), minor(2, 0), minor(0, 1)))
+    u, v = components(meter, a), components(meter, b)
+    if len(u) != 3 or len(v) != 3:
+        raise meter.fault("wrong_size", f"cross takes two vectors of 3, not of {len(u)} and {len(v)}")
+    return stack(meter, [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
 
 
 def dist(meter: Meter, p: Value, q: Value, /) -> Value:
     """Compute the distance between two points, m."""
-    if len(components(meter, p)) != len(components(meter, q)):
+    u, v = components(meter, p), components(meter, q)
+    if len(u) != len(v):
         raise meter.fault("wrong_size", "two points have equally many coordinates")
-    return norm(meter, binary(meter, "-", p, q))
+    return norm(meter, binary(meter, "-", u, v))
 
 
-def largest(meter: Meter, items: tuple[Value, ...], symbol: str) -> Value:
+def length(meter: Meter, x: Value) -> Value:
+    """Evaluate np.linalg.norm: the length of a vector, or the size of a number."""
+    return norm(meter, x) if is_vector(x) else apply(meter, np.abs, x)
+
+
+def largest(meter: Meter, items: Sequence[Value], symbol: str) -> Value:
     """Evaluate Python's max (symbol ">") or min ("<"): the first of several equal ones."""
     found: Value = no_truth(meter, items[0])
     for item in items[1:]:
-        better = scalar(meter, symbol, no_truth(meter, item), found)
-        if isinstance(better, np.ndarray):
-            found = where(meter, cast(Mask, better), item, found)
-        else:
-            found = item if better else found
+        better = truth(meter, binary(meter, symbol, no_truth(meter, item), found))
+        if not isinstance(better, bool):
+            found = where(meter, better, item, found)
+        elif better:
+            found = item
     return found
 
 
 def add_up(meter: Meter, iterable: Value, /, start: Value = 0) -> Value:
     """Evaluate Python's sum; an entry that is set in some states only counts as 0 in the others."""
-    if not isinstance(iterable, Seq | Vec):
-        raise meter.fault("wrong_type", f"sum takes a list, not {kind(iterable)}")
     found = start
     for item in entries(meter, iterable):
         if isinstance(item, Partial):
@@ -174,51 +158,114 @@ def add_up(meter: Meter, iterable: Value, /, start: Value = 0) -> Value:
     return found
 
 
-def fold_truth(name: str) -> Callable[[Meter, tuple[Value, ...]], bool | Mask]:
-    """Make the reduction of truth values by "any" or "all"."""
-
-    def fold(meter: Meter, items: tuple[Value, ...]) -> bool | Mask:
-        found: bool | Mask = name == "all"
-        for item in items:
-            found = (both if name == "all" else either)(meter, found, truth(meter, item))
-        return found
-
-    return fold
-
-
-def _mean(meter: Meter, items: tuple[Value, ...]) -> Value:
-    return scalar(meter, "/", total(meter, items), len(items))
-
-
-def _most(function: Call) -> Callable[[Meter, tuple[Value, ...]], Value]:
-    def fold(meter: Meter, items: tuple[Value, ...]) -> Value:
-        found: Value = no_truth(meter, items[0])
-        for item in items[1:]:
-            found = function(meter, found, item)
-        return found
-
-    return fold
-
-
-FOLDS: dict[str, Callable[[Meter, tuple[Value, ...]], Value]] = {
-    "sum": total,
-    "mean": _mean,
-    "max": _most(MAXIMUM),
-    "min": _most(MINIMUM),
-    "any": fold_truth("any"),
-    "all": fold_truth("all"),
-}
+def fold_truth(name: str, meter: Meter, items: Sequence[Value]) -> bool | Mask:
+    """Reduce truth values by "any" or "all"."""
+    found: bool | Mask = name == "all"
+    for item in items:
+        met = truth(meter, item)
+        found = both(meter, found, met) if name == "all" else np.logical_or(found, met)
+    return bool(found) if np.ndim(found) == 0 else found
 
 
 def reduction(name: str) -> Call:
     """Make np.sum, np.mean, np.max, np.min, np.any or np.all."""
 
     def call(meter: Meter, a: Value) -> Value:
-        return FOLDS[name](meter, a.items if isinstance(a, Vec) else (a,))
+        if name in ("any", "all"):
+            return fold_truth(name, meter, list(a) if is_vector(a) else [a])
+        if not is_vector(a):
+            return numeric(meter, a) if name in ("sum", "mean") else no_truth(meter, a)
+        if name in ("sum", "mean"):
+            found = total(meter, components(meter, a))
+            return found if name == "sum" else found / len(a)
+        prepare(meter, a)
+        return (np.max if name == "max" else np.min)(np.asarray(no_truth(meter, a)), axis=0)
 
     return call
 
 
-def length(meter: Meter, x: Value) -> Value:
-    """Evaluate np.linalg.norm: the length of a vector, or the size of a number."""
-    return norm(meter, x) if isinstance(x, Vec) else to_float(meter, ABS(meter, x))
+def array(meter: Meter, value: Value, dtype: Value = None) -> Value:
+    """Make a vector of a list, or return the array itself; `dtype=float` makes decimals.
+
+    Raises:
+        CostError: It holds no numbers, or another dtype is asked for.
+    """
+    if dtype is None:
+        return value
+    if not (isinstance(dtype, Builtin) and dtype.name == "float"):
+        raise meter.fault("wrong_call", "arrays hold float64 only; leave dtype out or write dtype=float")
+    return numeric(meter, value)
+
+
+def copied(meter: Meter, a: Value) -> Value:
+    """Return the array: it cannot be changed."""
+    return a
+
+
+def filled_with(fill: float) -> Call:
+    """Make np.zeros or np.ones."""
+
+    def call(meter: Meter, shape: Value) -> Value:
+        if isinstance(shape, int) and not isinstance(shape, bool) and 0 < shape <= meter.cfg.items:
+            return np.full((shape, 1, 1), fill)
+        raise meter.fault("not_fixed", f"a size is a whole number from 1 to {meter.cfg.items}; an array has one axis")
+
+    return call
+
+
+def concatenated(meter: Meter, arrays: Value) -> Value:
+    """Put vectors one after another."""
+    if not isinstance(arrays, list | tuple) or not arrays:
+        raise meter.fault("wrong_call", f"this takes a list of arrays, not {kind(arrays)}")
+    return stack(meter, [item for part in arrays for item in components(meter, part)])
+
+
+def appended(meter: Meter, a: Value, values: Value) -> Value:
+    """Put a number or a vector at the end of a vector."""
+    more = as_vector(meter, values)
+    return concatenated(meter, [a, more if is_vector(more) else [more]])
+
+
+def quat_angle(meter: Meter, a: Value, b: Value) -> Value:
+    """Compute the angle between two orientations, rad, 0 to pi; unlike an arc cosine it is smooth at 0."""
+    (bw, bx, by, bz), (aw, ax, ay, az) = _quaternion(meter, b), _quaternion(meter, a)
+    meter.made(14)
+    w = bw * aw + bx * ax + by * ay + bz * az
+    x = bx * aw - bw * ax - by * az + bz * ay
+    y = bx * az - bw * ay + by * aw - bz * ax
+    z = by * ax - (bw * az + bx * ay) + bz * aw
+    return np.asarray(2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(w)))
+
+
+def quat_rotate(meter: Meter, q: Value, v: Value) -> Value:
+    """Rotate a vector from body to world axes."""
+    rows, vector = _matrix(meter, _quaternion(meter, q)), components(meter, v)
+    if len(vector) != 3:
+        raise meter.fault("wrong_size", f"a vector of 3 is rotated, not of {len(vector)}")
+    x, y, z = vector
+    return stack(meter, [row[0] * x + row[1] * y + row[2] * z for row in rows])
+
+
+def quat_axis(meter: Meter, q: Value, axis: Value) -> Value:
+    """Return the world direction of the body's axis 0 (x), 1 (y) or 2 (z)."""
+    if not isinstance(axis, int) or not 0 <= axis <= 2:
+        raise meter.fault("wrong_call", "quat_axis takes the axis as 0, 1 or 2")
+    return stack(meter, [row[axis] for row in _matrix(meter, _quaternion(meter, q))])
+
+
+def _quaternion(meter: Meter, value: Value) -> Array:
+    found = components(meter, value, "a quaternion")
+    if len(found) != 4:
+        raise meter.fault("wrong_size", f"a quaternion has 4 components, not {len(found)}")
+    return found
+
+
+def _matrix(meter: Meter, q: Array) -> list[list[Array]]:
+    """Compute the rotation matrix of a unit quaternion, row by row."""
+    meter.made(21)
+    w, x, y, z = q
+    return [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]

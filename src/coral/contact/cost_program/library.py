@@ -13,18 +13,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coral.contact.cost_program import arrays, functions, orientations
-from coral.contact.cost_program.arithmetic import as_vector, dot
-from coral.contact.cost_program.functions import of_math, of_one, of_two, reduction
+from coral.contact.cost_program import functions
+from coral.contact.cost_program.arithmetic import as_vector, dot, truth
+from coral.contact.cost_program.functions import of_one, of_two, reduction
 from coral.contact.cost_program.limits import Meter
-from coral.contact.cost_program.scalars import truth
-from coral.contact.cost_program.values import Builtin, DictValue, Seq, Value, Vec, bounded, entries, kind
+from coral.contact.cost_program.values import Builtin, Value, entries, is_number, is_vector, kind
 
-WORDS = {
-    "x": ((Vec, np.ndarray, int, float), "a number or a vector"),
-    "v": ((Vec,), "a vector"),
-    "n": ((np.ndarray, int, float), "a number"),
-    "b": ((Vec, np.ndarray, int, float, type(None)), "a number, a vector or None"),
+WORDS: Mapping[str, tuple[Callable[[Value], bool], str]] = {
+    "x": (lambda value: is_number(value) or is_vector(value), "a number or a vector"),
+    "v": (is_vector, "a vector"),
+    "n": (is_number, "a number"),
+    "b": (lambda value: value is None or is_number(value) or is_vector(value), "a number, a vector or None"),
 }
 """Words of the table: what the argument may be, and the same in words; the function checks any other argument."""
 
@@ -43,83 +42,70 @@ Table = Mapping[str, Offer]
 
 def builtin(name: str, offer: Offer) -> Builtin:
     """Wrap a function of the table as a builtin that checks its arguments."""
-    parameters = list(inspect.signature(offer.call).parameters.values())[1:]
-    rest = any(p.kind is p.VAR_POSITIONAL for p in parameters)
-    places = [p.name for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
-    keywords = [p.name for p in parameters if p.kind in (p.KEYWORD_ONLY, p.POSITIONAL_OR_KEYWORD)]
-    needed = [p.name for p in parameters if p.default is p.empty and p.name in places]
-    words = dict(zip((p.name for p in parameters), offer.takes.split(), strict=False))
-
-    more = [offer.takes.split()[-1]] * 64 if rest else []
+    signature = inspect.signature(offer.call)
+    parameters = list(signature.parameters.values())[1:]
+    words = dict(zip((one.name for one in parameters), offer.takes.split(), strict=False))
+    all_given = len(parameters) * (all(one.kind is not one.VAR_POSITIONAL for one in parameters))
 
     def checked(meter: Meter, value: Value, word: str) -> Value:
         if word not in WORDS:
             return value
-        (kinds, text), found = WORDS[word], as_vector(meter, value)
-        if not isinstance(found, kinds):
+        (fits, text), found = WORDS[word], as_vector(meter, value)
+        if not fits(found):
             raise meter.fault("wrong_type", f"{name} takes {text}, not {kind(value)}")
         return found
 
     def call(meter: Meter, args: list[Value], named: dict[str, Value]) -> Value:
-        missing = [n for n in needed[len(args) :] if n not in named]
-        doubled = [n for n in places[: len(args)] if n in named]
-        unknown = [n for n in named if n not in keywords]
-        if unknown or doubled or missing or (len(args) > len(places) and not rest):
-            takes = ", ".join([*places, *["..."] * rest, *(n for n in keywords if n not in places)])
-            problem = (
-                f"not {unknown[0]}="
-                if unknown
-                else f"{doubled[0]} once"
-                if doubled
-                else (f"so {missing[0]} is missing" if missing else f"not {len(args)} arguments")
-            )
-            raise meter.fault("wrong_call", f"{name} takes ({takes}), {problem}")
-        given = [checked(meter, value, word) for value, word in zip(args, [*words.values(), *more], strict=False)]
-        return offer.call(meter, *given, **{n: checked(meter, value, words.get(n, "")) for n, value in named.items()})
+        if named or len(args) != all_given:
+            try:
+                bound = signature.bind(meter, *args, **named)
+            except TypeError as error:
+                takes = ", ".join("..." if one.kind is one.VAR_POSITIONAL else one.name for one in parameters)
+                raise meter.fault("wrong_call", f"{name} takes ({takes}): {error}") from None
+            args = list(bound.args[1:])
+            named = bound.kwargs
+        given = [checked(meter, value, word) for value, word in zip(args, words.values(), strict=False)]
+        given += args[len(given) :]
+        return offer.call(meter, *given, **named)
 
     return Builtin(name, call)
 
 
 def _extreme(symbol: str) -> Callable[..., Value]:
     def call(meter: Meter, *values: Value) -> Value:
-        if len(values) == 1:
-            if not isinstance(values[0], Seq | Vec) or not values[0].items:
-                raise meter.fault("wrong_call", "max and min take several numbers or a list of them")
-            values = entries(meter, values[0])
-        return functions.largest(meter, values, symbol)
+        found = entries(meter, values[0]) if len(values) == 1 and not is_number(values[0]) else values
+        if len(values) == 0 or not found:
+            raise meter.fault("wrong_call", "max and min take several numbers or a list of them")
+        return functions.largest(meter, found, symbol)
 
     return call
 
 
 def _range(meter: Meter, *values: Value) -> Value:
-    if not 1 <= len(values) <= 3 or not all(isinstance(v, int) for v in values):
+    numbers = [value for value in values if isinstance(value, int)]
+    if not 1 <= len(values) <= 3 or len(numbers) < len(values):
         raise meter.fault("not_fixed", "range takes one to three constant whole numbers")
-    numbers = [int(v) for v in values if isinstance(v, int)]
     if len(numbers) == 3 and numbers[2] == 0:
         raise meter.fault("wrong_call", "the step of a range is not 0")
     found = range(*numbers)
     if len(found) > meter.cfg.loop:
         raise meter.fault("steps", f"a range has at most {meter.cfg.loop} entries")
-    return Seq(tuple(found), "range")
+    return list(found)
 
 
 def _zip(meter: Meter, *values: Value) -> Value:
-    lists = [entries(meter, value) for value in values]
-    return Seq(tuple(Seq(row, "tuple") for row in zip(*lists, strict=False)), "iterator")
+    return list(zip(*(entries(meter, value) for value in values), strict=False))
 
 
 def _enumerate(meter: Meter, iterable: Value, start: Value = 0) -> Value:
     if not isinstance(start, int):
         raise meter.fault("not_fixed", "enumerate starts at a constant whole number")
-    pairs = enumerate(entries(meter, iterable), start)
-    return Seq(tuple(Seq((i, item), "tuple") for i, item in pairs), "iterator")
+    return list(enumerate(entries(meter, iterable), start))
 
 
-def _sequence(name: str) -> Callable[..., Value]:
-    def call(meter: Meter, *values: Value) -> Value:
-        if len(values) > 1:
-            raise meter.fault("wrong_call", f"{name} takes one list, not {len(values)}")
-        return bounded(meter, Seq(entries(meter, values[0]) if values else (), name))
+def _sequence(sort: type[list[Value]] | type[tuple[Value, ...]]) -> Callable[..., Value]:
+    def call(meter: Meter, values: Value = (), /) -> Value:
+        return sort(entries(meter, values))
 
     return call
 
@@ -130,22 +116,15 @@ def _bool(meter: Meter, value: Value = False, /) -> Value:
 
 def _any(name: str) -> Callable[..., Value]:
     def call(meter: Meter, values: Value, /) -> Value:
-        return functions.FOLDS[name](meter, entries(meter, values))
+        return functions.fold_truth(name, meter, entries(meter, values))
 
     return call
 
 
 def _length(meter: Meter, value: Value, /) -> Value:
-    if isinstance(value, Vec | DictValue) or (isinstance(value, Seq) and value.kind != "iterator"):
-        return len(value.items)
+    if isinstance(value, list | tuple | dict) or is_vector(value):
+        return len(value)
     raise meter.fault("wrong_type", f"{kind(value)} has no length")
-
-
-def _abs(meter: Meter, x: Value, /) -> Value:
-    if isinstance(x, Seq):
-        raise meter.fault("wrong_type", f"abs takes a number or an array, not {kind(x)}; use np.abs")
-    found = functions.ABS(meter, x)
-    return meter.as_plain(found) if meter.is_plain(x) else found
 
 
 OURS: Table = {
@@ -158,18 +137,18 @@ OURS: Table = {
     "sigmoid": Offer(functions.sigmoid, "x"),
     "near": Offer(functions.near, "x x"),
     **{name: Offer(of_one(getattr(np, name)), "x") for name in ("exp", "log", "sqrt", "tanh", "sin", "cos")},
-    "quat_angle": Offer(orientations.quat_angle, "v v"),
-    "quat_axis": Offer(orientations.quat_axis, "v index"),
-    "quat_rotate": Offer(orientations.quat_rotate, "v v"),
+    "quat_angle": Offer(functions.quat_angle, "v v"),
+    "quat_axis": Offer(functions.quat_axis, "v index"),
+    "quat_rotate": Offer(functions.quat_rotate, "v v"),
 }
 PYTHON: Table = {
-    "abs": Offer(_abs, "value"),
+    "abs": Offer(functions.absolute, "value"),
     "max": Offer(_extreme(">"), "list"),
     "min": Offer(_extreme("<"), "list"),
     "sum": Offer(functions.add_up, "list start"),
     "len": Offer(_length, "list"),
-    "float": Offer(arrays.to_plain, "number"),
-    "int": Offer(arrays.to_int, "number"),
+    "float": Offer(functions.to_float, "number"),
+    "int": Offer(functions.whole_by(np.trunc), "n"),
     "bool": Offer(_bool, "number"),
     "round": Offer(functions.whole_by(np.rint), "n"),
     "range": Offer(_range, "whole"),
@@ -177,8 +156,8 @@ PYTHON: Table = {
     "enumerate": Offer(_enumerate, "list start"),
     "any": Offer(_any("any"), "truths"),
     "all": Offer(_any("all"), "truths"),
-    "list": Offer(_sequence("list"), "list"),
-    "tuple": Offer(_sequence("tuple"), "list"),
+    "list": Offer(_sequence(list), "list"),
+    "tuple": Offer(_sequence(tuple), "list"),
 }
 NUMPY: Table = {
     **{
@@ -191,22 +170,22 @@ NUMPY: Table = {
     **{name: Offer(of_two(getattr(np, name)), "x x") for name in ("maximum", "minimum", "arctan2", "hypot")},
     "clip": Offer(functions.clip, "x b b"),
     "where": Offer(functions.select, "x x x"),
-    "array": Offer(arrays.array, "v dtype"),
-    "asarray": Offer(arrays.array, "v dtype"),
-    "zeros": Offer(arrays.filled_with(0.0), "size"),
-    "ones": Offer(arrays.filled_with(1.0), "size"),
-    "concatenate": Offer(arrays.concatenated, "arrays"),
-    "append": Offer(arrays.appended, "v x"),
+    "array": Offer(functions.array, "v dtype"),
+    "asarray": Offer(functions.array, "v dtype"),
+    "zeros": Offer(functions.filled_with(0.0), "size"),
+    "ones": Offer(functions.filled_with(1.0), "size"),
+    "concatenate": Offer(functions.concatenated, "arrays"),
+    "append": Offer(functions.appended, "v x"),
     "dot": Offer(dot, "v v"),
     "cross": Offer(functions.cross, "v v"),
-    **{name: Offer(reduction(name), "x") for name in functions.FOLDS},
+    **{name: Offer(reduction(name), "x") for name in ("sum", "mean", "max", "min", "any", "all")},
     "linalg.norm": Offer(functions.length, "x"),
 }
 MATH: Table = {
-    **{name: Offer(of_math(getattr(np, name)), "n") for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh")},
-    **{name: Offer(of_math(getattr(np, name)), "n") for name in ("radians", "degrees")},
-    **{name: Offer(of_math(getattr(np, f"arc{name[1:]}")), "n") for name in ("acos", "asin", "atan")},
-    "fabs": Offer(of_math(np.abs), "n"),
+    **{name: Offer(of_one(getattr(np, name)), "n") for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh")},
+    **{name: Offer(of_one(getattr(np, name)), "n") for name in ("radians", "degrees")},
+    **{name: Offer(of_one(getattr(np, f"arc{name[1:]}")), "n") for name in ("acos", "asin", "atan")},
+    "fabs": Offer(of_one(np.abs), "n"),
     "atan2": Offer(of_two(np.arctan2), "n n"),
     "floor": Offer(functions.whole_by(np.floor), "n"),
     "ceil": Offer(functions.whole_by(np.ceil), "n"),
@@ -214,9 +193,9 @@ MATH: Table = {
 _CIRCLE = {"pi": math.pi, "e": math.e, "inf": math.inf}
 CONSTANTS = {"np": _CIRCLE, "math": {**_CIRCLE, "tau": math.tau}}
 METHODS: Table = {
-    "copy": Offer(arrays.copied, "v"),
+    "copy": Offer(functions.copied, "v"),
     "dot": Offer(dot, "v v"),
-    **{name: Offer(reduction(name), "v") for name in functions.FOLDS},
+    **{name: Offer(reduction(name), "v") for name in ("sum", "mean", "max", "min", "any", "all")},
 }
 _INSTEAD = {
     "np.mod np.remainder np.fmod math.fmod": "a % b",

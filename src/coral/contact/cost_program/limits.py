@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TypeVar
-from weakref import WeakValueDictionary
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,6 @@ from coral.contact.cost_program.errors import CostError
 from coral.contact.cost_program.trace import Trace
 
 Mask = NDArray[np.bool_]
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,12 +59,8 @@ class Meter:
     """Arrays made so far."""
     operations: int = 0
     """Operations on single numbers so far."""
-    cache: dict[str, tuple[object, ...]] = field(default_factory=dict)
-    """Components of the quantities read so far."""
-    zero_axes: list[object] = field(default_factory=list)
-    """Numbers that NumPy would hold as arrays without axes."""
-    plain: WeakValueDictionary[int, object] = field(default_factory=WeakValueDictionary)
-    """Decimals that Python holds as its own, by identity: a division by zero raises, where NumPy's gives inf."""
+    cache: dict[str, NDArray[Any]] = field(default_factory=dict)
+    """Quantities read so far."""
     trace: Trace | None = None
     """Records for the checks, if enabled."""
 
@@ -100,25 +94,6 @@ class Meter:
         self.operations += count
         if self.operations > self.cfg.operations:
             raise self.fault("steps", f"the cost takes more than {self.cfg.operations} operations; shorten its loops")
-
-    def refuse_where(self, bad: Mask | bool, code: str, text: str) -> None:
-        """Raise an error if something is bad in a state for which the present statement counts.
-
-        Raises:
-            CostError: It is.
-        """
-        if np.any(bad) and (self.mask is None or np.any(np.logical_and(bad, self.mask))):
-            raise self.fault(code, text)
-
-    def as_plain(self, value: T) -> T:
-        """Note that Python would hold a new number as its own kind, in some state at least; return it."""
-        if isinstance(value, np.ndarray):
-            self.plain[id(value)] = value
-        return value
-
-    def is_plain(self, value: object) -> bool:
-        """Check whether Python may hold a number as its own kind; whole numbers and truth values count as such."""
-        return not isinstance(value, np.ndarray) or value.dtype != np.float64 or self.plain.get(id(value)) is value
 
     def fault(self, code: str, text: str) -> CostError:
         """Make the error for the line being evaluated."""

@@ -12,7 +12,6 @@ from coral.contact.cost.context import Schema
 from coral.contact.cost_program.library import BUILTINS, MODULE_NAMES, instead
 from coral.contact.cost_program.limits import Mask, Meter
 from coral.contact.cost_program.merging import merge_variables
-from coral.contact.cost_program.scalars import both
 from coral.contact.cost_program.values import Module, Partial, Poison, Scope, Value
 from coral.errors import nearest
 
@@ -85,11 +84,8 @@ class Machine:
 
     def narrowed(self, condition: Mask, mask: Mask | None) -> Mask:
         """Return the states of `mask` in which the condition holds."""
-        if mask is None:
-            return condition
-        found = both(self.meter, mask, condition)
-        assert isinstance(found, np.ndarray)
-        return found
+        self.meter.made()
+        return condition if mask is None else np.logical_and(mask, condition)
 
     def snapshot(self) -> Snapshot:
         """Return the variables of all running functions."""

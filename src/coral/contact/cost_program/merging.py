@@ -6,9 +6,9 @@ from typing import TypeVar
 
 import numpy as np
 
+from coral.contact.cost_program.arithmetic import where
 from coral.contact.cost_program.limits import Mask, Meter
-from coral.contact.cost_program.scalars import is_truth, where
-from coral.contact.cost_program.values import NUMBER, DictValue, Partial, Poison, Seq, Value, Vec, kind
+from coral.contact.cost_program.values import Partial, Poison, Value, is_number, is_vector, kind
 
 MISSING = object()
 K = TypeVar("K")
@@ -25,35 +25,20 @@ def merge(meter: Meter, condition: Mask, a: Value, b: Value) -> Value:
         return _partial(~condition, b)
     if b is MISSING:
         return _partial(condition, a)
+    for value in (a, b):
+        if isinstance(value, Poison):
+            return value
     if isinstance(a, Partial) or isinstance(b, Partial):
         return _merge_partial(meter, condition, a, b)
-    if isinstance(a, NUMBER) and isinstance(b, NUMBER):
-        if is_truth(a) != is_truth(b):
-            return Poison("it is a truth value in some states and a number in others; write float(...) around it")
-        if not isinstance(a, np.ndarray) and not isinstance(b, np.ndarray) and type(a) is type(b) and str(a) == str(b):
-            return a
-        found = where(meter, condition, a, b)
-        if any(a is other or b is other for other in meter.zero_axes):
-            meter.zero_axes.append(found)
-        return found
-    if isinstance(a, Vec) and isinstance(b, Vec) and len(a.items) == len(b.items):
-        return Vec(_merge_items(meter, condition, a.items, b.items))
-    if isinstance(a, Seq) and isinstance(b, Seq) and a.kind == b.kind and len(a.items) == len(b.items):
-        return Seq(_merge_items(meter, condition, a.items, b.items), a.kind)
-    if isinstance(a, DictValue) and isinstance(b, DictValue):
-        merged = merge_variables(meter, condition, a.items, b.items)
-        return DictValue(merged, a.named or b.named, a.shared or b.shared)
-    if isinstance(a, str) and isinstance(b, str) and a == b:
+    if isinstance(a, int | float | str) and type(a) is type(b) and repr(a) == repr(b):
         return a
-    if isinstance(a, Poison):
-        return a
-    if isinstance(b, Poison):
-        return b
+    if (is_number(a) and is_number(b)) or (is_vector(a) and is_vector(b) and len(a) == len(b)):
+        return where(meter, condition, a, b)
+    if isinstance(a, list | tuple) and isinstance(b, list | tuple) and type(a) is type(b) and len(a) == len(b):
+        return type(a)(merge(meter, condition, x, y) for x, y in zip(a, b, strict=True))
+    if isinstance(a, dict) and isinstance(b, dict):
+        return merge_variables(meter, condition, a, b)
     return Poison(f"it is {kind(a)} in some states and {kind(b)} in others")
-
-
-def _merge_items(meter: Meter, condition: Mask, a: tuple[Value, ...], b: tuple[Value, ...]) -> tuple[Value, ...]:
-    return tuple(merge(meter, condition, x, y) for x, y in zip(a, b, strict=True))
 
 
 def _partial(mask: Mask, value: Value) -> Value:

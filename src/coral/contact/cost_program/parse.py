@@ -6,7 +6,7 @@ import ast
 import warnings
 from dataclasses import dataclass
 
-from coral.contact.cost_program.errors import CostError
+from coral.contact.cost_program.errors import CostError, line_of
 from coral.contact.cost_program.extract import WRAPPED, extract
 from coral.contact.cost_program.library import MODULE_NAMES
 from coral.contact.cost_program.limits import LimitsCfg
@@ -111,16 +111,11 @@ def _tree(source: str) -> ast.Module:
             return ast.parse(source)
     except SyntaxError as error:
         line = error.lineno or 0
-        raise CostError("syntax", f"not Python: {error.msg}", line, _line(source, line)) from None
+        raise CostError("syntax", f"not Python: {error.msg}", line, line_of(source, line)) from None
     except (RecursionError, MemoryError):
         raise CostError("too_large", "the program is nested too deeply") from None
     except (ValueError, OverflowError):
         raise CostError("syntax", "not Python: it holds characters or numbers that cannot be read") from None
-
-
-def _line(source: str, number: int) -> str:
-    lines = source.split("\n")
-    return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
 
 
 def _check(tree: ast.Module, cfg: LimitsCfg, source: str) -> None:
@@ -137,7 +132,7 @@ def _check(tree: ast.Module, cfg: LimitsCfg, source: str) -> None:
                 raise CostError("too_large", f"more than {cfg.depth} levels of nesting; use more variables", line)
             _check_node(node, line)
         except CostError as error:
-            raise CostError(error.code, error.text, error.line, _line(source, error.line)) from None
+            raise CostError(error.code, error.text, error.line, line_of(source, error.line)) from None
         chain = isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub)
         for child in ast.iter_child_nodes(node):
             if isinstance(node, ast.arg | ast.FunctionDef) and child is getattr(node, "annotation", None):

@@ -10,14 +10,14 @@ import numpy as np
 from coral.contact.cost.context import Array, Context, Schema, Terms
 from coral.contact.cost_program.arithmetic import binary
 from coral.contact.cost_program.calls import leave, outcome
-from coral.contact.cost_program.errors import LONGEST_NAME, CostError, is_term_name
+from coral.contact.cost_program.errors import LONGEST_NAME, CostError, is_term_name, line_of
 from coral.contact.cost_program.limits import LimitsCfg, Meter
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import filled
 from coral.contact.cost_program.parse import parse
 from coral.contact.cost_program.statements import own_names, run_block
 from coral.contact.cost_program.trace import Trace, Traced
-from coral.contact.cost_program.values import NUMBER, DictValue, Function, Scope, State, Value, kind
+from coral.contact.cost_program.values import Function, Scope, State, Value, is_number, kind
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class CostProgram:
     """A cost program that is checked and ready to be evaluated in this process.
 
     It satisfies `coral.contact.cost.context.Cost`. Code for one state is run for all states at once: a number is an
-    array over the batch, a vector a tuple of them, and an `if` on the state runs both branches and joins them.
+    array over the batch, a vector has one more axis, and an `if` on the state runs both branches and joins them.
 
     Args:
         source: A model's reply that contains `def state_cost(self)`.
@@ -111,8 +111,7 @@ class CostProgram:
 
     def line(self, number: int) -> str:
         """Return the text of a line."""
-        lines = self.source.split("\n")
-        return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
+        return line_of(self.source, number)
 
     def _run(self, meter: Meter) -> Evaluated:
         module = Scope(None, self.module_names)
@@ -125,11 +124,11 @@ class CostProgram:
         variables: dict[str, Value] = {**function.defaults, function.arguments[0]: State()}
         frame = Scope(module, function.names, variables)
         if "terms" not in frame.names and "terms" not in module.names:
-            variables["terms"] = DictValue({}, named=True)
+            variables["terms"] = {}
         machine.stack.append(frame)
         if run_block(machine, entry.body):
             filled_terms = frame.variables.get("terms")
-            leave(machine, filled_terms if isinstance(filled_terms, DictValue) and filled_terms.items else None)
+            leave(machine, filled_terms if isinstance(filled_terms, dict) and filled_terms else None)
         value = outcome(machine, frame, entry.name)
         meter.line = 0
         return self._evaluated(machine, value)
@@ -138,10 +137,10 @@ class CostProgram:
         meter = machine.meter
         if value is None:
             raise meter.fault("no_return", "some state reaches the end of the function without a return")
-        if isinstance(value, NUMBER):
+        if is_number(value):
             terms: dict[str, Value] = {"cost": value}
             total: Value = value
-        elif isinstance(value, DictValue):
+        elif isinstance(value, dict):
             terms, total = self._terms(machine, value), 0.0
             for term in terms.values():
                 total = binary(meter, "+", total, term)
@@ -150,14 +149,14 @@ class CostProgram:
         cost = self._batch(machine, total)
         return Evaluated(cost, {name: self._batch(machine, term) for name, term in terms.items()})
 
-    def _terms(self, machine: Machine, table: DictValue) -> dict[str, Value]:
+    def _terms(self, machine: Machine, table: dict[Value, Value]) -> dict[str, Value]:
         meter = machine.meter
-        if len(table.items) > self.limits.terms:
+        if len(table) > self.limits.terms:
             raise meter.fault("memory", f"a cost has at most {self.limits.terms} terms")
         found: dict[str, Value] = {}
-        for name, value in table.items.items():
+        for name, value in table.items():
             term = filled(meter, value, 0.0)
-            if not isinstance(term, NUMBER) or not isinstance(name, str):
+            if not is_number(term) or not isinstance(name, str):
                 raise meter.fault("wrong_return", f"the term {_short(name)} is {kind(term)}, not a number")
             if not is_term_name(name):
                 raise meter.fault(

@@ -8,13 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from coral.contact.cost_program.assigning import assign, assign_to, augment
+from coral.contact.cost_program.arithmetic import truth
 from coral.contact.cost_program.calls import leave
-from coral.contact.cost_program.expressions import evaluate, make_function
+from coral.contact.cost_program.expressions import (
+    SYMBOLS,
+    checked_key,
+    evaluate,
+    make_function,
+    operate,
+    subscript,
+    unpack,
+)
 from coral.contact.cost_program.library import MODULE_NAMES
 from coral.contact.cost_program.machine import Machine
-from coral.contact.cost_program.scalars import truth
-from coral.contact.cost_program.values import Module, entries
+from coral.contact.cost_program.values import Module, Value, bounded, entries, is_number, kind
 
 
 def run_block(machine: Machine, body: list[ast.stmt]) -> bool:
@@ -32,6 +39,70 @@ def run_block(machine: Machine, body: list[ast.stmt]) -> bool:
 
 def _expression(machine: Machine, node: Any) -> bool:
     evaluate(machine, node.value)
+    return True
+
+
+def _assign(machine: Machine, node: Any) -> bool:
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+    if node.value is not None:
+        value = evaluate(machine, node.value)
+        for target in targets:
+            _assign_to(machine, target, value)
+    return True
+
+
+def _assign_to(machine: Machine, target: ast.expr, value: Value) -> None:
+    """Assign a value to a target of an assignment or loop.
+
+    Raises:
+        CostError: The target is no variable, nor an entry of a dict of this function that has one name.
+    """
+    if not isinstance(target, ast.Subscript):
+        unpack(machine, target, value)
+        return
+    fault, name = machine.meter.fault, target.value
+    base = evaluate(machine, name)
+    machine.meter.line = target.lineno
+    if not isinstance(base, dict):
+        raise fault("not_allowed", f"entries of {kind(base)} cannot be set; make a new one, as with np.array([...])")
+    if not isinstance(name, ast.Name) or name.id not in machine.frame.variables:
+        raise fault("not_allowed", "only the entries of a function's own dicts can be set, under their own name")
+    held = [one for frame in machine.stack for one in frame.variables.values()]
+    machine.meter.spend(len(held))
+    if sum(_holds(machine, one, base) for one in held) > 1:
+        raise fault("shared", f"{name.id!r} would change under another name, too; write the dict a second time")
+    key = checked_key(machine, evaluate(machine, target.slice))
+    machine.frame.variables[name.id] = bounded(machine.meter, {**base, key: value})
+
+
+def _holds(machine: Machine, value: Value, held: Value) -> bool:
+    """Check whether a value is a dict, or a container that holds it."""
+    items = value.values() if isinstance(value, dict) else value if isinstance(value, list | tuple) else ()
+    machine.meter.spend(len(items))
+    return value is held or any(_holds(machine, item, held) for item in items)
+
+
+def _augment(machine: Machine, node: Any) -> bool:
+    """Run `x += value`, of a number or of the entry of a dict that is one.
+
+    Raises:
+        CostError: The variable is not set, or no number, which would change under all its names.
+    """
+    target, fault = node.target, machine.meter.fault
+    if isinstance(target, ast.Name):
+        if target.id not in machine.frame.variables:
+            raise fault("unset", f"{target.id!r} has no value before it is changed; begin with {target.id} = 0.0")
+        old = machine.lookup(target.id)
+    elif isinstance(target, ast.Subscript):
+        old = subscript(machine, evaluate(machine, target.value), target.slice)
+    else:
+        raise fault("not_allowed", "the state cannot be changed; use a variable of your own")
+    right = evaluate(machine, node.value)
+    machine.meter.line = node.lineno
+    if not is_number(old):
+        name, symbol = ast.unparse(target), SYMBOLS.get(type(node.op), "@")
+        raise fault("shared", f"{kind(old)} would change under all its names; write {name} = {name} {symbol} ...")
+    _assign_to(machine, target, operate(machine, node.op, old, right))
     return True
 
 
@@ -73,7 +144,7 @@ def _for(machine: Machine, node: Any) -> bool:
     outer, machine.conditions, falls = machine.conditions, 0, True
     for item in items:
         machine.meter.step(node.lineno)
-        assign_to(machine, node.target, item)
+        _assign_to(machine, node.target, item)
         falls = run_block(machine, node.body)
         left, machine.left = machine.left, ""
         if left == "break" or not (falls or left):
@@ -132,9 +203,9 @@ def _import(machine: Machine, node: Any) -> bool:
 
 EXECUTORS: dict[type[ast.AST], Callable[[Machine, Any], bool]] = {
     ast.Expr: _expression,
-    ast.Assign: assign,
-    ast.AnnAssign: assign,
-    ast.AugAssign: augment,
+    ast.Assign: _assign,
+    ast.AnnAssign: _assign,
+    ast.AugAssign: _augment,
     ast.Return: _return,
     ast.If: _if,
     ast.For: _for,

@@ -1,15 +1,17 @@
 """The values of a cost program: a closed set, so that nothing else can be reached from inside it.
 
-A number is a Python number, or an array of one number per state, Shape=(K, H), of float64, int64 or bool. A vector is
-a tuple of numbers, never an array with one more axis, so that code written for one state runs on a batch without any
-guess about axes. Nothing but a dict can be changed, so a second name for a value never matters.
+A number is a Python number, or an array of one number per state, Shape=(K, H) or (1, 1), of float64 or bool. A vector
+is an array with its entries first, Shape=(n, K, H) or (n, 1, 1), so that it meets numbers and vectors as in NumPy for
+one state. Lists, tuples, dicts, texts and None are Python's own. No value is changed once it is made: setting the entry
+of a dict binds its name to another one, so that a second name for a value never matters.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,38 +19,8 @@ from numpy.typing import NDArray
 from coral.contact.cost_program.limits import Mask, Meter
 
 Value = object
-Number = bool | int | float | NDArray[np.float64] | NDArray[np.int64] | NDArray[np.bool_]
-NUMBER = (bool, int, float, np.ndarray)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Vec:
-    """A vector: what NumPy calls an array with one axis."""
-
-    items: tuple[Value, ...]
-    """Its numbers."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Seq:
-    """A list, or another iterable."""
-
-    items: tuple[Value, ...]
-    """The entries."""
-    kind: str = "list"
-    """"list", "tuple" or "range"; "iterator" for what Python computes on demand, which is used where it is made."""
-
-
-@dataclass(eq=False, slots=True)
-class DictValue:
-    """A dict with texts or integers as keys."""
-
-    items: dict[Value, Value]
-    """The entries."""
-    named: bool = False
-    """Whether a name or a container holds it."""
-    shared: bool = False
-    """Whether a second one does, so that it cannot be changed any more."""
+Array = NDArray[Any]
+Number = bool | int | float | Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,20 +86,26 @@ class Function:
     names: frozenset[str]
 
 
+def is_number(value: Value) -> TypeGuard[Number]:
+    """Check whether the value is a number or a truth value, constant or per state."""
+    return isinstance(value, int | float) or (isinstance(value, np.ndarray) and value.ndim == 2)
+
+
+def is_vector(value: Value) -> TypeGuard[Array]:
+    """Check whether the value is a vector."""
+    return isinstance(value, np.ndarray) and value.ndim == 3
+
+
 def kind(value: Value) -> str:
     """Return the word for a value in an error message."""
-    if isinstance(value, np.ndarray):
-        return "a truth value" if value.dtype == np.bool_ else "a number"
-    if isinstance(value, bool):
-        return "a truth value"
-    if isinstance(value, int | float):
-        return "a number"
-    if isinstance(value, Vec):
-        return f"a vector of {len(value.items)}"
-    if isinstance(value, Seq):
-        return "an iterator" if value.kind == "iterator" else f"a {value.kind} of {len(value.items)}"
+    if is_vector(value):
+        return f"a vector of {len(value)}"
+    if is_number(value):
+        return "a truth value" if isinstance(value, bool) or getattr(value, "dtype", None) == np.bool_ else "a number"
+    if isinstance(value, list | tuple):
+        return f"a {type(value).__name__} of {len(value)}"
     words = {
-        DictValue: "a dict",
+        dict: "a dict",
         str: "a text",
         Function: "a function",
         Builtin: "a function",
@@ -140,27 +118,24 @@ def kind(value: Value) -> str:
     return words.get(type(value), "such a value")
 
 
-def entries(meter: Meter, value: Value) -> tuple[Value, ...]:
+def entries(meter: Meter, value: Value) -> Sequence[Value]:
     """Return the entries that a loop over the value visits.
 
     Raises:
         CostError: The value is not iterable.
     """
-    if isinstance(value, Seq | Vec | DictValue):
-        return tuple(value.items)
+    if isinstance(value, list | tuple | dict) or is_vector(value):
+        return list(value)
     raise meter.fault("wrong_type", f"{kind(value)} cannot be looped over")
 
 
 def weight(value: Value, cap: int) -> int:
     """Count the entries of a container, nested ones included, up to slightly above `cap`."""
+    if is_vector(value):
+        return 1 + len(value)
     total = 1
-    items: tuple[Value, ...] = ()
-    if isinstance(value, Vec | Seq):
-        items = value.items
-    elif isinstance(value, DictValue):
-        items = tuple(value.items.values())
-    for item in items:
-        total += 1 if isinstance(item, NUMBER) else weight(item, cap - total)
+    for item in value.values() if isinstance(value, dict) else value if isinstance(value, list | tuple) else ():
+        total += weight(item, cap - total)
         if total > cap:
             break
     return total
@@ -172,7 +147,7 @@ def bounded(meter: Meter, value: Value) -> Value:
     Raises:
         CostError: It holds more than the limit.
     """
-    if not isinstance(value, Vec | Seq | DictValue):
+    if not isinstance(value, list | tuple | dict) and not is_vector(value):
         return value
     found = weight(value, meter.cfg.items)
     meter.spend(found)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from coral.contact.cost.context import Context, Schema, Terms
 from coral.contact.cost_program.answers import Loaded, Ran, Ready, WorkerAnswer, WorkerFailure
-from coral.contact.cost_program.errors import CODES, CostError, is_term_name, printable
+from coral.contact.cost_program.errors import CODES, CostError, is_term_name, line_of, printable
 from coral.contact.cost_program.limits import LimitsCfg
 from coral.contact.cost_program.sandbox import HEADER, LONGEST_MESSAGE, Request
 from coral.contact.cost_program.seccomp import MACHINES
@@ -321,8 +321,7 @@ class WorkerCost:
 
     def line(self, number: int) -> str:
         """Return the text of a line."""
-        lines = self.source.split("\n")
-        return lines[number - 1].strip()[:80] if 0 < number <= len(lines) else ""
+        return line_of(self.source, number)
 
 
 def _unnamed_file(size: int) -> int:
