@@ -12,9 +12,8 @@ from pydantic import Field
 
 from coral.config import Fraction, NonNegative, Positive, Signed
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M, MAX_OPENING_M, SQUEEZE_M
-from coral.contact.control.hand_plan import HandPlan
+from coral.contact.control.hand_plan import HandPlan, keep_paths
 from coral.contact.control.planning_world import ControlSequences, PlanningWorld
-from coral.contact.control.rollout_paths import keep_paths
 from coral.contact.cost.context import Context, Terms
 from coral.contact.cost.stages import Guide, Stage
 from coral.contact.scene.geometry import column_of, conjugate, from_rotvec, multiply, to_rotvec
