@@ -43,7 +43,7 @@ from coral.contact.scene.task_file import unseen_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 
 TASKS = ("push-pick-board", "pick-box", "pick-clutter", "push-force", "flip-box", "flip-wall")
 KINDS = ("prompt", "example", "listing", "expert", "reader")
@@ -112,7 +112,7 @@ class Opening:
 
     def __init__(self, task: str, seed: int) -> None:
         self.trial = sample_trial(load_task(task), seed)
-        world = HandWorld(self.trial, HandWorldCfg())
+        world = HandWorld(self.trial)
         self.now = world.reset()
         world.close()
         beliefs = stated_beliefs(self.trial)

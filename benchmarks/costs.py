@@ -26,7 +26,7 @@ from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 
 PROGRAM = """
 def state_cost(self):
@@ -88,7 +88,7 @@ def waited(call: Callable[[], object], repeats: int) -> float:
 def rolled_out(samples: int, horizon: int) -> tuple[Context, PlanningWorld]:
     """States of a hand that wanders about the board."""
     trial = sample_trial(load_task("push-pick-board"), 0)
-    now = HandWorld(trial, HandWorldCfg()).reset()
+    now = HandWorld(trial).reset()
     world = PlanningWorld(trial, stated_beliefs(trial), now, PlanningCfg(threads=1))
     steps = np.random.default_rng(0).normal(scale=0.006, size=(samples, horizon, 3))
     way = now.objects["board"].position + np.array([0, 0, 0.02]) + np.cumsum(steps, axis=1)
@@ -146,9 +146,7 @@ def belief_rows(repeats: int) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
     for task in shipped_tasks():
         trial = sample_trial(load_task(task), 0)
-        world = PlanningWorld(
-            trial, stated_beliefs(trial), HandWorld(trial, HandWorldCfg()).reset(), PlanningCfg(threads=1)
-        )
+        world = PlanningWorld(trial, stated_beliefs(trial), HandWorld(trial).reset(), PlanningCfg(threads=1))
         rows.append({"task": task, "believe_ms": timed(partial(world.believe, stated_beliefs(trial)), repeats)})
         world.close()
     return rows

@@ -41,7 +41,7 @@ from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.task_file import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial, with_beliefs
 from coral.contact.tasks import load_task
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 from coral.mppi.knots import KnotMppiCfg
 
 PEER = Path(__file__).parent / "peers" / "judo_rollout.py"
@@ -75,7 +75,7 @@ class Problem:
     def make(cls, samples: int, horizon: int) -> Problem:
         """Random walks of the hand about the box of pick-box, from just above it."""
         trial = sample_trial(load_task("pick-box"), 0)
-        now = HandWorld(trial, HandWorldCfg()).reset()
+        now = HandWorld(trial).reset()
         above = now.objects["box"].position + np.array([0, 0, 0.03])
         now = replace(now, tool=replace(now.tool, position=above))
         walk = np.cumsum(np.random.default_rng(0).normal(scale=0.004, size=(samples, horizon, 3)), axis=1)
@@ -210,7 +210,7 @@ def curve_row(samples: int, horizon: int, repeats: int) -> dict[str, float]:
 def task_row(task: str, samples: int, horizon: int, repeats: int) -> dict[str, Any]:
     """Time of a whole plan of a task, the hand just above its first object, on one thread and on two."""
     trial = sample_trial(load_task(task), 0)
-    now = HandWorld(trial, HandWorldCfg()).reset()
+    now = HandWorld(trial).reset()
     above = now.objects[trial.task.objects[0].name].position + np.array([0, 0, 0.05])
     now = replace(now, tool=replace(now.tool, position=above))
     stage = expert(trial.task, "expert").stages[0]
@@ -231,7 +231,7 @@ def task_row(task: str, samples: int, horizon: int, repeats: int) -> dict[str, A
 def fewer_row(task: str, samples: int, fewer: int, horizon: int, repeats: int) -> dict[str, Any]:
     """Time of a whole plan of a task with more rollouts and with fewer in turn: CPU, and wall on two threads."""
     trial = sample_trial(load_task(task), 0)
-    now = HandWorld(trial, HandWorldCfg()).reset()
+    now = HandWorld(trial).reset()
     above = now.objects[trial.task.objects[0].name].position + np.array([0, 0, 0.05])
     now = replace(now, tool=replace(now.tool, position=above))
     stage = expert(trial.task, "expert").stages[0]

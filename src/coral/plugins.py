@@ -43,8 +43,8 @@ OURS: dict[str, dict[str, str]] = {
     },
     "coral.tasks": {"libero": "coral.contact.libero.task:load_libero"},
     "coral.worlds": {
-        "panda": "coral.contact.worlds.panda.world:make_panda_world",
-        "hand": "coral.contact.worlds.hand_world:make_hand_world",
+        "panda": "coral.contact.worlds.panda.world:PandaWorld",
+        "hand": "coral.contact.worlds.hand_world:HandWorld",
     },
     "coral.robots": {"franka": "coral.commands.franka_robot"},
     "coral.vehicles": {

@@ -12,7 +12,7 @@ from coral.contact.scene.task import Task
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -22,7 +22,7 @@ class Scene:
 
     def __init__(self, task, seed=0):
         self.trial = sample_trial(load_task(task) if isinstance(task, str) else task, seed)
-        self.real = HandWorld(self.trial, HandWorldCfg())
+        self.real = HandWorld(self.trial)
         self.now = self.real.reset()
         self.beliefs = stated_beliefs(self.trial)
         self.world = PlanningWorld(self.trial, self.beliefs, self.now, PlanningCfg(threads=1))

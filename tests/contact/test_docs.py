@@ -11,7 +11,7 @@ from coral.contact.scene.conditions import Condition
 from coral.contact.scene.shapes import Joint
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "task-file.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
@@ -25,7 +25,7 @@ def test_the_example_is_a_task_that_can_be_simulated(tmp_path):
     task = load_task(path)
     assert task.name == path.stem
     for seed in range(5):
-        assert HandWorld(sample_trial(task, seed), HandWorldCfg()).reset().objects.keys() == {"mug"}
+        assert HandWorld(sample_trial(task, seed)).reset().objects.keys() == {"mug"}
 
 
 def test_the_pieces_of_files_are_valid():

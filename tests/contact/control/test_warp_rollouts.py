@@ -11,7 +11,7 @@ from coral.contact.control.warp_rollouts import WarpRollouts
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import InputError
 
 ROLLOUTS, STEPS = 4, 40
@@ -20,7 +20,7 @@ ROLLOUTS, STEPS = 4, 40
 
 def begin(name):
     trial = sample_trial(load_task(name), 0, name)
-    real = HandWorld(trial, HandWorldCfg())
+    real = HandWorld(trial)
     now = real.reset()
     real.close()
     return trial, now

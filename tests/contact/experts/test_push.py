@@ -14,7 +14,7 @@ from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 from coral.mppi.knots import KnotMppiCfg
 
 TASK = load_task("push-force")
@@ -24,7 +24,7 @@ _, PUSH, LET_GO = fsm(TASK).stages
 def at_the_block(seed):
     """A trial, and what is seen with the hand behind the block, touching nothing."""
     trial = sample_trial(TASK, seed)
-    start = HandWorld(trial, HandWorldCfg()).reset()
+    start = HandWorld(trial).reset()
     world = PlanningWorld(trial, stated_beliefs(trial), start, PlanningCfg(threads=1))
     place = behind(world.present(start), "block", 0.005)[0, 0]
     tool = BodyState(place, DOWN, np.zeros(3), np.zeros(3))

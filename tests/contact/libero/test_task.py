@@ -11,7 +11,7 @@ from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import BodyState, Truth
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import InputError
 
 TASK = "pick_up_the_can_and_place_it_in_the_bin"
@@ -121,7 +121,7 @@ def test_the_scene_stays_as_it_is(installed):
 
 
 def test_a_world_can_be_made_of_it(installed):
-    world = HandWorld(sample_trial(load_task("libero:object/0"), 0), HandWorldCfg())
+    world = HandWorld(sample_trial(load_task("libero:object/0"), 0))
     assert set(world.reset().objects) == {"can", "slab"}
 
 

@@ -6,14 +6,14 @@ from episodes import ObedientWorld, make_trial
 from coral.contact.perception.advisor_camera import AdvisorCameraCfg, make_advisor_camera, to_picture
 from coral.contact.perception.tracked_cfg import TrackedCfg
 from coral.contact.scene.observation import HandTarget
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 
 SIZE = AdvisorCameraCfg(width=80, height=60)
 
 
 @pytest.fixture
 def world():
-    world = HandWorld(make_trial(), HandWorldCfg())
+    world = HandWorld(make_trial())
     world.reset()
     return world
 

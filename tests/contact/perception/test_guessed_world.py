@@ -4,7 +4,7 @@ from episodes import ObedientWorld, make_trial
 
 from coral.contact.perception.guessed_world import GuessedWorld
 from coral.contact.scene.observation import BodyState, HandTarget
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import InputError
 
 AWAY = np.array([0.03, 0.0, 0.0])
@@ -14,7 +14,7 @@ AWAY = np.array([0.03, 0.0, 0.0])
 def guessed():
     """A world in which the box is believed to be 3 cm away from where it is."""
     trial = make_trial()
-    world = GuessedWorld(HandWorld(trial, HandWorldCfg()), trial)
+    world = GuessedWorld(HandWorld(trial), trial)
     first = world.reset()
     true = world.truth().objects["box"]
     guess = {"box": BodyState(true.position + AWAY, true.quaternion)}

@@ -10,7 +10,7 @@ from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.tracked_cfg import EYE, EYES, TARGET, TrackedCfg, make_camera, viewpoint
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import InputError
 
 SMALL = TrackedCfg(camera=RgbdCameraCfg(width=64, height=48))
@@ -43,7 +43,7 @@ def test_a_camera_that_looks_straight_down_is_refused():
 @pytest.mark.parametrize(("cfg", "coloured"), [(SMALL, False), (SERVED, True)])
 def test_only_a_tracker_that_wants_colours_gets_them(cfg, coloured):
     trial = make_trial()
-    world = HandWorld(trial, HandWorldCfg())
+    world = HandWorld(trial)
     world.reset()
     frame = make_camera(world.model, trial, cfg).take(world.simulation.data, np.random.default_rng(0))
     assert (frame.rgb is not None) == coloured
@@ -58,7 +58,7 @@ def test_a_sensor_brings_its_noise():
 
 def test_without_noise_a_picture_needs_no_seed():
     trial = make_trial()
-    world = HandWorld(trial, HandWorldCfg())
+    world = HandWorld(trial)
     world.reset()
     camera = make_camera(world.model, trial, replace(SMALL, noise=False))
     first, second = (camera.take(world.simulation.data, np.random.default_rng(seed)) for seed in (1, 2))

@@ -15,7 +15,7 @@ from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.strategist import FixedStrategist
 from coral.contact.worlds.evaluation_world import WorldError
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 from coral.errors import InputError
 
 SMALL = TrackedCfg(camera=RgbdCameraCfg(width=160, height=120))
@@ -41,7 +41,7 @@ class Scripted:
 
 def tracked(cfg=SMALL, seed=0, task="pick-box", **script):
     trial = sample_trial(load_task(task) if isinstance(task, str) else task, seed)
-    world = HandWorld(trial, HandWorldCfg())
+    world = HandWorld(trial)
     made = TrackedWorld(world, trial, cfg, np.random.default_rng(seed))
     made._eye = Scripted(world, trial, cfg, **script)
     return made

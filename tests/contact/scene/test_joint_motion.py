@@ -11,7 +11,7 @@ from coral.contact.control.planning_world import put_state
 from coral.contact.scene.joint_motion import joint_axis, joint_motion, joint_speed, move_joint
 from coral.contact.scene.observation import BodyState, HandTarget, Observation
 from coral.contact.scene.shapes import Joint
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 
 HINGE = {"kind": "hinge", "axis": [0, 0, 2], "point": [-0.03, 0, 0], "range": [0, 100], "start": 20, "friction": 0.01}
 SLIDE = {"kind": "slide", "axis": [0, 1, 0], "range": [-0.2, 0.1], "friction": 1.0}
@@ -43,7 +43,7 @@ def test_a_slide_moves_along_its_axis_in_the_objects_frame():
 @pytest.mark.parametrize("joint", [HINGE, SLIDE])
 def test_the_simulation_moves_an_object_as_the_joint_does(joint):
     trial = trial_on(joint)
-    world = HandWorld(trial, HandWorldCfg())
+    world = HandWorld(trial)
     first = world.reset().objects["box"]
     assert first.position == pytest.approx(trial.objects["box"].pose.position, abs=1e-6)
     held = trial.task.object("box").joint
@@ -77,7 +77,7 @@ def test_a_drawer_stays_where_its_friction_holds_it_and_stops_at_the_end_of_its_
     steep = SLIDE | {"axis": [0, 0, 1], "range": [-0.05, 0.0]}
     for friction, down in ((3.0, 0.0), (0.5, -0.05)):  # the box weighs 2 N
         trial = trial_on(steep | {"friction": friction})
-        world = HandWorld(trial, HandWorldCfg())
+        world = HandWorld(trial)
         now = world.reset()
         hold = HandTarget(now.tool.position, now.tool.quaternion, 0.08, 600.0)
         for _ in range(40):

@@ -13,7 +13,7 @@ from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.prior_beliefs import stated_beliefs
 from coral.contact.scene.trial import PhysicalParameters, with_beliefs
 from coral.contact.worlds.evaluation_world import WorldError
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 
 
 def scene(trial):
@@ -72,7 +72,7 @@ def test_prior_is_the_middle_and_belief_leaves_the_truth_alone():
 
 def hand_world(**changes):
     far = plain()["objects"][0] | {"x": -0.35, "y": -0.35}
-    return HandWorld(make_trial(objects=[far], fixtures=[], **changes), HandWorldCfg())
+    return HandWorld(make_trial(objects=[far], fixtures=[], **changes))
 
 
 def pulled(world, target, steps=100):
@@ -113,7 +113,7 @@ def test_force_is_pushed_in_world_axes_whichever_way_the_hand_points():
 
 
 def test_contacts_say_which_way_the_force_goes():
-    world = HandWorld(make_trial(), HandWorldCfg())
+    world = HandWorld(make_trial())
     world.reset()
     world.step(HandTarget(np.array([-0.1, 0, 0.25]), np.array([0.0, 1.0, 0, 0]), 0.08, 600.0))
     for _ in range(10):
@@ -125,7 +125,7 @@ def test_contacts_say_which_way_the_force_goes():
 
 
 def test_a_world_that_diverges_says_so():
-    world = HandWorld(make_trial(), HandWorldCfg())
+    world = HandWorld(make_trial())
     world.reset()
     world.data.joint("box_free").qvel[:] = 1e12
     with pytest.raises(WorldError) as caught:
@@ -134,7 +134,7 @@ def test_a_world_that_diverges_says_so():
 
 
 def test_reset_begins_the_same_trial_bit_for_bit():
-    world = HandWorld(make_trial(), HandWorldCfg())
+    world = HandWorld(make_trial())
     target = HandTarget(np.array([0.0, 0, 0.03]), np.array([0.0, 1.0, 0, 0]), 0.08, 600.0)
     ends = []
     for _ in range(2):

@@ -23,7 +23,7 @@ from coral.contact.thinker.pose_question import (
     pose_prompt,
     verify_poses,
 )
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 
 
 def usual(facts):
@@ -39,7 +39,7 @@ def usual(facts):
 def clutter():
     """A trial, the truth of where things are, and the facts of its first picture."""
     trial = sample_trial(load_task("pick-clutter"), 0)
-    world = HandWorld(trial, HandWorldCfg())
+    world = HandWorld(trial)
     first = world.reset()
     frame = make_advisor_camera(
         world, trial, TrackedCfg(), AdvisorCameraCfg(width=320, height=240), np.random.default_rng(0)
@@ -51,7 +51,7 @@ def clutter():
 def board():
     """A trial with an object whose frame is not in the middle of it, its first observation and first picture."""
     trial = sample_trial(load_task("push-pick-board"), 3)
-    world = HandWorld(trial, HandWorldCfg())
+    world = HandWorld(trial)
     first = world.reset()
     frame = make_advisor_camera(
         world, trial, TrackedCfg(), AdvisorCameraCfg(width=320, height=240), np.random.default_rng(0)

@@ -7,7 +7,7 @@ from contact_bench import make_trial
 
 from coral.contact.scene.observation import HandTarget
 from coral.contact.worlds.hand_forces import HandForces, add_hand_force_sensors
-from coral.contact.worlds.hand_world import DOWN, HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import DOWN, HandWorld
 
 
 def two_balls(trial, height):
@@ -48,7 +48,7 @@ def test_nothing_is_measured_before_the_first_physics_step():
 
 
 def test_the_world_tells_the_judge_of_a_blow():
-    world = HandWorld(make_trial(), HandWorldCfg())
+    world = HandWorld(make_trial())
     world.reset()
     assert world.truth().hand_forces == {}
     peaks = []

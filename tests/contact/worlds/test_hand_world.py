@@ -8,12 +8,12 @@ from episodes import make_trial
 
 from coral.contact.scene.observation import HandTarget
 from coral.contact.worlds.evaluation_world import WorldError
-from coral.contact.worlds.hand_world import HandWorld, HandWorldCfg
+from coral.contact.worlds.hand_world import HandWorld
 
 
 @pytest.fixture
 def world():
-    return HandWorld(make_trial(), HandWorldCfg())
+    return HandWorld(make_trial())
 
 
 def hold(now, **changes):

@@ -6,12 +6,10 @@ physics: 2 ms steps, elliptic cones, contacts that resist twisting.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import mujoco
 import numpy as np
 
-from coral.config import TimeStep, whole_steps
+from coral.config import whole_steps
 from coral.contact.control.hand_model import HandCfg, add_hand, set_stiffness
 from coral.contact.control.planning_world import put_state
 from coral.contact.scene.geometry import rotate
@@ -22,44 +20,37 @@ from coral.contact.worlds.evaluation_world import Simulation, WorldError
 from coral.contact.worlds.hand_forces import HandForces, add_hand_force_sensors
 from coral.contact.worlds.merged_contacts import merged_contacts
 
-
-@dataclass(frozen=True, kw_only=True)
-class HandWorldCfg:
-    """Configuration of the light evaluation world."""
-
-    physics_dt_s: TimeStep = 0.002
-    """Step of the physics."""
-    control_period_s: TimeStep = 0.02
-    """Duration of each target."""
-    hand: HandCfg = field(default_factory=HandCfg)
-    """The hand's dynamics."""
-    start_m: tuple[float, float, float] = (-0.1, 0.0, 0.25)
-    """Start position of the tool."""
-
-
+PHYSICS_DT_S = 0.002
+START_M = (-0.1, 0.0, 0.25)
+"""Start position of the tool."""
 DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 """Orientation of the tool: pointing down, opening along the world's y."""
 
 
 class HandWorld:
-    """Simulates a trial with the free-flying hand."""
+    """Simulates a trial with the free-flying hand.
+
+    Args:
+        trial: The trial.
+        period_s: Duration of each target (s).
+    """
 
     name = "hand"
 
-    def __init__(self, trial: Trial, cfg: HandWorldCfg) -> None:
-        self.cfg, self._trial = cfg, trial
-        self.control_period_s = cfg.control_period_s
+    def __init__(self, trial: Trial, period_s: float = 0.02) -> None:
+        self._trial, self._hand = trial, HandCfg()
+        self.control_period_s = period_s
         spec = mujoco.MjSpec()
-        spec.option.timestep = cfg.physics_dt_s
+        spec.option.timestep = PHYSICS_DT_S
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
         spec.option.impratio = 10
         add_scene(spec, trial)
-        add_hand(spec, cfg.hand)
+        add_hand(spec, self._hand)
         add_hand_force_sensors(spec, "hand", trial)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
-        self._substeps = whole_steps(cfg.control_period_s, cfg.physics_dt_s, "hand", "physics_dt_s")
+        self._substeps = whole_steps(period_s, PHYSICS_DT_S, "hand", "physics_dt_s")
         self._stiffness = 0.0
         self._forces = HandForces(self.model, self.data, trial)
 
@@ -71,10 +62,10 @@ class HandWorld:
     def reset(self) -> Observation:
         """See `RobotWorld.reset`."""
         mujoco.mj_resetData(self.model, self.data)
-        start = BodyState(np.asarray(self.cfg.start_m, dtype=float), DOWN)
+        start = BodyState(np.asarray(START_M, dtype=float), DOWN)
         objects = {name: item.pose for name, item in self._trial.objects.items()}
         put_state(self.model, self.data, Observation(0.0, start, 0.08, np.zeros(6), objects), self._trial)
-        self._pull(HandTarget(start.position, start.quaternion, 0.08, self.cfg.hand.stiffness_n_m))
+        self._pull(HandTarget(start.position, start.quaternion, 0.08, self._hand.stiffness_n_m))
         mujoco.mj_forward(self.model, self.data)
         self._forces.begin()
         return self._observe()
@@ -113,7 +104,7 @@ class HandWorld:
     def _pull(self, target: HandTarget) -> None:
         model, data = self.model, self.data
         if target.stiffness != self._stiffness:
-            set_stiffness(model, self.cfg.hand, target.stiffness)
+            set_stiffness(model, self._hand, target.stiffness)
             self._stiffness = target.stiffness
         data.mocap_pos[0], data.mocap_quat[0] = target.position, target.quaternion
         data.ctrl[:2] = target.opening_m / 2
@@ -147,8 +138,3 @@ def _body(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> BodyState:
     mujoco.mj_objectVelocity(model, data, int(mujoco.mjtObj.mjOBJ_XBODY), body, velocity, 0)
     quaternion: Array = data.xquat[body].copy()
     return BodyState(data.xpos[body].copy(), quaternion, velocity[3:].copy(), velocity[:3].copy())
-
-
-def make_hand_world(trial: Trial, period_s: float) -> HandWorld:
-    """Make the world with a control period (s)."""
-    return HandWorld(trial, HandWorldCfg(control_period_s=period_s))

@@ -11,7 +11,7 @@ class WorldError(RuntimeError):
     """The world cannot be stepped any further.
 
     Args:
-        code: Reason: "diverged", "tunnelling", "unreachable", "camera-off", "not-found", "tracker-failed";
+        code: Reason: "diverged", "unreachable", "camera-off", "not-found", "tracker-failed";
             of an arm "limit", "poses-lost", "link-lost", "watchdog", "arm-fault", "stopped by the operator".
         text: Message for people.
     """

@@ -12,14 +12,14 @@ from coral.errors import InputError
 
 def test_the_arm_stands_where_it_is_configured_and_the_floor_below_its_pedestal(panda):
     panda.reset()
-    data, base = panda.data, panda.cfg.robot.base
+    data, base = panda.data, panda.robot.base
     np.testing.assert_allclose(data.body("robot0_link0").xpos, base, atol=1e-9)
     assert data.geom(FLOOR).xpos[2] == pytest.approx(base[2] - 0.912)
 
 
 def test_the_physics_is_the_planners_with_robosuites_step(panda):
     option = panda.model.opt
-    assert option.timestep == panda.cfg.robot.physics_step_s
+    assert option.timestep == panda.robot.physics_step_s
     assert option.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     assert option.disableflags & mujoco.mjtDisableBit.mjDSBL_AUTORESET
 
@@ -40,7 +40,7 @@ def test_fingers_squeeze_and_their_pads_grip_as_the_planner_believes(panda):
 
 def test_motors_have_the_configured_inertia(panda):
     for name in JOINTS:
-        assert panda.model.joint(name).armature[0] == panda.cfg.robot.motor_inertia
+        assert panda.model.joint(name).armature[0] == panda.robot.motor_inertia
 
 
 def test_nothing_stands_in_the_view_of_the_cameras(panda):

@@ -18,14 +18,6 @@ def test_a_divergence_is_a_fault_and_leaves_no_file(world, go, tmp_path, monkeyp
     assert not list(tmp_path.iterdir())
 
 
-def test_an_object_that_goes_through_the_table_is_a_fault(world, go):
-    height = world.model.joint("box_free").qposadr[0] + 2
-    world.data.qpos[height] = -0.3
-    fault = fault_of(go, [0.0, 0.0, 0.2], 5)
-    assert fault.code == "tunnelling"
-    assert "box" in str(fault)
-
-
 def test_an_object_that_falls_over_the_edge_is_none(world, go):
     place = world.model.joint("box_free").qposadr[0]
     world.data.qpos[place : place + 3] = (0.0, 0.4, 0.1)

@@ -15,7 +15,7 @@ class Bench:
 
     def __init__(self, panda, **cfg):
         self.model, self.data = panda.model, mujoco.MjData(panda.model)
-        joints = np.array(panda.cfg.robot.joints)
+        joints = np.array(panda.robot.joints)
         self.qpos = [self.model.joint(name).qposadr[0] for name in JOINTS]
         self.dofs = [self.model.joint(name).dofadr[0] for name in JOINTS]
         self.arm = [self.model.actuator(name).id for name in ARM_ACTUATORS]

@@ -12,7 +12,7 @@ STEPS = 10
 def arm(panda):
     """The arm in its start posture, moving, with a wrist that has measured nothing yet."""
     model, data = panda.model, mujoco.MjData(panda.model)
-    data.qpos[[model.joint(name).qposadr[0] for name in JOINTS]] = panda.cfg.robot.joints
+    data.qpos[[model.joint(name).qposadr[0] for name in JOINTS]] = panda.robot.joints
     data.qvel[[model.joint(name).dofadr[0] for name in JOINTS]] = [0.3, -0.2, 0.1, 0.4, 0.2, 0.2, -0.5]
     mujoco.mj_forward(model, data)
     return model, data, WristWrench(model, data)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from coral.config import TimeStep
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.observation import Array, BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
@@ -16,7 +14,7 @@ from coral.contact.worlds.evaluation_world import Simulation
 from coral.contact.worlds.hand_forces import HandForces, add_hand_force_sensors
 from coral.contact.worlds.merged_contacts import merged_contacts
 from coral.contact.worlds.panda.environment import RobotCfg, make_environment
-from coral.contact.worlds.panda.failure_monitor import FailureMonitor, FailureMonitorCfg
+from coral.contact.worlds.panda.failure_monitor import FailureMonitor
 from coral.contact.worlds.panda.impedance import Impedance, ImpedanceCfg
 from coral.contact.worlds.panda.names import (
     FINGER_JOINTS,
@@ -29,25 +27,9 @@ from coral.contact.worlds.panda.names import (
 )
 from coral.contact.worlds.panda.wrist_wrench import WristWrench
 
-
-@dataclass(frozen=True, kw_only=True)
-class PandaWorldCfg:
-    """Configuration of the Panda world."""
-
-    control_period_s: TimeStep = 0.02
-    """Duration of each target: the planner's control step."""
-    robot: RobotCfg = field(default_factory=RobotCfg)
-    """Base and start posture."""
-    impedance: ImpedanceCfg = field(default_factory=ImpedanceCfg)
-    """The controller's gains."""
-    watch: FailureMonitorCfg = field(default_factory=FailureMonitorCfg)
-    """Limits beyond which an episode ends."""
-    start_opening_m: float = 0.08
-    """Opening of the fingers at reset."""
-    settle_s: float = 0.1
-    """Time for the objects to come to rest before the clock starts."""
-    settle_stiffness: float = 600.0
-    """Stiffness of the hand during that time, N/m."""
+START_OPENING_M = 0.08
+SETTLE_S, SETTLE_STIFFNESS_N_M = 0.1, 600.0
+"""Time for the objects to come to rest before the clock starts, and stiffness of the hand during it."""
 
 
 class PandaWorld:
@@ -55,7 +37,7 @@ class PandaWorld:
 
     Args:
         trial: The trial.
-        cfg: Configuration of the world.
+        period_s: Duration of each target (s).
 
     Raises:
         RunError: robosuite is not installed.
@@ -63,12 +45,12 @@ class PandaWorld:
 
     name = "panda"
 
-    def __init__(self, trial: Trial, cfg: PandaWorldCfg | None = None) -> None:
-        self.cfg = cfg = cfg or PandaWorldCfg()
-        self.control_period_s = cfg.control_period_s
+    def __init__(self, trial: Trial, period_s: float = 0.02) -> None:
+        self.robot = RobotCfg()
+        self.control_period_s = period_s
         self._trial = trial
         self._env = make_environment(
-            lambda spec: _add_trial(spec, trial), cfg.robot, cfg.control_period_s, self._before_physics_step
+            lambda spec: _add_trial(spec, trial), self.robot, period_s, self._before_physics_step
         )
         self.model: mujoco.MjModel = self._env.sim.model._model
         self.data: mujoco.MjData = self._env.sim.data._data
@@ -78,10 +60,10 @@ class PandaWorld:
         self._fingers = np.array([model.joint(name).qposadr[0] for name in FINGER_JOINTS])
         self._objects = {name: model.body(name).id for name in trial.objects}
         self._place_robot()
-        self._impedance = Impedance(model, self.data, cfg.impedance, np.array(cfg.robot.joints))
+        self._impedance = Impedance(model, self.data, ImpedanceCfg(), np.array(self.robot.joints))
         self._wrist = WristWrench(model, self.data)
         self._forces = HandForces(model, self.data, trial)
-        self._watch = FailureMonitor(model, cfg.watch, tuple(self._objects.values()))
+        self._watch = FailureMonitor(model)
         self._start = self._settle()
 
     @property
@@ -95,7 +77,7 @@ class PandaWorld:
         mujoco.mj_setState(self.model, self.data, self._start, mujoco.mjtState.mjSTATE_INTEGRATION)
         self.data.time = 0.0
         mujoco.mj_forward(self.model, self.data)
-        self._watch.reset(self.data)
+        self._watch.reset()
         self._forces.begin()
         return self._observe(np.zeros(6))
 
@@ -137,8 +119,8 @@ class PandaWorld:
 
     def _place_robot(self) -> None:
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[self._arm] = self.cfg.robot.joints
-        half = (self.cfg.start_opening_m + PAD_OVERLAP_M) / 2
+        self.data.qpos[self._arm] = self.robot.joints
+        half = (START_OPENING_M + PAD_OVERLAP_M) / 2
         low, high = self.model.joint(FINGER_JOINTS[0]).range
         half = min(max(half, low), high)
         self.data.qpos[self._fingers] = (half, -half)
@@ -146,8 +128,8 @@ class PandaWorld:
 
     def _settle(self) -> Array:
         tool = self._tool()
-        hold = HandTarget(tool.position, tool.quaternion, self.cfg.start_opening_m, self.cfg.settle_stiffness)
-        for _ in range(round(self.cfg.settle_s / self.control_period_s)):
+        hold = HandTarget(tool.position, tool.quaternion, START_OPENING_M, SETTLE_STIFFNESS_N_M)
+        for _ in range(round(SETTLE_S / self.control_period_s)):
             self._advance(hold)
         flag = mujoco.mjtState.mjSTATE_INTEGRATION
         state = np.zeros(mujoco.mj_stateSize(self.model, flag))
@@ -205,8 +187,3 @@ class PandaWorld:
 def _add_trial(spec: mujoco.MjSpec, trial: Trial) -> None:
     add_scene(spec, trial)
     add_hand_force_sensors(spec, HAND_BODY, trial)
-
-
-def make_panda_world(trial: Trial, period_s: float) -> PandaWorld:
-    """Make the world with a control period (s)."""
-    return PandaWorld(trial, PandaWorldCfg(control_period_s=period_s))
