@@ -42,11 +42,11 @@ def test_one_that_does_not_load_is_named_with_its_value(installed, name):
 
 
 def test_a_part_of_ours_is_imported_by_its_place_and_its_name_cannot_be_taken(monkeypatch):
-    from coral.contact.worlds.hand_world import make_hand_world
+    from coral.contact.worlds.hand_world import HandWorld
 
     taken = [EntryPoint("hand", "math:hypot", "coral.worlds"), EntryPoint("mine", "math:hypot", "coral.worlds")]
     monkeypatch.setattr(plugins, "entry_points", lambda group: taken)
-    assert named_plugin("coral.worlds", "hand", "--world") is make_hand_world
+    assert named_plugin("coral.worlds", "hand", "--world") is HandWorld
     assert list(find_plugins("coral.worlds")) == ["panda", "hand", "mine"]
     assert has_plugin("coral.worlds", "mine")
     assert not has_plugin("coral.worlds", "other")

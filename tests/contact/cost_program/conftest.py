@@ -27,7 +27,7 @@ def agrees(schema, states, plainly):  # noqa: F811
 
     def check(body):
         state, source = states(np.random.default_rng(len(body)), 3, 4), _function(body)
-        found = CostProgram(source, schema).evaluate(state).cost
+        found = sum(CostProgram(source, schema).evaluate(state).values())
         np.testing.assert_allclose(found, plainly(source, state), rtol=1e-9, atol=1e-12)
 
     return check

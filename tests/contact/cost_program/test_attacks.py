@@ -235,8 +235,8 @@ def test_an_attack_is_refused_with_a_reason(attack, schema, states):
 def test_a_harmless_attempt_changes_nothing_outside(attempt, schema, states):
     state = states(np.random.default_rng(0))
     before = {name: state[name].copy() for name in state.names()}
-    first = CostProgram(HARMLESS[attempt], schema).evaluate(state).cost
-    again = CostProgram(HARMLESS[attempt], schema).evaluate(state).cost
+    first = sum(CostProgram(HARMLESS[attempt], schema).evaluate(state).values())
+    again = sum(CostProgram(HARMLESS[attempt], schema).evaluate(state).values())
     assert np.array_equal(first, again)
     assert all(np.array_equal(before[name], state[name]) for name in before)
 

@@ -46,7 +46,9 @@ def test_a_layout_of_the_reply_does_not_matter(layout, schema, states, plainly):
     if layout == "windows line ends":
         text = text.replace("\n", "\r\n")
     state = states(np.random.default_rng(1), 2, 3)
-    np.testing.assert_allclose(CostProgram(text, schema).evaluate(state).cost, plainly(INNER, state), rtol=1e-9)
+    np.testing.assert_allclose(
+        sum(CostProgram(text, schema).evaluate(state).values()), plainly(INNER, state), rtol=1e-9
+    )
 
 
 def test_the_block_with_the_cost_is_taken_even_where_another_is_longer():

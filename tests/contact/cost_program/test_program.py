@@ -11,7 +11,9 @@ from coral.contact.cost_program import CostError, CostProgram
 
 def test_the_board_example_agrees_with_numpy(board, schema, states, plainly):
     state = states(np.random.default_rng(2), 3, 4)
-    np.testing.assert_allclose(CostProgram(board, schema).evaluate(state).cost, plainly(board, state), rtol=1e-9)
+    np.testing.assert_allclose(
+        sum(CostProgram(board, schema).evaluate(state).values()), plainly(board, state), rtol=1e-9
+    )
 
 
 def test_a_batch_of_states_equals_its_single_states(board, schema, states):

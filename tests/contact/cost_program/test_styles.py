@@ -443,8 +443,7 @@ def test_an_accepted_style_gives_what_python_gives(style, schema, states, plainl
     source = source_of(style)
     program = CostProgram(source, schema)
     wanted = plainly(source, state)
-    np.testing.assert_allclose(program.evaluate(state).cost, wanted, rtol=1e-7, atol=1e-9)
-    np.testing.assert_allclose(sum(program(state).values()), wanted, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(sum(program.evaluate(state).values()), wanted, rtol=1e-7, atol=1e-9)
 
 
 @pytest.mark.parametrize("style", sorted(REFUSED))

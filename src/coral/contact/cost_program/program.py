@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import ast
-from dataclasses import dataclass
 
 import numpy as np
 
 from coral.contact.cost.context import Array, Context, Schema, Terms
-from coral.contact.cost_program.arithmetic import binary
 from coral.contact.cost_program.calls import leave, outcome
 from coral.contact.cost_program.errors import LONGEST_NAME, CostError, is_term_name, line_of
 from coral.contact.cost_program.limits import LimitsCfg, Meter
@@ -18,16 +16,6 @@ from coral.contact.cost_program.parse import parse
 from coral.contact.cost_program.statements import own_names, run_block
 from coral.contact.cost_program.trace import Trace, Traced
 from coral.contact.cost_program.values import Function, Scope, State, Value, is_number, kind
-
-
-@dataclass(frozen=True, eq=False)
-class Evaluated:
-    """The cost of a batch."""
-
-    cost: Array
-    """Value of the function, Shape=(K, H)."""
-    terms: Terms
-    """Its named terms, each Shape=(K, H); their sum is the cost up to rounding."""
 
 
 class CostProgram:
@@ -63,13 +51,13 @@ class CostProgram:
         Raises:
             CostError: The cost cannot be evaluated on this batch, or is not finite.
         """
-        found = self.evaluate(state)
-        if not np.isfinite(found.cost).all() or not all(np.isfinite(term).all() for term in found.terms.values()):
+        terms = self.evaluate(state)
+        if not np.isfinite(sum(terms.values())).all():
             raise self.not_finite(state)
-        return found.terms
+        return terms
 
-    def evaluate(self, state: Context, trace: Trace | None = None) -> Evaluated:
-        """Evaluate the cost and its terms, finite or not.
+    def evaluate(self, state: Context, trace: Trace | None = None) -> Terms:
+        """Return the terms of every state, finite or not.
 
         Raises:
             CostError: The cost cannot be evaluated on this batch.
@@ -92,7 +80,7 @@ class CostProgram:
             CostError: The cost cannot be evaluated on this batch.
         """
         trace = Trace()
-        return Traced(self.evaluate(state, trace).terms, trace.distances)
+        return Traced(self.evaluate(state, trace), trace.distances)
 
     def not_finite(self, state: Context) -> CostError:
         """Make the error that names where the cost stops being finite."""
@@ -113,7 +101,7 @@ class CostProgram:
         """Return the text of a line."""
         return line_of(self.source, number)
 
-    def _run(self, meter: Meter) -> Evaluated:
+    def _run(self, meter: Meter) -> Terms:
         module = Scope(None, self.module_names)
         machine = Machine(meter, self.schema, self.own_names, run_block, [module])
         if not run_block(machine, self.parsed.tree.body):
@@ -131,31 +119,20 @@ class CostProgram:
             leave(machine, filled_terms if isinstance(filled_terms, dict) and filled_terms else None)
         value = outcome(machine, frame, entry.name)
         meter.line = 0
-        return self._evaluated(machine, value)
+        return {name: self._batch(meter, term) for name, term in self._terms(meter, value).items()}
 
-    def _evaluated(self, machine: Machine, value: Value) -> Evaluated:
-        meter = machine.meter
+    def _terms(self, meter: Meter, value: Value) -> dict[str, Value]:
         if value is None:
             raise meter.fault("no_return", "some state reaches the end of the function without a return")
         if is_number(value):
-            terms: dict[str, Value] = {"cost": value}
-            total: Value = value
-        elif isinstance(value, dict):
-            terms, total = self._terms(machine, value), 0.0
-            for term in terms.values():
-                total = binary(meter, "+", total, term)
-        else:
+            return {"cost": value}
+        if not isinstance(value, dict):
             raise meter.fault("wrong_return", f"the cost is a number or a dict of named numbers, not {kind(value)}")
-        cost = self._batch(machine, total)
-        return Evaluated(cost, {name: self._batch(machine, term) for name, term in terms.items()})
-
-    def _terms(self, machine: Machine, table: dict[Value, Value]) -> dict[str, Value]:
-        meter = machine.meter
-        if len(table) > self.limits.terms:
+        if len(value) > self.limits.terms:
             raise meter.fault("memory", f"a cost has at most {self.limits.terms} terms")
         found: dict[str, Value] = {}
-        for name, value in table.items():
-            term = filled(meter, value, 0.0)
+        for name, one in value.items():
+            term = filled(meter, one, 0.0)
             if not is_number(term) or not isinstance(name, str):
                 raise meter.fault("wrong_return", f"the term {_short(name)} is {kind(term)}, not a number")
             if not is_term_name(name):
@@ -166,9 +143,9 @@ class CostProgram:
             found[name] = term
         return found
 
-    def _batch(self, machine: Machine, value: Value) -> Array:
-        machine.meter.made()
-        return np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), machine.meter.context.shape))
+    def _batch(self, meter: Meter, value: Value) -> Array:
+        meter.made()
+        return np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), meter.context.shape))
 
 
 def _short(name: Value) -> str:

@@ -119,7 +119,7 @@ class Sandbox:
         k, h = request["shape"]
         context = Context(values, (k, h))
         trace = Trace()
-        terms = program.evaluate(context, trace).terms if request["traced"] else program(context)
+        terms = program.evaluate(context, trace) if request["traced"] else program(context)
         end = int(request["output"])
         for term in terms.values():
             end = self._put(end, term)
