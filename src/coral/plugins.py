@@ -28,7 +28,7 @@ GROUPS = {
     "coral.conditions": "class of a condition of success, a subclass of BaseCondition; its `kind` in a task file",
     "coral.vehicles": "function of what follows NAME: after --vehicle that makes a VehicleLink",
     "coral.eyes": "function without arguments that makes an RgbPerception; NAME after --perception",
-    "coral.exporters": "function (recording, path, only_colour) that writes it and returns counts; NAME after --to",
+    "coral.exporters": "function (recording, path) that writes it and returns counts; NAME after --to",
     "coral.tasks": "function of NAME:REST that loads a contact task; coral contact run NAME:REST",
     "coral.worlds": "function (trial, control period in s) that makes an EvaluationWorld; NAME after --world",
     "coral.robots": "object with the functions of `RobotKind`; NAME after --world, its address after --robot",

@@ -103,8 +103,7 @@ def test_pictures_and_poses_alone_become_a_map_with_the_oysters_where_they_are(c
     assert told("reef", "map", colour_run, *place, "--out", tmp_path / "exact")[0] == 0
     there, area = cluster(tmp_path / "exact")
     for kind, name in (("mcap", "x.mcap"), ("pictures", "x")):
-        only = [] if kind == "pictures" else ["--only-colour"]
-        assert told("export", colour_run, "--to", kind, *only, "--out", tmp_path / name)[0] == 0
+        assert told("export", colour_run, "--to", kind, "--out", tmp_path / name)[0] == 0
         code, made, error = told(
             "reef", "map", tmp_path / name, "--perception", network, *place, "--out", tmp_path / f"map-{kind}", "--json"
         )

@@ -29,8 +29,6 @@ class Export:
     to: Annotated[str, Option(names=("mcap", "bag", "pictures"))] = "mcap"
     """mcap: one file, for Foxglove and others. bag: a ROS 2 bag, a folder. pictures: a
     folder of colour pictures with their poses, and nothing else. Or an entry point of the group coral.exporters."""
-    only_colour: bool = False
-    """Leave everything computed from the colour pictures out of a bag or MCAP file: classes, depth, points, maps."""
     out: Path | None = None
     """What to write; it must not exist. By default RUN/RUN.mcap, RUN/RUN_bag and so on."""
     json: bool = False
@@ -45,7 +43,7 @@ class Export:
         out = self.out or self.run / f"{self.run.resolve().name}{SUFFIX.get(self.to, f'_{self.to}')}"
         if out.exists():
             raise InputError(str(out), "--out", "something that exists already", "a new path")
-        counts = write(read_run(self.run).located(), out, self.only_colour)
+        counts = write(read_run(self.run).located(), out)
         size = out.stat().st_size if out.is_file() else sum(p.stat().st_size for p in out.rglob("*") if p.is_file())
         return {"export": str(out), "messages": counts, "bytes": size}
 

@@ -101,7 +101,7 @@ def test_eyes_are_given_the_echoes_in_their_picture(recorded):
     from coral.reef.recordings.perception import PicturePerception
 
     write_run(recorded / "colour", colour=True)
-    write_bag(read_run(recorded / "colour").located(), recorded / "shown", single_file=False, only_colour=True)
+    write_bag(read_run(recorded / "colour").located(), recorded / "shown", single_file=False)
     add_sonar(recorded / "shown", recorded / "both")
     eyes = FlatEyes()
     bag = read_bag(recorded / "both", BagTopics(), perception=PicturePerception(eyes, "flat"), sonar=SONAR)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from coral.bag_writer import BagWriter, open_bag
 from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
-from coral.reef.recordings.picture_export import colour_of
 from coral.reef.recordings.picture_files import encode_depth, encode_jpeg, encode_png
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.recordings.transforms import body_transform, camera_in_body, quaternion_of
@@ -47,23 +46,22 @@ POINTS_STRIDE = 3
 """Every third pixel of every third row becomes a point."""
 
 
-def write_bag(recording: Recording, path: Path, only_colour: bool = False, *, single_file: bool) -> dict[str, int]:
+def write_bag(recording: Recording, path: Path, *, single_file: bool) -> dict[str, int]:
     """Write a located recording.
 
     Args:
         recording: What is written.
         path: The bag's folder, or the MCAP file; it must not exist.
-        only_colour: Whether to leave out all that was made of the pictures: classes, depth, points, maps.
         single_file: Whether to write one MCAP file and no folder.
 
     Returns:
         Number of messages on each topic that has some.
 
     Raises:
-        InputError: The path exists, there are no colour pictures to be written alone, or rosbags is not installed.
+        InputError: The path exists, or rosbags is not installed.
     """
     with open_bag(path, TOPICS, single_file=single_file) as bag:
-        _SurveyWriter(bag, only_colour).write(recording)
+        _SurveyWriter(bag).write(recording)
     return bag.counts
 
 
@@ -76,8 +74,8 @@ export_bag = partial(write_bag, single_file=False)
 class _SurveyWriter:
     """Turns keyframes into messages."""
 
-    def __init__(self, bag: BagWriter, only_colour: bool) -> None:
-        self._only_colour, self._bag = only_colour, bag
+    def __init__(self, bag: BagWriter) -> None:
+        self._bag = bag
         self._new, self._send, self._header = bag.new, bag.send, bag.header
 
     def write(self, recording: Recording) -> None:
@@ -89,15 +87,10 @@ class _SurveyWriter:
             t = keyframe.t
             if number == 0:
                 self._send("/tf_static", t, self._new("tf2_msgs/msg/TFMessage", transforms=[static]))
-                if recording.seen_by != RECORDED and not self._only_colour:
+                if recording.seen_by != RECORDED:
                     self._send("/camera/seen_by", t, self._bag.text(recording.seen_by))
             self._send("/camera/camera_info", t, self._camera_info(recording, t))
             self._pose(keyframe)
-            if self._only_colour:
-                self._picture(
-                    "/camera/image/compressed", "rgb8; jpeg compressed bgr8", colour_of(keyframe, recording), t
-                )
-                continue
             self._pictures(keyframe)
             cells.integrate(keyframe.frame, keyframe.pose, keyframe.roll, keyframe.pitch)
             if t >= points_due - 1e-9:
@@ -106,8 +99,7 @@ class _SurveyWriter:
             if t >= map_due - 1e-9:
                 map_due = t + MAP_EVERY_S
                 self._maps(cells, t)
-        if not self._only_colour:
-            self._maps(cells, t)
+        self._maps(cells, t)
 
     def _pose(self, keyframe: PosedFrame) -> None:
         t = keyframe.t

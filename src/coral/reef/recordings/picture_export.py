@@ -8,7 +8,7 @@ from coral.errors import InputError
 from coral.file_writer import scratch_for, write_whole
 from coral.reef.recordings.picture_files import encode_jpeg
 from coral.reef.recordings.picture_folder import TABLE
-from coral.reef.recordings.recording import PosedFrame, Recording
+from coral.reef.recordings.recording import Recording
 from coral.yaml_file import to_yaml
 
 CAMERA = ("width", "height", "hfov_deg", "pitch_down_deg", "altitude_m", "range_m", "near_m")
@@ -16,39 +16,27 @@ CAMERA = ("width", "height", "hfov_deg", "pitch_down_deg", "altitude_m", "range_
 COLUMNS = ("t", "x", "y", "z", "roll", "pitch", "yaw", "rgb")
 
 
-def export_pictures(recording: Recording, path: Path, only_colour: bool = False) -> dict[str, int]:
+def export_pictures(recording: Recording, path: Path) -> dict[str, int]:
     """Write a located recording as a folder that `read_folder` reads.
 
     Returns:
         Number of pictures.
 
     Raises:
-        InputError: The path exists, there are no colour pictures, or `only_colour` is asked of what has nothing else.
+        InputError: The path exists, or there are no colour pictures.
     """
-    if only_colour:
-        raise InputError("--only-colour", "", "--to pictures", "--to mcap or --to bag")
     if path.exists():
         raise InputError(str(path), "--out", "something that exists already", "a new path")
     rows = [",".join(COLUMNS)]
     with scratch_for(path) as folder:
         for count, one in enumerate(recording.keyframes(), 1):
             name = f"{count:06d}.jpg"
-            write_whole(folder / name, colour_of(one, recording))
+            if one.frame.rgb is None:
+                found = f"no colour picture at {one.t:g} s"
+                raise InputError(recording.source, "", found, "a run with --cfg.simulator.pictures")
+            write_whole(folder / name, encode_jpeg(one.frame.rgb))
             values = (one.t, one.pose.x, one.pose.y, one.height_m, one.roll, one.pitch, one.pose.theta)
             rows.append(",".join([*(f"{value:.9g}" for value in values), name]))
         write_whole(folder / TABLE, "".join(f"{row}\n" for row in rows))
         write_whole(folder / "camera.yaml", to_yaml({name: getattr(recording.camera, name) for name in CAMERA}))
     return {"pictures": len(rows) - 1}
-
-
-def colour_of(keyframe: PosedFrame, recording: Recording) -> bytes:
-    """Return the colour picture of a keyframe as a JPEG file.
-
-    Raises:
-        InputError: It has none.
-    """
-    if keyframe.frame.rgb is None:
-        raise InputError(
-            recording.source, "", f"no colour picture at {keyframe.t:g} s", "a run with --cfg.simulator.pictures"
-        )
-    return encode_jpeg(keyframe.frame.rgb)
