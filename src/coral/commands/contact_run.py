@@ -126,14 +126,7 @@ class ContactRun:
     """No progress bar."""
     video: bool = False
     """Also write episode.mp4."""
-    live: bool = False
-    """Show the task in a browser while it runs; its address is printed."""
-    live_port: int = 8080
-    """Port of the live page on this machine; 0 chooses a free one."""
-    live_speed: float = 1.0
-    """Speed limit of a live task, in multiples of real time; 0 for none. The page can change it."""
-    wait: bool = True
-    """With --live: begin when somebody has opened the page, and keep the page after the end until Ctrl-C."""
+    page: Annotated[LiveFlags, Option(name="")] = field(default_factory=LiveFlags)
     model: ModelCfg = field(default_factory=contact_model)
     """Calls of a real model, and the spending limit of the run."""
     cfg: EpisodeCfg = field(default_factory=EpisodeCfg)
@@ -165,7 +158,7 @@ class ContactRun:
         flags = self._robot_flags
         if not flags.check():
             check_world(self.world, also=robot_names())
-        self._live_flags.check()
+        self.page.check()
         task = load_task(self.task)
         trial = sample_trial(task, self.seed, self.task)
         cfg = resolve_episode(
@@ -186,7 +179,7 @@ class ContactRun:
             if self.policy is not None:
                 raise InputError("--policy", "", self.policy, "another world: a policy is served in simulation only")
         if self.policy is not None:
-            if self.live:
+            if self.page.live:
                 raise InputError(
                     "--live", "", f"with --policy {self.policy}", "a planner: a policy has no costs to show"
                 )
@@ -237,10 +230,6 @@ class ContactRun:
         return recorded and not is_recorded(task)
 
     @property
-    def _live_flags(self) -> LiveFlags:
-        return LiveFlags(live=self.live, port=self.live_port, speed=self.live_speed, wait=self.wait)
-
-    @property
     def _robot_flags(self) -> RobotFlags:
         return RobotFlags(
             self.world,
@@ -276,7 +265,7 @@ class ContactRun:
 
     def _attempt(self, episode: Episode, folder: Path, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode to its end, and make its pictures and report."""
-        with watching(self._live_flags, "contact", episode) as viewers:
+        with watching(self.page, "contact", episode) as viewers:
             progress = EpisodeProgress(quiet=self.quiet)
             try:
                 result = episode.run([progress, *viewers])

@@ -12,13 +12,16 @@ from coral.plugins import our_part
 
 @dataclass(frozen=True, kw_only=True)
 class LiveFlags:
-    """The flags of the page."""
+    """The flags of the page, among those of a command."""
 
-    live: bool
-    port: int
-    speed: float
+    live: bool = False
+    """Show the run in a browser while it goes on; its address is printed."""
+    live_port: int = 8080
+    """Port of the live page on this machine; 0 chooses a free one."""
+    live_speed: float = 1.0
+    """Speed limit of a live run, in multiples of real time; 0 for none. The page can change it."""
     wait: bool = True
-    """Whether the run waits for the first viewer, and the page stays after its end."""
+    """With --live: begin when somebody has opened the page, and keep the page after the end until Ctrl-C."""
 
     def check(self) -> None:
         """Check the flags before anything is made.
@@ -31,9 +34,9 @@ class LiveFlags:
         our_part("live", "run", "--live")
         from coral.web import check_free
 
-        if not self.speed >= 0:
-            raise InputError("--live-speed", "", self.speed, "a number of 0 or more")
-        check_free(self.port, "--live-port")
+        if not self.live_speed >= 0:
+            raise InputError("--live-speed", "", self.live_speed, "a number of 0 or more")
+        check_free(self.live_port, "--live-port")
 
 
 def watching(flags: LiveFlags, system: Literal["reef", "contact"], run: Any) -> AbstractContextManager[list[Any]]:
@@ -41,6 +44,6 @@ def watching(flags: LiveFlags, system: Literal["reef", "contact"], run: Any) -> 
     if not flags.live:
         return nullcontext([])
     made: AbstractContextManager[list[Any]] = our_part("live", "run", "--live")(
-        run, system, port=flags.port, speed=flags.speed, wait=flags.wait
+        run, system, port=flags.live_port, speed=flags.live_speed, wait=flags.wait
     )
     return made

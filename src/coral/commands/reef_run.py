@@ -88,14 +88,7 @@ class ReefRun:
     """No progress bar."""
     video: bool = False
     """Also write mission.mp4."""
-    live: bool = False
-    """Show the mission in a browser while it runs, with pause and stop; the address goes to standard error."""
-    live_port: int = 8080
-    """Port of the live page on this machine; 0 chooses a free one."""
-    live_speed: float = 5.0
-    """Speed limit of a live mission, in multiples of real time; 0 for none. The page can change it."""
-    wait: bool = True
-    """With --live: begin when somebody has opened the page, and keep the page after the end until Ctrl-C."""
+    page: Annotated[LiveFlags, Option(name="")] = field(default_factory=lambda: LiveFlags(live_speed=5.0))
     facts: bool = False
     """Add the numbers shown by the pictures to a model's prompt (a separate experiment)."""
     model: ModelCfg = field(default_factory=ModelCfg)
@@ -113,8 +106,7 @@ class ReefRun:
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the mission."""
-        live = LiveFlags(live=self.live, port=self.live_port, speed=self.live_speed, wait=self.wait)
-        live.check()
+        self.page.check()
         world = find_world(self.world)
         if self.seed < 0:
             raise InputError("--seed", "", self.seed, "a number of 0 or more")
@@ -134,7 +126,7 @@ class ReefRun:
             asks_people=asks_people,
         )
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
-        if self.live:
+        if self.page.live:
             cfg = dataclasses.replace(cfg, controller=dataclasses.replace(cfg.controller, keep_rollouts=True))
         if self.instruction is not None:
             cfg = with_instruction(cfg, self.instruction, world.mission)
@@ -172,7 +164,7 @@ class ReefRun:
         about["instruction"] = mission.cfg.planner.instruction.text
         if asks_people and not self.quiet:
             print(f"to answer its questions in a browser: coral desk {inbox}", file=sys.stderr, flush=True)
-        with watching(live, "reef", mission) as viewers:
+        with watching(self.page, "reef", mission) as viewers:
             try:
                 with mission_notice(asks_people, inbox, mission.instructing, **about) as notice:
                     if notice is not None:
