@@ -25,7 +25,7 @@ def test_the_recipes_name_files():
     ("module", "names"),
     [
         ("coral.contact.scene.condition", ["BaseCondition"]),
-        ("coral.contact.perception.tracker_registry", ["TRACKERS", "TrackerCfgs"]),
+        ("coral.contact.perception.tracker_registry", ["TRACKERS", "choose_tracker"]),
         ("coral.contact.perception.tracker", ["PoseTracker"]),
         ("coral.plugins", ["GROUPS", "OURS"]),
         ("coral.contact.mistakes.plausible", ["CONTACT_MISTAKES"]),

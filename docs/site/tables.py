@@ -100,8 +100,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "files-bop": partial(make.files, BopFiles),
     "files-labelled": partial(make.files, LabelFiles),
     "exit-codes": partial(make.files, ExitCode, "code | what"),
-    "cameras": partial(make.named, "`--camera` | what", {kind.form: kind.help for kind in CAMERAS.values()}),
-    "masks": partial(make.named, "`--masks` | what", {kind.form: kind.help for kind in MASKS.values()}),
+    "cameras": partial(make.named, "`--camera` | what", CAMERAS),
+    "masks": partial(make.named, "`--masks` | what", MASKS),
     "ends-arm": partial(make.named, "end reason | why", {end: END_REASONS[end] for end in STOP_CODES.values()}),
     "exporters": partial(
         make.first_paragraphs,

@@ -40,7 +40,6 @@ from coral.contact.episode.resolution import DEFAULT_ADVISOR, resolve_episode
 from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_strategist
 from coral.contact.memory.memory import FORMAT, Memory
 from coral.contact.mistakes.plausible import CONTACT_MISTAKES
-from coral.contact.perception.tracker_registry import drop_addresses
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.policy_campaign_episode import run_policy_episode
 from coral.contact.scene.task import Task
@@ -216,7 +215,7 @@ class ContactBench(CampaignFlags):
         content.pop("record")
         content["planning"].pop("threads")  # affects only the run time
         content["tracked"]["by"] = cfg.tracked.choice().name  # a server's address does not matter either
-        drop_addresses(content["tracked"])
+        content["tracked"]["foundationpose"].pop("url")
         whole = {"episode": content, "model": to_mapping(self.model)}
         return {
             "code version": f"{code_version()}",

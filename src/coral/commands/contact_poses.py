@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import cv2
 import numpy as np
 
+from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.perception.tracker_registry import choose_tracker, tracker_help
 from coral.contact.real_scenes.cameras.camera_registry import camera_help, make_camera_by_name
 from coral.contact.real_scenes.masks.mask_registry import mask_help
@@ -52,13 +53,11 @@ class ContactPoses:
 
     def __call__(self) -> Mapping[str, Any]:
         """Track until the end."""
-        from coral.contact.perception.tracked_world import nominal_pose
         from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose
         from coral.contact.real_scenes.cameras.rgbd_camera import stream_frames
-        from coral.contact.real_scenes.masks.colour_masks import paint_regions
-        from coral.contact.real_scenes.masks.mask_registry import MaskSetting, make_masks
-        from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models
+        from coral.contact.real_scenes.object_tracking import track_objects
         from coral.contact.real_scenes.pose_picture import draw_poses
+        from coral.contact.scene.rigid_transform import matrix_to_body
         from coral.contact.scene.trial import sample_trial
         from coral.contact.tasks import load_task
 
@@ -68,15 +67,11 @@ class ContactPoses:
             raise InputError("--picture", "", str(self.picture), "a new file")
         to = None if self.send is None else parse_receiver(self.send)
         trial = sample_trial(load_task(self.task), self.seed)
-        models = object_models(trial)
-        paint = {name: trial.task.object(name).color for name in models}
-        masks = make_masks(self.masks, MaskSetting(models, lambda: paint_regions(paint, self.task)))
-        choice = choose_tracker(self.tracker)
-        choice.check()
+        tracking = track_objects(trial, choose_tracker(self.tracker), self.masks)
         placed = None if self.camera_pose is None else read_camera_pose(self.camera_pose)
-        summary = {name: _Summary() for name in models}
+        pictures, lost = 0, dict.fromkeys(tracking.models, 0)
+        seen: dict[str, PoseEstimate] = {}
         last = None
-        tracking = ObjectTracking(models, lambda name: choice.make(models[name], nominal_pose(trial, name)), masks)
         with (
             closing(make_camera_by_name(self.camera, placed)) as camera,
             closing(tracking),
@@ -87,10 +82,15 @@ class ContactPoses:
                 for frame in islice(stream_frames(camera), self.pictures or None):
                     found = tracking.update(frame)
                     last = frame, found
+                    pictures += 1
+                    seen |= (shown := {name: one for name, one in found.items() if not one.lost})
+                    for name, one in found.items():
+                        lost[name] += one.lost
                     if to is not None:
-                        sender.sendto(datagram(found), to)
-                    for name, estimate in found.items():
-                        summary[name].add(estimate)
+                        from coral.contact.franka.object_poses import poses_datagram
+
+                        bodies = {name: matrix_to_body(one.T_world_object) for name, one in shown.items()}
+                        sender.sendto(poses_datagram(bodies), to)
                     if not self.quiet and not self.json:
                         print(_line(frame.time_s, found), file=sys.stderr, flush=True)
             except KeyboardInterrupt:
@@ -99,13 +99,16 @@ class ContactPoses:
         if last is None:
             raise RunError(f"the camera {self.camera} sent no picture")
         if self.picture is not None:
-            drawn = draw_poses(last[0], models, last[1])
+            drawn = draw_poses(last[0], tracking.models, last[1])
             write_whole(self.picture, cv2.imencode(".png", drawn[..., ::-1])[1].tobytes())
         return {
             "camera": self.camera,
             "masks": self.masks,
-            "pictures": max(one.pictures for one in summary.values()),
-            "objects": {name: one.as_dict() for name, one in summary.items()},
+            "pictures": pictures,
+            "objects": {
+                name: {"pictures": pictures, "lost": lost[name], "reason": one.reason, **_pose(seen.get(name))}
+                for name, one in last[1].items()
+            },
             "picture": None if self.picture is None else str(self.picture),
         }
 
@@ -123,44 +126,18 @@ class ContactPoses:
         return "\n".join([*lines, *([f"picture: {result['picture']}"] if result["picture"] else [])])
 
 
-class _Summary:
-    """What becomes of one object."""
+def _pose(estimate: PoseEstimate | None) -> dict[str, Any]:
+    """Return the last pose for the result."""
+    from coral.contact.scene.geometry import quaternion_of
 
-    def __init__(self) -> None:
-        self.pictures = self.lost = 0
-        self.last: Any = None
-        self.reason = ""
-
-    def add(self, estimate: Any) -> None:
-        """Count an estimate."""
-        self.pictures += 1
-        self.reason = estimate.reason
-        if estimate.lost:
-            self.lost += 1
-        else:
-            self.last = estimate
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return it for the result."""
-        from coral.contact.scene.geometry import quaternion_of
-
-        pose = None if self.last is None else self.last.T_world_object
-        return {
-            "pictures": self.pictures,
-            "lost": self.lost,
-            "reason": self.reason,
-            "position_m": None if pose is None else np.round(pose[:3, 3], 5).tolist(),
-            "quaternion": None if pose is None else np.round(quaternion_of(pose[:3, :3]), 6).tolist(),
-            "confidence": None if pose is None else round(float(self.last.confidence), 3),
-        }
-
-
-def datagram(found: Mapping[str, Any]) -> bytes:
-    """Return the datagram with the poses of the objects that are not lost."""
-    from coral.contact.franka.object_poses import poses_datagram
-    from coral.contact.scene.rigid_transform import matrix_to_body
-
-    return poses_datagram({name: matrix_to_body(one.T_world_object) for name, one in found.items() if not one.lost})
+    if estimate is None:
+        return {"position_m": None, "quaternion": None, "confidence": None}
+    pose = estimate.T_world_object
+    return {
+        "position_m": np.round(pose[:3, 3], 5).tolist(),
+        "quaternion": np.round(quaternion_of(pose[:3, :3]), 6).tolist(),
+        "confidence": round(float(estimate.confidence), 3),
+    }
 
 
 def parse_receiver(word: str, where: str = "--send") -> tuple[str, int]:

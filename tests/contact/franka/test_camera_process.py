@@ -83,7 +83,7 @@ def test_a_lost_object_is_not_sent(job, poses, monkeypatch):
 
 def test_a_tracker_that_fails_says_why(job, monkeypatch):
     process = started(job, Stub(fails=True), monkeypatch)
-    process._process.join(5.0)
+    process.child.process.join(5.0)
     assert "does not answer" in process.failure()
     process.close()
 
@@ -121,7 +121,7 @@ def test_what_is_held_is_sent_in_the_tools_frame(job, poses, monkeypatch):
     for _ in range(2000):  # a slow tracker does not make the arm wait
         process.tell_hand(HandReading(np.eye(4), 0.05, 0.02))
     camera.allowed.set()
-    process._process.join(0.2)
+    process.child.process.join(0.2)
     process.close()
     poses.update(1.0, BodyState(np.array([0.0, 0.0, 0.4]), np.array([1.0, 0, 0, 0])))
     assert poses.poses["can"].position == pytest.approx([0.0, 0.0, 0.4])

@@ -103,7 +103,7 @@ def test_a_robot_whose_node_dies_is_a_lost_link(moving):
 def test_without_the_program_the_controller_holds_the_last_equilibrium(moving):
     world, _, lead = moving
     before = world.truth().tool.position
-    os.kill(world.stream._process.pid, signal.SIGKILL)
+    os.kill(world.stream.child.process.pid, signal.SIGKILL)
     with pytest.raises(WorldError, match="has ended"):
         lead(200)
     assert at_rest(world)

@@ -41,7 +41,7 @@ def test_it_starts_moves_stops_and_ends():
         assert stream.reason() == "page"
     finally:
         stream.close()
-    assert not stream._process.is_alive()
+    assert not stream.child.process.is_alive()
 
 
 def test_an_arm_that_cannot_be_had_is_the_users_error():
@@ -52,9 +52,9 @@ def test_an_arm_that_cannot_be_had_is_the_users_error():
 def test_a_process_that_is_told_to_end_does_not_wait_for_the_program():
     stream = StreamProcess(make_obedient_arm, "somebody", CFG, TRIAL)
     try:
-        os.kill(stream._process.pid, signal.SIGTERM)  # as multiprocessing does when the program ends by an error
-        stream._process.join(30.0)
-        assert not stream._process.is_alive()
+        os.kill(stream.child.process.pid, signal.SIGTERM)  # as multiprocessing does when the program ends by an error
+        stream.child.process.join(30.0)
+        assert not stream.child.process.is_alive()
     finally:
-        stream._process.kill()
+        stream.child.process.kill()
         stream.close()

@@ -30,7 +30,7 @@ def test_world_points_project_where_they_are_seen():
 
 
 def test_colours_are_those_of_the_geoms():
-    camera, data = scene(colours="shaded")
+    camera, data = scene(colours=True)
     rgb = camera.take(data).rgb
     assert rgb[60, 80, 0] > 150
     assert rgb[60, 80, 1] == 0

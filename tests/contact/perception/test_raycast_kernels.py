@@ -5,8 +5,6 @@ import numpy as np
 import pytest
 
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
-from coral.contact.perception.ray_solids import from_mujoco
-from coral.errors import InputError
 
 SCENE = """<mujoco><asset><mesh name="m" vertex="0 0 0 .1 0 0 0 .1 0 0 0 .1"/></asset><worldbody>
 <geom type="box" size=".5 .6 .02" pos="0 0 -.02"/><geom type="plane" size="0 0 1" pos="0 0 -.7"/>
@@ -43,7 +41,7 @@ def test_every_shape_as_mujoco_hits_it(eye):
         RgbdCameraCfg(width=120, height=90, near_m=0.001, far_m=1e6),
         look_at(eye, (0, 0, 0.05)),
         {i: f"g{i}" for i in range(model.ngeom)},
-        colours="shaded",
+        colours=True,
     )
     frame = camera.take(data)
     depth, geom, normal = cast(model, data, camera)
@@ -60,12 +58,3 @@ def test_every_shape_as_mujoco_hits_it(eye):
     normals(turn, eye, camera.cfg.lens, solids, *buffers, trial)
     seen = same & (depth > 0)
     assert np.quantile(np.abs((trial[seen] * normal[seen]).sum(1)), 0.01) > 0.999
-
-
-def test_a_height_field_is_refused_by_name():
-    model = mujoco.MjModel.from_xml_string(
-        '<mujoco><asset><hfield name="h" nrow="2" ncol="2" size="1 1 1 1"/></asset><worldbody>'
-        '<geom name="hill" type="hfield" hfield="h"/></worldbody></mujoco>'
-    )
-    with pytest.raises(InputError, match="hill"):
-        from_mujoco(model, np.array([0]))

@@ -4,8 +4,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from solid_object import solid
 
-from coral.contact.perception.symmetry import of_kind
-from coral.contact.scene.geometry import rotation_about, rotation_angle, spread_rotations
+from coral.contact.perception.symmetry import Symmetry, compare_poses, of_kind
+from coral.contact.scene.geometry import from_rotvec, rotation_about, rotation_angle, spread_rotations
+from coral.contact.scene.observation import BodyState
 from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
 
@@ -65,3 +66,11 @@ def test_the_twist_of_a_can_is_taken_out_and_its_tilt_is_not():
     _, turn = can.difference(tilted, np.eye(4))
     assert turn == pytest.approx(0.2, abs=1e-6)
     assert rotation_angle(can.nearest(tilted, np.eye(4))[:3, :3], np.eye(3)) == pytest.approx(0.2, abs=1e-6)
+
+
+def test_the_error_of_a_pose_is_modulo_the_symmetry():
+    true = BodyState(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+    turned = BodyState(np.array([0.03, 0.04, 0.0]), from_rotvec([0.0, 0.0, np.pi - 0.1]))
+    plain = compare_poses(Symmetry(), turned, true, lost=True)
+    assert (plain.off_m, plain.off_rad, plain.lost) == (pytest.approx(0.05), pytest.approx(np.pi - 0.1), True)
+    assert compare_poses(of_kind("box", np.ones(3)), turned, true, lost=False).off_rad == pytest.approx(0.1)

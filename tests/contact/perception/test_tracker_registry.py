@@ -10,12 +10,8 @@ from coral.cli import main
 from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.model_tracker import ModelTracker
 from coral.contact.perception.tracker import TrackerFailed
-from coral.contact.perception.tracker_registry import TRACKERS, TrackerCfgs, choose_tracker
+from coral.contact.perception.tracker_registry import TRACKERS, choose_tracker
 from coral.errors import InputError
-
-
-def configured(**server):
-    return TrackerCfgs(foundationpose=FoundationPoseCfg(**server))
 
 
 def test_the_embedded_one_is_told_what_is_expected_and_wants_no_colours(mug):
@@ -32,8 +28,8 @@ def test_the_embedded_one_is_told_what_is_expected_and_wants_no_colours(mug):
 def test_a_server_s_address_is_in_the_word_or_in_the_configuration(mug):
     with serving() as server:
         for choice in (
-            choose_tracker(f"foundationpose:{server.url}", configured(track_steps=7)),
-            choose_tracker("foundationpose", configured(url=server.url, track_steps=7)),
+            choose_tracker(f"foundationpose:{server.url}", FoundationPoseCfg(track_steps=7)),
+            choose_tracker("foundationpose", FoundationPoseCfg(url=server.url, track_steps=7)),
         ):
             assert (choice.name, choice.wants_colours) == ("foundationpose", True)
             choice.check()
@@ -67,8 +63,8 @@ def test_another_word_is_refused_where_it_stands(word):
 def test_a_mistyped_tracker_is_told_the_forms_and_the_nearest_name():
     with pytest.raises(InputError) as error:
         choose_tracker("foundatonpose:http://x")
-    for kind in TRACKERS.values():
-        assert kind.form in str(error.value)
+    for form, _ in TRACKERS.values():
+        assert form in str(error.value)
     assert "did you mean 'foundationpose'?" in str(error.value)
 
 
@@ -76,8 +72,8 @@ def test_a_mistyped_tracker_is_told_the_forms_and_the_nearest_name():
 def test_every_tracker_is_in_the_help_of_the_commands(command, capsys):
     main(["contact", command, "--help", "--tracker"])
     text = re.sub(r"\s+", "", capsys.readouterr().out)  # lines break anywhere
-    for kind in TRACKERS.values():
-        assert re.sub(r"\s", "", f"{kind.form}, {kind.help}") in text
+    for form, what in TRACKERS.values():
+        assert re.sub(r"\s", "", f"{form}, {what}") in text
 
 
 def test_the_choice_has_the_name_that_the_tracker_is_registered_by():

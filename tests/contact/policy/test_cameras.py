@@ -52,12 +52,10 @@ def test_the_outer_camera_faces_the_robot_and_mirrors(scene):
     np.testing.assert_array_equal(outside, plain[:, ::-1])
 
 
-def test_collision_shapes_do_not_cover_pretty_ones_and_the_model_stays(scene):
-    before = scene[0].geom_group.copy()
+def test_collision_shapes_do_not_cover_pretty_ones(scene):
     outside, _ = look(scene, SMALL)
     assert columns(outside, 1) is None
     assert columns(outside, 2) is not None
-    np.testing.assert_array_equal(scene[0].geom_group, before)
 
 
 def test_the_wrist_camera_looks_out_of_the_palm_and_moves_with_the_hand(scene):

@@ -34,7 +34,7 @@ from coral.contact.episode.referee import OperatorVerdict, make_referee
 from coral.contact.episode.trial_log import conditions_not_held, parameter_fields, start_fields, write_head
 from coral.contact.perception.advisor_camera import make_advisor_camera
 from coral.contact.perception.guessed_world import GuessedWorld
-from coral.contact.perception.pose_difference import PoseDifference
+from coral.contact.perception.symmetry import PoseDifference
 from coral.contact.perception.tracked_world import TrackedWorld
 from coral.contact.scene.observation import HandTarget, Observation, Transition, Truth
 from coral.contact.scene.prior_beliefs import prior_beliefs

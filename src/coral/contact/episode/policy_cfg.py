@@ -43,8 +43,6 @@ class PolicyCamerasCfg:
     """Its field of view (robosuite's "eye_in_hand")."""
     mirrored: bool = True
     """Whether left and right are exchanged, as in LIBERO: it turns OpenGL's bottom-up rows by half a turn."""
-    colours: Literal["shaded", "best"] = "shaded"
-    """"shaded" by rays, the same on all machines; "best": OpenGL if it works, closer to training pictures."""
 
 
 @dataclass(frozen=True, kw_only=True)

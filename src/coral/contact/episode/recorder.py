@@ -9,7 +9,7 @@ from typing import IO, Any
 import numpy as np
 
 from coral.config import Positive
-from coral.contact.perception.pose_difference import PoseDifference
+from coral.contact.perception.symmetry import PoseDifference
 from coral.contact.scene.condition import hand_force
 from coral.contact.scene.geometry import conjugate, rotate
 from coral.contact.scene.observation import Array, BodyState, Contact, HandTarget, Observation, Truth

@@ -7,20 +7,18 @@ its hand's pose and opening, as it measures them; what the fingers hold moves wi
 from __future__ import annotations
 
 import os
-import signal
 import socket
-import threading
 import time
 from collections.abc import Callable
 from contextlib import closing, suppress
 from dataclasses import dataclass
-from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from coral.contact.franka.child_process import ChildProcess, get_ready, leave_interrupts_to_the_program
 from coral.contact.franka.object_poses import poses_datagram
 from coral.contact.franka.shared_block import SharedBlock
 from coral.contact.perception.tracked_cfg import TrackedCfg
@@ -30,9 +28,7 @@ from coral.contact.real_scenes.cameras.camera_registry import make_camera_by_nam
 from coral.contact.real_scenes.cameras.drawn_camera import DrawnRgbdCamera
 from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
 from coral.contact.real_scenes.hand_mask import HandReading
-from coral.contact.real_scenes.masks.colour_masks import paint_regions
-from coral.contact.real_scenes.masks.mask_registry import MaskSetting, make_masks
-from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models
+from coral.contact.real_scenes.object_tracking import ObjectTracking, object_models, track_objects
 from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
 from coral.contact.scene.observation import Observation
 from coral.contact.scene.rigid_transform import matrix_to_body
@@ -41,7 +37,6 @@ from coral.errors import InputError, RunError
 
 SIMULATED = "sim"
 _POLL_S = 0.002
-_START_TIMEOUT_S = 120.0
 
 
 @dataclass(frozen=True)
@@ -75,20 +70,14 @@ class CameraProcess:
     """
 
     def __init__(self, job: CameraJob, make_process: Callable[..., Any] | None = None) -> None:
-        self._connection, self._theirs = Pipe()
-        self._hand: SharedBlock[HandReading | None] = SharedBlock(
-            None
-        )  # no pipe: it would fill up, and the arm wait, while a tracker is slow
-        self._process: Any = (make_process or get_context("spawn").Process)(
-            target=_run, args=(job, self._theirs, self._hand), name="contact-camera", daemon=True
-        )
-        self._process.start()
-        self._await_start()
+        # No pipe for the hand: it would fill up, and the arm wait, while a tracker is slow.
+        self._hand: SharedBlock[HandReading | None] = SharedBlock(None)
+        self.child = ChildProcess("the camera's process", _run, (job, self._hand), make_process)
 
     def failure(self) -> str:
         """Return why tracking has ended; "" while it runs."""
         try:
-            return str(self._connection.recv()) if self._connection.poll(0.0) else ""
+            return str(self.child.connection.recv()) if self.child.connection.poll(0.0) else ""
         except (EOFError, OSError):
             return "the camera's process has ended"
 
@@ -99,41 +88,14 @@ class CameraProcess:
     def close(self) -> None:
         """Stop the camera and end the process."""
         with suppress(OSError):
-            self._connection.send("stop")
-        self._process.join(3.0)
-        if self._process.is_alive() and hasattr(self._process, "kill"):
-            self._process.kill()
-            self._process.join(3.0)
-
-    def _await_start(self) -> None:
-        try:
-            if self._connection.poll(_START_TIMEOUT_S):
-                kind, answer = self._connection.recv()
-                if kind == "ok":
-                    return
-                self._process.join(3.0)
-                raise InputError(*answer) if kind == "input" else RunError(str(answer))
-        except (EOFError, OSError):
-            raise RunError("the camera's process could not be started") from None
-        self._process.kill()
-        raise RunError(f"the camera did not start within {_START_TIMEOUT_S:.0f} s")
+            self.child.connection.send("stop")
+        self.child.end()
 
 
-def _run(job: CameraJob, connection: Connection, told: SharedBlock[HandReading | None]) -> None:
+def _run(job: CameraJob, told: SharedBlock[HandReading | None], connection: Connection) -> None:
     """Body of the process."""
-    if threading.current_thread() is threading.main_thread():  # it is not where a test runs it in a thread
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the program says when it ends
-    try:
-        warm_up(job)
-        camera, tracking = _prepare(job)
-        camera.start()
-    except InputError as error:
-        connection.send(("input", (error.where, error.field, str(error.found), error.expected)))
-        return
-    except Exception as error:
-        connection.send(("error", str(error) or type(error).__name__))
-        return
-    connection.send(("ok", None))
+    leave_interrupts_to_the_program()
+    camera, tracking = get_ready(connection, lambda: _prepare(job))
     parent = os.getppid()
     with closing(camera), closing(tracking), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         try:
@@ -164,19 +126,12 @@ def warm_up(job: CameraJob) -> None:
 
 
 def _prepare(job: CameraJob) -> tuple[RgbdCamera, ObjectTracking]:
-    trial, models = job.trial, object_models(job.trial)
-    paint = {name: trial.task.object(name).color for name in models}
-    masks = make_masks(job.masks, MaskSetting(models, lambda: paint_regions(paint)))
-    choice = job.tracked.choice()
-    choice.check()
+    warm_up(job)
+    tracking = track_objects(job.trial, job.tracked.choice(), job.masks)
     placed = None if job.camera_pose is None else read_camera_pose(job.camera_pose)
     if job.camera == SIMULATED and job.state is not None:
-        camera: RgbdCamera = DrawnRgbdCamera(trial, job.tracked, job.state.read, placed)
+        camera: RgbdCamera = DrawnRgbdCamera(job.trial, job.tracked, job.state.read, placed)
     else:
         camera = make_camera_by_name(job.camera, placed)
-    tracking = ObjectTracking(
-        models,
-        lambda name: choice.make(models[name], nominal_pose(trial, name)),
-        masks,
-    )
+    camera.start()
     return camera, tracking

@@ -12,13 +12,13 @@ import socket
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
 
 from coral.contact.control.hand_model import FLANGE_TO_TOOL_M
+from coral.contact.franka.child_process import ChildProcess, get_ready, leave_interrupts_to_the_program
 from coral.contact.franka.double_scene import (
     HAND,
     DoubleScene,
@@ -42,7 +42,7 @@ JOINT_FRICTION_N_M = (1.137, 1.137, 1.137, 1.137, 0.763, 0.44, 0.248)
 COMPENSATED = 0.8
 """Share of it that the driver makes up for: who identifies an arm's friction errs by some of it."""
 _GROUND_M = -0.912
-_START_TIMEOUT_S = 90.0
+_ANSWER_S = 5.0
 
 
 WRENCH_BIAS = (1.5, -1.0, 2.0, 0.1, -0.1, 0.05)
@@ -101,18 +101,10 @@ class Double:
             import franky_sim  # noqa: F401
         except ImportError as error:
             raise InputError("--robot", "", f"sim ({error})", f"the package franky-sim: {MISSING}") from None
-        self._connection, self._theirs = Pipe()
         self.state: SharedBlock[Observation | None] = SharedBlock(None)
         """The true state, for a simulated camera and nobody else."""
-        self._process = (make_process or get_context("spawn").Process)(
-            target=_serve,
-            args=(trial, arm, speed, self.state, self._theirs),
-            name="franka-double",
-            daemon=True,
-        )
-        self._process.start()
-        answer = self._receive("start", _START_TIMEOUT_S)
-        self.address: str = answer
+        self._child = ChildProcess("the simulated arm", _serve, (trial, arm, speed, self.state), make_process)
+        self.address: str = self._child.answer
 
     def send_poses_to(self, host: str, port: int) -> None:
         """Begin to send the objects' poses."""
@@ -131,42 +123,33 @@ class Double:
     def close(self) -> None:
         """Stop the process."""
         with contextlib.suppress(OSError):
-            self._connection.send(("stop", None))
-        self._process.join(2.0)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join(2.0)
+            self._child.connection.send(("stop", None))
+        self._child.end()
 
     def _ask(self, question: tuple[str, Any]) -> Any:
+        connection = self._child.connection
         try:
-            self._connection.send(question)
-        except OSError as error:
-            raise RunError(f"the simulated arm has ended ({error})") from None
-        return self._receive(question[0], 5.0)
-
-    def _receive(self, what: str, timeout_s: float) -> Any:
-        try:
-            if self._connection.poll(timeout_s):
-                kind, answer = self._connection.recv()
+            connection.send(question)
+            if connection.poll(_ANSWER_S):
+                kind, answer = connection.recv()
                 if kind == "ok":
                     return answer
                 raise RunError(f"the simulated arm failed: {answer}")
         except (EOFError, OSError):
             raise RunError("the simulated arm has ended") from None
-        raise RunError(f"the simulated arm did not answer within {timeout_s:.0f} s ({what})")
+        raise RunError(f"the simulated arm did not answer within {_ANSWER_S:.0f} s ({question[0]})")
 
 
 def _serve(
     trial: Trial, arm: FrankaCfg, speed: float, state: SharedBlock[Observation | None], connection: Connection
 ) -> None:
     """Body of the process."""
-    import signal
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the program says when it ends
+    leave_interrupts_to_the_program()
     with contextlib.suppress(OSError, AttributeError):  # an arm does not slow down because the machine is busy
         os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
+    server = get_ready(connection, lambda: _Server(trial, arm, speed, state, connection), lambda made: made.hostname)
     try:
-        _Server(trial, arm, speed, state, connection).run()
+        server.run()
     except Exception as error:
         connection.send(("error", f"{type(error).__name__}: {error}"))
 
@@ -220,7 +203,6 @@ class _Server:
 
     def run(self) -> None:
         """Run until the program says stop or is gone."""
-        self._connection.send(("ok", self._robot.hostname))
         step, due = 0, time.perf_counter()
         while not (self._connection.poll() and not self._answer()):
             for server in self._server.robot_servers:
@@ -237,6 +219,11 @@ class _Server:
             )  # a late simulation catches up with 20 ms at most
             if (early_s := due - time.perf_counter()) > 0.0:
                 time.sleep(early_s)
+
+    @property
+    def hostname(self) -> str:
+        """Return the arm's address."""
+        return str(self._robot.hostname)
 
     def reported_wrench(self) -> Array:
         """Return the wrench as the arm would report it: filtered, biased and noisy."""

@@ -12,7 +12,6 @@ from coral.contact.franka.arm import Arm, ArmError, ArmState
 from coral.contact.franka.hand_gaps import Gap, HandGaps
 from coral.contact.franka.limits import Limits
 from coral.contact.franka.object_poses import ObjectPoses
-from coral.contact.franka.wrench_bias import WrenchBias
 from coral.contact.scene.observation import Array, BodyState, HandTarget
 from coral.contact.worlds.franka_cfg import FrankaCfg
 
@@ -111,7 +110,8 @@ class Stream:
         self._arm, self._poses, self._cfg, self._clock = arm, poses, cfg, clock
         self._hand_gaps = hand_gaps
         self._limits = Limits(cfg)
-        self._bias = WrenchBias(cfg.bias_readings)
+        self._readings: list[Array] = []
+        self._bias = np.zeros(6)
         self.phase, self.cause, self.reason = Phase.WATCHING, StopCause.NONE, ""
         self.state: ArmState | None = None
         self.wrench = np.zeros(6)
@@ -166,6 +166,10 @@ class Stream:
         if moved:  # an arm that was only watched obeys somebody else
             self._arm.stop()
 
+    @property
+    def _bias_known(self) -> bool:
+        return len(self._readings) >= self._cfg.bias_readings
+
     def _tool(self) -> BodyState | None:
         """Return the tool in the world."""
         if (state := self.state) is None:
@@ -192,7 +196,7 @@ class Stream:
             self._filtered = np.array(wrench)
         else:
             self._filtered += (1.0 - np.exp(-passed_s / self._cfg.wrench_filter_s)) * (wrench - self._filtered)
-        self.wrench = self._bias.corrected(self._filtered)
+        self.wrench = self._filtered - self._bias
         self._pressing += (1.0 - np.exp(-passed_s / PRESSING_S)) * (self.wrench[:3] - self._pressing)
 
     def _check(self, now: float) -> None:
@@ -204,7 +208,7 @@ class Stream:
             self.stop(StopCause.FAULT, state.fault)
         elif now - self._beat_at > cfg.watchdog_s:
             self.stop(StopCause.WATCHDOG, f"no sign of life for {now - self._beat_at:.2f} s")
-        elif found := self._limits.violation(state, self.wrench if self._bias.known else np.zeros(6)):
+        elif found := self._limits.violation(state, self.wrench if self._bias_known else np.zeros(6)):
             self.stop(StopCause.LIMIT, found)
         elif self.phase is Phase.FOLLOWING:
             name, age = self._poses.oldest(self.arm_time_s)
@@ -223,8 +227,10 @@ class Stream:
                 self.phase = Phase.TARING
         elif self.phase is Phase.TARING:
             if self._filtered is not None:
-                self._bias.add(self._filtered)
-            if self._bias.known and state is not None:
+                self._readings.append(self._filtered.copy())
+            if self._bias_known and state is not None:
+                # Friction and an inexact load show as a bias that changes with the posture, so it is taken here.
+                self._bias = np.mean(self._readings, axis=0)
                 self.phase = Phase.FOLLOWING
                 self.target = HandTarget(state.position, state.quaternion, state.opening_m, HOLDING_N_M)
                 self._arm.follow(self.target)

@@ -9,11 +9,11 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from multiprocessing import Pipe, get_context
 from multiprocessing.connection import Connection
 from typing import Any
 
 from coral.contact.franka.arm import Arm
+from coral.contact.franka.child_process import ChildProcess, get_ready
 from coral.contact.franka.hand_gaps import HandGaps
 from coral.contact.franka.object_poses import ObjectPoses
 from coral.contact.franka.shared_block import SharedBlock
@@ -21,7 +21,7 @@ from coral.contact.franka.stream import Orders, StopCause, Stream, StreamReport
 from coral.contact.scene.observation import HandTarget
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.franka_cfg import FrankaCfg
-from coral.errors import InputError, RunError
+from coral.errors import RunError
 
 MakeArm = Callable[[str, FrankaCfg], Arm]
 """Makes an arm from address and configuration; a function of a module, because a process is spawned."""
@@ -29,7 +29,6 @@ BEAT_S = 0.05
 """Time between the program's signs of life."""
 PRIORITY = 10
 """Real-time priority of the stream, 1 to 99; most kernel threads have more."""
-_START_TIMEOUT_S = 120.0
 
 
 class StreamProcess:
@@ -56,19 +55,12 @@ class StreamProcess:
     ) -> None:
         self._orders = Orders()
         self._orders_block, self._report_block = SharedBlock(self._orders), SharedBlock(StreamReport())
-        self._connection, theirs = Pipe()
-        self._process: Any = (make_process or get_context("spawn").Process)(
-            target=_run,
-            args=(make_arm, address, cfg, trial, self._orders_block, self._report_block, theirs),
-            name="franka-stream",
-            daemon=True,
-        )
         self._lock = threading.Lock()
         self._reason = ""
         self._ended = threading.Event()
-        self._process.start()
-        self._theirs = theirs  # kept: a process that dies is noticed by `is_alive`
-        self.poses_port: int = self._await_start()
+        args = (make_arm, address, cfg, trial, self._orders_block, self._report_block)
+        self.child = ChildProcess("the stream to the arm", _run, args, make_process)
+        self.poses_port: int = self.child.answer
         threading.Thread(target=self._beat, name="franka-beat", daemon=True).start()
 
     def start(self) -> None:
@@ -89,7 +81,7 @@ class StreamProcess:
         Raises:
             RunError: The process has died.
         """
-        if not self._process.is_alive():
+        if not self.child.process.is_alive():
             raise RunError("the stream to the arm has ended")
         return self._report_block.read()
 
@@ -97,8 +89,8 @@ class StreamProcess:
         """Return why the arm was stopped, in words; "" while it was not."""
         if not self._reason:
             try:
-                if self._connection.poll(0.0):
-                    self._reason = str(self._connection.recv())
+                if self.child.connection.poll(0.0):
+                    self._reason = str(self.child.connection.recv())
             except (EOFError, OSError):
                 self._reason = "the stream to the arm has ended"
         return self._reason
@@ -107,10 +99,7 @@ class StreamProcess:
         """Stop the arm and end the process."""
         self._order(stop=StopCause.END, quit=True)
         self._ended.set()  # without signs of life the process ends by itself
-        self._process.join(3.0)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join(3.0)
+        self.child.end()
 
     def _order(
         self,
@@ -136,19 +125,6 @@ class StreamProcess:
                 self._orders = replace(self._orders, beat=self._orders.beat + 1)
                 self._orders_block.write(self._orders)
 
-    def _await_start(self) -> int:
-        try:
-            if self._connection.poll(_START_TIMEOUT_S):
-                answer = self._connection.recv()
-                if isinstance(answer, int):
-                    return answer
-                self._process.join(3.0)
-                raise InputError(*answer) if isinstance(answer, tuple) else RunError(str(answer))
-        except (EOFError, OSError):
-            raise RunError("the stream to the arm could not be started") from None
-        self._process.kill()
-        raise RunError(f"the arm did not answer within {_START_TIMEOUT_S:.0f} s")
-
 
 def _run(
     make_arm: MakeArm,
@@ -165,16 +141,12 @@ def _run(
         for number in (signal.SIGINT, signal.SIGTERM):  # Ctrl-C reaches this process, whatever the program does
             signal.signal(number, lambda number, _: pressed.append(number))
         _take_priority()
-    try:
+
+    def prepare() -> tuple[ObjectPoses, Arm]:
         poses = ObjectPoses(trial.objects, cfg.poses_host, cfg.poses_port)
-        arm = make_arm(address, replace(cfg, poses_port=poses.port))
-    except InputError as error:
-        connection.send((error.where, error.field, str(error.found), error.expected))
-        return
-    except Exception as error:
-        connection.send(str(error) or type(error).__name__)
-        return
-    connection.send(poses.port)
+        return poses, make_arm(address, replace(cfg, poses_port=poses.port))
+
+    poses, arm = get_ready(connection, prepare, lambda made: made[0].port)
     stream = Stream(arm, poses, cfg, time.monotonic, HandGaps(trial))
     period_s, parent, told, due = 1.0 / cfg.rate_hz, os.getppid(), False, time.monotonic()
     try:

@@ -16,7 +16,7 @@ import numpy as np
 from coral.contact.libero.object_model import Array, Box, Model, read_model
 from coral.contact.libero.package import SUITES, Package, find_package
 from coral.contact.libero.problem import Problem, read_problem
-from coral.contact.libero.simplification import SolidCfg, simplified
+from coral.contact.libero.simplification import simplified, triple
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.shapes import Fixture, Movable, Shape, TableTop
 from coral.contact.scene.state_conditions import Grasped, Inside, Lifted
@@ -98,7 +98,7 @@ def lifting(task: Task) -> Task:
     )
 
 
-def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCfg | None = None) -> Task:
+def libero_task(package: Package, task: str, name: str, state: int) -> Task:
     """Make a task of the package in an initial state.
 
     Args:
@@ -106,7 +106,6 @@ def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCf
         task: Name of the task there.
         name: Name of the task here.
         state: Index of the initial state.
-        cfg: Limits of the simplification of shapes.
 
     Raises:
         InputError: A file is missing or not as expected.
@@ -127,8 +126,7 @@ def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCf
     rim = max(fixture.position[2] + fixture.size[2] / 2 for fixture in fixtures)
     order = [problem.target, *(key for key in problem.objects if key not in (problem.target, problem.container))]
     objects = tuple(
-        _movable(_plain(key), models[key], poses[key], COLORS[k % len(COLORS)], cfg or SolidCfg())
-        for k, key in enumerate(order)
+        _movable(_plain(key), models[key], poses[key], COLORS[k % len(COLORS)]) for k, key in enumerate(order)
     )
     made = Task(
         name=name,
@@ -145,8 +143,8 @@ def libero_task(package: Package, task: str, name: str, state: int, cfg: SolidCf
             conditions=(
                 Inside(
                     object=objects[0].name,
-                    low=_triple(middle - half - np.array([0, 0, BELOW_REGION_M])),
-                    high=_triple(middle + half),
+                    low=triple(middle - half - np.array([0, 0, BELOW_REGION_M])),
+                    high=triple(middle + half),
                 ),
             ),
         ),
@@ -174,22 +172,20 @@ def _poses(path: Path, problem: Problem, state: int) -> dict[str, tuple[Array, A
     }
 
 
-def _movable(
-    name: str, model: Model, pose: tuple[Array, Array], color: tuple[float, float, float], cfg: SolidCfg
-) -> Movable:
+def _movable(name: str, model: Model, pose: tuple[Array, Array], color: tuple[float, float, float]) -> Movable:
     position, rotation = pose
     upright = _quarter_turns(rotation)
     yaw = _yaw_deg(rotation @ upright.T)
     x, y = position[:2] + SHIFT_M
     mass, friction = max(model.mass_kg, LIGHTEST_KG), model.friction
-    parts = simplified([box.turned(upright) for box in model.boxes], cfg)
+    parts = simplified([box.turned(upright) for box in model.boxes])
     hull = np.concatenate([box.turned(upright).corners for box in model.boxes])
     return Movable(
         name=name,
         label=name.replace("_", " "),
         parts=parts,
         symmetry=_symmetry(parts),
-        points={"middle": _triple((hull.min(axis=0) + hull.max(axis=0)) / 2)},
+        points={"middle": triple((hull.min(axis=0) + hull.max(axis=0)) / 2)},
         mass_kg=(mass * (1 - SPREAD), mass * (1 + SPREAD)),
         friction=(friction * (1 - SPREAD), min(friction * (1 + SPREAD), HEAVIEST_FRICTION)),
         x=(float(x), float(x)),
@@ -229,8 +225,8 @@ def _container(model: Model, position: Array, rotation: Array, name: str) -> tup
         found.append(
             Fixture(
                 name=f"{name}_{part}",
-                size=_triple(np.abs(box.rotation) @ box.size),
-                position=_triple(centre),
+                size=triple(np.abs(box.rotation) @ box.size),
+                position=triple(centre),
                 yaw_deg=yaw,
                 friction=min(model.friction, HEAVIEST_FRICTION),
                 color=(0.66, 0.5, 0.34),
@@ -266,8 +262,3 @@ def _plain(name: str) -> str:
 
 def _instruction(problem: Problem) -> str:
     return problem.language.strip().rstrip(".") + "."
-
-
-def _triple(values: Array) -> tuple[float, float, float]:
-    x, y, z = (round(float(value), 6) + 0.0 for value in values)
-    return x, y, z

@@ -61,7 +61,7 @@ def make_advisor_camera(
                     look_at(*(_above(trial) if above else viewpoint(trial, tracked))),
                     instance_names(simulation.model, trial),
                     noise=tracked.make_noise(),
-                    colours="shaded",
+                    colours=True,
                     hidden=hidden_geoms(simulation.model, trial),
                 )
             )

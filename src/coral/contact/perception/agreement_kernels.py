@@ -8,50 +8,42 @@ from numpy.typing import NDArray
 
 from coral.contact.perception.image_patch import ROBOT, ImagePatch
 from coral.contact.perception.normal_kernels import normals
-from coral.contact.perception.raycast_kernels import render
+from coral.contact.perception.raycast_kernels import FAR_M, NEAR_M, invert, render
 from coral.contact.perception.solids import Solids
 
 AGREE, WRONG, UNCOVERED, FREE, HIDDEN, DRAWN, RESIDUAL = 0, 1, 2, 3, 4, 5, 6
-"""Entries of the tally that `count_agreement` writes."""
+"""Entries of the tally that `count_agreement` returns."""
+ROUNDS = 2
+"""Drawings with which `shift_onto_mask` is near enough."""
 
 
 @njit(cache=True, error_model="numpy")
 def count_agreement(
-    turn: NDArray[np.float64],
-    shift: NDArray[np.float64],
-    solids: Solids,
-    patch: ImagePatch,
-    margin: float,
-    tally: NDArray[np.float64],
-) -> None:
+    T_camera_object: NDArray[np.float64], solids: Solids, patch: ImagePatch, margin: float
+) -> NDArray[np.float64]:
     """Count the pixels that the object at a pose explains, and those that it does not.
 
     Args:
-        turn: Shape=(3, 3), object to camera.
-        shift: Shape=(3,) m, object to camera.
+        T_camera_object: Shape=(4, 4).
         solids: Solids of the object, in its own frame.
         patch: The measurement.
         margin: Measured and drawn surface agree within this distance (m) along the normal, and within four times this
             distance along the optical axis: depth is noisier on slanted surfaces.
-        tally: Shape=(7,), written: pixels where depths agree, where they do not, where the drawing does not cover the
-            mask, where it covers free space, where something nearer occludes it, where it is drawn; and the sum of
-            |difference| / margin over the pixels that agree. Pixels next to an outline count as neither uncovered nor
-            free.
+
+    Returns:
+        Shape=(7,): pixels where depths agree, where they do not, where the drawing does not cover the mask, where it
+        covers free space, where something nearer occludes it, where it is drawn; and the sum of |difference| / margin
+        over the pixels that agree. Pixels next to an outline count as neither uncovered nor free.
     """
     measured, mask, field, occlusion, lens = patch.depth, patch.mask, patch.mask_distance, patch.occlusion, patch.lens
     height, width = measured.shape
     depth = np.empty((height, width))
     solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
-    normal = np.empty((height, width, 3))
+    normal, tally = np.empty((height, width, 3)), np.zeros(7)
     back, eye = np.empty((3, 3)), np.empty(3)
-    for i in range(3):
-        eye[i] = 0.0
-        for j in range(3):
-            back[i, j] = turn[j, i]
-            eye[i] -= turn[j, i] * shift[j]
-    render(back, eye, lens, 0.02, 20.0, solids, depth, solid, face)
+    invert(T_camera_object, back, eye)
+    render(back, eye, lens, NEAR_M, FAR_M, solids, depth, solid, face)
     normals(back, eye, lens, solids, depth, solid, face, normal)
-    tally[:] = 0.0
     for v in range(height):
         q = (v - lens[3]) / lens[1]
         for u in range(width):
@@ -81,21 +73,17 @@ def count_agreement(
                         near = near or solid[a, c] >= 0
                 if not near:
                     tally[UNCOVERED] += 1.0
+    return tally
 
 
 @njit(cache=True, error_model="numpy")
 def shift_onto_mask(
-    turn: NDArray[np.float64],
-    shift: NDArray[np.float64],
-    solids: Solids,
-    patch: ImagePatch,
-    rounds: int,
-) -> None:
-    """Shift an object until its drawing has the centre and the mean depth of the mask; `shift` is changed in place.
+    T_camera_object: NDArray[np.float64], solids: Solids, patch: ImagePatch, rounds: int
+) -> NDArray[np.float64]:
+    """Return the pose, Shape=(4, 4), shifted until the object's drawing has the centre and mean depth of the mask.
 
     Args:
-        turn: Shape=(3, 3), object to camera.
-        shift: Shape=(3,) m, object to camera.
+        T_camera_object: Shape=(4, 4).
         solids: Solids of the object, in its own frame.
         patch: The measurement.
         rounds: Number of drawings.
@@ -104,14 +92,10 @@ def shift_onto_mask(
     height, width = measured.shape
     depth = np.empty((height, width))
     solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
-    back, eye = np.empty((3, 3)), np.empty(3)
+    back, eye, pose = np.empty((3, 3)), np.empty(3), T_camera_object.copy()
     for _ in range(rounds):
-        for i in range(3):
-            eye[i] = 0.0
-            for j in range(3):
-                back[i, j] = turn[j, i]
-                eye[i] -= turn[j, i] * shift[j]
-        render(back, eye, lens, 0.02, 20.0, solids, depth, solid, face)
+        invert(pose, back, eye)
+        render(back, eye, lens, NEAR_M, FAR_M, solids, depth, solid, face)
         mu, mv, mz, m, mn = 0.0, 0.0, 0.0, 0.0, 0.0
         du, dv, dz, d = 0.0, 0.0, 0.0, 0.0
         for v in range(height):
@@ -123,9 +107,10 @@ def shift_onto_mask(
                 if solid[v, u] >= 0:
                     du, dv, dz, d = du + u, dv + v, dz + depth[v, u], d + 1.0
         if m == 0.0 or d == 0.0:
-            return
+            break
         z = mz / m
         ratio = z / (dz / d)
-        shift[2] += z - dz / d
-        shift[0] = shift[0] * ratio + (mu / mn - du / d) / lens[0] * z
-        shift[1] = shift[1] * ratio + (mv / mn - dv / d) / lens[1] * z
+        pose[2, 3] += z - dz / d
+        pose[0, 3] = pose[0, 3] * ratio + (mu / mn - du / d) / lens[0] * z
+        pose[1, 3] = pose[1, 3] * ratio + (mv / mn - dv / d) / lens[1] * z
+    return pose

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from coral.contact.perception.image_patch import NEARER, OCCLUDED_RIM, ROBOT, ImagePatch
 from coral.contact.perception.normal_kernels import normals
-from coral.contact.perception.raycast_kernels import render
+from coral.contact.perception.raycast_kernels import FAR_M, NEAR_M, invert, render
 from coral.contact.perception.solids import Solids
 
 _LEVER = 0.03
@@ -28,8 +28,7 @@ _LEVER = 0.03
 
 @njit(cache=True, error_model="numpy")
 def align(
-    turn: NDArray[np.float64],
-    shift: NDArray[np.float64],
+    T_camera_object: NDArray[np.float64],
     pivot: NDArray[np.float64],
     solids: Solids,
     patch: ImagePatch,
@@ -38,12 +37,11 @@ def align(
     tight: float,
     outline: float,
     hold: float,
-) -> int:
-    """Improve a pose; return the number of steps.
+) -> NDArray[np.float64]:
+    """Improve a pose by Gauss-Newton steps; return it, Shape=(4, 4).
 
     Args:
-        turn: Shape=(3, 3), object to camera; changed in place.
-        shift: Shape=(3,) m, object to camera; changed in place.
+        T_camera_object: Shape=(4, 4).
         pivot: Shape=(3,) m, the point of the object about which steps rotate it.
         solids: Solids of the object, in its own frame.
         patch: The measurement.
@@ -58,16 +56,15 @@ def align(
     solid, face = np.empty((height, width), np.int64), np.empty((height, width), np.int64)
     normal = np.empty((height, width, 3))
     back, eye, middle = np.empty((3, 3)), np.empty(3), np.empty(3)
-    h, b, gone = np.empty((6, 6)), np.empty(6), np.zeros(6)
+    h, b, gone, pose = np.empty((6, 6)), np.empty(6), np.zeros(6), T_camera_object.copy()
     scale = wide
-    for step in range(iterations):
+    for _ in range(iterations):
         for i in range(3):
-            middle[i], eye[i] = shift[i], 0.0
+            middle[i] = pose[i, 3]
             for j in range(3):
-                back[i, j] = turn[j, i]
-                eye[i] -= turn[j, i] * shift[j]
-                middle[i] += turn[i, j] * pivot[j]
-        render(back, eye, patch.lens, 0.02, 20.0, solids, depth, solid, face)
+                middle[i] += pose[i, j] * pivot[j]
+        invert(pose, back, eye)
+        render(back, eye, patch.lens, NEAR_M, FAR_M, solids, depth, solid, face)
         normals(back, eye, patch.lens, solids, depth, solid, face, normal)
         _accumulate(middle, depth, normal, solid, patch, scale, outline, h, b)
         for i in range(6):
@@ -75,18 +72,18 @@ def align(
             h[i, i] += weight
             b[i] -= weight * gone[i]
         if not _solve(h, b):
-            return step
+            break
         spin = math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])
         move = math.sqrt(b[3] * b[3] + b[4] * b[4] + b[5] * b[5])
         shrink = min(1.0, 0.35 / max(spin, 1e-12), 0.1 / max(move, 1e-12))
         for i in range(6):
             b[i] *= shrink
             gone[i] += b[i]
-        _apply(turn, shift, middle, b)
+        _apply(pose, middle, b)
         scale = max(tight, 0.6 * scale)
         if spin < 5e-4 and move < 5e-5 and scale == tight:
-            return step + 1
-    return iterations
+            break
+    return pose
 
 
 @njit(cache=True, error_model="numpy")
@@ -198,12 +195,7 @@ def _solve(h: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
 
 
 @njit(cache=True, error_model="numpy")
-def _apply(
-    turn: NDArray[np.float64],
-    shift: NDArray[np.float64],
-    middle: NDArray[np.float64],
-    step: NDArray[np.float64],
-) -> None:
+def _apply(pose: NDArray[np.float64], middle: NDArray[np.float64], step: NDArray[np.float64]) -> None:
     """Rotate the pose about `middle` and shift it."""
     angle = math.sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2])
     s = math.sin(angle) / angle if angle > 1e-12 else 1.0
@@ -219,12 +211,9 @@ def _apply(
     m[1, 2] -= s * step[0]
     m[2, 0] -= s * step[1]
     m[2, 1] += s * step[0]
-    old = turn.copy()
-    arm = np.empty(3)
+    old = pose.copy()
     for i in range(3):
-        arm[i] = shift[i] - middle[i]
-    for i in range(3):
-        shift[i] = middle[i] + step[3 + i]
+        pose[i, 3] = middle[i] + step[3 + i]
         for j in range(3):
-            shift[i] += m[i, j] * arm[j]
-            turn[i, j] = m[i, 0] * old[0, j] + m[i, 1] * old[1, j] + m[i, 2] * old[2, j]
+            pose[i, 3] += m[i, j] * (old[j, 3] - middle[j])
+            pose[i, j] = m[i, 0] * old[0, j] + m[i, 1] * old[1, j] + m[i, 2] * old[2, j]

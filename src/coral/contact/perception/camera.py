@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated
 
 import mujoco
 import numpy as np
@@ -15,14 +14,12 @@ from pydantic import Field
 
 from coral.config import Positive
 from coral.contact.perception.depth_noise import DepthNoise
-from coral.contact.perception.gl_colours import GlColours
 from coral.contact.perception.normal_kernels import normals
-from coral.contact.perception.ray_solids import from_mujoco
 from coral.contact.perception.raycast_kernels import render
 from coral.contact.perception.shading import shade
+from coral.contact.perception.solids import from_mujoco
 
 Array = NDArray[np.float64]
-Colours = Literal["none", "shaded", "best"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,9 +105,8 @@ class RayCamera:
         instances: Name of the thing by geom id; other geoms are drawn without a name.
         groups: Geom groups to draw (MuJoCo draws 0 to 2 by default).
         noise: Noise of depth and outlines; None for perfect pictures.
-        colours: Source of the RGB picture: "none", "shaded" by the rays, or "best": MuJoCo's renderer, if OpenGL
-            works.
-        hidden: Geoms that rays ignore; OpenGL still shows them.
+        colours: Whether pictures have colours, shaded by the rays.
+        hidden: Geoms that rays ignore.
 
     Raises:
         InputError: Rays cannot draw a geom of the scene.
@@ -125,7 +121,7 @@ class RayCamera:
         *,
         groups: Iterable[int] = (0, 1, 2),
         noise: DepthNoise | None = None,
-        colours: Colours = "none",
+        colours: bool = False,
         hidden: Iterable[int] = (),
     ) -> None:
         visible = np.isin(model.geom_group, list(groups)) & (model.geom_rgba[:, 3] > 0.0)
@@ -141,11 +137,7 @@ class RayCamera:
         # One more entry than geoms, for pixels (-1) without a hit.
         self._instance = np.array([*(known.get(int(i), 0) for i in self._geoms), 0], np.uint8)
         self.cfg, self.T_world_camera, self.noise = cfg, T_world_camera, noise
-        self._gl: GlColours | None = None
-        if colours == "best":
-            with contextlib.suppress(Exception):  # each backend of OpenGL fails in its own way
-                self._gl = GlColours(model, cfg.width, cfg.height, groups)
-        self.colours = colours != "none"
+        self.colours = colours
         shape = (cfg.height, cfg.width)
         self._depth, self._solid, self._face = np.empty(shape), np.empty(shape, np.int64), np.empty(shape, np.int64)
 
@@ -169,10 +161,7 @@ class RayCamera:
             normal = np.empty((*depth.shape, 3))
             normals(turn, eye, lens, solids, depth, self._solid, self._face, normal)
             if self.colours:
-                if self._gl is not None:
-                    rgb = self._gl.take(data, self.T_world_camera, cfg.vfov_deg)
-                else:
-                    rgb = shade(normal, self._solid, self._rgb, lens)
+                rgb = shade(normal, self._solid, self._rgb, lens)
             if self.noise is not None:
                 if rng is None:
                     raise ValueError("a camera with noise needs a random generator")

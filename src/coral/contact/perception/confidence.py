@@ -11,7 +11,6 @@ from coral.contact.perception import agreement_kernels as kernels
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch, project, robot_mask
 from coral.contact.perception.object_model import ObjectModel
-from coral.contact.perception.pose_fit import count_agreement
 
 Array = NDArray[np.float64]
 # Chosen by measurement on the six tasks' motions (docs/research/tracking.md).
@@ -77,7 +76,7 @@ def assess_pose(model: ObjectModel, patch: ImagePatch, pose: Array, following: b
         following: Whether the object was tracked up to now; a newly found pose must meet higher thresholds.
     """
     needed = LOST_BELOW if following else FOUND_ABOVE
-    tally = count_agreement(patch, model, pose, MARGIN_M)
+    tally = kernels.count_agreement(pose, model.solids, patch, MARGIN_M)
     seen = float(tally[kernels.AGREE] + tally[kernels.WRONG])
     visible = seen / max(1.0, float(tally[kernels.DRAWN]))
     total = seen + float(tally[kernels.UNCOVERED] + tally[kernels.FREE])

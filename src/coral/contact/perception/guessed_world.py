@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from coral.contact.perception.object_model import from_trial
-from coral.contact.perception.pose_difference import PoseDifference, compare_poses
+from coral.contact.perception.symmetry import PoseDifference, compare_poses
 from coral.contact.scene.observation import BodyState, HandTarget, Observation, Truth
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import EvaluationWorld, Simulation

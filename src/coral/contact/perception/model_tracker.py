@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.contact.perception.agreement_kernels import ROUNDS, count_agreement, shift_onto_mask
+from coral.contact.perception.align_kernels import align
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.confidence import MARGIN_M, assess_pose, is_unseen, patch_around
 from coral.contact.perception.image_patch import ImagePatch
 from coral.contact.perception.object_model import ObjectModel
-from coral.contact.perception.pose_fit import align_pose, count_agreement, shift_onto_mask
 from coral.contact.perception.registration import misfit, register, start_orientations
 from coral.contact.perception.tracker import PoseEstimate
 from coral.contact.scene.geometry import rotation_about, rotation_angle, rotation_from_vector, rotation_vector
@@ -79,10 +80,8 @@ class ModelTracker:
             starts.append(camera @ guess)
         patch = self._patch(frame, mask, starts)
         if self._lost:
-            starts.append(shift_onto_mask(patch, self.model, starts[0]))
-        pose = self._align(
-            patch, min(starts, key=lambda start: misfit(count_agreement(patch, self.model, start, 0.03)))
-        )
+            starts.append(shift_onto_mask(starts[0], self.model.solids, patch, ROUNDS))
+        pose = self._align(patch, min(starts, key=lambda start: self._misfit(patch, start, 0.03)))
         if self._misfit(patch, pose) > SEARCH_ABOVE:
             pose = self._search(patch, [*starts, pose])
         estimate = self._assess(frame, patch, pose)
@@ -97,10 +96,11 @@ class ModelTracker:
         return patch_around(frame, mask, self.model, poses, PIXELS)
 
     def _align(self, patch: ImagePatch, pose: Array) -> Array:
-        return align_pose(patch, self.model, pose, STEPS, WIDE_M, TIGHT_M, OUTLINE, HOLD)
+        model = self.model
+        return np.asarray(align(pose, model.pivot, model.solids, patch, STEPS, WIDE_M, TIGHT_M, OUTLINE, HOLD))
 
-    def _misfit(self, patch: ImagePatch, pose: Array) -> float:
-        return misfit(count_agreement(patch, self.model, pose, MARGIN_M))
+    def _misfit(self, patch: ImagePatch, pose: Array, margin_m: float = MARGIN_M) -> float:
+        return misfit(count_agreement(pose, self.model.solids, patch, margin_m))
 
     def _search(self, patch: ImagePatch, poses: list[Array]) -> Array:
         """Align from several guesses, and from the first one rotated slightly about every axis; return the best fit."""

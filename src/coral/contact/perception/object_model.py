@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception import solids as kinds
-from coral.contact.perception.ray_solids import from_mujoco
-from coral.contact.perception.solids import Solids
+from coral.contact.perception.solids import Solids, from_mujoco
 from coral.contact.perception.surface_kernels import distance
 from coral.contact.perception.symmetry import Symmetry, of_kind, of_shape
 from coral.contact.scene.geometry import rotation_of

@@ -16,6 +16,8 @@ from coral.contact.perception.mesh_kernels import draw_mesh
 from coral.contact.perception.solids import BOX, CAPSULE, CYLINDER, MESH, PLANE, SPHERE, Solids
 
 _NONE = np.inf
+NEAR_M, FAR_M = 0.02, 20.0
+"""Between these depths an object is drawn that is compared with a picture."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -69,6 +71,16 @@ def render(
             draw_mesh(i, o, m, lens, near, far, first, count, solids.triangles, depth, solid, face)
         else:
             _primitive(i, kind[i], o, m, size[i], lens, near, far, window, depth, solid, face)
+
+
+@njit(cache=True, error_model="numpy")
+def invert(T_camera_object: NDArray[np.float64], turn: NDArray[np.float64], eye: NDArray[np.float64]) -> None:
+    """Write rotation, Shape=(3, 3), and place, Shape=(3,) m, of the camera in the frame of an object."""
+    for i in range(3):
+        eye[i] = 0.0
+        for j in range(3):
+            turn[i, j] = T_camera_object[j, i]
+            eye[i] -= T_camera_object[j, i] * T_camera_object[j, 3]
 
 
 @njit(cache=True, error_model="numpy", inline="always")

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception import agreement_kernels as kernels
+from coral.contact.perception.align_kernels import align
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch, robot_mask
 from coral.contact.perception.object_model import ObjectModel
-from coral.contact.perception.pose_fit import align_pose, count_agreement, shift_onto_mask
 from coral.contact.scene.geometry import rotation_about, spread_rotations
 
 Array = NDArray[np.float64]
@@ -93,15 +93,16 @@ def register(model: ObjectModel, turns: Array, frame: RgbdFrame, mask: NDArray[n
     for turn in frame.T_world_camera[:3, :3].T @ turns:
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = turn, start - turn @ model.pivot
-        pose = shift_onto_mask(coarse, model, pose)
-        pose = align_pose(coarse, model, pose, COARSE_STEPS, WIDE_M, TIGHT_M, OUTLINE)
-        found.append((misfit(count_agreement(coarse, model, pose, MARGIN_M)), len(found), pose))
+        pose = kernels.shift_onto_mask(pose, model.solids, coarse, kernels.ROUNDS)
+        pose = align(pose, model.pivot, model.solids, coarse, COARSE_STEPS, WIDE_M, TIGHT_M, OUTLINE, 0.0)
+        tally = kernels.count_agreement(pose, model.solids, coarse, MARGIN_M)
+        found.append((misfit(tally), len(found), pose))
     found.sort(key=lambda item: item[:2])
     fine = crop_patch(depth, mask, robot, lens, box, FINE_PIXELS)
     best = (math.inf, np.eye(4))
     for _, _, pose in _drop_duplicates(found, KEPT):
-        pose = align_pose(fine, model, pose, FINE_STEPS, 2 * TIGHT_M, TIGHT_M, OUTLINE)
-        score = misfit(count_agreement(fine, model, pose, MARGIN_M))
+        pose = align(pose, model.pivot, model.solids, fine, FINE_STEPS, 2 * TIGHT_M, TIGHT_M, OUTLINE, 0.0)
+        score = misfit(kernels.count_agreement(pose, model.solids, fine, MARGIN_M))
         if score < best[0]:
             best = (score, pose)
     return best[1]

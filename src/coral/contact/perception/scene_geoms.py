@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import mujoco
+import numpy as np
 
 from coral.contact.scene.trial import Trial
 
@@ -14,17 +17,15 @@ def instance_names(model: mujoco.MjModel, trial: Trial) -> dict[int, str]:
     return robot | {i: bodies[int(b)] for i, b in enumerate(model.geom_bodyid) if int(b) in bodies}
 
 
+def covered_geoms(model: mujoco.MjModel, apart: Iterable[str] = ()) -> list[int]:
+    """List the collision shapes (group 0) of bodies that have visual ones (group 1); not those of some bodies."""
+    plain, visual = (np.flatnonzero(model.geom_group == group) for group in (0, 1))
+    bodies = {*model.geom_bodyid[visual].tolist()} - {0, *(int(model.body(name).id) for name in apart)}
+    return [int(geom) for geom in plain if int(model.geom_bodyid[geom]) in bodies]
+
+
 def hidden_geoms(model: mujoco.MjModel, trial: Trial) -> list[int]:
     """List the geoms that pictures for people leave out: collision shapes over visual ones, and the room."""
     ours = {"table", *(fixture.name for fixture in trial.task.fixtures)}
-    visual = {int(model.geom_bodyid[k]) for k in range(model.ngeom) if model.geom_group[k] == 1}
-    bodies = {model.body(name).id for name in trial.objects}
-    return [
-        k
-        for k in range(model.ngeom)
-        if model.geom(k).name not in ours
-        and (
-            int(model.geom_bodyid[k]) == 0
-            or (model.geom_group[k] == 0 and int(model.geom_bodyid[k]) in visual - bodies)
-        )
-    ]
+    room = [int(k) for k in np.flatnonzero(model.geom_bodyid == 0) if model.geom(int(k)).name not in ours]
+    return [*room, *covered_geoms(model, trial.objects)]

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.scene.geometry import quaternion_of, rotation_about, rotation_angle, spread_rotations
+from coral.contact.scene.observation import BodyState
+from coral.contact.scene.rigid_transform import body_to_matrix
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
@@ -75,6 +77,23 @@ class Symmetry:
         equal = self.nearest(pose, truth)
         shift = equal[:3, :3] @ self.center + equal[:3, 3] - truth[:3, :3] @ self.center - truth[:3, 3]
         return float(np.linalg.norm(shift)), rotation_angle(equal[:3, :3], truth[:3, :3])
+
+
+@dataclass(frozen=True)
+class PoseDifference:
+    """The error of one object's pose at one time; for reports, never for decisions."""
+
+    off_m: float
+    off_rad: float
+    """Difference between the true pose and the planner's estimate, modulo the object's symmetry."""
+    lost: bool
+    """Whether the tracker had lost the object."""
+
+
+def compare_poses(symmetry: Symmetry, believed: BodyState, true: BodyState, lost: bool) -> PoseDifference:
+    """Compute the error of one object's pose."""
+    shift, turn = symmetry.difference(body_to_matrix(believed), body_to_matrix(true))
+    return PoseDifference(float(shift), float(turn), lost)
 
 
 def of_kind(kind: str, extents: Array, center: Array | None = None) -> Symmetry:

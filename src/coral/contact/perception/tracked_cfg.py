@@ -9,10 +9,11 @@ import mujoco
 import numpy as np
 
 from coral.config import Count, NonNegative, Positive, Signed
-from coral.contact.perception.camera import Colours, RayCamera, RgbdCameraCfg, look_at
+from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
 from coral.contact.perception.depth_noise import SENSORS, DepthNoise, Sensor
+from coral.contact.perception.foundationpose import FoundationPoseCfg
 from coral.contact.perception.scene_geoms import instance_names
-from coral.contact.perception.tracker_registry import TrackerCfgs, TrackerChoice, choose_tracker
+from coral.contact.perception.tracker_registry import TrackerChoice, choose_tracker
 from coral.contact.scene.trial import Trial
 from coral.errors import InputError
 
@@ -29,9 +30,11 @@ _DRAWN = (0,)
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrackedCfg(TrackerCfgs):
+class TrackedCfg:
     """The camera, the tracker, and the use of its poses."""
 
+    foundationpose: FoundationPoseCfg = field(default_factory=FoundationPoseCfg)
+    """Configuration of the tracker `foundationpose`."""
     period_s: Positive = 0.04
     """Time between two pictures."""
     latency_s: NonNegative = 0.04
@@ -75,7 +78,7 @@ class TrackedCfg(TrackerCfgs):
         Raises:
             InputError: There is no such tracker.
         """
-        return choose_tracker(self.by, self, "tracked", "by")
+        return choose_tracker(self.by, self.foundationpose, "tracked", "by")
 
 
 def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:
@@ -91,8 +94,8 @@ def viewpoint(trial: Trial, cfg: TrackedCfg) -> tuple[Place, Place]:
     return eye, target
 
 
-def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg, colours: Colours | None = None) -> RayCamera:
-    """Make an episode's camera, with noise as configured, and by default the colours that its tracker wants."""
+def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg, colours: bool = False) -> RayCamera:
+    """Make an episode's camera, with noise as configured; it has colours if asked for, or if the tracker needs them."""
     return RayCamera(
         model,
         cfg.camera,
@@ -100,5 +103,5 @@ def make_camera(model: mujoco.MjModel, trial: Trial, cfg: TrackedCfg, colours: C
         instance_names(model, trial),
         groups=_DRAWN,
         noise=cfg.make_noise(),
-        colours=colours or ("shaded" if cfg.choice().wants_colours else "none"),
+        colours=colours or cfg.choice().wants_colours,
     )

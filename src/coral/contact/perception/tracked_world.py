@@ -12,7 +12,7 @@ import numpy as np
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.grasp_detection import is_grasped
 from coral.contact.perception.object_model import from_trial
-from coral.contact.perception.pose_difference import PoseDifference, compare_poses
+from coral.contact.perception.symmetry import PoseDifference, compare_poses
 from coral.contact.perception.tracked_cfg import TrackedCfg, make_camera
 from coral.contact.perception.tracked_object import TrackedObject
 from coral.contact.perception.tracker import PoseEstimate, TrackerFailed

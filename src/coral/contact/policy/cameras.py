@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import copy
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.episode.policy_cfg import PolicyCamerasCfg
 from coral.contact.perception.camera import RayCamera, RgbdCameraCfg, look_at
+from coral.contact.perception.scene_geoms import covered_geoms
 from coral.contact.scene.geometry import rotation_of
 from coral.contact.scene.observation import Array, BodyState
 from coral.errors import InputError
 
 Image = NDArray[np.uint8]
-_HIDDEN = 5
 
 
 class PolicyCameras:
@@ -33,11 +31,11 @@ class PolicyCameras:
         if np.allclose(cfg.eye_m[:2], cfg.target_m[:2]):
             raise InputError("policy.eyes", "target_m", cfg.target_m, "a point that is not straight below the camera")
         self._cfg = cfg
-        shown = _uncover_visuals(model)
+        hidden = covered_geoms(model)
 
         def camera(vfov_deg: float, near_m: float, pose: Array) -> RayCamera:
             lens = RgbdCameraCfg(width=cfg.pixels, height=cfg.pixels, vfov_deg=vfov_deg, near_m=near_m)
-            return RayCamera(shown, lens, pose, {}, colours=cfg.colours)
+            return RayCamera(model, lens, pose, {}, colours=True, hidden=hidden)
 
         self._outside = camera(cfg.vfov_deg, 0.05, look_at(cfg.eye_m, cfg.target_m))
         self._wrist = camera(cfg.wrist_vfov_deg, 0.005, np.eye(4))
@@ -69,12 +67,3 @@ def wrist_pose(tool: BodyState, place_m: Array) -> Array:
     pose[:3, :3] = turn @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     pose[:3, 3] = tool.position + turn @ place_m
     return pose
-
-
-def _uncover_visuals(model: mujoco.MjModel) -> mujoco.MjModel:
-    """Copy a model so that the robot's collision shapes (group 0) do not cover its visual ones (group 1)."""
-    shown = copy.copy(model)
-    visual = set(model.geom_bodyid[model.geom_group == 1].tolist()) - {0}
-    plain = np.flatnonzero(model.geom_group == 0)
-    shown.geom_group[[geom for geom in plain if int(model.geom_bodyid[geom]) in visual]] = _HIDDEN
-    return shown

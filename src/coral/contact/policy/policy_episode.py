@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import cv2
 import numpy as np
@@ -21,7 +21,7 @@ from coral.contact.episode.trial_log import conditions_not_held, start_fields, w
 from coral.contact.policy import libero_convention as libero
 from coral.contact.policy.address import Address
 from coral.contact.policy.cameras import PolicyCameras
-from coral.contact.policy.client import PolicyError, printable
+from coral.contact.policy.client import PolicyClient, PolicyError, printable
 from coral.contact.scene.observation import Array, HandTarget, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.evaluation_world import WorldError
@@ -31,20 +31,6 @@ from coral.interrupts import interruptible
 from coral.run_files import RunFiles, TaskFiles
 from coral.run_loop import Observer, run_to_end, stoppable, timing_of
 from coral.runs import RunWriter
-
-
-class Policy(Protocol):
-    """Answers observations with chunks of actions."""
-
-    metadata: dict[str, Any]
-
-    def infer(self, observation: Mapping[str, Any]) -> Mapping[Any, Any]:
-        """Return an answer with `actions`, Shape=(n, 7).
-
-        Raises:
-            PolicyError: There is no answer.
-        """
-        ...
 
 
 class PolicyEpisode:
@@ -67,7 +53,7 @@ class PolicyEpisode:
     stage = "policy"
 
     def __init__(
-        self, trial: Trial, world: str, policy: Policy, cfg: EpisodeCfg, folder: Path, address: Address
+        self, trial: Trial, world: str, policy: PolicyClient, cfg: EpisodeCfg, folder: Path, address: Address
     ) -> None:
         self.trial, self.policy, self.cfg, self.address = trial, policy, cfg, address
         self.time_limit_s = trial.task.time_limit_s

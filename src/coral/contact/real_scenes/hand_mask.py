@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 
 from coral.contact.control.hand_model import HandCfg, add_hand
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.ray_solids import from_mujoco
-from coral.contact.perception.solids import Solids
+from coral.contact.perception.image_patch import ROBOT_NAME
+from coral.contact.perception.solids import Solids, from_mujoco
 from coral.contact.real_scenes.object_drawing import draw_depth
 from coral.contact.scene.rigid_transform import inverse_transform
 
 Array = NDArray[np.float64]
-NAME = "robot"
-"""What trackers call the pixels: they may cover an object."""
 MARGIN_M = 0.02
 """Measured depths this near to the drawn hand are the hand's: a camera's calibration and delay err by some of it."""
 SWELL_M = 0.003
@@ -59,8 +57,8 @@ class HandMask:
         placed = inverse_transform(frame.T_world_camera) @ hand.T_world_tool
         drawn = draw_depth(self._solids, placed, frame)
         shown = np.isfinite(drawn) & ((frame.depth == 0.0) | (np.abs(frame.depth - drawn) < MARGIN_M))
-        names = (*frame.names, NAME) if NAME not in frame.names else frame.names
-        instance = np.where(shown & (frame.instance == 0), names.index(NAME) + 1, frame.instance)
+        names = (*frame.names, ROBOT_NAME) if ROBOT_NAME not in frame.names else frame.names
+        instance = np.where(shown & (frame.instance == 0), names.index(ROBOT_NAME) + 1, frame.instance)
         return replace(frame, names=names, instance=instance.astype(np.uint8))
 
 

@@ -12,8 +12,11 @@ from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.grasp_detection import is_grasped
 from coral.contact.perception.object_model import ObjectModel, from_trial
 from coral.contact.perception.tracked_object import TrackedObject
+from coral.contact.perception.tracked_world import nominal_pose
 from coral.contact.perception.tracker import PoseEstimate, PoseTracker
+from coral.contact.perception.tracker_registry import TrackerChoice
 from coral.contact.real_scenes.hand_mask import HandMask, HandReading
+from coral.contact.real_scenes.masks.mask_registry import make_masks
 from coral.contact.real_scenes.masks.mask_source import MaskSource
 from coral.contact.scene.mujoco_scene import add_scene
 from coral.contact.scene.rigid_transform import inverse_transform
@@ -93,6 +96,19 @@ class ObjectTracking:
         """Release the trackers."""
         for one in self._objects.values():
             one.tracker.close()
+
+
+def track_objects(trial: Trial, choice: TrackerChoice, masks: str) -> ObjectTracking:
+    """Make the tracking of a trial's objects; `masks` is what segments the pictures, as `--masks` takes it.
+
+    Raises:
+        InputError: There are no such masks.
+        TrackerFailed: No tracker can be made.
+    """
+    choice.check()
+    models = object_models(trial)
+    segmented = make_masks(masks, trial, models)
+    return ObjectTracking(models, lambda name: choice.make(models[name], nominal_pose(trial, name)), segmented)
 
 
 def object_models(trial: Trial) -> dict[str, ObjectModel]:

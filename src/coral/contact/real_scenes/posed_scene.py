@@ -29,7 +29,7 @@ class PosedScene:
         add_hand(spec, HandCfg())
         self.model = spec.compile()
         self._data = mujoco.MjData(self.model)
-        self.camera = make_camera(self.model, trial, cfg, colours="shaded")
+        self.camera = make_camera(self.model, trial, cfg, colours=True)
 
     def take(self, state: Observation, rng: np.random.Generator) -> RgbdFrame:
         """Take a picture of the hand and the objects in a state."""

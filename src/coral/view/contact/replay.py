@@ -120,7 +120,7 @@ def scene_camera(
         RgbdCameraCfg(width=size[0], height=size[1], vfov_deg=VFOV_DEG),
         placed,
         instance_names(model, trial) if names else {},
-        colours="none" if names else "shaded",
+        colours=not names,
         hidden=hidden_geoms(model, trial),
     )
 

@@ -2,9 +2,11 @@ import numpy as np
 import pytest
 from painted_table import PAINT, at, overlap, picture
 
+from coral.contact.perception.camera import RgbdFrame
 from coral.contact.real_scenes.masks.colour_masks import (
     ColourMasks,
     ColourRegion,
+    hue_saturation_value,
     paint_regions,
     read_colours,
 )
@@ -75,3 +77,15 @@ def test_a_broken_file_names_the_field(tmp_path, text, told):
     (tmp_path / "c.yaml").write_text(text)
     with pytest.raises(InputError, match=told):
         read_colours(tmp_path / "c.yaml")
+
+
+def test_hue_is_in_degrees():
+    rgb = np.full((1, 1, 3), (0, 255, 0), np.uint8)
+    frame = RgbdFrame(np.ones((1, 1), np.float32), np.zeros((1, 1), np.uint8), (), np.ones(4), np.eye(4), 0.0, rgb)
+    assert hue_saturation_value(frame)[0, 0] == pytest.approx([120.0, 1.0, 1.0])
+
+
+def test_a_picture_without_colours_is_one_line():
+    frame = RgbdFrame(np.ones((1, 1), np.float32), np.zeros((1, 1), np.uint8), (), np.ones(4), np.eye(4))
+    with pytest.raises(InputError, match="--masks"):
+        hue_saturation_value(frame)

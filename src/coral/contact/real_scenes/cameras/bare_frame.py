@@ -57,17 +57,9 @@ class Undistortion:
             u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
             grid = np.stack([u, v], axis=-1).reshape(-1, 1, 2)
             found = cv2.undistortPoints(grid, matrix, coefficients, P=matrix).reshape(height, width, 2)
-        elif fisheye:
-            straight = np.eye(3)
-            found = np.dstack(
-                cv2.fisheye.initUndistortRectifyMap(
-                    matrix, coefficients, straight, matrix, (width, height), cv2.CV_32FC1
-                )
-            )
         else:
-            found = np.dstack(
-                cv2.initUndistortRectifyMap(matrix, coefficients, None, matrix, (width, height), cv2.CV_32FC1)
-            )
+            prepare: Any = cv2.fisheye.initUndistortRectifyMap if fisheye else cv2.initUndistortRectifyMap
+            found = np.dstack(prepare(matrix, coefficients, np.eye(3), matrix, (width, height), cv2.CV_32FC1))
         self._map = np.asarray(found, np.float32)
 
     def apply(self, picture: NDArray[Any]) -> NDArray[Any]:

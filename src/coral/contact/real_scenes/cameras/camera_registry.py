@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,57 +12,25 @@ from coral.contact.real_scenes.cameras.realsense_camera import HEIGHT, RATE_HZ, 
 from coral.contact.real_scenes.cameras.recorded_camera import RecordedRgbdCamera
 from coral.contact.real_scenes.cameras.rgbd_camera import RgbdCamera
 from coral.errors import InputError
-from coral.plugins import find_plugins, named_plugin
+from coral.plugins import named_plugin
 
 Array = NDArray[np.float64]
 GROUP = "coral.cameras"
 
 
-@dataclass(frozen=True)
-class CameraKind:
-    """A camera on the command line."""
-
-    form: str
-    """Form of the value after `--camera`."""
-    help: str
-    """Description, as half a sentence."""
-    make: Callable[[str, Array | None], RgbdCamera]
-    """Makes it from what follows the first colon ("" without one) and T_world_camera."""
-
-
-CAMERAS: dict[str, CameraKind] = {
-    "recording": CameraKind(
-        "recording:FOLDER",
-        "recorded pictures in the format of BOP: depth, rgb, scene_camera.json",
-        lambda rest, placed: RecordedRgbdCamera(Path(rest), placed),
-    ),
-    "bag": CameraKind(
-        "bag:FILE",
-        "a ROS 2 bag or MCAP file with colour, aligned depth and camera_info (extra bags)",
-        BagRgbdCamera,
-    ),
-    "realsense": CameraKind(
-        "realsense[:SERIAL]",
-        f"a RealSense with {WIDTH} x {HEIGHT} pixels, {RATE_HZ} Hz, depth aligned to the colours (extra realsense)",
-        lambda rest, placed: RealSenseCamera(rest or None, placed),
-    ),
-    "drawn": CameraKind(
-        "drawn:TASK",
-        "noisy drawn pictures of a task's scene as it begins, to practise with",
-        lambda rest, placed: _still_camera(rest, placed),
-    ),
+CAMERAS = {
+    "recording:FOLDER": "recorded pictures in the format of BOP: depth, rgb, scene_camera.json",
+    "bag:FILE": "a ROS 2 bag or MCAP file with colour, aligned depth and camera_info (extra bags)",
+    "realsense[:SERIAL]": f"a RealSense with {WIDTH} x {HEIGHT} pixels, {RATE_HZ} Hz, depth aligned to the colours "
+    "(extra realsense)",
+    "drawn:TASK": "noisy drawn pictures of a task's scene as it begins, to practise with",
 }
-
-
-def _still_camera(task: str, T_world_camera: Array | None) -> RgbdCamera:
-    from coral.contact.real_scenes.cameras.drawn_camera import still_camera  # MuJoCo is slow to import
-
-    return still_camera(task, T_world_camera)
+"""Description of each form of the value after `--camera`, as half a sentence."""
 
 
 def camera_help() -> str:
     """List the cameras with their descriptions, for the command line's help."""
-    return "; or ".join(f"{kind.form}, {kind.help}" for kind in CAMERAS.values())
+    return "; or ".join(f"{form}, {what}" for form, what in CAMERAS.items())
 
 
 def make_camera_by_name(word: str, T_world_camera: Array | None = None) -> RgbdCamera:
@@ -78,10 +44,18 @@ def make_camera_by_name(word: str, T_world_camera: Array | None = None) -> RgbdC
         InputError: There is no such camera.
     """
     name, _, rest = word.partition(":")
-    if name not in CAMERAS and name in find_plugins(GROUP):
-        made: RgbdCamera = named_plugin(GROUP, name, "--camera")(rest, T_world_camera)
-        return made
-    kind = CAMERAS.get(name) or named_plugin(GROUP, name, "--camera", ours=[kind.form for kind in CAMERAS.values()])
-    if not rest and kind.form.endswith((":FOLDER", ":FILE", ":TASK")):
-        raise InputError("--camera", "", repr(word), kind.form)
-    return kind.make(rest, T_world_camera)
+    form = next((form for form in CAMERAS if form.partition(":")[0] == name), None)
+    if form is not None and not rest:
+        raise InputError("--camera", "", repr(word), form)
+    if name == "realsense":
+        return RealSenseCamera(rest or None, T_world_camera)
+    if name == "recording":
+        return RecordedRgbdCamera(Path(rest), T_world_camera)
+    if name == "bag":
+        return BagRgbdCamera(rest, T_world_camera)
+    if name == "drawn":
+        from coral.contact.real_scenes.cameras.drawn_camera import still_camera  # MuJoCo is slow to import
+
+        return still_camera(rest, T_world_camera)
+    made: RgbdCamera = named_plugin(GROUP, name, "--camera", ours=[*CAMERAS])(rest, T_world_camera)
+    return made

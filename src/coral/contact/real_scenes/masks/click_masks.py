@@ -15,13 +15,12 @@ from pydantic import BaseModel, Field
 from coral.config import Signed, read_model
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.object_model import ObjectModel
-from coral.contact.real_scenes.masks.mask_shape import clean_mask
+from coral.contact.real_scenes.masks.mask_source import Mask, clean_mask
 from coral.contact.real_scenes.object_drawing import draw_depth
 from coral.contact.scene.rigid_transform import inverse_transform
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Pixel = tuple[Signed, Signed]
 LEFT = 0.3
 """A lost object has left its place if a smaller share of its last drawing is still there."""

@@ -7,17 +7,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from coral.config import Fraction, read_model
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.real_scenes.masks.mask_shape import clean_mask, hue_saturation_value
+from coral.contact.real_scenes.masks.mask_source import Mask, clean_mask
 from coral.errors import InputError
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Degrees = Annotated[float, Field(ge=-360, le=360, allow_inf_nan=False)]
 HUE_DEG, SATURATION = 12.0, 0.07
 """How far the colours of a picture are from the paint: light changes value, and hardly hue and saturation."""
@@ -101,3 +101,14 @@ def read_colours(path: Path) -> dict[str, ColourRegion]:
         InputError: The file is missing or broken.
     """
     return read_model(path, ColoursFile).objects
+
+
+def hue_saturation_value(frame: RgbdFrame) -> Array:
+    """Convert a picture to hue (degrees), saturation and value (0 to 1), Shape=(H, W, 3).
+
+    Raises:
+        InputError: It has no colours.
+    """
+    if frame.rgb is None:
+        raise InputError("--masks", "", "a picture without colours", "a camera or recording with colours")
+    return np.asarray(cv2.cvtColor(frame.rgb.astype(np.float32) / 255.0, cv2.COLOR_RGB2HSV), float)

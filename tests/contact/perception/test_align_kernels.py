@@ -5,9 +5,8 @@ import pytest
 from drawn_object import BOARD, BOX, CAN, LENS, picture, tilted
 
 from coral.contact.perception import align_kernels as kernels
-from coral.contact.perception.agreement_kernels import RESIDUAL
+from coral.contact.perception.agreement_kernels import RESIDUAL, count_agreement, shift_onto_mask
 from coral.contact.perception.image_patch import crop_patch
-from coral.contact.perception.pose_fit import align_pose, count_agreement, shift_onto_mask
 from coral.contact.perception.registration import misfit
 from coral.contact.scene.geometry import rotation_about
 from coral.contact.scene.rigid_transform import pose_matrix
@@ -33,6 +32,10 @@ def slope(model, T):
     return np.where(trial, np.abs((best * rays).sum(-1)), 0.0)
 
 
+def align(seen, model, start, steps):
+    return kernels.align(start, model.pivot, model.solids, seen, steps, 0.03, 0.01, 2.0, 0.0)
+
+
 def patch(model, T, robot=None, pixels=10**6):
     depth, mask = picture(model, T)
     if robot is not None:
@@ -50,7 +53,7 @@ def test_a_pose_that_is_off_is_brought_back(model, k):
     start = truth.copy()
     start[:3, :3] = rotation_about(np.eye(3)[k % 3], 0.12) @ start[:3, :3]
     start[:3, 3] += rng.uniform(-0.015, 0.015, 3)
-    found = align_pose(patch(model, truth), model, start, 25, 0.03, 0.01, 2.0)
+    found = align(patch(model, truth), model, start, 25)
     shift, turn = model.symmetry.difference(found, truth)
     assert shift < 1e-3
     assert turn < 0.01
@@ -59,7 +62,7 @@ def test_a_pose_that_is_off_is_brought_back(model, k):
 def test_the_spin_of_a_can_stays_where_it_was():
     truth = tilted()
     spun = truth @ pose_matrix(rotation_about(np.array([0, 0, 1.0]), 1.0), np.zeros(3))
-    found = align_pose(patch(CAN, truth), CAN, spun, 10, 0.03, 0.01, 2.0)
+    found = align(patch(CAN, truth), CAN, spun, 10)
     assert found[:3, 0] @ spun[:3, 0] > 0.9995
 
 
@@ -68,7 +71,7 @@ def test_what_the_robot_hides_does_not_push():
     robot = np.zeros((120, 160), bool)
     robot[:, 84:] = True
     assert 0.2 < (picture(BOX, truth)[1] & robot).sum() / picture(BOX, truth)[1].sum() < 0.8
-    found = align_pose(patch(BOX, truth, robot), BOX, truth, 10, 0.03, 0.01, 2.0)
+    found = align(patch(BOX, truth, robot), BOX, truth, 10)
     shift, turn = BOX.symmetry.difference(found, truth)
     assert shift < 5e-4
     assert turn < 0.01
@@ -78,7 +81,7 @@ def test_hollow_things_do_not_slip(mug):
     truth = tilted((2.2, 0.3, 0.2))
     start = truth.copy()
     start[:3, 3] += [0.008, -0.006, 0.01]
-    found = align_pose(patch(mug, truth), mug, start, 25, 0.03, 0.01, 2.0)
+    found = align(patch(mug, truth), mug, start, 25)
     shift, turn = mug.symmetry.difference(found, truth)
     assert shift < 1e-3
     assert turn < 0.02
@@ -89,7 +92,7 @@ def test_the_tally_against_numpy():
     robot = np.zeros((120, 160), bool)
     robot[50:60] = True
     seen = patch(BOX, truth, robot)
-    tally = count_agreement(seen, BOX, guess, 0.012)
+    tally = count_agreement(guess, BOX.solids, seen, 0.012)
 
     depth, trial = picture(BOX, guess, 0.0)
     near = np.zeros_like(trial)
@@ -110,14 +113,14 @@ def test_the_tally_against_numpy():
     np.testing.assert_array_equal(tally[:6], expected)
     assert min(expected) > 0
     assert tally[RESIDUAL] == pytest.approx((gap / 0.012)[both & (gap < 0.012)].sum(), rel=1e-4)
-    assert misfit(count_agreement(seen, BOX, truth, 0.012)) < misfit(tally)
+    assert misfit(count_agreement(truth, BOX.solids, seen, 0.012)) < misfit(tally)
 
 
 def test_a_shift_onto_the_mask_brings_the_drawing_over_the_mask():
     truth = tilted()
     far = truth.copy()
     far[:3, 3] += [0.15, 0.1, 0.2]
-    found = shift_onto_mask(patch(BOX, truth), BOX, far, 4)
+    found = shift_onto_mask(far, BOX.solids, patch(BOX, truth), 4)
     assert np.linalg.norm(found[:3, 3] - truth[:3, 3]) < 0.005
 
 
