@@ -16,6 +16,7 @@ from coral.flags import Option
 
 if TYPE_CHECKING:
     from coral.contact.perception.camera import RgbdFrame
+    from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration
 
 MOST_PICTURES = 500
 
@@ -64,15 +65,16 @@ class ContactCalibrate:
         if not 1 <= self.pictures <= MOST_PICTURES:
             raise InputError("--pictures", "", self.pictures, f"1 to {MOST_PICTURES}")
         frames = self._take(self.camera)
-        placed, method, residuals = self._by_touch(frames[0]) if self.touches is not None else self._by_board(frames)
+        found, method = self._by_touch(frames[0]) if self.touches is not None else self._by_board(frames)
         self.out.parent.mkdir(parents=True, exist_ok=True)
-        write_camera_pose(self.out, placed, method, residuals)
+        write_camera_pose(self.out, found, method)
+        placed = found.T_world_camera
         return {
             "out": str(self.out),
             "method": method,
             "position_m": [round(float(value), 5) for value in placed[:3, 3]],
             "looks_along": [round(float(value), 4) for value in placed[:3, 2]],
-            "residuals": residuals,
+            "residuals": found.residuals,
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:
@@ -109,19 +111,14 @@ class ContactCalibrate:
             raise InputError("--camera", "", word, "pictures")
         return frames
 
-    def _by_touch(self, frame: RgbdFrame) -> tuple[Any, str, dict[str, float]]:
-        import numpy as np
-
+    def _by_touch(self, frame: RgbdFrame) -> tuple[CameraCalibration, str]:
         from coral.contact.real_scenes.calibration.touch_calibration import calibrate_by_touch, read_touches
 
         assert self.touches is not None
         touches = read_touches(self.touches)
-        found = calibrate_by_touch(frame, touches, str(self.touches))
-        left = 1e3 * found.residuals_m
-        residuals = {"rms_mm": float(np.sqrt(np.mean(left**2))), "largest_mm": float(left.max())}
-        return found.T_world_camera, f"{len(touches)} touched points", residuals
+        return calibrate_by_touch(frame, touches, str(self.touches)), f"{len(touches)} touched points"
 
-    def _by_board(self, frames: list[RgbdFrame]) -> tuple[Any, str, dict[str, float]]:
+    def _by_board(self, frames: list[RgbdFrame]) -> tuple[CameraCalibration, str]:
         import numpy as np
 
         from coral.contact.real_scenes.calibration.board_calibration import (
@@ -148,15 +145,9 @@ class ContactCalibrate:
                 raise InputError(str(self.hand_poses), "poses", found_count, "one pose for each picture")
             chosen = [tool for tool, one in zip(tools, seen, strict=True) if one is not None]
             fit = calibrate_by_held_board(boards, pictures, chosen, str(self.hand_poses))
-            method = f"board in the hand, {len(boards)} pictures"
-        else:
-            assert self.board_at is not None
-            x, y, z, yaw_deg = self.board_at
-            turn = rotation_about(np.array([0.0, 0.0, 1.0]), float(np.radians(yaw_deg)))
-            placed = pose_matrix(turn @ np.diag([1.0, -1.0, -1.0]), [x, y, z])
-            fit = calibrate_by_placed_board(boards, pictures, placed)
-            method = f"board at a known place, {len(boards)} pictures"
-        residuals = {"rms_px": fit.residual_px}
-        if fit.depth_share is not None:
-            residuals["depth_off_percent"] = 100 * fit.depth_share
-        return fit.T_world_camera, method, residuals
+            return fit, f"board in the hand, {len(boards)} pictures"
+        assert self.board_at is not None
+        x, y, z, yaw_deg = self.board_at
+        turn = rotation_about(np.array([0.0, 0.0, 1.0]), float(np.radians(yaw_deg)))
+        placed = pose_matrix(turn @ np.diag([1.0, -1.0, -1.0]), [x, y, z])
+        return calibrate_by_placed_board(boards, pictures, placed), f"board at a known place, {len(boards)} pictures"

@@ -20,7 +20,7 @@ def test_the_embedded_one_is_told_what_is_expected_and_wants_no_colours(mug):
     tracker = choice.make(mug, expected)
     assert isinstance(tracker, ModelTracker)
     assert (choice.name, choice.wants_colours) == ("model", False)
-    np.testing.assert_array_equal(tracker._reference, expected)
+    np.testing.assert_array_equal(tracker.belief.pose, expected)
     choice.check()
     tracker.close()
 

@@ -11,6 +11,7 @@ from coral.contact.perception import agreement_kernels as kernels
 from coral.contact.perception.camera import RgbdFrame
 from coral.contact.perception.image_patch import ImagePatch, box_of, crop_patch, project, robot_mask
 from coral.contact.perception.object_model import ObjectModel
+from coral.contact.perception.tracker import PoseEstimate
 
 Array = NDArray[np.float64]
 # Chosen by measurement on the six tasks' motions (docs/research/tracking.md).
@@ -86,3 +87,38 @@ def assess_pose(model: ObjectModel, patch: ImagePatch, pose: Array, following: b
         hidden = float(tally[kernels.HIDDEN]) > 0.5 * float(tally[kernels.DRAWN])
         return PoseAssessment(confidence, visible, "covered" if hidden else "does not fit")
     return PoseAssessment(confidence, visible, "" if confidence >= needed else "does not fit")
+
+
+class PoseBelief:
+    """What a tracker believes of an object's pose, and whether it has lost it.
+
+    Args:
+        model: The object.
+        expected: T_world_object, Shape=(4, 4), as in `ModelTracker`.
+    """
+
+    def __init__(self, model: ObjectModel, expected: Array | None) -> None:
+        self._model = model
+        self.pose = np.eye(4) if expected is None else expected
+        """T_world_object, Shape=(4, 4): the last that was relied on, before the first one the expected."""
+        self.found = self.lost = False
+        """Whether it was ever found, and whether it was lost since."""
+
+    @property
+    def follows(self) -> bool:
+        """Return whether the object was tracked up to now."""
+        return self.found and not self.lost
+
+    def update(self, frame: RgbdFrame, patch: ImagePatch, pose: Array, registered: bool) -> PoseEstimate:
+        """Assess a pose (T_camera_object), and keep it if it is reliable."""
+        assessment = assess_pose(self._model, patch, pose, self.follows)
+        if assessment.reason:
+            return self.lose(assessment.reason, assessment.visible)
+        self.pose = self._model.symmetry.nearest(frame.T_world_camera @ pose, self.pose)
+        self.found, self.lost = True, False
+        return PoseEstimate(self.pose, assessment.confidence, False, assessment.visible, "", registered)
+
+    def lose(self, reason: str, visible: float = 0.0) -> PoseEstimate:
+        """Report the object as lost."""
+        self.lost = True
+        return PoseEstimate(self.pose, 0.0, True, visible, reason)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from coral.config import Count, Positive
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.confidence import assess_pose, is_unseen, patch_around
+from coral.contact.perception.confidence import PoseBelief, is_unseen, patch_around
 from coral.contact.perception.foundationpose_server import LIMIT_BYTES, Arrays, decode, encode
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.tracker import PoseEstimate, TrackerFailed
@@ -64,8 +64,7 @@ class FoundationPoseTracker:
     ) -> None:
         self.model, self.cfg = model, cfg or FoundationPoseCfg()
         self._session: NDArray[Any] | None = None
-        self._reference = np.eye(4) if expected is None else expected
-        self._found, self._lost = False, False
+        self.belief = PoseBelief(model, expected)
         vertices, faces = np.unique(model.triangles.reshape(-1, 3).round(7), axis=0, return_inverse=True)
         self._session = self._ask(
             "init", {"vertices": vertices, "faces": faces.reshape(-1, 3), "symmetry": model.symmetry.members(36)}
@@ -74,14 +73,14 @@ class FoundationPoseTracker:
             raise TrackerFailed(f"foundationpose at {self.cfg.url}: the answer to init names no session")
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
-        """See `PoseTracker`.
+        """Find the object without a previous pose.
 
         Raises:
             InputError: The picture has no colours.
             TrackerFailed: The server fails.
         """
         if is_unseen(frame, mask):  # the network would silently return the identity
-            return self._report_lost("not seen")
+            return self.belief.lose("not seen")
         request = self._picture(frame) | {"mask": mask, "iterations": np.array(self.cfg.register_steps)}
         return self._assess(frame, mask, self._pose("register", request), registered=True)
 
@@ -94,10 +93,10 @@ class FoundationPoseTracker:
             InputError: The picture has no colours.
             TrackerFailed: The server fails.
         """
-        if not self._found or self._lost:
+        if not self.belief.follows:
             return self.register(frame, mask)
         if is_unseen(frame, mask):
-            return self._report_lost("not seen")
+            return self.belief.lose("not seen")
         request = self._picture(frame) | {"iterations": np.array(self.cfg.track_steps)}
         return self._assess(frame, mask, self._pose("track", request))
 
@@ -128,19 +127,8 @@ class FoundationPoseTracker:
         return pose.astype(float)
 
     def _assess(self, frame: RgbdFrame, mask: NDArray[np.bool_], pose: Array, registered: bool = False) -> PoseEstimate:
-        poses = [pose, inverse_transform(frame.T_world_camera) @ self._reference]
-        patch = patch_around(frame, mask, self.model, poses, 12000)
-        following = self._found and not self._lost
-        assessment = assess_pose(self.model, patch, pose, following)
-        if assessment.reason:
-            return self._report_lost(assessment.reason, assessment.visible)
-        self._reference = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
-        self._found, self._lost = True, False
-        return PoseEstimate(self._reference, assessment.confidence, False, assessment.visible, "", registered)
-
-    def _report_lost(self, reason: str, visible: float = 0.0) -> PoseEstimate:
-        self._lost = True
-        return PoseEstimate(self._reference, 0.0, True, visible, reason)
+        poses = [pose, inverse_transform(frame.T_world_camera) @ self.belief.pose]
+        return self.belief.update(frame, patch_around(frame, mask, self.model, poses, 12000), pose, registered)
 
     def _ask(self, verb: str, request: Arrays) -> Arrays:
         try:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from coral.contact.perception.agreement_kernels import ROUNDS, count_agreement, shift_onto_mask
 from coral.contact.perception.align_kernels import align
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.confidence import MARGIN_M, assess_pose, is_unseen, patch_around
+from coral.contact.perception.confidence import MARGIN_M, PoseBelief, is_unseen, patch_around
 from coral.contact.perception.image_patch import ImagePatch
 from coral.contact.perception.object_model import ObjectModel
 from coral.contact.perception.registration import misfit, register, start_orientations
@@ -54,32 +54,36 @@ class ModelTracker:
     def __init__(self, model: ObjectModel, expected: Array | None = None) -> None:
         self.model = model
         self._turns = start_orientations(model)
-        self._reference = np.eye(4) if expected is None else expected
-        self._last: Array | None = None
+        self.belief = PoseBelief(model, expected)
         self._before: Array | None = None
-        self._lost = False
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
-        """Find the object without a previous pose; see `PoseTracker`."""
+        """Find the object without a previous pose.
+
+        Args:
+            frame: The picture.
+            mask: Shape=(H, W), mask of the object.
+        """
         if is_unseen(frame, mask):
-            return self._report_lost("not seen")
+            return self._lose()
         pose = register(self.model, self._turns, frame, mask)
         return self._assess(frame, self._patch(frame, mask, [pose]), pose, registered=True)
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
         """Track the object, or find it again after a loss; the hint is one more guess. See `PoseTracker`."""
-        if self._last is None:
+        if not self.belief.found:
             return self.register(frame, mask)
         if is_unseen(frame, mask):
-            return self._report_lost("not seen")
+            return self._lose()
         camera = inverse_transform(frame.T_world_camera)
-        starts = [camera @ self._last]
+        last = self.belief.pose
+        starts = [camera @ last]
         if self._before is not None:
-            starts.append(camera @ _extrapolate(self._last, self._before))
+            starts.append(camera @ _extrapolate(last, self._before))
         if guess is not None:
             starts.append(camera @ guess)
         patch = self._patch(frame, mask, starts)
-        if self._lost:
+        if self.belief.lost:
             starts.append(shift_onto_mask(starts[0], self.model.solids, patch, ROUNDS))
         pose = self._align(patch, min(starts, key=lambda start: self._misfit(patch, start, 0.03)))
         if self._misfit(patch, pose) > SEARCH_ABOVE:
@@ -124,20 +128,14 @@ class ModelTracker:
 
     def _assess(self, frame: RgbdFrame, patch: ImagePatch, pose: Array, *, registered: bool = False) -> PoseEstimate:
         """Assess a pose (T_camera_object), and keep it if it is reliable."""
-        following = self._last is not None and not self._lost
-        assessment = assess_pose(self.model, patch, pose, following)
-        if assessment.reason:
-            return self._report_lost(assessment.reason, assessment.visible)
-        world = self.model.symmetry.nearest(frame.T_world_camera @ pose, self._reference)
-        self._before = None if registered or self._lost else self._last
-        self._last = self._reference = world
-        self._lost = False
-        return PoseEstimate(world, assessment.confidence, False, assessment.visible, "", registered)
+        before = self.belief.pose if self.belief.follows and not registered else None
+        estimate = self.belief.update(frame, patch, pose, registered)
+        self._before = None if estimate.lost else before
+        return estimate
 
-    def _report_lost(self, reason: str, visible: float = 0.0) -> PoseEstimate:
-        """Report the object as lost."""
-        self._lost, self._before = True, None
-        return PoseEstimate(self._reference, 0.0, True, visible, reason)
+    def _lose(self) -> PoseEstimate:
+        self._before = None
+        return self.belief.lose("not seen")
 
 
 def _extrapolate(last: Array, before: Array) -> Array:

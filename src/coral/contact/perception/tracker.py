@@ -1,4 +1,4 @@
-"""The interface of a pose tracker: `register` finds an object, `track` follows it."""
+"""The interface of a pose tracker."""
 
 from __future__ import annotations
 
@@ -37,22 +37,10 @@ class TrackerFailed(RunError):
 
 
 class PoseTracker(Protocol):
-    """Finds and follows one object. The verbs are FoundationPose's."""
-
-    def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
-        """Find the object without a previous pose.
-
-        Args:
-            frame: The picture.
-            mask: Shape=(H, W), mask of the object.
-
-        Raises:
-            TrackerFailed: The tracker failed.
-        """
-        ...
+    """Finds and follows one object."""
 
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
-        """Track the object into the next picture.
+        """Track the object into the next picture, or find it if it is not tracked.
 
         Args:
             frame: The picture.

@@ -10,8 +10,8 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
-from collections.abc import Coroutine, Mapping
-from typing import Any, TypeVar
+from collections.abc import Mapping
+from typing import Any
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
@@ -19,7 +19,6 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 from coral.contact.episode.policy_cfg import ClientCfg
 from coral.contact.policy.wire import WireError, decode, encode
 
-T = TypeVar("T")
 KEY_VARIABLE = "CORAL_POLICY_KEY"
 """Environment variable with the key, for servers that require one (sent as by openpi's client)."""
 OUTAGES = ("unreachable", "silence", "closed")
@@ -53,7 +52,6 @@ class PolicyClient:
     def __init__(self, url: str, cfg: ClientCfg) -> None:
         self.url, self.cfg = url, cfg
         self.metadata: dict[str, Any] = {}
-        self.connections = 0
         self._runner = asyncio.Runner()
         self._line: ClientConnection | None = None
         logging.getLogger("websockets.client").setLevel(logging.CRITICAL)  # PolicyError reports what fails
@@ -64,7 +62,7 @@ class PolicyClient:
         Raises:
             PolicyError: The server does not answer, or not like a policy server.
         """
-        self._run(self._connect())
+        self._runner.run(self._connect())
 
     def infer(self, observation: Mapping[str, Any]) -> Mapping[Any, Any]:
         """Request the actions for an observation.
@@ -76,23 +74,21 @@ class PolicyClient:
             question = encode(observation)
         except WireError as error:
             raise PolicyError("bad-message", f"the observation cannot be sent: {error}") from None
-        return self._run(self._ask(question))
+        return self._runner.run(self._ask(question))
 
     def close(self) -> None:
         """Close the connection."""
         if self._line is not None:
-            self._run(self._leave(self._line))
+            self._runner.run(self._line.close())
             self._line = None
         self._runner.close()
-
-    def _run(self, work: Coroutine[Any, Any, T]) -> T:
-        return self._runner.run(work)
 
     async def _ask(self, question: bytes) -> Mapping[Any, Any]:
         for attempt in range(1, self.cfg.attempts + 1):
             try:
                 await self._connect()
-                return await self._exchange(question)
+                assert self._line is not None
+                return await self._receive(self._line, self.cfg.answer_s, question)
             except PolicyError as error:
                 self._drop()
                 if error.code not in OUTAGES or attempt == self.cfg.attempts:
@@ -128,12 +124,6 @@ class PolicyClient:
             self._drop()
             raise
         self.metadata = {str(name): value for name, value in told.items()}
-        self.connections += 1
-
-    async def _exchange(self, question: bytes) -> Mapping[Any, Any]:
-        line = self._line
-        assert line is not None
-        return await self._receive(line, self.cfg.answer_s, question)
 
     async def _receive(
         self, line: ClientConnection, within_s: float, question: bytes | None = None
@@ -165,9 +155,6 @@ class PolicyClient:
         if self._line is not None:
             self._line.transport.abort()
             self._line = None
-
-    async def _leave(self, line: ClientConnection) -> None:
-        await line.close()
 
 
 def _line(error: BaseException) -> str:

@@ -1,21 +1,26 @@
 import pytest
 
 from coral.contact.perception.camera import look_at
-from coral.contact.real_scenes.calibration.camera_pose_file import read_camera_pose, read_hand_poses, write_camera_pose
+from coral.contact.real_scenes.calibration.camera_pose_file import (
+    CameraCalibration,
+    read_camera_pose,
+    read_hand_poses,
+    write_camera_pose,
+)
 from coral.errors import InputError
 
 PLACED = look_at((-0.3, -0.5, 0.5), (0.1, 0.0, 0.0))
 
 
 def test_a_pose_is_read_as_it_was_written(tmp_path):
-    write_camera_pose(tmp_path / "camera.yaml", PLACED, "board", {"rms_px": 0.2})
+    write_camera_pose(tmp_path / "camera.yaml", CameraCalibration(PLACED, {"rms_px": 0.2}), "board")
     assert read_camera_pose(tmp_path / "camera.yaml") == pytest.approx(PLACED, abs=1e-5)
 
 
 def test_nothing_is_overwritten(tmp_path):
     (tmp_path / "camera.yaml").write_text("mine")
     with pytest.raises(InputError, match="a new file"):
-        write_camera_pose(tmp_path / "camera.yaml", PLACED, "board", {})
+        write_camera_pose(tmp_path / "camera.yaml", CameraCalibration(PLACED, {}), "board")
     assert (tmp_path / "camera.yaml").read_text() == "mine"
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration
 from coral.contact.real_scenes.calibration.charuco_board import SeenBoard
 from coral.contact.real_scenes.calibration.wrong_entry import check_fit
 from coral.contact.scene.geometry import rotation_angle
@@ -27,18 +27,6 @@ DEPTH_LIMIT = 0.03
 """Largest difference between the board's distance by its squares and by the measured depth, as a share."""
 
 
-@dataclass(frozen=True)
-class BoardCalibration:
-    """A fit."""
-
-    T_world_camera: Array
-    """Shape=(4, 4)."""
-    residual_px: float
-    """Root mean square over all corners."""
-    depth_share: float | None
-    """Median of (measured - expected) / expected depth at the corners; None without depth."""
-
-
 def locate_board(board: SeenBoard, lens: Array) -> Array:
     """Compute T_camera_board, Shape=(4, 4)."""
     matrix = np.array([[lens[0], 0.0, lens[2]], [0.0, lens[1], lens[3]], [0.0, 0.0, 1.0]])
@@ -49,7 +37,7 @@ def locate_board(board: SeenBoard, lens: Array) -> Array:
 
 def calibrate_by_placed_board(
     boards: Sequence[SeenBoard], frames: Sequence[RgbdFrame], T_world_board: Array
-) -> BoardCalibration:
+) -> CameraCalibration:
     """Compute where the camera stands from pictures of a board at one known place.
 
     Args:
@@ -69,13 +57,13 @@ def calibrate_by_placed_board(
     if left > LIMIT_PX:
         expected = f"{LIMIT_PX:g} pixels: a camera and a board that stand still, and its right description"
         raise InputError("--board", "", f"a residual of {left:.1f} pixels", expected)
-    share = _depth_share(boards, frames, [T_camera_board] * len(boards))
-    return BoardCalibration(T_world_board @ inverse_transform(T_camera_board), left, share)
+    residuals = {"rms_px": left} | _depth_residual(boards, frames, [T_camera_board] * len(boards))
+    return CameraCalibration(T_world_board @ inverse_transform(T_camera_board), residuals)
 
 
 def calibrate_by_held_board(
     boards: Sequence[SeenBoard], frames: Sequence[RgbdFrame], tools: Sequence[Array], where: str
-) -> BoardCalibration:
+) -> CameraCalibration:
     """Compute where the camera stands from pictures of a board in the hand; how it is held is found too.
 
     Solves T_world_tool(i) T_tool_board = T_world_camera T_camera_board(i) (Shah, 2013).
@@ -106,7 +94,7 @@ def calibrate_by_held_board(
 
     check_fit(lambda chosen: fit(chosen)[2], len(boards), LIMIT_PX, "pixels", LEAST_PICTURES, (where, "poses"))
     T_world_camera, placed, left = fit(range(len(boards)))
-    return BoardCalibration(T_world_camera, left, _depth_share(boards, frames, placed))
+    return CameraCalibration(T_world_camera, {"rms_px": left} | _depth_residual(boards, frames, placed))
 
 
 def solve_robot_world(A: Sequence[Array], B: Sequence[Array]) -> tuple[Array, Array]:
@@ -129,7 +117,10 @@ def _reprojection(board: SeenBoard, T_camera_board: Array, lens: Array) -> Array
     return np.asarray(np.linalg.norm(drawn - board.pixels, axis=1))
 
 
-def _depth_share(boards: Sequence[SeenBoard], frames: Sequence[RgbdFrame], placed: Sequence[Array]) -> float | None:
+def _depth_residual(
+    boards: Sequence[SeenBoard], frames: Sequence[RgbdFrame], placed: Sequence[Array]
+) -> dict[str, float]:
+    """Return the median of (measured - expected) / expected depth at the corners; nothing without depth."""
     shares = []
     for board, frame, pose in zip(boards, frames, placed, strict=True):
         expected = board.points @ pose[2, :3] + pose[2, 3]
@@ -138,12 +129,14 @@ def _depth_share(boards: Sequence[SeenBoard], frames: Sequence[RgbdFrame], place
         measured = frame.depth[rows.clip(0, height - 1), columns.clip(0, width - 1)]
         shares.append(((measured - expected) / expected)[measured > 0])
     every = np.concatenate(shares)
-    share = float(np.median(every)) if len(every) else None
-    if share is not None and abs(share) > DEPTH_LIMIT:
+    if not len(every):
+        return {}
+    share = float(np.median(every))
+    if abs(share) > DEPTH_LIMIT:
         found = f"depth that is {share:+.0%} off the board's distance by its squares"
         expected = f"{DEPTH_LIMIT:.0%}: measure the squares, and check that depth is aligned"
         raise InputError("--board", "", found, expected)
-    return share
+    return {"depth_off_percent": 100 * share}
 
 
 def _root_mean_square(errors: Sequence[Array]) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -43,6 +44,16 @@ class CameraPoseFile(BaseModel, frozen=True, extra="forbid"):
     """What the fit left, by name with unit."""
 
 
+@dataclass(frozen=True)
+class CameraCalibration:
+    """A fit of where a camera stands."""
+
+    T_world_camera: Array
+    """Shape=(4, 4)."""
+    residuals: Mapping[str, float]
+    """What the fit left, by name with unit."""
+
+
 class HandPose(BaseModel, frozen=True, extra="forbid"):
     """Where the tool is."""
 
@@ -56,8 +67,8 @@ class HandPosesFile(BaseModel, frozen=True, extra="forbid"):
     poses: Annotated[tuple[HandPose, ...], Field(min_length=1)]
 
 
-def write_camera_pose(path: Path, T_world_camera: Array, method: str, residuals: Mapping[str, float]) -> None:
-    """Write where a camera stands, T_world_camera, Shape=(4, 4); see `CameraPoseFile`.
+def write_camera_pose(path: Path, found: CameraCalibration, method: str) -> None:
+    """Write where a camera stands; see `CameraPoseFile`.
 
     Raises:
         InputError: Something is at the path already.
@@ -66,10 +77,10 @@ def write_camera_pose(path: Path, T_world_camera: Array, method: str, residuals:
         raise InputError("--out", "", str(path), "a new file")
     content = {
         "format": "coral-camera-pose/1",
-        "position_m": [round(float(value), 6) for value in T_world_camera[:3, 3]],
-        "quaternion": [round(float(value), 8) for value in quaternion_of(T_world_camera[:3, :3])],
+        "position_m": [round(float(value), 6) for value in found.T_world_camera[:3, 3]],
+        "quaternion": [round(float(value), 8) for value in quaternion_of(found.T_world_camera[:3, :3])],
         "method": method,
-        "residuals": {name: round(float(value), 4) for name, value in residuals.items()},
+        "residuals": {name: round(float(value), 4) for name, value in found.residuals.items()},
     }
     write_whole(path, to_yaml(content))
 

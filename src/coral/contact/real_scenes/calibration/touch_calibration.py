@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -13,6 +12,7 @@ from pydantic import BaseModel, Field
 
 from coral.config import Signed, read_model
 from coral.contact.perception.camera import RgbdFrame
+from coral.contact.real_scenes.calibration.camera_pose_file import CameraCalibration
 from coral.contact.real_scenes.calibration.wrong_entry import check_fit
 from coral.contact.scene.rigid_transform import pose_matrix
 from coral.errors import InputError
@@ -43,16 +43,6 @@ class TouchesFile(BaseModel, frozen=True, extra="forbid"):
     touches: Annotated[tuple[Touch, ...], Field(min_length=LEAST, max_length=MOST)]
 
 
-@dataclass(frozen=True)
-class TouchCalibration:
-    """A fit."""
-
-    T_world_camera: Array
-    """Shape=(4, 4)."""
-    residuals_m: Array
-    """Distance that is left at each point, Shape=(N,)."""
-
-
 def align_points(source: Array, target: Array) -> Array:
     """Compute the rigid transform, Shape=(4, 4), that moves points onto others with least squares (Kabsch, 1976).
 
@@ -66,7 +56,7 @@ def align_points(source: Array, target: Array) -> Array:
     return pose_matrix(turn, b - turn @ a)
 
 
-def calibrate_by_touch(frame: RgbdFrame, touches: Sequence[Touch], where: str) -> TouchCalibration:
+def calibrate_by_touch(frame: RgbdFrame, touches: Sequence[Touch], where: str) -> CameraCalibration:
     """Compute where the camera stands.
 
     Args:
@@ -84,13 +74,18 @@ def calibrate_by_touch(frame: RgbdFrame, touches: Sequence[Touch], where: str) -
         found = f"points within {1e3 * spread[1]:.0f} mm of a line"
         raise InputError(where, "touches", found, f"points spread by {1e3 * LEAST_SPREAD_M:.0f} mm beside it")
 
-    def residual(chosen: Sequence[int]) -> float:
+    def fit(chosen: Sequence[int]) -> CameraCalibration:
         a, b = seen[chosen], touched[chosen]
-        return 1e3 * float(np.sqrt(np.mean(_distances(align_points(a, b), a, b) ** 2)))
+        placed = align_points(a, b)
+        left_mm = 1e3 * np.linalg.norm(a @ placed[:3, :3].T + placed[:3, 3] - b, axis=1)
+        left = {"rms_mm": float(np.sqrt(np.mean(left_mm**2))), "largest_mm": float(left_mm.max())}
+        return CameraCalibration(placed, left)
 
-    check_fit(residual, len(touches), 1e3 * LIMIT_M, "mm", LEAST, (where, "touches"))
-    placed = align_points(seen, touched)
-    return TouchCalibration(placed, _distances(placed, seen, touched))
+    def residual_mm(chosen: Sequence[int]) -> float:
+        return fit(chosen).residuals["rms_mm"]
+
+    check_fit(residual_mm, len(touches), 1e3 * LIMIT_M, "mm", LEAST, (where, "touches"))
+    return fit(range(len(touches)))
 
 
 def read_touches(path: Path) -> list[Touch]:
@@ -114,7 +109,3 @@ def _seen_point(frame: RgbdFrame, pixel: tuple[float, float], field: str, where:
     depth = float(np.median(patch[patch > 0]))
     fx, fy, cx, cy = frame.lens
     return np.array([(pixel[0] - cx) / fx * depth, (pixel[1] - cy) / fy * depth, depth])
-
-
-def _distances(placed: Array, seen: Array, touched: Array) -> Array:
-    return np.asarray(np.linalg.norm(seen @ placed[:3, :3].T + placed[:3, 3] - touched, axis=1))
