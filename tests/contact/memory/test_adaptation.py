@@ -10,6 +10,7 @@ from coral.contact.memory.goal_match import match_goals
 from coral.contact.memory.memory import RememberedPlan
 from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.region_validation import verify_regions
+from coral.contact.plan.touchable_points import Scenery
 
 
 def adapted(held, facts):
@@ -28,7 +29,7 @@ def test_a_remembered_plan_fits_another_size(scene):
     one, other = scene("pick-box", 0), scene("pick-box", 2)
     plan, regions = adapted(experience(one), other.facts)
     assert judge_plan(plan, other.world.schema, other.samples).refusal is None
-    assert verify_regions(regions, other.facts, plan.names) is None
+    assert verify_regions(regions, other.facts, plan.names, Scenery.of(other.trial)) is None
 
 
 def test_regions_are_stretched_with_the_object_they_lie_on(scene):

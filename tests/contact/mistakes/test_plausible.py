@@ -8,6 +8,7 @@ from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.region_validation import verify_regions
+from coral.contact.plan.touchable_points import Scenery
 from coral.contact.world_model.parameter_estimates import ParameterEstimates
 
 BY_NAME = {mistake.name: mistake for mistake in CONTACT_MISTAKES}
@@ -67,7 +68,7 @@ def test_regions_on_another_face_pass_the_check(scene):
     before, after = (content["box"]["regions"][0]["normal"] for content in (right, made))
     assert np.dot(before, after) < 0.5
     assert np.linalg.norm(after) == pytest.approx(1.0)
-    assert verify_regions(RegionsAnswer.model_validate(made), one.facts, stages) is None
+    assert verify_regions(RegionsAnswer.model_validate(made), one.facts, stages, Scenery.of(one.trial)) is None
 
 
 def test_every_mistake_is_of_a_question_that_is_asked():

@@ -20,19 +20,15 @@ from coral.contact.thinker.pose_question import (
     PosesAnswer,
     ask_poses,
     pose_facts,
-    pose_prompt,
     verify_poses,
 )
 from coral.contact.worlds.hand_world import HandWorld
 
 
-def usual(facts):
-    return PosesAnswer(
-        {
-            name: ObjectPose(position=tuple(item["usual_pose"][:3]), quaternion=tuple(item["usual_pose"][3:]))
-            for name, item in facts["objects"].items()
-        }
-    )
+def guess(facts):
+    """Everything upright in the middle of the table."""
+    one = ObjectPose(position=(0.0, 0.0, 0.05), quaternion=(1.0, 0.0, 0.0, 0.0))
+    return PosesAnswer(dict.fromkeys(facts["objects"], one))
 
 
 @pytest.fixture(scope="module")
@@ -85,13 +81,6 @@ def test_an_answer_is_the_middle_of_the_object_and_becomes_its_origin(board):
     np.testing.assert_allclose(found.quaternion, true.quaternion, atol=1e-9)
 
 
-def test_no_measured_depth_and_no_true_pose_is_in_the_prompt(clutter):
-    _, _, facts = clutter
-    shown = json.dumps(pose_prompt(facts))
-    assert "seen_box" not in shown
-    assert "usual" not in shown
-
-
 @pytest.mark.parametrize(
     ("change", "code"),
     [
@@ -103,7 +92,7 @@ def test_no_measured_depth_and_no_true_pose_is_in_the_prompt(clutter):
 )
 def test_impossible_poses_are_refused(clutter, change, code):
     _, _, facts = clutter
-    right = usual(facts)
+    right = guess(facts)
     assert verify_poses(right, facts) is None
     name = next(iter(right.root))
     wrong = ObjectPose(**{**right.root[name].model_dump(), **change})
@@ -112,10 +101,10 @@ def test_impossible_poses_are_refused(clutter, change, code):
 
 
 class LooksOnce(RuleAdvisor):
-    """Guesses the usual pose of everything, and otherwise answers as the recorded model did."""
+    """Guesses a pose of everything, and otherwise answers as the recorded model did."""
 
     def __init__(self):
-        super().__init__({**RULES, "object-poses": lambda facts, rejections: usual(facts)}, "looks-once")
+        super().__init__({**RULES, "object-poses": lambda facts, rejections: guess(facts)}, "looks-once")
 
 
 def test_an_episode_without_tracking_asks_for_poses_first_and_says_so(tmp_path):

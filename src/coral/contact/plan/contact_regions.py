@@ -162,7 +162,6 @@ def guide(
     name: str,
     region: Region,
     size: Array,
-    lowest_m: float = LOWEST_M,
     local: Array | None = None,
 ) -> Guide:
     """Make tool poses for a region, wherever the object is: at the candidates, and at a standoff from them.
@@ -171,7 +170,6 @@ def guide(
         name: Name of the object.
         region: The region.
         size: Shape=(3,), full extents of the object, m.
-        lowest_m: Lowest height of the tool over the table.
         local: Shape=(n, 3) m, the touchable candidates in the object's frame; by default the flat disc.
     """
     local, normal = candidates(region) if local is None else local, np.asarray(region.normal, dtype=float)
@@ -191,7 +189,7 @@ def guide(
             away = np.concatenate([away, away + np.array([0.0, 0.0, STANDOFF_M])])
         positions = np.concatenate([at, away])
         on_table = (np.abs(positions[:, :2] - _table_middle(state)) <= _table_half(state)).all(axis=1)
-        positions[:, 2] = np.where(on_table, np.maximum(positions[:, 2], lowest_m), positions[:, 2])
+        positions[:, 2] = np.where(on_table, np.maximum(positions[:, 2], LOWEST_M), positions[:, 2])
         return positions
 
     def quaternion(state: Context) -> Array:

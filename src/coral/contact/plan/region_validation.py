@@ -33,15 +33,11 @@ from coral.contact.scene.geometry import rotate
 def verify_regions(
     answer: RegionsAnswer,
     facts: SceneFacts,
-    stages: Sequence[str] = (),
-    scenery: Scenery | None = None,
+    stages: Sequence[str],
+    scenery: Scenery,
     reach: ReachBox = REACH,
 ) -> Rejection | None:
-    """Return why regions cannot be used, or None: unknown object, off the surface, or no point that can be touched.
-
-    `scenery` are the true shapes; by default the bounding boxes in the facts.
-    """
-    scenery = scenery or Scenery.boxes(facts)
+    """Return why regions cannot be used, or None: unknown object, off the surface, or no point that can be touched."""
     for name, held in answer.root.items():
         if name not in facts["objects"]:
             return _reject(

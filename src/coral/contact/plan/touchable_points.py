@@ -24,7 +24,7 @@ from coral.contact.plan.contact_regions import (
     tool_at,
 )
 from coral.contact.plan.convex_pieces import Solid, box, pieces
-from coral.contact.scene.facts import PartFacts, SceneFacts
+from coral.contact.scene.facts import SceneFacts
 from coral.contact.scene.geometry import from_rotvec, rotate, rotation_of
 from coral.contact.scene.trial import Trial
 
@@ -46,17 +46,6 @@ class Scenery:
     def of(cls, trial: Trial) -> Scenery:
         """Return the true shapes of a trial."""
         return cls({name: pieces(trial, name) for name in trial.objects})
-
-    @classmethod
-    def boxes(cls, facts: SceneFacts) -> Scenery:
-        """Return the objects' bounding boxes, which is all that the facts contain."""
-        boxes = {}
-        for name, item in facts["objects"].items():
-            whole: list[PartFacts] = [{"position": item.get("middle_m", [0.0] * 3), "size_m": item["size_m"]}]
-            boxes[name] = tuple(
-                box(np.asarray(part["size_m"]), np.asarray(part["position"])) for part in item.get("parts") or whole
-            )
-        return cls(boxes)
 
 
 @dataclass(frozen=True)
@@ -114,16 +103,15 @@ def off_surface(center: Array, solids: Sequence[Solid]) -> float:
 def candidates_of(
     answer: RegionsAnswer,
     facts: SceneFacts,
-    stages: Sequence[str] = (),
-    scenery: Scenery | None = None,
+    stages: Sequence[str],
+    scenery: Scenery,
     reach: ReachBox = REACH,
 ) -> list[Candidates]:
     """Find the touchable candidates of every region, in the regions' order.
 
     An object is examined in its present pose for the stage that touches it first; before later stages it may have been
-    moved, and so may other objects that are touched earlier. Shapes are by default the bounding boxes in the facts.
+    moved, and so may other objects that are touched earlier.
     """
-    scenery = scenery or Scenery.boxes(facts)
     order = {stage: index for index, stage in enumerate(stages)}
     begins: dict[str, int] = {}
     for name, region in answer.each():

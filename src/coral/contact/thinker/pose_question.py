@@ -16,8 +16,7 @@ from pydantic import BaseModel, RootModel
 from coral.advisor.question import Rejection
 from coral.contact.perception.advisor_camera import to_picture
 from coral.contact.perception.camera import RgbdFrame
-from coral.contact.perception.tracked_world import nominal_pose
-from coral.contact.scene.geometry import quaternion_of, rotate
+from coral.contact.scene.geometry import rotate
 from coral.contact.scene.observation import BodyState, Observation
 from coral.contact.scene.trial import Trial
 from coral.contact.thinker.asker import Asker
@@ -81,18 +80,16 @@ def verify_poses(answer: PosesAnswer, facts: Mapping[str, Any]) -> Rejection | N
 
 
 def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, Any]:
-    """Collect the prior knowledge: shapes, usual orientations, and the camera.
+    """Collect the prior knowledge: shapes and the camera.
 
-    Of each object: label and extents (m), the centre of its bounding box in its frame, its points relative to that
-    centre, and the pose of the task file (x, y, z, qw, qx, qy, qz). The trial's true poses are not read.
+    Of each object: label and extents (m), the centre of its bounding box in its frame, and its points relative to that
+    centre. The trial's poses are not read.
     """
     table = trial.task.table
     objects: dict[str, Any] = {}
     for item in trial.task.objects:
-        T = nominal_pose(trial, item.name)
         corners = trial.corners(item.name)
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
-        usual = BodyState(T[:3, 3], quaternion_of(T[:3, :3]))
         objects[item.name] = {
             "label": item.label or item.name,
             "size_m": [round(float(v), 5) for v in trial.size(item.name)],
@@ -101,7 +98,6 @@ def pose_facts(trial: Trial, now: Observation, frame: RgbdFrame) -> dict[str, An
                 point: rounded(np.asarray(at) * trial.objects[item.name].scale - middle)
                 for point, at in item.points.items()
             },
-            "usual_pose": pose(usual),
         }
     height, width = frame.depth.shape
     return {

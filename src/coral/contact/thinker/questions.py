@@ -155,7 +155,7 @@ class Questions:
             "contact-regions",
             RegionsAnswer,
             asked,
-            regions_prompt(self.world_prompt(), plan),
+            {**self.world_prompt(), "plan": plan.outline(), "limits": LIMITS},
             lambda answer: self.check_regions(answer, plan),
             with_picture=self._cfg.prompt != "paper",  # A.8 to A.10 are text
             labels=PictureLabels.of(self._trial.task, self._seen),
@@ -298,11 +298,6 @@ class Questions:
     def world_prompt(self) -> dict[str, Any]:
         """Return what every question about a plan shows of task, scene, hand, planner and cost language."""
         return world_prompt(self.facts, self._trial.task, self._world.schema, self._cfg, self._limits())
-
-
-def regions_prompt(shown: Mapping[str, Any], plan: PlanAnswer) -> dict[str, Any]:
-    """Return the placeholders of the question where the stages of a plan touch."""
-    return {**shown, "plan": plan.outline(), "limits": LIMITS}
 
 
 def _round_beliefs(beliefs: Mapping[str, PhysicalParameters]) -> dict[str, list[float]]:
