@@ -106,9 +106,5 @@ def with_measured_contacts(state: Context, now: Observation, touched: dict[str, 
             values[f"{name}_hand_force"] = np.zeros((1, 1, 3))
         elif alone == {name}:
             values[f"{name}_hand_force"] = -now.wrench[None, None, :3]
-    makers = {name: partial(_value_of, state, values, name) for name in state.names()}
-    return Context(Lazy(makers), state.shape)
-
-
-def _value_of(state: Context, values: dict[str, Value], name: str) -> Value:
-    return values[name] if name in values else state.source(name)
+    kept = {name: partial(state.source, name) for name in state.names()}
+    return Context(Lazy({**kept, **{name: values[name] for name in values if name in kept}}), state.shape)

@@ -121,7 +121,7 @@ class PlanningWorld:
         )
         self.models = self._build(endless=False)
         self._endless: list[mujoco.MjModel] = []
-        self._fixed: dict[int, Mapping[str, Callable[[], Value]]] = {}
+        self._fixed: dict[int, Mapping[str, Value]] = {}
         self._index = Index(self.models[0], self._names)
         self._last: tuple[Observation, Array] | None = None
 
@@ -216,6 +216,7 @@ class PlanningWorld:
         """Return the model under the best belief, and its data with everything where it is measured."""
         model, data = self.models[0], self._scratch
         mujoco.mj_resetData(model, data)
+        data.time = now.time_s
         put_state(model, data, now, self._trial)
         _shift_fingers(model, data)
         mujoco.mj_fwdPosition(model, data)
@@ -235,11 +236,7 @@ class PlanningWorld:
         """Return MuJoCo's full physics state at the start of rollouts, Shape=(S,)."""
         if self._last is not None and self._last[0] is now:
             return self._last[1]  # a plan needs it twice
-        model, data = self.models[0], self._scratch
-        mujoco.mj_resetData(model, data)
-        data.time = now.time_s
-        put_state(model, data, now, self._trial)
-        _shift_fingers(model, data)
+        model, data = self.placed(now)
         state = np.zeros(mujoco.mj_stateSize(model, FULL))
         mujoco.mj_getState(model, data, state, FULL)
         self._last = now, state
@@ -282,24 +279,24 @@ class PlanningWorld:
             return np.asarray(-sensed("hand_anything", TORQUE) - np.cross(lever, sensed("hand_anything", FORCE)))
 
         clock = (now.time_s + self.cfg.step_s * np.arange(1, horizon + 1))[None]
-        makers: dict[str, Callable[[], Value]] = {
+        makers: dict[str, Callable[[], Value] | Value] = {
             **{name: partial(sensed, name) for name in ("ee_pos", "ee_quat", "ee_vel", "ee_angvel")},
             "gripper_opening": lambda: qpos[..., index.left] + qpos[..., index.right],
             "gripper_target": lambda: np.tile(controls.opening, (len(self.models), 1)),
             "ee_force": lambda: -sensed("hand_anything", FORCE),
             "ee_torque": wrung,
-            "time": lambda: clock,
-            "stage_time": lambda: clock - since.time_s,
-            "current_step": lambda: (step + np.arange(1.0, horizon + 1))[None],
+            "time": clock,
+            "stage_time": clock - since.time_s,
+            "current_step": (step + np.arange(1.0, horizon + 1))[None],
             "last_action": lambda: _action(controls, len(self.models), self.cfg.step_s),
         }
         for name in self._names:
-            makers[f"{name}_seen"] = partial(np.full, (1, 1), float(name not in now.unseen))
+            makers[f"{name}_seen"] = np.full((1, 1), float(name not in now.unseen))
             if name in index.pose:
                 pose, speed = index.pose[name].start, index.speed[name].start
-                makers[f"{name}_pos"] = partial(_part, qpos, slice(pose, pose + 3))
-                makers[f"{name}_quat"] = partial(_part, qpos, slice(pose + 3, pose + 7))
-                makers[f"{name}_vel"] = partial(_part, qvel, slice(speed, speed + 3))
+                makers[f"{name}_pos"] = qpos[..., pose : pose + 3]
+                makers[f"{name}_quat"] = qpos[..., pose + 3 : pose + 7]
+                makers[f"{name}_vel"] = qvel[..., speed : speed + 3]
                 makers[f"{name}_angvel"] = partial(spin, name)
             else:
                 makers |= {f"{name}_{kind}": partial(sensed, pair(name, kind)) for kind in MOTION}
@@ -316,15 +313,11 @@ class PlanningWorld:
         for name, other in contact_pairs(self._trial):
             shared = pair(name, other) if pair(name, other) in index.sensor else pair(other, name)
             makers[f"{name}_{other}_contact"] = partial(touches, shared)
-        stage = {name: partial(_identity, value) for name, value in stage_constants(since).items()}
-        return Lazy({**makers, **self._constants(len(states)), **stage})
-
-    def _constants(self, total: int) -> Mapping[str, Callable[[], Value]]:
+        total = len(states)
         if total not in self._fixed:
-            found: dict[str, Value] = {**clearances(self._trial)}
-            found |= constants(self._trial, self._start, self.beliefs, total)
-            self._fixed[total] = {name: partial(_identity, value) for name, value in found.items()}
-        return self._fixed[total]
+            fixed = constants(self._trial, self._start, self.beliefs, total)
+            self._fixed[total] = {**clearances(self._trial), **fixed}
+        return Lazy({**makers, **self._fixed[total], **stage_constants(since)})
 
 
 def _as_first_seen(trial: Trial, start: Observation) -> Trial:
@@ -335,14 +328,6 @@ def _as_first_seen(trial: Trial, start: Observation) -> Trial:
         if item.joint is not None
     }
     return dataclasses.replace(trial, objects={**trial.objects, **seen})
-
-
-def _part(values: Array, part: slice) -> Array:
-    return values[..., part]
-
-
-def _identity(value: Value) -> Value:
-    return value
 
 
 def put_state(model: mujoco.MjModel, data: mujoco.MjData, now: Observation, trial: Trial) -> None:

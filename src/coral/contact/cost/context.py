@@ -53,15 +53,16 @@ Value = Array | Derived
 
 
 class Lazy(Mapping[str, Value]):
-    """Values computed at first access: a cost reads only a few of the available names."""
+    """Values, some of them computed at first access: a cost reads only a few of the available names."""
 
-    def __init__(self, makers: Mapping[str, Callable[[], Value]]) -> None:
+    def __init__(self, makers: Mapping[str, Callable[[], Value] | Value]) -> None:
         self._makers = makers
         self._made: dict[str, Value] = {}
 
     def __getitem__(self, name: str) -> Value:
         if name not in self._made:
-            self._made[name] = self._makers[name]()
+            made = self._makers[name]
+            self._made[name] = made() if callable(made) else made
         return self._made[name]
 
     def __contains__(self, name: object) -> bool:
