@@ -39,7 +39,6 @@ from coral.reef.recordings import bag_export as reef_bag
 from coral.reef.ros import topics as ros_topics
 from coral.reef.sea.recorded_camera import CameraFileCfg
 from coral.reef.sea.survey_file import SurveyFile
-from coral.reef.simulation.faults import FAULTS as SENSOR_FAULTS
 from coral.reef.vehicle.sensing import Attitude, VehicleObservation
 from coral.reef.world.geometry import Frame
 from coral.reef.world.instruction import Clause
@@ -91,7 +90,6 @@ TABLES: dict[str, Callable[[], str]] = {
     "variants-survey": partial(
         make.named, "variant | what", {name: variant.what for name, variant in VARIANTS.items()}
     ),
-    "sensor-faults": partial(make.named, "fault | what", {name: kind.means for name, kind in SENSOR_FAULTS.items()}),
     "advisors": partial(make.named, "advisor | who", {entry.form: entry.what for entry in ENTRIES}),
     "files-survey": partial(make.files, SurveyFiles),
     "files-task": partial(make.files, TaskFiles),

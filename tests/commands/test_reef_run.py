@@ -154,7 +154,7 @@ def test_the_first_mission_says_why_nothing_moves_yet(told, tmp_path, monkeypatc
     assert "compiling" not in told("reef", "run", "s1", *short, "--quiet", "--out", tmp_path / "b")[2]
 
 
-@pytest.mark.parametrize("words", [("--out", "/"), ("--trigger", "nope"), ("--fault", "deaf-sonar@1:1")])
+@pytest.mark.parametrize("words", [("--out", "/"), ("--trigger", "nope")])
 def test_a_refusal_comes_before_anything_is_compiled(refused, monkeypatch, words):
     def compile_(*_args, **_named):
         raise AssertionError

@@ -25,7 +25,6 @@ def test_yes_is_refused_where_a_real_vehicle_would_arm(capsys):
         ({"seed": -1}, "--seed"),
         ({"camera_latency": 3.0}, "--camera-latency"),
         ({"start": (0.0, 0.0, 0.0)}, "--start"),
-        ({"fault": ("blind-sonar@5:2",)}, "--fault"),
         ({"cfg": MissionCfg(decider="sweep")}, "--cfg.decider"),
         ({"cfg": MissionCfg(time_limit_s=20.0)}, "--cfg.time-limit-s"),
         ({"perception": "nope"}, "--perception"),

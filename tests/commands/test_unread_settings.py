@@ -23,8 +23,7 @@ MISSIONS = (
     "--cfg.simulator.pictures --cfg.localization.drift-xy 0.01 "
     "--cfg.record.frames",
     f"{SMALL} --cfg.time-limit-s 5 --cfg.driver pd --cfg.record.no-report --cfg.record.no-pictures "
-    "--cfg.simulator.noise.drift-xy 0.01 --cfg.simulator.noise.oyster-missed 0.1 --cfg.simulator.noise.visibility-m 4 "
-    "--fault blind-camera@2:2",
+    "--cfg.simulator.noise.drift-xy 0.01 --cfg.simulator.noise.oyster-missed 0.1 --cfg.simulator.noise.visibility-m 4",
     f"{SMALL} --cfg.time-limit-s 2 --cfg.decider sweep --cfg.simulator.vehicle.model kinematic --cfg.record.no-report",
 )
 RARE = {
@@ -37,6 +36,7 @@ RARE = {
     "map.sight": "map/sight_layer.py",
     "pilot.action_s": "pilot/pilot.py",
     "pilot.blind_speed_m_s": "pilot/pilot.py",
+    "pilot.guard.surface_after_s": "pilot/safety.py",
     "pilot.monitor.max_replans": "drive/monitor.py",
     "pilot.passed_m": "pilot/pilot.py",
     "pilot.trigger": "decide/trigger.py",

@@ -7,7 +7,6 @@ import math
 import pytest
 
 from coral.advisor.rules import RuleAdvisor
-from coral.errors import InputError
 from coral.reef.decide.heuristic import REEF_RULES
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -15,16 +14,19 @@ from coral.reef.mission.record import RecordCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.world.generated import find_world
 from coral.runs import read_rows
+from reef.failing_sensors import fail
 
 QUIET = RecordCfg(pictures=False, frames=False, report=False)
 SMALL = {"width": 96, "height": 32}
 
 
-def survey(folder, seconds, *faults, **layer):
-    cfg = with_sonar(MissionCfg(time_limit_s=seconds, latency="fixed:2", record=QUIET, faults=faults))
+def survey(folder, seconds, *failures, **layer):
+    cfg = with_sonar(MissionCfg(time_limit_s=seconds, latency="fixed:2", record=QUIET))
     simulator = dataclasses.replace(cfg.simulator, sonar=dataclasses.replace(cfg.simulator.sonar, **SMALL))
     cfg = dataclasses.replace(cfg, simulator=simulator, map=dataclasses.replace(cfg.map, **layer))
     mission = Mission(find_world("l1"), cfg, RuleAdvisor(REEF_RULES), folder)
+    for failure in failures:
+        fail(mission.robot.vehicle, *failure)
     result = mission.run()
     lines = (folder / "events.jsonl").read_text().splitlines()
     return mission, result, [json.loads(line) for line in lines], [*read_rows(folder / "trajectory.csv")]
@@ -39,7 +41,7 @@ def speed(row):
 
 
 def test_a_blinded_vehicle_goes_on_by_sonar_and_decides_nothing(tmp_path):
-    _, result, events, rows = survey(tmp_path / "run", 13.0, "blind-camera@4:8")
+    _, result, events, rows = survey(tmp_path / "run", 13.0, ("blind-camera", 4.0, 12.0))
     assert [(e["blind"], e["t"]) for e in of(events, "blind")] == [(True, pytest.approx(4.3)), (False, 12.0)]
     assert "camera blind" in of(events, "blind")[0]["reason"]
     assert not [e for e in of(events, "question") if 4.4 < e["t"] < 12.0]
@@ -50,7 +52,7 @@ def test_a_blinded_vehicle_goes_on_by_sonar_and_decides_nothing(tmp_path):
 
 
 def test_without_camera_and_sonar_it_stands_within_a_second_and_says_why(tmp_path):
-    _, _, events, rows = survey(tmp_path / "run", 8.0, "blind-camera@3:4", "missing-sonar@5:3")
+    _, _, events, rows = survey(tmp_path / "run", 8.0, ("blind-camera", 3.0, 7.0), ("missing-sonar", 5.0, 8.0))
     held = next(e for e in of(events, "state") if e["state"] == "holding")
     assert 5.0 < held["t"] <= 5.5
     assert "camera blind" in held["reason"]
@@ -60,7 +62,8 @@ def test_without_camera_and_sonar_it_stands_within_a_second_and_says_why(tmp_pat
 
 @pytest.mark.parametrize("lost_s", [5.0, 5.1])  # both phases of the sonar
 def test_without_both_at_cruise_speed_it_stands_within_a_second(tmp_path, lost_s):
-    _, _, _, rows = survey(tmp_path / "run", lost_s + 1.3, f"missing-frame@{lost_s}:3", f"missing-sonar@{lost_s}:3")
+    lost = [(name, lost_s, lost_s + 3.0) for name in ("missing-frame", "missing-sonar")]
+    _, _, _, rows = survey(tmp_path / "run", lost_s + 1.3, *lost)
     assert max(speed(row) for row in rows if float(row["t"]) <= lost_s + 0.05) > 0.54
     late = [speed(row) for row in rows if float(row["t"]) >= lost_s + 0.95]
     assert late
@@ -68,21 +71,14 @@ def test_without_both_at_cruise_speed_it_stands_within_a_second(tmp_path, lost_s
 
 
 def test_a_silent_sonar_is_told_while_the_camera_goes_on(tmp_path):
-    _, _, events, _ = survey(tmp_path / "run", 5.0, "missing-sonar@2:2")
+    _, _, events, _ = survey(tmp_path / "run", 5.0, ("missing-sonar", 2.0, 4.0))
     assert [e["deaf"] for e in of(events, "deaf")] == [True, False]
     assert "holding" not in [e["state"] for e in of(events, "state")]
 
 
 def test_where_the_sonar_alone_finds_obstacles_its_loss_stops_the_vehicle(tmp_path):
-    mission, _, events, _ = survey(tmp_path / "run", 4.0, "missing-sonar@2:2", obstacles="sonar")
+    mission, _, events, _ = survey(tmp_path / "run", 4.0, ("missing-sonar", 2.0, 4.0), obstacles="sonar")
     assert "sonar missing" in next(e for e in of(events, "state") if e["state"] == "holding")["reason"]
     cells = mission.belief.map
     assert (cells.obstacle == cells.layer.obstacle).all()
     assert cells.obstacle.any()
-
-
-def test_a_fault_of_a_sonar_that_is_not_there_is_one_line(tmp_path):
-    cfg = MissionCfg(faults=("blind-sonar@2:2",))
-    with pytest.raises(InputError, match="add --sonar"):
-        Mission(find_world("l1"), cfg, RuleAdvisor(REEF_RULES), tmp_path / "run")
-    assert not (tmp_path / "run").exists()

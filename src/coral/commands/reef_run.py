@@ -69,9 +69,6 @@ class ReefRun:
     classes."""
     seed: int = 0
     """Seed of all random numbers."""
-    fault: Annotated[tuple[str, ...], Option(repeated=True, metavar="NAME@START:DURATION")] = ()
-    """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. An unknown
-    name lists them."""
     out: Path | None = None
     """Run folder, new or empty; by default the next free runs/WORLD-NNN."""
     trigger: str | None = None
@@ -114,7 +111,6 @@ class ReefRun:
         cfg, world = resolve_mission(
             dataclasses.replace(
                 self._with_sonar(),
-                faults=(*self.cfg.faults, *self.fault),
                 perception=self.cfg.perception if self.perception is None else self.perception,
                 depth=self.cfg.depth if self.depth is None else str(self.depth),
             ),

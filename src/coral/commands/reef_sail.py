@@ -48,7 +48,6 @@ from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.saved_survey import load_survey
 from coral.reef.sea.sea_mission import Crew, SeaMission
 from coral.reef.sea.video_camera import WIDEST_PX, Fit, resized
-from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.world_names import shipped_worlds
 from coral.run_files import SurveyFiles
@@ -97,9 +96,6 @@ class ReefSail:
     resume: Path | None = None
     """Run folder of an earlier survey of the same area, to continue with its map. The vehicle must be where `--start`
     says, by default at the area's start again: the saved map is off by as much as it is."""
-    fault: Annotated[tuple[str, ...], Option(repeated=True, metavar="NAME@START:DURATION")] = ()
-    """A fault of the sensors, such as blind-camera@20:10, in seconds; repeat the flag for several. For rehearsals only,
-    like `--yes`."""
     camera_latency: float = 0.0
     """Time from exposure to the picture's arrival (s), as calibrated."""
     priority: Literal["high", "normal"] = "high"
@@ -165,10 +161,9 @@ class ReefSail:
         parts = opened.enter_context(open_parts(self, area, world, cfg, depth, fit))
         for line in parts.camera.eyes.about if parts.camera.eyes else ():
             self._say(line)
-        rehearsed = "--yes" if self.yes else "--fault" if cfg.faults else ""
-        if rehearsed and not parts.proven_simulation:
+        if self.yes and not parts.proven_simulation:
             raise InputError(
-                rehearsed,
+                "--yes",
                 "",
                 f"{self.vehicle}, which may be a real vehicle",
                 "--vehicle simulated, or --truth of a simulation",
@@ -252,11 +247,7 @@ class ReefSail:
         if not 0.0 <= self.camera_latency <= 1.0:
             raise InputError("--camera-latency", "", self.camera_latency, "0 to 1 s")
         checked(self.safety, "--safety")
-        cfg = checked(dataclasses.replace(self.cfg, faults=(*self.cfg.faults, *self.fault)), "--cfg")
-        for fault in cfg.faults:
-            name = parse_fault(fault).name
-            if FAULTS[name].needs_sonar and self.sonar == "none":
-                raise InputError("--fault", "", name, "a fault of a sensor that the vehicle has: add --sonar")
+        cfg = checked(self.cfg, "--cfg")
         cfg = with_camera_latency(with_sonar(cfg, self.sonar != "none"), self.camera_latency)
         cfg = dataclasses.replace(cfg, perception=self.perception or cfg.perception)
         if self.lens is not None and self.camera == "simulated":

@@ -32,12 +32,11 @@ def robot_of(cfg, response=None, **deciding):
     return made
 
 
-def test_driver_localizer_and_faults_are_those_of_the_configuration():
+def test_driver_and_localizer_are_those_of_the_configuration():
     drift = LocalizationCfg(drift_xy=0.02)
-    robot = robot_of(MissionCfg(driver="pd", localization=drift, faults=("blind-camera@1:2",)))
+    robot = robot_of(MissionCfg(driver="pd", localization=drift))
     assert isinstance(robot.driver, PdController)
     assert robot.localizer.cfg == drift
-    assert [fault.name for fault in robot.faults.faults] == ["blind-camera"]
 
 
 @pytest.mark.parametrize(("driver", "kind"), [("pd", PdController), ("ddp-mppi", DdpMppi)])

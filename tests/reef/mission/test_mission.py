@@ -20,6 +20,7 @@ from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
 from coral.reef.pilot.guard import GuardCfg
 from coral.reef.vehicle.vehicle import VehicleState
+from reef.failing_sensors import fail
 
 QUIET = MissionCfg(
     time_limit_s=150.0, latency="fixed:3", stop_when_covered=True, record=RecordCfg(pictures=False, frames=False)
@@ -219,8 +220,9 @@ def test_left_alone_the_robot_goes_on_until_nothing_is_left(pond, tmp_path):
 
 def test_a_mission_without_its_camera_ends_with_the_vehicle_at_the_surface(pond, tmp_path):
     pilot = dataclasses.replace(QUIET.pilot, guard=GuardCfg(surface_after_s=2.0))
-    cfg = dataclasses.replace(QUIET, pilot=pilot, faults=("blind-camera@2:100",))
-    result = run(pond, tmp_path / "run", cfg=cfg)
+    mission = Mission(pond, dataclasses.replace(QUIET, pilot=pilot), RuleAdvisor(REEF_RULES), tmp_path / "run")
+    fail(mission.robot.vehicle, "blind-camera", 2.0, 102.0)
+    result = mission.run()
     assert result["end_reason"].startswith("surfaced: held for 2 s: camera blind")
     assert result["sim_time_s"] == pytest.approx(4.4)
     assert result["seconds_in_state"] == {"surveying": 2.3, "holding": 2.0, "surfacing": 0.1}
@@ -232,12 +234,6 @@ def test_what_is_left_is_told_at_the_end(finished, pond, tmp_path):
     (left,) = events(tmp_path / "run", "left")
     assert cut["clusters_left"] == len(left["clusters"]) > 0
     assert all(one["why"] for one in left["clusters"])
-
-
-def test_a_fault_that_there_is_not_is_refused_before_anything_is_written(pond, tmp_path):
-    with pytest.raises(InputError, match="nan-pose"):
-        run(pond, tmp_path / "run", cfg=dataclasses.replace(QUIET, faults=("nan-poses@1:1",)))
-    assert not (tmp_path / "run").exists()
 
 
 def test_with_eyes_nothing_but_what_they_see_reaches_the_pilot(pond, tmp_path):

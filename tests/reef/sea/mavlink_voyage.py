@@ -36,11 +36,11 @@ class TrueCamera:
 
 
 class MavlinkVoyage:
-    def __init__(self, folder, *, faults=(), time_limit_s=7.0, **safety):
+    def __init__(self, folder, *, time_limit_s=7.0, **safety):
         self.waters = ReefWaters("s1")
         self.autopilot = SimulatedAutopilot(Body(self.waters), AutopilotCfg(position_after_s=1.0))
         self.line = AutopilotLine(self.autopilot)
-        cfg = MissionCfg(time_limit_s=time_limit_s, record=RecordCfg(pictures=False), faults=tuple(faults))
+        cfg = MissionCfg(time_limit_s=time_limit_s, record=RecordCfg(pictures=False))
         area = SurveyArea.of_world(WORLD)
         self.link = MavlinkLink(self.line, self.line.clock, threaded=False)
         self.sleep(3.0)

@@ -9,13 +9,14 @@ import pytest
 from mavlink_voyage import MavlinkVoyage
 
 import coral
+from reef.failing_sensors import fail
 
 AT_S = 3.0
 STEP = 30
 
 
 @pytest.mark.parametrize(
-    "fault",
+    "failure",
     [
         "nan-pose",
         "blind-camera",
@@ -25,8 +26,9 @@ STEP = 30
         ),
     ],
 )
-def test_a_sensor_that_fails_holds_the_vehicle_and_lets_it_go_on(tmp_path, fault):
-    voyage = MavlinkVoyage(tmp_path / "run", faults=(f"{fault}@{AT_S:g}:2",), time_limit_s=8.0)
+def test_a_sensor_that_fails_holds_the_vehicle_and_lets_it_go_on(tmp_path, failure):
+    voyage = MavlinkVoyage(tmp_path / "run", time_limit_s=8.0)
+    fail(voyage.mission.robot.vehicle, failure, AT_S, AT_S + 2.0)
     voyage.run()
     assert voyage.first("holding", AT_S) <= 1.0
     assert voyage.first("surveying", AT_S + 2.0) <= 2.0

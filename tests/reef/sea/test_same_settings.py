@@ -16,6 +16,7 @@ from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import with_sonar
 from coral.reef.sea.safety import SafetyCfg
+from reef.failing_sensors import fail
 
 NOT_AT_SEA = {
     ("SimulatorCfg", "water_depth_m"): "the vehicle tells its depth; a rehearsal has that of --depth",
@@ -63,10 +64,14 @@ def taken(reads):
 
 def test_what_a_run_reads_is_read_at_sea(reads, tmp_path):
     drift = LocalizationCfg(drift_xy=0.02)
-    cfg = with_sonar(MissionCfg(time_limit_s=12.0, latency="fixed:1", localization=drift, faults=("blind-camera@9:2",)))
-    Mission(WORLD, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run").run()
+    cfg = with_sonar(MissionCfg(time_limit_s=12.0, latency="fixed:1", localization=drift))
+    mission = Mission(WORLD, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run")
+    fail(mission.robot.vehicle, "blind-camera", 9.0, 11.0)
+    mission.run()
     in_run = taken(reads)
-    Voyage(tmp_path / "sail", cfg=cfg, time_limit_s=12.0, sonar=True).run()
+    voyage = Voyage(tmp_path / "sail", cfg=cfg, time_limit_s=12.0, sonar=True)
+    fail(voyage.mission.robot.vehicle, "blind-camera", 9.0, 11.0)
+    voyage.run()
     flags = ReefSail(area="s1", cfg=cfg, safety=SafetyCfg(reserve_s=0.0), sonar="simulated")
     area, world, depth = read_area(flags.area)
     with open_parts(flags, area, world, flags._config(), depth):

@@ -31,7 +31,6 @@ from coral.reef.mission.robot import Robot
 from coral.reef.mission.tour import TourPilot
 from coral.reef.mission.word_reader import WordReader
 from coral.reef.pilot.pilot import Pilot
-from coral.reef.simulation.faults import FaultySensors, parse_fault
 from coral.reef.vehicle.protocol import Vehicle
 from coral.reef.vehicle.response import VehicleResponse
 from coral.reef.world.geometry import Pose
@@ -108,8 +107,7 @@ def make_robot(
     )
     if isinstance(pilot, TourPilot) and deciding.commands is not None:
         pilot.commands = deciding.commands
-    faults = FaultySensors(parse_fault(text) for text in cfg.faults)
-    return Robot(vehicle, start, pilot, Localizer(cfg.simulator.camera, cfg.localization), faults=faults, eyes=eyes)
+    return Robot(vehicle, start, pilot, Localizer(cfg.simulator.camera, cfg.localization), eyes=eyes)
 
 
 def decider_of(cfg: MissionCfg, advisor: Advisor, seed: int, world: ReefWorld | None = None) -> Advisor:

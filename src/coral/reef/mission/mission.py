@@ -33,7 +33,6 @@ from coral.reef.mission.tours import planned
 from coral.reef.mission.word_judge import WordJudge, instructed, told_verdict
 from coral.reef.mission.word_oracle import true_answer
 from coral.reef.pilot.leftover import chain_of, what_is_left
-from coral.reef.simulation.faults import FAULTS, parse_fault
 from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
 from coral.reef.simulation.simulator import ReefSimulator
 from coral.reef.world.world import ReefWorld, save_world
@@ -102,9 +101,6 @@ class Mission:
         if eyes is not None and not cfg.simulator.pictures:
             cfg = self.cfg = dataclasses.replace(cfg, simulator=dataclasses.replace(cfg.simulator, pictures=True))
         latency = latency_of(cfg, advisor)
-        for fault in map(parse_fault, cfg.faults):
-            if FAULTS[fault.name].needs_sonar and not cfg.simulator.sonar.enabled:
-                raise InputError("--fault", "", fault.name, "a fault of a sensor that the vehicle has: add --sonar")
         require_empty(folder)
         begins()
         self.simulator = ReefSimulator(world, cfg.simulator, of_sensors)
@@ -218,8 +214,8 @@ class Mission:
 
     def located(self) -> None:
         """Keep pictures and map, if they are due."""
-        assert self.robot.picture is not None
-        self.frames.offer(self.step, self.t, self.belief.map.cells, self.robot.picture, self.robot.taken_at)
+        if self.robot.picture is not None:
+            self.frames.offer(self.step, self.t, self.belief.map.cells, self.robot.picture, self.robot.taken_at)
 
     def decided(self) -> None:
         """Let the robot do what it decided."""
@@ -245,7 +241,7 @@ class Mission:
 
     def _row(self) -> None:
         robot, simulator = self.robot, self.simulator
-        odometry, goal, plan = robot.observed.pose, robot.belief.goal, robot.pilot.plan
+        odometry, goal, plan = robot.seen.pose, robot.belief.goal, robot.pilot.plan
         assert odometry is not None
         self.writer.row(
             self.step,

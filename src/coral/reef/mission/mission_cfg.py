@@ -49,8 +49,6 @@ class MissionCfg:
     kinds of what it has been near."""
     lane_m: Positive = 10.0
     """Distance between the lanes of a blind sweep (m)."""
-    faults: tuple[str, ...] = ()
-    """Faults of the sensors, each NAME@START:DURATION in seconds (`--fault`)."""
     simulator: SimulatorCfg = field(default_factory=SimulatorCfg)
     localization: LocalizationCfg = field(default_factory=LocalizationCfg)
     map: MapCfg = field(default_factory=MapCfg)

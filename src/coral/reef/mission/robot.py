@@ -10,7 +10,6 @@ from coral.reef.map.localization import Localizer
 from coral.reef.mission.record import PicturePose
 from coral.reef.pilot.guard import Reading
 from coral.reef.pilot.pilot import Command, Pilot
-from coral.reef.simulation.faults import FaultySensors
 from coral.reef.vehicle.protocol import Vehicle
 from coral.reef.vehicle.sensing import VehicleObservation
 from coral.reef.vehicle.states import PilotState
@@ -27,22 +26,18 @@ class Robot:
         pilot: Pilot,
         localizer: Localizer,
         *,
-        faults: FaultySensors | None = None,
         eyes: RgbPerception | None = None,
     ) -> None:
         """Set up.
 
-        Without `faults` nothing spoils what is measured; `eyes` find classes and depth in the vehicle's colour
-        pictures, None if its pictures have them.
+        `eyes` find classes and depth in the vehicle's colour pictures; None if its pictures have them.
         """
         self.vehicle, self.pilot, self.belief, self.driver = vehicle, pilot, pilot.belief, pilot.driver
         self.localizer, self.pose = localizer, start
         """Where the robot believes it is: the odometry, corrected."""
-        self.observed = VehicleObservation(t=0.0)
-        """What the vehicle measured, before any fault."""
-        self.faults, self._eyes = faults or FaultySensors(()), eyes
-        self.seen = self.observed
-        """What reached the pilot."""
+        self._eyes = eyes
+        self.seen = VehicleObservation(t=0.0)
+        """What the vehicle measured."""
         self.reading: Reading
         """What of it can be used."""
         self._unlocated_s = 0.0
@@ -51,15 +46,14 @@ class Robot:
         self.command: Command = (0.0, 0.0)
 
     def sense(self, t: float) -> VehicleObservation:
-        """Measure at time `t` (s). Faults that are due spoil what is measured."""
+        """Measure at time `t` (s)."""
         observed = self.vehicle.observe(t)
         if self._eyes is not None and observed.frame is not None:
             attitude = self.camera_attitude(observed)
             frame = perceive_frame(observed.frame.value, self._eyes, self.belief.map.camera, attitude)
             observed = replace(observed, frame=replace(observed.frame, value=frame))
-        self.observed = observed
-        self.seen = self.faults.apply(observed)
-        return self.seen
+        self.seen = observed
+        return observed
 
     def camera_attitude(self, seen: VehicleObservation) -> CameraAttitude:
         """Return the camera's attitude as it is measured, with what the sonar hears in the picture."""
@@ -74,11 +68,8 @@ class Robot:
 
     @property
     def picture(self) -> Frame | None:
-        """The last picture, as it reached the pilot if it is one of this camera, for the record."""
-        whole, seen = self.observed.frame, self.seen.frame
-        if whole is None:
-            return None
-        return seen.value if seen is not None and seen.value.depth.shape == whole.value.depth.shape else whole.value
+        """The last picture, for the record."""
+        return None if self.seen.frame is None else self.seen.frame.value
 
     @property
     def taken_at(self) -> PicturePose | None:

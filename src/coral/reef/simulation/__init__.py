@@ -1,1 +1,1 @@
-"""The world's side of a simulated mission: motion, pictures, noise, navigation sensors, faults, what was covered."""
+"""The world's side of a simulated mission: motion, pictures, noise, navigation sensors, what was covered."""
