@@ -95,7 +95,6 @@ def parsers() -> dict[str, Parser]:
     from coral.reef.decide.answers import CentroidChoice
     from coral.reef.mission.mission_cfg import MissionCfg
     from coral.reef.pilot.checks import UnfitMeasurement
-    from coral.reef.products.cover_calibration import read_calibration
     from coral.reef.recordings.picture_folder import read_folder
     from coral.reef.sea.recorded_camera import read_camera
     from coral.reef.sea.survey_file import read_survey
@@ -147,7 +146,6 @@ def parsers() -> dict[str, Parser]:
         ),
         "survey": Parser(read_survey, (SURVEY,)),
         "camera": Parser(read_camera, (focal,)),
-        "calibration": Parser(read_calibration, (b'{"cover": [0.0, 0.5, 1.0], "common": 0.1, "patch_m": 0.5}',)),
         "poses": Parser(read_poses, tables),
         "run": Parser(read_events, (event, b"t,x,y\n0,1,2\n0.1,1,2\n")),
         "recording": Parser(ReplayAdvisor, (recording,)),

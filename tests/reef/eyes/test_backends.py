@@ -7,7 +7,7 @@ from coral.errors import InputError
 from coral.reef.eyes.backends import open_eyes
 from coral.reef.eyes.perception import CameraAttitude
 from coral.reef.eyes.reef_net import SHIPPED
-from coral.reef.eyes.relative_depth_eyes import RelativeDepthEyes
+from coral.reef.eyes.relative_depth import RelativeDepthEyes
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 from onnx_files import red_is_oyster, red_is_oyster_yolo, relative_depth

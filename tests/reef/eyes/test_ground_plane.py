@@ -1,6 +1,6 @@
 import numpy as np
 
-from coral.reef.eyes.ground_plane import ground_depth, network_input, ray_lengths
+from coral.reef.eyes.ground_plane import ground_depth, network_input
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Label, Pose
 from coral.reef.world.scene import Scene
@@ -29,9 +29,3 @@ def test_the_network_reads_colours_about_zero_and_inverse_depth():
     picture = network_input(rgb, np.array([[2.0, np.inf], [0.1, 4.0]], np.float32))
     assert picture[:, 0, 0].tolist() == [1.0, -1.0, -1.0, 0.5]
     assert picture[3].tolist() == [[0.5, 0.0], [4.0, 0.25]]
-
-
-def test_a_ray_is_longer_than_its_depth_off_the_axis():
-    lengths = ray_lengths(CameraCfg(width=3, height=3, hfov_deg=90.0))
-    assert lengths[1, 1] == 1.0
-    np.testing.assert_allclose(lengths[1, 2], np.sqrt(1 + (1 / 1.5) ** 2), rtol=1e-6)

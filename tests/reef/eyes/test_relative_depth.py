@@ -1,11 +1,13 @@
 import cv2
 import numpy as np
 import pytest
+from given_eyes import FlatEyes
 
 from coral.errors import InputError
-from coral.onnx_file import OnnxFile, open_picture_network
+from coral.onnx_file import OnnxFile, open_onnx, open_picture_network
 from coral.reef.eyes.ground_plane import ground_depth
-from coral.reef.eyes.relative_depth import DepthAnything, fit_scale_shift, floor_points
+from coral.reef.eyes.perception import CameraAttitude
+from coral.reef.eyes.relative_depth import DepthAnything, RelativeDepthEyes, fit_scale_shift
 from coral.reef.vehicle.camera import CameraCfg
 from onnx_files import relative_depth
 
@@ -25,8 +27,8 @@ def test_the_known_height_is_enough_where_the_sea_floor_shows():
     camera = CameraCfg(width=32, height=24)
     true = ground_depth(camera, 0.7)
     relative = np.where(np.isfinite(true), 4.0 / true - 1.0, 0.0).astype(np.float32)
-    points = floor_points(relative, np.isfinite(true) & (true < 8.0), true)
-    np.testing.assert_allclose(fit_scale_shift(*points).metres(relative)[-1], true[-1], rtol=1e-3)
+    near = true < 8.0
+    np.testing.assert_allclose(fit_scale_shift(relative[near], true[near]).metres(relative)[-1], true[-1], rtol=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -102,3 +104,41 @@ def test_what_is_stated_must_be_so(tmp_path):
 def test_another_layout_is_one_clear_line(wrong):
     with pytest.raises(InputError, match=r"d\.onnx: inputs, outputs: found .* one map of depth"):
         DepthAnything(fake(**wrong))
+
+
+CAMERA = CameraCfg(width=42, height=28, pitch_down_deg=40.0)
+RGB = np.zeros((28, 42, 3), np.uint8)
+
+
+def eyes(tmp_path, depth, doubt=0.1):
+    """Eyes whose depth network sees some depth, with a scale and shift that nobody knows."""
+    (tmp_path / "d.onnx").write_bytes(relative_depth(7.0 / depth - 2.0))
+    return RelativeDepthEyes(FlatEyes(doubt), DepthAnything(open_onnx(tmp_path / "d.onnx")))
+
+
+def with_a_post(height):
+    depth = np.minimum(ground_depth(CAMERA, height), 20.0)
+    depth[4:20, 10:14] = 1.1
+    return depth
+
+
+def test_the_floor_at_a_known_height_gives_scale_and_shift(tmp_path):
+    true = with_a_post(0.9)
+    seen = eyes(tmp_path, true).perceive(RGB, CAMERA, CameraAttitude(height=0.9))
+    np.testing.assert_allclose(seen.depth[10:], true[10:], rtol=0.02)  # the post too, which no plane would give
+
+
+def test_echoes_win_over_a_height_that_is_wrong(tmp_path):
+    true = with_a_post(0.9)
+    at = np.array([[u, v] for u in range(2, 40, 3) for v in range(12, 27, 2)])
+    echoes = np.column_stack([at, true[at[:, 1], at[:, 0]]]).astype(np.float32)
+    off = eyes(tmp_path, true).perceive(RGB, CAMERA, CameraAttitude(height=1.2)).depth[20, 30]
+    near = eyes(tmp_path, true).perceive(RGB, CAMERA, CameraAttitude(height=1.2, echoes=echoes)).depth[20, 30]
+    assert off == pytest.approx(true[20, 30] * 1.2 / 0.9, rel=0.05)
+    assert abs(near - true[20, 30]) < 0.6 * abs(off - true[20, 30])
+
+
+def test_without_points_depth_is_that_of_the_other_eyes(tmp_path):
+    doubtful = eyes(tmp_path, with_a_post(0.9), doubt=0.9)
+    seen = doubtful.perceive(RGB, CAMERA, CameraAttitude(height=0.9))
+    np.testing.assert_array_equal(seen.depth, doubtful.eyes.perceive(RGB, CAMERA, CameraAttitude(height=0.9)).depth)

@@ -41,7 +41,10 @@ def surveyed():
 
 def placed(sighting, pose, radius_m):
     """Twin: place in the world, derivative by the odometry's error, covariance. Shapes (2,), (2, 3), (2, 2)."""
-    bearing, distance = sighting.centre(radius_m)
+    distance = sighting.near_m + radius_m
+    half = max(math.asin(radius_m / distance), 0.0 if sighting.whole else 0.5 * sighting.width)
+    right = sighting.left - 2.0 * half if sighting.right is None else sighting.right
+    bearing = right + half if sighting.left is None else 0.5 * (right + sighting.left)
     partial = 0.0 if sighting.whole else PARTIAL_SIGMA_M
     along = RANGE_SIGMA_M + RANGE_SIGMA_RADIUS * radius_m + partial
     across = ACROSS_SIGMA_M + ACROSS_SIGMA_RADIUS * radius_m + partial

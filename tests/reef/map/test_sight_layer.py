@@ -1,15 +1,14 @@
 """Obstacles of eyes that doubt: lines of sight over the floor, and evidence that other places can outvote."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
 from echoes import SMALL
 
-from coral.reef.map.mapping import MapCfg, OccupancyMap, pixel_rays
-from coral.reef.map.sight_layer import SightLayerCfg, sight_lines
-from coral.reef.vehicle.camera import Camera, CameraCfg, T_world_camera
+from coral.reef.map.mapping import MapCfg, OccupancyMap
+from coral.reef.map.sight_layer import SightLayerCfg
+from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Label, Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
@@ -181,12 +180,3 @@ def test_what_a_map_recalls_holds_the_obstacles_of_sight():
     drive(cells, APPROACH, POST)
     later.recall(cells.memory())
     assert np.array_equal(later.obstacle, cells.obstacle)
-
-
-@pytest.mark.parametrize(("roll", "pitch"), [(0.0, 0.0), (0.1, -0.2)])
-def test_lines_of_sight_are_the_rays_of_the_pixels(roll, pitch):
-    lines = sight_lines(CAMERA, roll, pitch)
-    np.testing.assert_allclose(np.moveaxis(lines[:2], 0, -1), pixel_rays(CAMERA, roll, pitch)[0])
-    down = T_world_camera(Pose(0.0, 0.0, 0.0), CAMERA, roll=roll, pitch=pitch)[2, :3] @ [0.0, 0.0, 1.0]
-    assert lines[2, 60, 80] == pytest.approx(-down, abs=2.0 / CAMERA.intrinsics[0])
-    assert lines[2, -1, 80] > math.tan(math.radians(CAMERA.pitch_down_deg))

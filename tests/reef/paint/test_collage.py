@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from coral.reef.paint.collage import BARE, OTHER, TAUGHT, CollagePainter, bare_picture
+from coral.reef.paint.collage import BARE, OTHER, CollagePainter, bare_picture
 from coral.reef.world.geometry import Label
 
 
@@ -24,7 +24,3 @@ def test_a_bare_picture_has_no_oyster_and_is_not_one_colour(kind):
     assert one.rgb.shape == (64, 96, 3)
     assert (one.target == OTHER).all()
     assert one.rgb.std() > 1.0
-
-
-def test_some_kinds_are_kept_for_measuring():
-    assert set(TAUGHT) < set(BARE)

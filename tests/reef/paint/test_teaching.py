@@ -13,7 +13,7 @@ def test_painted_reefs_are_compact_and_agree_in_shape():
 
 
 def test_collages_and_real_pictures_have_their_share_of_a_batch():
-    clumps, bare = draw_collages(0, 2, (64, 48)), draw_collages(0, 2, (64, 48), ("sand",))
+    clumps, bare = draw_collages(0, 2, (64, 48)), draw_collages(0, 2, (64, 48), bare=True)
     assert clumps.rgb.shape == bare.rgb.shape == (2, 48, 64, 3)
     assert (bare.target == OTHER).all()
     one = LabelledPicture("a-1", np.zeros((30, 50, 3), np.uint8), np.full((30, 50), OTHER, np.uint8))

@@ -1,21 +1,11 @@
 """What a network's votes for oysters mean."""
 
-import json
 import math
 
 import numpy as np
 import pytest
 
-from coral.errors import InputError
-from coral.reef.products.cover_calibration import (
-    BINS,
-    CoverCalibration,
-    bins_of,
-    calibration_file,
-    find_calibration,
-    read_calibration,
-    write_calibration,
-)
+from coral.reef.products.cover_calibration import BINS, CoverCalibration, bins_of, find_calibration
 
 CALIBRATION = CoverCalibration(tuple(k / BINS for k in range(BINS)), 0.03, 0.1, 4, "by hand")
 
@@ -33,37 +23,10 @@ def test_an_area_errs_by_what_its_reef_shares_and_by_its_parts():
     assert CALIBRATION.std_m2(0.0) == 0.0
 
 
-def test_a_calibration_lies_beside_its_network(tmp_path):
-    path = tmp_path / "net.cover.json"
-    write_calibration(CALIBRATION, path)
-    found = find_calibration(str(tmp_path / "net.onnx"))
-    assert found.cover == pytest.approx(CALIBRATION.cover, abs=1e-5)
-    assert (found.common, found.patch_m, found.reefs, found.made_by) == (0.03, 0.1, 4, "by hand")
-    assert find_calibration(str(tmp_path / "other.onnx")) is None
-    assert calibration_file("recorded") is None
-    assert calibration_file("rgb, depth.onnx") is None
-
-
 def test_the_shipped_network_is_calibrated():
     cover = np.array(find_calibration("rgb").cover).reshape(-1, 8)
     assert cover.shape == (15, 8)
     # It takes too much for oysters: even where all votes are for them, shells cover less.
     assert 0.3 < cover[-1, 0] < 0.95
     assert cover[0].max() < 0.05
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"cover": [0.1]}, "found 1 numbers"),
-        ({"common": "much"}, "ValueError"),
-        ({"patch_m": -1.0}, "each 0 or more"),
-        ({"common": 10**400}, "OverflowError"),
-    ],
-)
-def test_a_broken_calibration_is_told(tmp_path, change, said):
-    path = tmp_path / "net.cover.json"
-    write_calibration(CALIBRATION, path)
-    path.write_text(json.dumps({**json.loads(path.read_text()), **change}))
-    with pytest.raises(InputError, match=said):
-        read_calibration(path)
+    assert find_calibration("other.onnx") is None

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.products.truth import true_area_m2, true_cover, true_oysters
+from coral.reef.products.truth import true_area_m2, true_oysters
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Start
 
 
@@ -28,14 +28,6 @@ def test_shells_that_overlap_count_once_and_gaps_do_not_count():
     one = true_area_m2(world(shell(3.0)))
     assert true_area_m2(world(shell(3.0), shell(3.0))) == pytest.approx(one)
     assert true_area_m2(world(shell(2.0), shell(4.0))) == pytest.approx(2 * one, rel=0.01)
-
-
-def test_shares_of_cells_add_up_to_the_area_where_the_shell_lies():
-    cover = true_cover(world(shell(3.0)), 0.02, (300, 300))
-    assert cover.sum(dtype=float) * 0.02**2 == pytest.approx(true_area_m2(world(shell(3.0))), rel=1e-5)
-    iy, ix = np.nonzero(cover)
-    assert (ix.min(), ix.max(), iy.min(), iy.max()) == (135, 164, 140, 159)
-    assert cover[150, 150] == pytest.approx(1.0)
 
 
 def test_what_lies_under_an_obstacle_does_not_count():

@@ -4,8 +4,7 @@ import math
 
 import pytest
 
-from coral.errors import InputError
-from coral.reef.simulation.daylight import LIGHTS, PainterCfg, find_light, sun_direction
+from coral.reef.simulation.daylight import PainterCfg, sun_direction
 
 
 def test_light_is_bent_towards_the_vertical():
@@ -18,9 +17,3 @@ def test_light_is_bent_towards_the_vertical():
 
 def test_a_sun_overhead_stays_overhead():
     assert sun_direction(PainterCfg(sun_elevation_deg=90.0))[2] == pytest.approx(1.0)
-
-
-def test_light_has_names():
-    assert find_light("low-sun", "--lights") is LIGHTS["low-sun"]
-    with pytest.raises(InputError, match="--lights: found 'moon'"):
-        find_light("moon", "--lights")

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from coral.errors import InputError
-from coral.reef.vehicle.camera import Camera, CameraCfg, T_world_camera
+from coral.reef.vehicle.camera import Camera, CameraCfg, T_world_camera, pixel_rays, ray_lengths
 from coral.reef.world.geometry import Label, Pose
 from coral.reef.world.scene import BOX, CYLINDER, ELLIPSOID, Scene
 from coral.reef.world.world import Cluster, Obstacle, Oyster, ReefWorld, Seabed, Start
@@ -303,3 +303,18 @@ def test_a_flush_of_edge_poses_never_writes_outside():
                     assert not np.isnan(frame.depth).any()
                     assert frame.instances.max() <= 1
         assert camera.render(Pose(5, 5, 0), 3.0).depth[15, 20] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_ray_is_longer_than_its_depth_off_the_axis():
+    lengths = ray_lengths(CameraCfg(width=3, height=3, hfov_deg=90.0))
+    assert lengths[1, 1] == 1.0
+    np.testing.assert_allclose(lengths[1, 2], np.sqrt(1 + (1 / 1.5) ** 2), rtol=1e-6)
+
+
+@pytest.mark.parametrize(("roll", "pitch"), [(0.0, 0.0), (0.1, -0.2)])
+def test_rays_of_pixels_near_and_below_the_axis(roll, pitch):
+    camera = CameraCfg()
+    rays = pixel_rays(camera, roll, pitch)
+    down = T_world_camera(Pose(0.0, 0.0, 0.0), camera, roll=roll, pitch=pitch)[2, :3] @ [0.0, 0.0, 1.0]
+    assert -rays[60, 80, 2] == pytest.approx(-down, abs=2.0 / camera.intrinsics[0])
+    assert -rays[-1, 80, 2] > math.tan(math.radians(camera.pitch_down_deg))

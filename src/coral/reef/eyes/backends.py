@@ -18,8 +18,7 @@ from coral.reef.eyes.perception import CameraAttitude, RgbPerception
 from coral.reef.eyes.picture_input import PictureInput
 from coral.reef.eyes.pixel_check import CAMERA, check_pixels
 from coral.reef.eyes.reef_net import OUTPUTS, REAL, SHIPPED, ReefNetEyes
-from coral.reef.eyes.relative_depth import DepthAnything, is_depth
-from coral.reef.eyes.relative_depth_eyes import RelativeDepthEyes
+from coral.reef.eyes.relative_depth import DepthAnything, RelativeDepthEyes, is_depth
 from coral.reef.eyes.semantic_map import SemanticEyes
 from coral.reef.eyes.yolo_eyes import YoloEyes, is_yolo
 

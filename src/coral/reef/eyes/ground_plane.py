@@ -36,13 +36,6 @@ def ground_depth(
     return depth.astype(np.float32)
 
 
-def ray_lengths(camera: CameraCfg) -> NDArray[np.float32]:
-    """Return the length of each pixel's ray at unit depth: range = depth x length. Shape=(H, W)."""
-    fx, fy, cx, cy = camera.intrinsics
-    p, q = (np.arange(camera.width) - cx) / fx, (np.arange(camera.height) - cy) / fy
-    return np.sqrt(1.0 + p[None, :] ** 2 + q[:, None] ** 2).astype(np.float32)
-
-
 def network_input(rgb: NDArray[np.uint8], ground: NDArray[np.float32]) -> NDArray[np.float32]:
     """Stack a picture and the inverse depth of the sea floor, as our networks read them.
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from coral.errors import InputError
 from coral.onnx_file import OnnxFile
 from coral.reef.eyes.doubt import choose_labels
-from coral.reef.eyes.ground_plane import ground_depth, network_input, ray_lengths
+from coral.reef.eyes.ground_plane import ground_depth, network_input
 from coral.reef.eyes.perception import CameraAttitude, SeenPicture
-from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.camera import CameraCfg, ray_lengths
 from coral.reef.world.geometry import Label
 
 SHIPPED = Path(__file__).parent / "weights" / "reef_net.onnx"
@@ -90,7 +90,7 @@ class ReefNetEyes:
                 np.asarray(cv2.resize(np.ascontiguousarray(image), full, interpolation=cv2.INTER_NEAREST), np.float32)
                 for image in (doubt, depth, depth_doubt)
             )
-        far = (labels == Label.WATER) | (depth * ray_lengths(camera) > camera.range_m)
+        far = (labels == Label.WATER) | (depth * np.float32(ray_lengths(camera)) > camera.range_m)
         depth = np.where(far, np.float32(np.inf), np.maximum(depth, np.float32(camera.near_m)))
         apart = out["unlike"][0] if "unlike" in out else np.zeros(1, np.float32)
         self.painted = len(apart) == 2 and bool(apart[1] < apart[0])

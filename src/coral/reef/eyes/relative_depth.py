@@ -10,13 +10,22 @@ from numpy.typing import NDArray
 
 from coral.errors import InputError
 from coral.onnx_file import OnnxFile
+from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.network_notes import NetworkNotes, read_notes
+from coral.reef.eyes.perception import CameraAttitude, RgbPerception, SeenPicture
 from coral.reef.eyes.picture_input import IMAGENET
 from coral.reef.eyes.pixel_check import CAMERA, depth_kind, shipped_picture
-from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.camera import CameraCfg, ray_lengths
+from coral.reef.world.geometry import Label
 
 _SAME_SHAPE = 0.05
 """Share by which the proportions of a map may differ from its picture's: maps have whole pixels."""
+MOST_POINTS = 2000
+"""Of the floor, evenly spread over its pixels: more do not change two numbers."""
+FARTHEST_FLOOR_M = 6.0
+"""The sea floor gives points of known depth up to here; farther away a degree of pitch is a metre of depth."""
+SURE = 0.5
+"""Floor pixels with more doubt than this give no points."""
 _ROUNDS, _OUTLIER = 10, 3.0
 """Rounds of reweighting; residuals beyond this multiple of their median count as outliers."""
 
@@ -60,23 +69,6 @@ def fit_scale_shift(relative: NDArray[np.float32], depth: NDArray[np.float32]) -
     if scale <= 0.0:
         raise ValueError("nearer points have a smaller relative inverse depth")
     return ScaleShift(float(scale), float(shift), float(np.median(residual)))
-
-
-def floor_points(
-    relative: NDArray[np.float32], floor: NDArray[np.bool_], ground: NDArray[np.float32]
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return points of known depth from the height alone: pixels of the sea floor, at the depth of its plane.
-
-    Args:
-        relative: Relative inverse depth. Shape=(H, W).
-        floor: Pixels that show the sea floor. Shape=(H, W).
-        ground: Of `ground_depth`. Shape=(H, W).
-
-    Returns:
-        Arguments of `fit_scale_shift`. Shape=(N,) each.
-    """
-    chosen = floor & np.isfinite(ground)
-    return relative[chosen], ground[chosen]
 
 
 def is_depth(file: OnnxFile) -> bool:
@@ -141,3 +133,38 @@ class DepthAnything:
         (out,) = self.file.run(self.pixels.tensor(np.asarray(scaled, np.uint8))).values()
         found = out.reshape(out.shape[-2:])
         return np.asarray(cv2.resize(found, (camera.width, camera.height), interpolation=cv2.INTER_LINEAR), np.float32)
+
+
+class RelativeDepthEyes:
+    """Classes by other eyes, depth by a relative network. Scale and shift are fitted anew to every picture."""
+
+    def __init__(self, eyes: RgbPerception, network: DepthAnything) -> None:
+        self.eyes, self.network = eyes, network
+        self.about: tuple[str, ...] = (*eyes.about, *network.about)
+
+    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
+        """Find classes and depth. Where nothing gives scale and shift, depth is that of the other eyes."""
+        seen = self.eyes.perceive(rgb, camera, attitude)
+        relative = self.network.relative(rgb, camera)
+        ground = ground_depth(camera, attitude.height, roll=attitude.roll, pitch=attitude.pitch)
+        floor = (seen.labels == Label.SEABED) & (seen.doubt <= SURE) & (ground <= FARTHEST_FLOOR_M)
+        looks, depths = relative[floor], ground[floor]
+        echoes = attitude.echoes
+        if echoes is not None and len(echoes):
+            at = np.round(echoes[:, :2]).astype(np.intp)
+            # As many points of the floor as echoes: the floor is a plane by assumption, the echoes were measured.
+            looks, depths = _thinned(looks, len(echoes)), _thinned(depths, len(echoes))
+            looks = np.concatenate([looks, relative[at[:, 1], at[:, 0]]])
+            depths = np.concatenate([depths, echoes[:, 2]])
+        try:
+            fit = fit_scale_shift(_thinned(looks, MOST_POINTS), _thinned(depths, MOST_POINTS))
+        except ValueError:
+            return seen
+        depth = np.maximum(fit.metres(relative), np.float32(camera.near_m))
+        far = (seen.labels == Label.WATER) | (depth * np.float32(ray_lengths(camera)) > camera.range_m)
+        return SeenPicture(seen.labels, np.where(far, np.float32(np.inf), depth).astype(np.float32), seen.doubt)
+
+
+def _thinned(values: NDArray[np.float32], most: int) -> NDArray[np.float32]:
+    step = -(-len(values) // max(most, 1))
+    return values[:: max(step, 1)]

@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.map.changes_kernels import take_changes
-
 Box = tuple[int, int, int, int]
 """Rows and columns of a rectangle of cells: (y0, y1, x0, x1), the ends excluded."""
 
 
 class ChangeTracker:
-    """Compares a mask with a copy of it. That takes 0.2 ms for 2000 x 2000 cells, and notices whoever writes to it."""
+    """Compares a mask with a copy of it, and so notices whoever writes to it."""
 
     def __init__(self, mask: NDArray[np.bool_]) -> None:
         self._mask, self._kept = mask, np.zeros_like(mask)
@@ -22,8 +20,13 @@ class ChangeTracker:
 
         For the first call, all cells were False before.
         """
-        y0, y1, x0, x1 = take_changes(self._kept, self._mask)
-        return (y0, y1, x0, x1) if y1 > y0 else None
+        rows = np.flatnonzero((self._kept != self._mask).any(axis=1))
+        if not rows.size:
+            return None
+        y0, y1 = int(rows[0]), int(rows[-1]) + 1
+        columns = np.flatnonzero((self._kept[y0:y1] != self._mask[y0:y1]).any(axis=0))
+        self._kept[y0:y1] = self._mask[y0:y1]
+        return y0, y1, int(columns[0]), int(columns[-1]) + 1
 
 
 def grown(box: Box, cells: int, shape: tuple[int, int]) -> Box:

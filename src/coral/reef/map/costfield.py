@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count
-from coral.reef.map.costfield_kernels import descend, extend, lookup, lookup_many, march, nearest_free, slowness_grid
+from coral.reef.map.costfield_kernels import descend, extend, lookup, lookup_many, march, slowness_grid
 
 UNREACHABLE = "goal unreachable"
 NO_FREE_CELL = "no free cell in the map"
@@ -220,3 +220,14 @@ class CostField:
         n_max = math.ceil(length_m / step_m)
         path = descend(self.value, self.cell_m, x, y, self.target[0], self.target[1], step_m, n_max)
         return np.asarray(path, dtype=np.float64)
+
+
+def nearest_free(slowness: NDArray[np.float32], j: int, i: int) -> tuple[int, int]:
+    """Return (row, column) of the free cell nearest to a cell; (-1, -1) if none is free."""
+    if slowness[j, i] > 0.0:
+        return j, i
+    rows, columns = np.nonzero(slowness > 0.0)
+    if not rows.size:
+        return -1, -1
+    best = int(np.argmin((rows - j) ** 2 + (columns - i) ** 2))
+    return int(rows[best]), int(columns[best])

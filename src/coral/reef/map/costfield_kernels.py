@@ -193,25 +193,6 @@ def extend(value: Grid, cell_m: float, steepness: float) -> None:
                 value[j, i] = min(value[j, i], value[j + 1, i] + f)
 
 
-@njit(cache=True, nogil=True)
-def nearest_free(slowness: Grid, j0: int, i0: int) -> tuple[int, int]:
-    """Return (row, column) of the free cell nearest to a cell; (-1, -1) if none is free."""
-    h, w = slowness.shape
-    if slowness[j0, i0] > 0.0:
-        return j0, i0
-    best, bj, bi = 1 << 60, -1, -1
-    for j in range(h):
-        dj = (j - j0) * (j - j0)
-        if dj >= best:
-            continue
-        for i in range(w):
-            if slowness[j, i] > 0.0:
-                d = dj + (i - i0) * (i - i0)
-                if d < best:
-                    best, bj, bi = d, j, i
-    return bj, bi
-
-
 @njit(cache=True, nogil=True, error_model="numpy")
 def lookup(value: Grid, cell_m: float, x: float, y: float) -> tuple[float, float, float]:
     """Interpolate the value and its gradient (dV/dx, dV/dy) at a world point. Points outside take the edge's value."""

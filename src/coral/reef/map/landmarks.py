@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from coral.config import Count, Positive
 from coral.reef.map.landmarks_kernels import scan
-from coral.reef.map.mapping import pixel_rays
-from coral.reef.vehicle.camera import CameraCfg, check_picture
+from coral.reef.vehicle.camera import CameraCfg, check_picture, pixel_rays
 from coral.reef.world.geometry import Frame
 
 WIDEST_SINE = 0.6
@@ -62,18 +61,6 @@ class Sighting:
         sine = min(math.sin(0.5 * self.width), WIDEST_SINE)
         return self.near_m * sine / (1.0 - sine)
 
-    def centre(self, radius_m: float) -> tuple[float, float]:
-        """Return bearing (rad) and distance (m) of its axis, if it is a circle of this radius."""
-        half = math.asin(radius_m / (self.near_m + radius_m))
-        distance = self.near_m + radius_m
-        if self.right is not None and self.left is not None:
-            return 0.5 * (self.right + self.left), distance
-        half = max(half, 0.5 * self.width)
-        if self.left is not None:
-            return self.left - half, distance
-        assert self.right is not None
-        return self.right + half, distance
-
 
 class LandmarkDetector:
     """Finds standing obstacles in pictures.
@@ -85,7 +72,7 @@ class LandmarkDetector:
     def __init__(self, camera: CameraCfg, cfg: LandmarkCfg | None = None) -> None:
         self.cfg = cfg = cfg or LandmarkCfg()
         self._camera = camera
-        rays, _ = pixel_rays(camera)
+        rays = pixel_rays(camera)
         self._length: NDArray[np.float64] = np.hypot(rays[..., 0], rays[..., 1])
         self._step = math.radians(cfg.sector_deg)
         self._half = int(0.5 * math.radians(camera.hfov_deg) / self._step)

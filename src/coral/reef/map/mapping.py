@@ -18,11 +18,11 @@ from coral.errors import InputError
 from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
 from coral.reef.map.carried import AROUND_M, moved_cells
 from coral.reef.map.changes import Box
-from coral.reef.map.mapping_kernels import SATURATED, cell_classes, classify, explore, look, project
+from coral.reef.map.mapping_kernels import SATURATED, classify, explore, look, project
 from coral.reef.map.obstacle_layer import ObstacleLayer, SonarLayerCfg
 from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
-from coral.reef.vehicle.camera import CameraCfg, check_picture
+from coral.reef.vehicle.camera import CameraCfg, check_picture, pixel_rays, ray_lengths
 from coral.reef.vehicle.range_image import RangeImage
 from coral.reef.vehicle.sensing import Attitude
 from coral.reef.world.geometry import Frame, Pose
@@ -146,9 +146,7 @@ class OccupancyMap:
         self._near_key: tuple[int, float, float] | None = None
         self.camera = camera
         """The camera that takes the pictures."""
-        self._rays, self._lever = pixel_rays(camera)
-        lengths = _ray_lengths(camera)
-        self._looks = np.ascontiguousarray(np.concatenate([self._rays, lengths[..., None]], axis=2))
+        self._looks = _looks(camera)
         self.focal_px = camera.intrinsics[0]
         """Focal length of the camera (px): a pixel is 1 / focal_px of its distance wide."""
         self._hfov = math.radians(camera.hfov_deg)
@@ -173,10 +171,7 @@ class OccupancyMap:
         frame = drop_doubtful(frame, self.cfg.doubt)
         if not all(map(math.isfinite, (*pose, roll, pitch))):
             raise InputError("pose", "", (*pose, roll, pitch), "finite numbers")
-        rays, looks = self._rays, self._looks
-        if roll or pitch:
-            rays = pixel_rays(self.camera, roll, pitch)[0]
-            looks = np.ascontiguousarray(np.concatenate([rays, self._looks[..., 2:]], axis=2))
+        looks = _looks(self.camera, roll, pitch) if roll or pitch else self._looks
         cfg = self.cfg
         self._pictures += 1
         changed, counts, obstacle_range_m, sharp_m = False, True, cfg.obstacle_range_m, 0.0
@@ -187,16 +182,13 @@ class OccupancyMap:
                 self.sight = SightLayer(self.obstacle & ~self._closed, cfg.cell_m, self.camera, cfg.sight)
                 self._obstacles[~self._closed] = 0
                 self._seen_obstacle = self._closed.copy()
-            changed = self.sight.integrate(
-                frame, pose, self._lever, (cfg.obstacle_range_m, cfg.range_m), self.explored, roll, pitch
-            )
+            changed = self.sight.integrate(frame, pose, (cfg.obstacle_range_m, cfg.range_m), self.explored, roll, pitch)
             counts, obstacle_range_m, sharp_m = self.sight.counted, -1.0, self.sight.sharp_m
         if counts:
             project(
                 frame.depth,
                 frame.labels,
-                rays,
-                self._lever,
+                looks,
                 (pose.x, pose.y, pose.theta),
                 cfg.cell_m,
                 cfg.range_m,
@@ -215,7 +207,6 @@ class OccupancyMap:
             frame.depth,
             frame.labels,
             looks,
-            self._lever,
             (pose.x, pose.y, pose.theta),
             cfg.cell_m,
             cfg.range_m,
@@ -232,12 +223,10 @@ class OccupancyMap:
             self._combine(self._window(pose, cfg.range_m))
         if doubted:
             return  # its lines of sight have told what is explored
-        c, s = math.cos(pose.theta), math.sin(pose.theta)
-        origin = (pose.x + c * self._lever[0] - s * self._lever[1], pose.y + s * self._lever[0] + c * self._lever[1])
         explore(
             self.explored,
             self.obstacle,
-            origin,
+            (pose.x, pose.y),
             pose.theta,
             self._hfov,
             cfg.n_rays,
@@ -432,7 +421,9 @@ class OccupancyMap:
 
     def cells(self) -> NDArray[np.uint8]:
         """Return the class of every cell: UNEXPLORED, FREE, OBSTACLE or TARGET. Shape=(NY, NX)."""
-        return np.asarray(cell_classes(self.explored, self.target, self.obstacle))
+        found = np.where(self.explored, np.uint8(FREE), np.uint8(UNEXPLORED))
+        found[self.target], found[self.obstacle] = TARGET, OBSTACLE
+        return found
 
     def snapshot(self) -> OccupancyMap:
         """Copy the masks, which later pictures change in place; nothing may be integrated into the copy."""
@@ -514,32 +505,8 @@ def distance_to(mask: NDArray[np.bool_], cell_m: float) -> NDArray[np.float32]:
     return np.asarray(distances * cell_m, dtype=np.float32)
 
 
-def pixel_rays(
-    camera: CameraCfg, roll: float = 0.0, pitch: float = 0.0
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return where each pixel's ray leads in the plane, and the camera's place in the body frame.
-
-    Args:
-        camera: The camera.
-        roll: Of the body about its x axis (rad).
-        pitch: Of the body about its y axis (rad).
-
-    Returns:
-        Horizontal components of the rays at unit depth, along the heading and to its left, Shape=(H, W, 2), and the
-        camera's place (m), Shape=(2,).
-    """
-    from coral.reef.vehicle.camera import T_world_camera
-
-    fx, fy, cx, cy = camera.intrinsics
-    u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
-    optical = np.stack([(u - cx) / fx, (v - cy) / fy, np.ones_like(u, dtype=float)], axis=-1)
-    body_camera = T_world_camera(Pose(0.0, 0.0, 0.0), camera, roll=roll, pitch=pitch)
-    body = optical @ body_camera[:3, :3].T
-    return np.ascontiguousarray(body[..., :2]), np.ascontiguousarray(body_camera[:2, 3])
-
-
-def _ray_lengths(camera: CameraCfg) -> NDArray[np.float64]:
-    """Length of each pixel's ray at unit depth. Shape=(H, W)."""
-    fx, fy, cx, cy = camera.intrinsics
-    u, v = np.meshgrid((np.arange(camera.width) - cx) / fx, (np.arange(camera.height) - cy) / fy)
-    return np.asarray(np.sqrt(1.0 + u**2 + v**2))
+def _looks(camera: CameraCfg, roll: float = 0.0, pitch: float = 0.0) -> NDArray[np.float64]:
+    """Return how far each pixel's ray leads along the heading and to its left, and its length. Shape=(H, W, 3)."""
+    looks = pixel_rays(camera, roll, pitch)
+    looks[..., 2] = ray_lengths(camera)
+    return looks

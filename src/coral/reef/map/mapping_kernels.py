@@ -17,7 +17,6 @@ def project(
     depth: NDArray[np.float32],
     labels: NDArray[np.uint8],
     rays: NDArray[np.float64],
-    lever: NDArray[np.float64],
     pose: tuple[float, float, float],
     cell_m: float,
     target_range_m: float,
@@ -40,7 +39,6 @@ def project(
         depth: Shape=(H, W), metres along the optical axis; inf where nothing is seen.
         labels: Shape=(H, W), pixel classes.
         rays: Shape=(H, W, 2), forward and left components (body frame) of each pixel's ray at unit depth.
-        lever: Shape=(2,), camera position in the body frame (m forward, m left).
         pose: (x, y, theta) of the body in the world.
         cell_m: Edge of a grid cell (m).
         target_range_m: Largest horizontal distance (m) at which oyster and seabed pixels count.
@@ -59,8 +57,7 @@ def project(
     ny, nx = targets.shape
     height, width = depth.shape
     c, s = math.cos(pose[2]), math.sin(pose[2])
-    x0 = pose[0] + c * lever[0] - s * lever[1]
-    y0 = pose[1] + s * lever[0] + c * lever[1]
+    x0, y0 = pose[0], pose[1]
     for u in range(width):
         reach = 0.0
         for v in range(height):
@@ -112,7 +109,6 @@ def look(
     depth: NDArray[np.float32],
     labels: NDArray[np.uint8],
     rays: NDArray[np.float64],
-    lever: NDArray[np.float64],
     pose: tuple[float, float, float],
     cell_m: float,
     range_m: float,
@@ -129,7 +125,6 @@ def look(
         depth: Shape=(H, W), metres along the optical axis; inf where nothing is seen.
         labels: Shape=(H, W), pixel classes.
         rays: Shape=(H, W, 3), forward and left components (body frame) of each pixel's ray at unit depth, its length.
-        lever: Shape=(2,), camera position in the body frame (m forward, m left).
         pose: (x, y, theta) of the body in the world.
         cell_m: Edge of a grid cell (m).
         range_m: Horizontal range of the map (m); oysters farther away are hints.
@@ -144,8 +139,7 @@ def look(
     my, mx = hints.shape
     height, width = depth.shape
     c, s = math.cos(pose[2]), math.sin(pose[2])
-    x0 = pose[0] + c * lever[0] - s * lever[1]
-    y0 = pose[1] + s * lever[0] + c * lever[1]
+    x0, y0 = pose[0], pose[1]
     for v in range(height):
         for u in range(width):
             z = depth[v, u]
@@ -252,16 +246,3 @@ def classify(
             ratio = sharp_ratio if sharp[iy, ix] else target_ratio
             target_mask[iy, ix] = soft and targets[iy, ix] >= ratio * floor and not solid
     return changed
-
-
-@njit(cache=True, nogil=True)
-def cell_classes(
-    explored: NDArray[np.bool_], target: NDArray[np.bool_], obstacle: NDArray[np.bool_]
-) -> NDArray[np.uint8]:
-    """Return the class of every cell (`UNEXPLORED` to `TARGET` of the map): obstacle before target. Shape=(NY, NX)."""
-    ny, nx = explored.shape
-    out = np.empty((ny, nx), np.uint8)
-    for iy in range(ny):
-        for ix in range(nx):
-            out[iy, ix] = 2 if obstacle[iy, ix] else 3 if target[iy, ix] else 1 if explored[iy, ix] else 0
-    return out

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from coral.config import NonNegative, Positive
 from coral.reef.map.sight_layer_kernels import scan, trace
-from coral.reef.vehicle.camera import CameraCfg, T_world_camera
+from coral.reef.vehicle.camera import CameraCfg, pixel_rays
 from coral.reef.world.geometry import Frame, Label, Pose, wrap
 
 NEAR_SHARE = 0.2
@@ -65,7 +65,7 @@ class SightLayer:
         """Evidence for an obstacle. Shape=(NY, NX)."""
         self._sure, self._aspect = known.copy(), np.full(known.shape, np.nan, np.float32)
         self._said, self._pictures = np.zeros(known.shape, np.int32), 0
-        self._lines = sight_lines(camera)
+        self._rays = pixel_rays(camera)
         bearings = math.ceil(2.0 * math.pi * camera.intrinsics[0])
         self._scan = np.empty((3, bearings))
         self._last: Pose | None = None
@@ -99,7 +99,6 @@ class SightLayer:
         self,
         frame: Frame,
         pose: Pose,
-        lever: NDArray[np.float64],
         ranges_m: tuple[float, float],
         explored: NDArray[np.bool_],
         roll: float = 0.0,
@@ -110,21 +109,21 @@ class SightLayer:
         Args:
             frame: The picture, without its doubtful pixels.
             pose: Pose of the body.
-            lever: Place of the camera in the body's frame (m). Shape=(2,).
             ranges_m: Greatest distance (m) of obstacles, and of explored cells.
             explored: Shape=(NY, NX), updated in place.
             roll: As in `T_world_camera` (rad).
             pitch: The same.
         """
         cfg, at = self.cfg, self._last
-        lines = sight_lines(self.camera, roll, pitch) if roll or pitch else self._lines
-        flat = np.hypot(lines[0], lines[1])
+        rays = pixel_rays(self.camera, roll, pitch) if roll or pitch else self._rays
+        forward, left, down = rays[..., 0], rays[..., 1], -rays[..., 2]
+        flat = np.hypot(forward, left)
         floor = frame.labels == Label.SEABED
         # Eyes put the floor where the measured height puts it.
-        height = float(np.median((frame.depth * lines[2])[floor])) if floor.any() else self.camera.altitude_m
+        height = float(np.median((frame.depth * down)[floor])) if floor.any() else self.camera.altitude_m
         with np.errstate(divide="ignore", invalid="ignore"):
-            plane = np.where(lines[2] > 1e-6, height * flat / lines[2], np.inf)
-        turn = np.arctan2(lines[1], lines[0]) + math.pi
+            plane = np.where(down > 1e-6, height * flat / down, np.inf)
+        turn = np.arctan2(left, forward) + math.pi
         (ranges, first, last), bearings = self._scan, self._scan.shape[1]
         bearing = np.minimum((turn * (bearings / (2.0 * math.pi))).astype(np.int64), bearings - 1)
         labels = frame.labels
@@ -138,13 +137,12 @@ class SightLayer:
         if self.counted:
             self._last = pose
             self._pictures += 1
-        c, s = math.cos(pose.theta), math.sin(pose.theta)
         return bool(
             trace(
                 ranges,
                 first,
                 last,
-                (pose.x + c * lever[0] - s * lever[1], pose.y + s * lever[0] + c * lever[1]),
+                (pose.x, pose.y),
                 pose.theta,
                 self._cell_m,
                 ranges_m[0],
@@ -166,13 +164,3 @@ class SightLayer:
                 self.obstacle,
             )
         )
-
-
-def sight_lines(camera: CameraCfg, roll: float = 0.0, pitch: float = 0.0) -> NDArray[np.float64]:
-    """Return the forward, left and downward components of each pixel's ray at unit depth. Shape=(3, H, W)."""
-    fx, fy, cx, cy = camera.intrinsics
-    u, v = np.meshgrid((np.arange(camera.width) - cx) / fx, (np.arange(camera.height) - cy) / fy)
-    turn = T_world_camera(Pose(0.0, 0.0, 0.0), camera, roll=roll, pitch=pitch)[:3, :3]
-    rays = np.tensordot(turn, np.stack([u, v, np.ones_like(u)]), axes=1)
-    rays[2] *= -1.0
-    return np.ascontiguousarray(rays)

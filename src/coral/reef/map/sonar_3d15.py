@@ -12,9 +12,10 @@ from pydantic import Field
 
 from coral.config import Fraction, NonNegative, Positive, Signed
 from coral.reef.map import cast_kernels
+from coral.reef.vehicle.camera import ball_radii
 from coral.reef.vehicle.range_image import RangeImage, beam_angles, beam_directions
 from coral.reef.world.geometry import Pose
-from coral.reef.world.scene import CYLINDER, ELLIPSOID, Scene, rotations
+from coral.reef.world.scene import Scene, rotations
 
 SEABED, NOTHING, SURFACE = -1, -2, -3
 """What a beam meets besides solids."""
@@ -80,9 +81,7 @@ class Sonar3d15:
         shape = (cfg.height, cfg.width)
         self._azimuth, self._elevation = beam_angles(shape, cfg.hfov_deg, cfg.vfov_deg)
         self._beams = beam_directions(shape, cfg.hfov_deg, cfg.vfov_deg)
-        diagonal, upright = np.linalg.norm(scene.half, axis=1), np.hypot(scene.half[:, 0], scene.half[:, 2])
-        widest = scene.half.max(axis=1, initial=0.0)
-        self._radius = np.select([scene.kind == ELLIPSOID, scene.kind == CYLINDER], [widest, upright], diagonal)
+        self._radius = ball_radii(scene.kind, scene.half)
         self.hit: NDArray[np.int32] = np.full(shape, NOTHING, np.int32)
         """What each beam of the last image met: an index into the scene, or SEABED, NOTHING or SURFACE. For tests only.
         Shape=(H, W)."""

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.map.changes import ChangeTracker, grown
-from coral.reef.map.costfield import CostFieldCfg
-from coral.reef.map.costfield_kernels import nearest_free, slowness_window
+from coral.reef.map.costfield import CostFieldCfg, nearest_free
+from coral.reef.map.costfield_kernels import slowness_window
 from coral.reef.map.mapping import OccupancyMap, distance_to
 
 

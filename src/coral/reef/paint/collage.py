@@ -227,11 +227,6 @@ def _sand(image: Image, horizon: float, rng: np.random.Generator) -> None:
     image *= (1.0 + rng.uniform(0.05, 0.3) * np.sin(phase) * (y > 0))[..., None].astype(np.float32)
 
 
-def _kelp(image: Image, horizon: float, rng: np.random.Generator) -> None:
-    _stones(image, horizon, 0.15 * image.shape[1], rng)
-    _blades(image, int(rng.integers(8, 30)), 0.06 * image.shape[1], np.array([0.4, 0.32, 0.08]), rng)
-
-
 def _grass(image: Image, horizon: float, rng: np.random.Generator) -> None:
     _blades(image, int(rng.integers(80, 300)), 4.0, np.array([0.25, 0.5, 0.15]), rng)
 
@@ -249,46 +244,10 @@ def _tank(image: Image, horizon: float, rng: np.random.Generator) -> None:
         cv2.line(image, (0, k * step), (width, k * step - slant // 3), (0.3, 0.4, 0.45), 2, cv2.LINE_AA)
 
 
-def _wreck(image: Image, horizon: float, rng: np.random.Generator) -> None:
-    height, width = image.shape[:2]
-    for _ in range(int(rng.integers(3, 9))):
-        tone = np.array([0.4, 0.25, 0.15]) * rng.uniform(0.4, 1.4)
-        corners = rng.uniform(-0.2, 1.2, (4, 2)) * (width, height)
-        cv2.fillConvexPoly(image, cv2.convexHull(corners.astype(np.int32)), tuple(float(v) for v in tone), cv2.LINE_AA)
-    image *= (1.0 + 0.5 * _clouds((height, width), 25, rng))[..., None]
-    for _ in range(int(rng.integers(0, 40))):
-        at = (int(rng.uniform(0, width)), int(rng.uniform(0, height)))
-        cv2.circle(image, at, int(rng.integers(1, 5)), (0.15, 0.1, 0.08), -1, cv2.LINE_AA)
-
-
-def _surface(image: Image, horizon: float, rng: np.random.Generator) -> None:
-    height, width = image.shape[:2]
-    shine = np.clip(_clouds((height, width), int(rng.integers(4, 14)), rng), 0.0, 1.0)[..., None]
-    image[:] = np.array([0.2, 0.5, 0.6]) * rng.uniform(0.5, 1.3) + shine
-
-
-def _diver(image: Image, horizon: float, rng: np.random.Generator) -> None:
-    height, width = image.shape[:2]
-    image[:] = rng.uniform(0.1, 0.7, 3)
-    x, y, long, turn = rng.uniform(0.2, 0.8) * width, rng.uniform(0.2, 0.8) * height, 0.25 * width, rng.uniform(-40, 40)
-    for dx, dy, a, b, tone in (
-        (0, 0, 1.0, 0.35, 0.08), (-1.2, 0.1, 0.3, 0.3, 0.5), (1.3, 0.1, 0.7, 0.12, 0.1), (1.4, -0.2, 0.7, 0.12, 0.12),
-        (0.0, -0.35, 0.6, 0.16, 0.7), (2.1, 0.0, 0.3, 0.1, 0.6),
-    ):  # fmt: skip
-        at, axes = (int(x + dx * long), int(y + dy * long)), (max(int(a * long), 1), max(int(b * long), 1))
-        cv2.ellipse(image, at, axes, turn, 0, 360, (tone, tone, 0.9 * tone), -1, cv2.LINE_AA)
-    for _ in range(30):
-        at = (int(x - 1.2 * long + rng.normal(0, 0.1 * width)), int(rng.uniform(0, y)))
-        cv2.circle(image, at, int(rng.integers(1, 6)), (0.8, 0.9, 0.9), 1, cv2.LINE_AA)
-
-
 BARE: dict[str, Callable[[Image, float, np.random.Generator], None]] = {
-    "sand": _sand, "cobbles": _cobbles, "seagrass": _grass, "tank": _tank, "kelp": _kelp, "wreck": _wreck,
-    "surface": _surface, "diver": _diver,
+    "sand": _sand, "cobbles": _cobbles, "seagrass": _grass, "tank": _tank,
 }  # fmt: skip
-"""Floors and waters without oysters, by name."""
-TAUGHT = ("sand", "cobbles", "seagrass", "tank")
-"""What training shows; the rest is kept for measuring."""
+"""Floors without oysters, by name."""
 
 
 def bare_picture(kind: str, size: tuple[int, int], rng: np.random.Generator) -> Collage:

@@ -31,7 +31,7 @@ class EyesScore:
     errors: list[list[NDArray[np.float32]]] = field(default_factory=lambda: [[] for _ in BANDS_M[1:]])
     pictures: int = 0
 
-    def add(self, seen: SeenPicture, truth: Frame, lengths: NDArray[np.float32]) -> None:
+    def add(self, seen: SeenPicture, truth: Frame, lengths: NDArray[np.float64]) -> None:
         """Count a picture.
 
         Args:

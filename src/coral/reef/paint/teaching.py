@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.paint.collage import TAUGHT, CollagePainter, bare_picture
+from coral.reef.paint.collage import BARE, CollagePainter, bare_picture
 from coral.reef.paint.labelled_pictures import LabelledPicture
 from coral.reef.paint.training_set import make_samples
 
@@ -93,14 +93,13 @@ def paint_reefs(
     )
 
 
-def draw_collages(seed: int, count: int, size: tuple[int, int], kinds: tuple[str, ...] = ()) -> MarkedPictures:
-    """Draw collages of shells, or, where kinds are given, pictures of those kinds in turn, without oysters."""
+def draw_collages(seed: int, count: int, size: tuple[int, int], *, bare: bool = False) -> MarkedPictures:
+    """Draw collages of shells, or of bare floors, each kind in turn."""
     rng = np.random.default_rng([seed, 0xC0])
     painter = CollagePainter(rng)
-    made = [
-        bare_picture(kinds[k % len(kinds)], size, rng) if kinds else painter.clumps(size, rng) for k in range(count)
-    ]
-    share = _SHARES["bare" if kinds else "clumps"]
+    kinds = list(BARE)
+    made = [bare_picture(kinds[k % len(kinds)], size, rng) if bare else painter.clumps(size, rng) for k in range(count)]
+    share = _SHARES["bare" if bare else "clumps"]
     return MarkedPictures(np.stack([one.rgb for one in made]), np.stack([one.target for one in made]), share)
 
 
@@ -134,7 +133,7 @@ def teach(
         paint_reefs(seed + k, reefs, pictures, size, processes, tell) for k, size in enumerate((full, half))
     )
     count = max(reefs * pictures // 4, 16)
-    marked = [draw_collages(seed, count, full), draw_collages(seed + 1, count // 3, full, TAUGHT)]
+    marked = [draw_collages(seed, count, full), draw_collages(seed + 1, count // 3, full, bare=True)]
     if real is not None and len(real.rgb):
         marked.append(real)
     return TrainingData(painted, tuple(marked), draw_titles(seed, 48, full))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -10,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.eyes.ground_plane import ground_depth, network_input, ray_lengths
+from coral.reef.eyes.ground_plane import ground_depth, network_input
 from coral.reef.paint.painter import Painter
+from coral.reef.paint.viewpoints import choose_viewpoints
 from coral.reef.simulation.daylight import PainterCfg
-from coral.reef.vehicle.camera import Camera, CameraCfg
-from coral.reef.vehicle.collision import clearance
+from coral.reef.vehicle.camera import Camera, CameraCfg, ray_lengths
 from coral.reef.world.generate import GeneratorCfg, generate
-from coral.reef.world.geometry import Frame, Label, Pose, wrap
+from coral.reef.world.geometry import Frame, Label
 from coral.reef.world.scene import Scene
 from coral.reef.world.spines import EVERY_TOPOLOGY
 from coral.reef.world.water_types import JERLOV, Rgb, WaterType
@@ -29,7 +28,6 @@ _FLOORS_M, _WAVES = (2.5, 5.0, 8.0), (0.0, 0.09)
 """Depths of the sea floor and slopes of waves: few, since every pair needs a film of caustics of its own."""
 _A_DAY = 8
 """Pictures of a reef that share camera, water and light."""
-_TRIES = 400
 
 
 @dataclass(frozen=True)
@@ -65,7 +63,7 @@ def make_samples(seed: int, worlds: int, pictures: int, size: tuple[int, int] = 
 
 def hide_beyond(frame: Frame, camera: CameraCfg, visibility_m: float) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     """Return labels and depth of what can be seen through water: surfaces farther than that are water."""
-    hidden = ~(frame.depth * ray_lengths(camera) <= visibility_m)
+    hidden = ~(frame.depth * np.float32(ray_lengths(camera)) <= visibility_m)
     labels = np.where(hidden, np.uint8(Label.WATER), frame.labels).astype(np.uint8)
     return labels, np.where(hidden, np.float32(np.inf), frame.depth).astype(np.float32)
 
@@ -99,7 +97,8 @@ def _take_samples(scene: Scene, size: tuple[int, int], count: int, rng: np.rando
     painter = Painter(scene, camera, water, _vary_light(rng), seed=int(rng.integers(2**31)))
     for _ in range(count):
         roll, pitch = (float(angle) for angle in rng.choice([0.0, 1.0]) * rng.normal(0.0, 0.06, 2))
-        pose = _choose_pose(scene, rng)
+        wanted = Label.OYSTER if rng.random() < 0.5 else Label.OBSTACLE
+        (pose,) = choose_viewpoints(scene, 1, rng, wanted=wanted, aside_rad=0.5, free_m=0.3)
         frame = caster.render(pose, roll=roll, pitch=pitch)
         velocity = (float(rng.uniform(0.0, 0.6)), float(rng.normal(0.0, 0.05)), float(rng.normal(0.0, 0.3)))
         rgb = painter.paint(frame, pose, roll=roll, pitch=pitch, t=float(rng.uniform(0.0, 600.0)), velocity=velocity)
@@ -139,17 +138,3 @@ def _mix_water(rng: np.random.Generator) -> WaterType:
         scattering=between(first.scattering, second.scattering),
         diffuse=between(first.diffuse, second.diffuse),
     )
-
-
-def _choose_pose(scene: Scene, rng: np.random.Generator) -> Pose:
-    """Choose a place 0.5 to 5 m from an oyster or, as often, from an obstacle, that looks at it more or less."""
-    wanted = Label.OYSTER if rng.random() < 0.5 else Label.OBSTACLE
-    among, hiders = np.flatnonzero(scene.label == wanted), scene.footprints()
-    for _ in range(_TRIES):
-        x, y = scene.center[among[rng.integers(len(among))], :2]
-        away, way = rng.uniform(0.5, 5.0), rng.uniform(-math.pi, math.pi)
-        heading = wrap(way + float(rng.normal(0.0, 0.5)))
-        pose = Pose(float(x - away * math.cos(way)), float(y - away * math.sin(way)), heading)
-        if clearance(hiders, pose.x, pose.y) > 0.3:
-            return pose
-    raise InputError("scene", "obstacles", "no room for a camera", "a free place near an oyster or an obstacle")

@@ -37,8 +37,6 @@ class CoverCfg:
     edge: Fraction = 0.03
     """Relative standard deviation of what edges of shells add or take, even where all is seen: three clusters of s1
     without gaps came out 3 to 6 % too large."""
-    calibrated: bool = True
-    """Whether votes of a network that has a calibration (`coral reef eyes calibrate`) count as what they have meant."""
     confirmed: Fraction = 0.2
     """Least calibrated cover of a map cell with oysters, where a network is calibrated; with less it is none. On four
     of the reefs of the calibration anything from 0.15 to 0.3 gives their seven clusters and an overlap of 0.59 to 0.64
@@ -96,17 +94,11 @@ def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cove
     meant. Where no pixel hit, behind shells and in their shade, nobody knows: `seen` has no oysters there, and `filled`
     what lies nearest.
     """
-    calibration = find_calibration(recording.seen_by) if cfg.calibrated else None
+    calibration = find_calibration(recording.seen_by)
     first = next((one.frame for one in recording.keyframes()), None) if calibration is not None else None
     if first is None or first.doubt is None or first.real:
         calibration = None  # of painted reefs; or frames of an old run: the network's probabilities were not kept
-    return make_covers(collect_votes(recording, cfg, soft=calibration is not None), cfg, calibration)
-
-
-def make_covers(
-    parts: list[Votes], cfg: CoverCfg, calibration: CoverCalibration | None = None
-) -> tuple[Cover, list[Cover]]:
-    """Return the cover that the votes of all subsets mean, and those of all but each."""
+    parts = collect_votes(recording, cfg, soft=calibration is not None)
     whole = sum_votes(parts)
     without = [Votes(whole.oyster - one.oyster, whole.floor - one.floor, whole.nearest_m) for one in parts]
     covers = [make_cover(votes, cfg, calibration) for votes in (whole, *(without if len(parts) > 1 else ()))]

@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.errors import MALFORMED, InputError
-from coral.file_writer import write_whole
-from coral.foreign_file import read_json
 from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.reef_net import SHIPPED
 
-SUFFIX = ".cover.json"
 SHARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)
 """Edges between bins of the share of votes. Most cells are near 0 or 1."""
 DEPTHS_M = (0.8, 1.0, 1.2, 1.4, 1.6, 2.0, 2.5)
@@ -62,48 +57,12 @@ def bins_of(share: NDArray[np.float32], nearest_m: NDArray[np.float32]) -> NDArr
     return np.digitize(share, SHARES) * (len(DEPTHS_M) + 1) + np.digitize(nearest_m, DEPTHS_M)
 
 
-def calibration_file(perception: str) -> Path | None:
-    """Return where the calibration of a network is: beside its file. None where that is no single network."""
-    if perception == RGB:
-        return SHIPPED.with_suffix(SUFFIX)
-    return Path(perception).with_suffix(SUFFIX) if perception.endswith(".onnx") and "," not in perception else None
-
-
 def find_calibration(perception: str) -> CoverCalibration | None:
-    """Return the calibration of a network by its name in a recording; None if it has none.
+    """Return the calibration of a network by its name in a recording; None where there is none.
 
-    Raises:
-        InputError: Its file is broken.
+    Only the shipped network for painted reefs has one: of others the true cover is not known.
     """
-    path = calibration_file(perception)
-    return read_calibration(path) if path is not None and path.is_file() else None
-
-
-def read_calibration(path: Path) -> CoverCalibration:
-    """Read a calibration.
-
-    Raises:
-        InputError: The file holds none.
-    """
-    expected = "a calibration, as `coral reef eyes calibrate` writes it"
-    try:
-        values = read_json(path, expected)
-        made = CoverCalibration(
-            cover=tuple(float(one) for one in values["cover"]),
-            common=float(values["common"]),
-            patch_m=float(values["patch_m"]),
-            reefs=int(values["reefs"]),
-            made_by=str(values["made_by"]),
-        )
-    except MALFORMED as error:
-        raise InputError(str(path), "", f"{type(error).__name__} {error}", expected) from None
-    numbers = np.array([*made.cover, made.common, made.patch_m])
-    if len(made.cover) != BINS or not (np.isfinite(numbers) & (numbers >= 0.0)).all():
-        raise InputError(str(path), "cover", f"{len(made.cover)} numbers", f"{BINS}, each 0 or more")
-    return made
-
-
-def write_calibration(calibration: CoverCalibration, path: Path) -> None:
-    """Write a calibration."""
-    rounded = {**asdict(calibration), "cover": [round(one, 5) for one in calibration.cover]}
-    write_whole(path, (json.dumps(rounded, indent=1) + "\n").encode())
+    if perception != RGB:
+        return None
+    values = json.loads(SHIPPED.with_suffix(".cover.json").read_text(encoding="utf-8"))
+    return CoverCalibration(**{**values, "cover": tuple(values["cover"])})

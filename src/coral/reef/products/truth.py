@@ -67,21 +67,6 @@ def true_area_m2(world: ReefWorld) -> float:
     return len(_covered(world)) * RASTER_M**2
 
 
-def true_cover(world: ReefWorld, fine_m: float, shape: tuple[int, int]) -> NDArray[np.float32]:
-    """Return the share of each fine cell that oysters cover. Shape=(FY, FX).
-
-    Args:
-        world: The reef.
-        fine_m: Edge of a cell (m).
-        shape: (FY, FX).
-    """
-    iy, ix = (np.minimum((axis + 0.5) * RASTER_M / fine_m, end - 1).astype(np.intp)
-              for axis, end in zip(_covered(world).T[::-1], shape, strict=True))  # fmt: skip
-    cover = np.zeros(shape, np.float32)
-    np.add.at(cover, (iy, ix), np.float32((RASTER_M / fine_m) ** 2))
-    return cover
-
-
 def _covered(world: ReefWorld) -> NDArray[np.intp]:
     """Return the cells of `RASTER_M` that oysters cover, column and row. Shape=(N, 2)."""
     scene = Scene.from_world(world)

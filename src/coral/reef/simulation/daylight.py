@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 from coral.config import Fraction, NonNegative, Positive, Signed
-from coral.errors import InputError
 
 _INDEX = 1.34
 """Refractive index of sea water."""
@@ -44,31 +43,6 @@ class PainterCfg:
     """Photons of a white pixel in daylight: the smaller, the more noise."""
     read_noise: NonNegative = 0.004
     """Standard deviation of the sensor's own noise, as a share of white."""
-
-
-LIGHTS = {
-    "day": PainterCfg(),
-    "low-sun": PainterCfg(sun_elevation_deg=20.0),
-    "overcast": PainterCfg(sky_share=1.0, wave_slope=0.0),
-    "dim": PainterCfg(photons=1500.0, read_noise=0.01, exposure=0.1),
-}
-"""Light by name: as configured; a sun 20 degrees above the horizon; no sun and no caustics; few photons, much noise and
-a dark picture."""
-
-
-def find_light(name: str, field: str) -> PainterCfg:
-    """Return a light by its name.
-
-    Args:
-        name: One of `LIGHTS`.
-        field: Whose value it is, for the error.
-
-    Raises:
-        InputError: There is no light of this name.
-    """
-    if name not in LIGHTS:
-        raise InputError(field, "", repr(name), f"one of {', '.join(LIGHTS)}")
-    return LIGHTS[name]
 
 
 def sun_direction(cfg: PainterCfg) -> tuple[float, float, float]:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from coral.config import CellSize, Positive
 from coral.reef.simulation import imaging_kernels
 from coral.reef.simulation.coverage import rasterise
-from coral.reef.vehicle.camera import CameraCfg, T_world_camera
+from coral.reef.vehicle.camera import CameraCfg, T_world_camera, ball_radii
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.geometry import Label, Pose
-from coral.reef.world.scene import BOX, CYLINDER, Scene
+from coral.reef.world.scene import Scene
 
 LEVELS = {"imaged": imaging_kernels.IMAGED, "inspected": imaging_kernels.INSPECTED}
 """The two levels at which a cluster's area is counted."""
@@ -80,8 +80,7 @@ class ImagingMeter:
         self._kind, self._center = scene.kind[hiders], np.ascontiguousarray(scene.center[hiders])
         half = scene.half[hiders]
         self._unit = np.ascontiguousarray(np.swapaxes(scene.rotation[hiders], 1, 2) / half[:, :, None])
-        widest = np.where(self._kind == CYLINDER, np.hypot(half[:, 0], half[:, 2]), half.max(axis=1, initial=0.0))
-        self._radius = np.where(self._kind == BOX, np.linalg.norm(half, axis=1), widest)
+        self._radius = ball_radii(self._kind, half)
         self._scratch, self._near = np.empty((len(hiders), 3)), np.empty(len(hiders), np.int64)
         self.level: NDArray[np.uint8] = np.zeros(len(self.points), np.uint8)
         """Best level of every point so far. Shape=(M,)."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.errors import InputError
-from coral.reef.vehicle.camera import CameraCfg
+from coral.reef.vehicle.camera import CameraCfg, ray_lengths
 from coral.reef.world.geometry import Frame, Label, Pose, wrap
 
 _SHARES = ("dropout", "oyster_missed", "obstacle_missed", "oyster_false", "obstacle_false", "visibility_falloff")
@@ -74,10 +74,7 @@ class SensorNoise:
         """Store the settings and the generator."""
         self.cfg = cfg
         self._rng = rng
-        camera = camera or CameraCfg()
-        fx, fy, cx, cy = camera.intrinsics
-        p, q = (np.arange(camera.width) - cx) / fx, (np.arange(camera.height) - cy) / fy
-        self._lengths = np.sqrt(1.0 + p[None, :] ** 2 + q[:, None] ** 2)
+        self._lengths = ray_lengths(camera or CameraCfg())
 
     def apply(self, frame: Frame) -> Frame:
         """Return a noisy copy of a frame. Lost pixels become water at infinite depth.

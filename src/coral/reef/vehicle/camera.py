@@ -104,6 +104,33 @@ def T_world_camera(
     return np.array([*rows, [0.0, 0.0, 0.0, 1.0]], np.float64)
 
 
+def ray_lengths(cfg: CameraCfg) -> NDArray[np.float64]:
+    """Return the length of each pixel's ray at unit depth: range = depth x length. Shape=(H, W)."""
+    fx, fy, cx, cy = cfg.intrinsics
+    p, q = (np.arange(cfg.width) - cx) / fx, (np.arange(cfg.height) - cy) / fy
+    return np.asarray(np.sqrt(1.0 + p[None, :] ** 2 + q[:, None] ** 2))
+
+
+def pixel_rays(cfg: CameraCfg, roll: float = 0.0, pitch: float = 0.0) -> NDArray[np.float64]:
+    """Return each pixel's ray at unit depth as its parts along the heading, to the left and up. Shape=(H, W, 3).
+
+    Args:
+        cfg: The camera.
+        roll: As in `T_world_camera`.
+        pitch: As in `T_world_camera`.
+    """
+    fx, fy, cx, cy = cfg.intrinsics
+    u, v = np.meshgrid((np.arange(cfg.width) - cx) / fx, (np.arange(cfg.height) - cy) / fy)
+    turn = T_world_camera(Pose(0.0, 0.0, 0.0), cfg, roll=roll, pitch=pitch)[:3, :3]
+    return np.asarray(np.stack([u, v, np.ones_like(u)], axis=-1) @ turn.T)
+
+
+def ball_radii(kind: NDArray[np.int8], half: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the radius of a ball about each solid's centre that holds it (m). Arguments as in `Scene`. Shape=(N,)."""
+    upright, widest = np.hypot(half[:, 0], half[:, 2]), half.max(axis=1, initial=0.0)
+    return np.select([kind == ELLIPSOID, kind == CYLINDER], [widest, upright], np.linalg.norm(half, axis=1))
+
+
 class Camera:
     """Renders a scene exactly: the result equals that of a ray caster with one ray per pixel."""
 
@@ -113,12 +140,8 @@ class Camera:
         fx, fy, cx, cy = cfg.intrinsics
         self._p = (np.arange(cfg.width, dtype=np.float64) - cx) / fx
         self._q = (np.arange(cfg.height, dtype=np.float64) - cy) / fy
-        lengths = np.sqrt(1.0 + self._p[None, :] ** 2 + self._q[:, None] ** 2)
-        self._reach = (cfg.range_m / lengths).astype(np.float32)
-        diagonal = np.linalg.norm(scene.half, axis=1)
-        upright = np.hypot(scene.half[:, 0], scene.half[:, 2])
-        widest = scene.half.max(axis=1, initial=0.0)
-        self._radius = np.select([scene.kind == ELLIPSOID, scene.kind == CYLINDER], [widest, upright], diagonal)
+        self._reach = (cfg.range_m / ray_lengths(cfg)).astype(np.float32)
+        self._radius = ball_radii(scene.kind, scene.half)
 
     def render(
         self, pose: Pose, altitude: float | None = None, *, roll: float = 0.0, pitch: float = 0.0, t: float = 0.0

@@ -75,25 +75,3 @@ class ContactCounter:
             (float(track[self._point[k], 0]), float(track[self._point[k], 1]), int(self._fresh[k]))
             for k in range(fresh)
         ]
-
-    def update(self, x: float, y: float) -> tuple[int, ...]:
-        """Move the disc's centre to a world point (m).
-
-        Returns:
-            Indices of the obstacles that the disc has begun to touch; empty if there is no new contact.
-        """
-        f = self._footprints
-        fresh = collision_kernels.contacts(
-            float(x),
-            float(y),
-            self._radius,
-            self._release,
-            f.kind,
-            f.center,
-            f.half,
-            f.yaw,
-            self._touching,
-            self._fresh,
-        )
-        self.count += fresh
-        return tuple(int(k) for k in self._fresh[:fresh])

@@ -108,50 +108,6 @@ def clearance(
 
 
 @njit(cache=True)
-def contacts(
-    x: float,
-    y: float,
-    radius: float,
-    release: float,
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    half: NDArray[np.float64],
-    yaw: NDArray[np.float64],
-    touching: NDArray[np.bool_],
-    fresh: NDArray[np.int64],
-) -> int:
-    """Update which outlines a disc touches. Return how many it has begun to touch; `fresh` holds their indices.
-
-    Args:
-        x: World x of the disc's centre (m).
-        y: World y (m).
-        radius: Radius of the disc (m).
-        release: Gap (m) beyond which a contact ends.
-        kind: Shape=(K,), as `Footprints`.
-        center: Shape=(K, 2).
-        half: Shape=(K, 2).
-        yaw: Shape=(K,).
-        touching: Shape=(K,), updated in place.
-        fresh: Shape=(K,), written.
-    """
-    count = 0
-    for k in range(kind.size):
-        dx, dy = x - center[k, 0], y - center[k, 1]
-        reach = half[k, 0] + half[k, 1] + radius + release
-        if dx * dx + dy * dy > reach * reach:
-            touching[k] = False
-            continue
-        gap = outline_distance(x, y, k, kind, center, half, yaw) - radius
-        if touching[k]:
-            touching[k] = gap <= release
-        elif gap <= 0.0:
-            touching[k] = True
-            fresh[count] = k
-            count += 1
-    return count
-
-
-@njit(cache=True)
 def contacts_along(
     track: NDArray[np.float64],
     radius: float,
@@ -164,7 +120,7 @@ def contacts_along(
     fresh: NDArray[np.int64],
     point: NDArray[np.int64],
 ) -> int:
-    """Run `contacts` at every point of a track. Return the number of new contacts.
+    """Update which outlines a disc touches along a track. Return how many it has begun to touch.
 
     Args:
         track: Shape=(N, 2), positions of the disc's centre (m), oldest first.
@@ -180,7 +136,18 @@ def contacts_along(
     """
     count = 0
     for i in range(track.shape[0]):
-        new = contacts(track[i, 0], track[i, 1], radius, release, kind, center, half, yaw, touching, fresh[count:])
-        point[count : count + new] = i
-        count += new
+        x, y = track[i, 0], track[i, 1]
+        for k in range(kind.size):
+            dx, dy = x - center[k, 0], y - center[k, 1]
+            reach = half[k, 0] + half[k, 1] + radius + release
+            if dx * dx + dy * dy > reach * reach:
+                touching[k] = False
+                continue
+            gap = outline_distance(x, y, k, kind, center, half, yaw) - radius
+            if touching[k]:
+                touching[k] = gap <= release
+            elif gap <= 0.0:
+                touching[k] = True
+                fresh[count], point[count] = k, i
+                count += 1
     return count
