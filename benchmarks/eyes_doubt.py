@@ -1,10 +1,9 @@
-"""What limits of doubt do to the map: oysters and obstacles of eyes against exact perception, along the same legs.
+"""What limits of doubt do to the map: oysters of eyes against exact perception, along the same legs.
 
     python benchmarks/eyes_doubt.py [REEF/WATER ...] [--perception FILE.onnx]
 
 The camera moves in parallel legs over reefs on which nothing is trained. Cells of all reefs are counted together.
-A false cell is more than 0.3 m from any cell in which exact perception sees the class; a missed one more than 0.2 m
-(obstacles) from any cell of the map of eyes. IoU is that of oyster cells.
+A false cell is more than 0.3 m from any cell in which exact perception sees an oyster. IoU is that of oyster cells.
 """
 
 from __future__ import annotations
@@ -34,11 +33,10 @@ LEGS_M, APART_M = 4.0, 0.2
 """Distance between legs, and between pictures."""
 FREE_M = 0.35
 """Least distance from the camera to an obstacle."""
-FALSE_M, MISSED_M, FAR_M = 0.3, 0.2, 1.0
+FALSE_M, FAR_M = 0.3, 1.0
 CLUSTER_CELLS = 100
 """Smallest cluster, as in the paper."""
 OYSTERS = (0.05, 0.1, 0.2, 0.3, 0.5)
-DEPTHS = (0.1, 0.15, 0.2, 0.25, 10.0)
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,6 @@ class Swept:
     exact: OccupancyMap
     to_oyster: NDArray[np.float32]
     """Distance of each cell to the nearest in which an oyster ever showed (m)."""
-    to_obstacle: NDArray[np.float32]
 
 
 def legs(scene: Scene, size_m: tuple[float, float]) -> Iterator[Pose]:
@@ -74,14 +71,13 @@ def sweep(name: str, water: str, eyes: RgbPerception, camera: CameraCfg) -> Swep
         exact.integrate(frame, pose)
         rgb = painter.paint(frame, pose, t=k * APART_M / 0.5, velocity=(0.5, 0.0, 0.0))
         seen.append((pose, replace(perceive_frame(replace(frame, rgb=rgb), eyes, camera, CameraAttitude()), rgb=None)))
-    # Three pictures make an obstacle of the map; one pixel is enough for a cell not to be false.
-    oyster, obstacle = (distance_to(counts > 0, exact.cfg.cell_m) for counts in (exact._targets, exact._obstacles))
-    return Swept(world.size_m, seen, exact, oyster, obstacle)
+    # One pixel is enough for a cell not to be false.
+    return Swept(world.size_m, seen, exact, distance_to(exact._targets > 0, exact.cfg.cell_m))
 
 
 def count(reefs: list[Swept], doubt: DoubtCfg, camera: CameraCfg) -> NDArray[np.float64]:
-    """Count oyster cells (both, of the map, exact, false), false clusters; obstacle cells (exact, false, missed)."""
-    total = np.zeros(8)
+    """Count oyster cells (both, of the map, exact, false) and false clusters."""
+    total = np.zeros(5)
     for reef in reefs:
         cells = OccupancyMap(reef.size_m, camera, MapCfg(doubt=doubt))
         for pose, frame in reef.seen:
@@ -90,22 +86,18 @@ def count(reefs: list[Swept], doubt: DoubtCfg, camera: CameraCfg) -> NDArray[np.
         large = [k for k in range(1, number) if stats[k, cv2.CC_STAT_AREA] >= CLUSTER_CELLS]
         far = sum(bool(reef.to_oyster[blobs == k].min() > FAR_M) for k in large)
         true = reef.exact
-        near = distance_to(cells.obstacle, cells.cfg.cell_m) <= MISSED_M
         total += (
             np.count_nonzero(cells.target & true.target),
             np.count_nonzero(cells.target),
             np.count_nonzero(true.target),
             np.count_nonzero(cells.target & (reef.to_oyster > FALSE_M)),
             far,
-            np.count_nonzero(true.obstacle),
-            np.count_nonzero(cells.obstacle & (reef.to_obstacle > FALSE_M)),
-            np.count_nonzero(true.obstacle & ~near),
         )
     return total
 
 
 def main() -> None:
-    """Print two tables: limits of oysters, and of the depth of obstacles."""
+    """Print a table of limits of oysters."""
     parser = argparse.ArgumentParser()
     parser.add_argument("reefs", nargs="*", default=["gen:20/clear", "gen:21/1C", "gen:22/bay"], help="REEF/WATER")
     parser.add_argument("--perception", default="rgb")
@@ -117,13 +109,9 @@ def main() -> None:
     print("| largest doubt of oysters | IoU of cells | precision | recall | false cells | false clusters |")
     print("|---|---|---|---|---|---|")
     for limit in OYSTERS:
-        both, mine, true, false, far, *_ = count(reefs, DoubtCfg(oyster=limit), camera)
+        both, mine, true, false, far = count(reefs, DoubtCfg(oyster=limit), camera)
         iou, precision, recall = both / (mine + true - both), both / max(mine, 1.0), both / true
         print(f"| {limit} | {iou:.3f} | {precision:.2f} | {recall:.2f} | {false:.0f} | {far:.0f} |", flush=True)
-    print("\n| largest doubt of an obstacle's depth | false cells | missed cells | of |\n|---|---|---|---|")
-    for limit in DEPTHS:
-        *_, true, false, missed = count(reefs, DoubtCfg(obstacle_depth=limit), camera)
-        print(f"| {limit} | {false:.0f} | {missed:.0f} | {true:.0f} |", flush=True)
 
 
 if __name__ == "__main__":

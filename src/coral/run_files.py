@@ -45,7 +45,7 @@ class SurveyFiles(RunFiles):
     of classes, depth (mm, 16 bits) and, where there are any, colours and doubt. Without them, the final map alone."""
     POSES: Final = "frames/poses.csv"
     """Where each picture was taken: `t`, `x`, `y`, `z`, `roll`, `pitch`, `yaw` as the robot believed, `odo_x`, `odo_y`,
-    `odo_yaw` by odometry alone, and its files `labels`, `depth`, `rgb`, `doubt`, `depth_doubt`."""
+    `odo_yaw` by odometry alone, and its files `labels`, `depth`, `rgb`, `doubt`."""
     SAVED: Final = "survey.npz"
     """What `coral reef sail` knows, saved as it grows; `--resume` reads it."""
     PREFLIGHT: Final = "preflight.txt"

@@ -35,8 +35,8 @@ from coral.reef.rehearsal.truth import TruthFeed
 from coral.reef.sea.address import parse_address
 from coral.reef.sea.local_frame import LocalFrame
 from coral.reef.sea.sonar_packets import SonarPing, encode_packet
-from coral.reef.simulation.frame_painter import make_painter
 from coral.reef.simulation.simulator import SimulatorCfg
+from coral.reef.simulation.stills import make_painter
 from coral.reef.world.generated import find_world
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene

@@ -8,7 +8,7 @@ from coral.commands import sail_parts
 from coral.commands.reef_sail import ReefSail
 from coral.commands.sail_parts import open_parts, read_area, watch_sensors
 from coral.errors import InputError
-from coral.reef.eyes.painted_or_real import PaintedOrRealEyes
+from coral.reef.eyes.reef_net import PaintedOrRealEyes
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import with_sonar

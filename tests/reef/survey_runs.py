@@ -57,8 +57,8 @@ def write_run(folder, *, colour=False, drift=0.0, doubtful=False):
             rgb[frame.labels == 1] = (200, 40, 40)
             frame = type(frame)(frame.depth, frame.labels, frame.instances, rgb)
         if doubtful:
-            shares = np.random.default_rng(k).random((2, *frame.depth.shape)).astype(np.float32)
-            frame = replace(frame, doubt=shares[0], depth_doubt=shares[1])
+            doubt = np.random.default_rng(k).random(frame.depth.shape).astype(np.float32)
+            frame = replace(frame, doubt=doubt)
         cells.integrate(frame, pose)
         odometry = Pose(pose.x + drift * k, pose.y, pose.theta)
         at = PicturePose(pose=pose, odometry=odometry, height_m=CAMERA.altitude_m)

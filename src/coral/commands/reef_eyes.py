@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 import time
 from collections.abc import Iterator, Mapping
@@ -128,8 +127,7 @@ class ReefEyes:
             begun = time.process_time()
             perceived = perceive_frame(frame, eyes, camera, CameraAttitude())
             spent += time.process_time() - begun
-            # An obstacle at a doubtful depth is seen all the same; how wrong depth is has a row of its own.
-            kept = drop_doubtful(perceived, DoubtCfg(obstacle_depth=math.inf))
+            kept = drop_doubtful(perceived, DoubtCfg())
             assert kept.doubt is not None
             seen = SeenPicture(kept.labels, kept.depth, kept.doubt)
             scores.setdefault(water, EyesScore()).add(seen, frame, ray_lengths(camera))

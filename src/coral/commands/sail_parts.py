@@ -35,9 +35,9 @@ from coral.reef.sea.survey_file import SurveyArea, is_survey, read_survey
 from coral.reef.sea.udp_sonar import PORT as SONAR_PORT
 from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.sea.video_camera import Fit, VideoCamera
-from coral.reef.simulation.frame_painter import make_painter
 from coral.reef.simulation.noise import PoseDrift, SensorNoise
 from coral.reef.simulation.simulator import make_stills
+from coral.reef.simulation.stills import make_painter
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.generated import find_world
 from coral.reef.world.geometry import Pose

@@ -15,8 +15,8 @@ class Eyes:
     def perceive(self, rgb, camera, attitude):
         assert attitude.height == 0.9
         labels = np.array([[Label.OYSTER, Label.WATER]] * 2, np.uint8)
-        depth, doubt, depth_doubt = (np.array([row] * 2, np.float32) for row in ([2.0, 3.0], [0.1, 0.2], [0.3, 0.4]))
-        return SeenPicture(labels, depth, doubt, depth_doubt)
+        depth, doubt = (np.array([row] * 2, np.float32) for row in ([2.0, 3.0], [0.1, 0.2]))
+        return SeenPicture(labels, depth, doubt)
 
 
 def frame(rgb):
@@ -30,7 +30,6 @@ def test_nothing_of_the_truth_remains():
     assert seen.depth.tolist() == [[2.0, np.inf]] * 2
     assert seen.instances.tolist() == [[-1, -1]] * 2
     np.testing.assert_allclose(seen.doubt, [[0.1, 0.2]] * 2)
-    np.testing.assert_allclose(seen.depth_doubt, [[0.3, 0.4]] * 2)
 
 
 def test_a_frame_without_colours_is_a_mistake():

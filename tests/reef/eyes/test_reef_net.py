@@ -7,7 +7,7 @@ from given_networks import given, one_hot
 from coral.errors import InputError
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.eyes.reef_net import ReefNetEyes
+from coral.reef.eyes.reef_net import PaintedOrRealEyes, ReefNetEyes
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 
@@ -72,3 +72,18 @@ def test_a_picture_of_another_shape_keeps_its_proportions():
     # Twice as many columns at the same focal length: twice the tangent of half the angle.
     wide = CameraCfg(width=4, height=2, hfov_deg=2 * math.degrees(math.atan(2.0)))
     np.testing.assert_allclose(fed[3], np.clip(1.0 / ground_depth(wide), 0.0, 4.0), rtol=1e-6)
+
+
+def test_each_picture_goes_to_the_network_of_its_kind():
+    def eyes(label, **unlike):
+        return ReefNetEyes(given({**outputs(), "logits": one_hot([[label] * 4] * 2), **unlike}, channels=4))
+
+    def seen(unlike):
+        both = PaintedOrRealEyes(eyes(1, unlike=np.array([unlike], np.float32)), eyes(3))
+        return both.perceive(np.zeros((2, 4, 3), np.uint8), CameraCfg(width=4, height=2), CameraAttitude())
+
+    real, painted = seen((1.4, 2.0)), seen((2.0, 1.4))
+    assert (real.labels == 1).all()
+    assert (real.real, round(real.unlike, 3)) == (True, 1.4)
+    assert (painted.labels == 3).all()
+    assert (painted.real, painted.unlike) == (False, 0.0)

@@ -5,8 +5,8 @@ import cv2
 import numpy as np
 import pytest
 
-from coral.reef.map.costfield import NO_FREE_CELL, UNREACHABLE, CostField, CostFieldCfg
-from coral.reef.map.costfield_kernels import lookup, march, slowness_grid
+from coral.reef.map.costfield import NO_FREE_CELL, UNREACHABLE, CostField, CostFieldCfg, slowness_over
+from coral.reef.map.costfield_kernels import lookup, march
 
 CELL = 0.05
 
@@ -118,7 +118,7 @@ def test_a_goal_inside_an_obstacle_moves_to_the_nearest_free_cell():
 
 
 def test_the_edge_of_the_map_is_blocked():
-    slowness = slowness_grid(np.full((100, 100), np.inf, np.float32), CELL, 2, 0.35, 0.5, 3.0)
+    slowness = slowness_over(np.full((100, 100), np.inf, np.float32), CELL, CostFieldCfg())
     assert (slowness[0] < 0).all()
     assert (slowness[:, :3] < 0).all()
     assert slowness[25, 25] == 1.0
@@ -165,7 +165,7 @@ def scattered(size_m, seed, wall=False):
     if wall:
         obstacle[: n - 30, n // 2 : n // 2 + 3] = 1
     distance = cv2.distanceTransform(1 - obstacle, cv2.DIST_L2, 5) * np.float32(0.1)
-    return slowness_grid(distance, 0.1, 1, 0.35, 0.5, 3.0)
+    return slowness_over(distance, 0.1, CostFieldCfg(ratio=1))
 
 
 @pytest.mark.parametrize("wall", [False, True])

@@ -5,15 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.reef.map.costfield import CostField, CostFieldCfg
-from coral.reef.map.costfield_kernels import slowness_grid
+from coral.reef.map.costfield import CostField, CostFieldCfg, slowness_over
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.map.water import WaterMap
 from coral.reef.vehicle.camera import CameraCfg
 
 
 def whole(cells, cfg):
-    return slowness_grid(cells.distance(), cells.cfg.cell_m, cfg.ratio, cfg.radius_m, cfg.band_m, cfg.penalty)
+    return slowness_over(cells.distance(), cells.cfg.cell_m, cfg)
 
 
 @pytest.mark.parametrize("ratio", [2, 3])

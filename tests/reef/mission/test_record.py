@@ -97,7 +97,7 @@ def test_keyframes_have_a_row_with_their_pose_and_pictures(writer):
     recorder.close()
     rows = (writer.folder / "frames/poses.csv").read_text().splitlines()
     assert rows[0] == ",".join(POSE_COLUMNS)
-    assert rows[2] == "0.5,1,2,1.2,0.01,-0.02,0.5,1.1,2,0.5,000005_labels.png,000005_depth.png,,,"
+    assert rows[2] == "0.5,1,2,1.2,0.01,-0.02,0.5,1.1,2,0.5,000005_labels.png,000005_depth.png,,"
     assert len(rows) == 4
     assert kept(writer).count("000005_labels.png") == 1
     assert "000005_map.png" not in kept(writer)
@@ -107,7 +107,7 @@ def test_colour_is_kept_where_there_is_one(writer):
     recorder = FrameRecorder(writer, RecordCfg())
     recorder.offer(0, 0.0, lambda: CELLS, replace(FRAME, rgb=np.full((2, 2, 3), 90, np.uint8)), AT)
     recorder.close()
-    assert (writer.folder / "frames/poses.csv").read_text().endswith(",000000_rgb.jpg,,\n")
+    assert (writer.folder / "frames/poses.csv").read_text().endswith(",000000_rgb.jpg,\n")
     assert cv2.imread(str(writer.folder / "frames/000000_rgb.jpg")).shape == (2, 2, 3)
 
 

@@ -19,14 +19,14 @@ from coral.reef.products.cover import (
 )
 from coral.reef.products.cover_calibration import BINS, CoverCalibration, bins_of
 from coral.reef.products.seen_points import find_points, lens_of, transform_of
-from coral.reef.products.truth import true_area_m2
+from coral.reef.products.truth import true_oysters
 from coral.reef.recordings.picture_files import NO_OBJECTS
 from coral.reef.world.geometry import Frame, Label
 from coral.reef.world.world import load_world
 
 
 def test_the_area_is_near_the_truth_and_in_its_interval(products, survey_run):
-    truth = true_area_m2(load_world(survey_run / "world.yaml"))
+    truth = true_oysters(load_world(survey_run / "world.yaml"), products.seen, products.fine_m).whole_m2
     assert products.area.m2 == pytest.approx(truth, rel=0.1)
     assert products.area.low_m2 < truth < products.area.high_m2
     # Whole cells that a shell touches are far more.

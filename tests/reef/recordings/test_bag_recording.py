@@ -52,7 +52,6 @@ def test_doubt_goes_through_a_bag(tmp_path):
     assert back.seen_by == "rgb"
     ours, theirs = (next(iter(one.keyframes())).frame for one in (there, back))
     np.testing.assert_array_equal(theirs.doubt, ours.doubt)
-    np.testing.assert_array_equal(theirs.depth_doubt, ours.depth_doubt)
     np.testing.assert_array_equal(map_of(back).cells(), map_of(there).cells())
 
 

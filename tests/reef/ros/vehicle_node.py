@@ -17,8 +17,8 @@ from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg, sonar_attitude
 from coral.reef.rehearsal.simulated_camera import SimulatedCamera
 from coral.reef.rehearsal.simulated_link import SimulatedLink
 from coral.reef.sea.survey_file import SurveyArea
-from coral.reef.simulation.frame_painter import make_painter
 from coral.reef.simulation.simulator import SimulatorCfg
+from coral.reef.simulation.stills import make_painter
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.generated import find_world
 from coral.reef.world.scene import Scene

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from coral.config import merge
 from coral.errors import InputError
 from coral.reef.simulation.coverage import CoverageCfg, CoverageMeter, rasterise
 from coral.reef.world.geometry import Pose
@@ -215,4 +216,4 @@ def test_a_lost_pose_sees_nothing():
 )
 def test_a_bad_setting_is_named(field, value):
     with pytest.raises(InputError, match=f"coverage: {field}"):
-        CoverageCfg(**{field: value})
+        merge(CoverageCfg(), {field: value}, "coverage")

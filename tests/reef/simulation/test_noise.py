@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from coral.config import merge
 from coral.errors import InputError
 from coral.reef.simulation.noise import PoseDrift, SensorNoise, SensorNoiseCfg
 from coral.reef.vehicle.camera import CameraCfg
@@ -162,7 +163,7 @@ def test_drifting_heading_stays_wrapped():
 )
 def test_a_bad_setting_is_named(field, value):
     with pytest.raises(InputError, match=f"noise: {field}"):
-        SensorNoiseCfg(**{field: value})
+        merge(SensorNoiseCfg(), {field: value}, "noise")
 
 
 def test_false_positives_cannot_exceed_the_seabed():

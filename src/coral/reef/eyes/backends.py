@@ -13,11 +13,10 @@ from coral.errors import InputError, nearest
 from coral.onnx_file import open_picture_network
 from coral.plugins import has_plugin, named_plugin
 from coral.reef.eyes.network_notes import SUFFIX, read_notes
-from coral.reef.eyes.painted_or_real import PaintedOrRealEyes
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception
 from coral.reef.eyes.picture_input import PictureInput
 from coral.reef.eyes.pixel_check import CAMERA, check_pixels
-from coral.reef.eyes.reef_net import OUTPUTS, REAL, SHIPPED, ReefNetEyes
+from coral.reef.eyes.reef_net import OUTPUTS, REAL, SHIPPED, PaintedOrRealEyes, ReefNetEyes
 from coral.reef.eyes.relative_depth import DepthAnything, RelativeDepthEyes, is_depth
 from coral.reef.eyes.semantic_map import SemanticEyes
 from coral.reef.eyes.yolo_eyes import YoloEyes, is_yolo

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.config import Fraction, NonNegative
+from coral.config import Fraction
 from coral.reef.world.geometry import Frame, Label
 
-LABEL_STEPS, DEPTH_STEPS = 255, 100
-"""Steps that make 1 in a picture file of doubt: a label's reaches to 1, a depth's to 2.55."""
+STEPS = 255
+"""Steps that make 1 in a picture file of doubt."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,11 +26,6 @@ class DoubtCfg:
     """More than for oysters: an obstacle too many costs a detour, one too few a collision."""
     seabed: Fraction = 0.5
     """Seabed counts against oysters and obstacles of its cell, so it has to be likelier than not."""
-    obstacle_depth: NonNegative = 10.0
-    """Largest expected error of an obstacle's depth, as a share of it, where eyes state one; 10 takes every obstacle.
-    Obstacles at a wrong depth close ways that are open: 0.2 removes 85 of 100 false obstacle cells
-    (`benchmarks/eyes_doubt.py`), but hides near obstacles in many a picture, and in the one mission driven with it the
-    planner failed more often. Hence it is off."""
 
 
 def drop_doubtful(frame: Frame, cfg: DoubtCfg) -> Frame:
@@ -39,8 +34,6 @@ def drop_doubtful(frame: Frame, cfg: DoubtCfg) -> Frame:
         return frame
     most = np.array([1.0, cfg.oyster, cfg.obstacle, cfg.seabed], np.float32)
     lost = frame.doubt > most[np.minimum(frame.labels, len(most) - 1)]
-    if frame.depth_doubt is not None:
-        lost |= (frame.labels == Label.OBSTACLE) & (frame.depth_doubt > cfg.obstacle_depth)
     return replace(
         frame,
         depth=np.where(lost, np.float32(np.inf), frame.depth).astype(np.float32),
@@ -48,19 +41,14 @@ def drop_doubtful(frame: Frame, cfg: DoubtCfg) -> Frame:
     )
 
 
-def pack_doubt(share: NDArray[np.float32], whole: int) -> NDArray[np.uint8]:
-    """Return shares in steps of 1 / whole as bytes, for a picture file; what is more than 255 steps is 255.
-
-    Args:
-        share: Doubt of labels or of depths. Shape=(H, W).
-        whole: `LABEL_STEPS` or `DEPTH_STEPS`.
-    """
-    return np.clip(np.round(whole * share), 0, 255).astype(np.uint8)
+def pack_doubt(share: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Return doubt in steps of 1 / STEPS as bytes, for a picture file. Shape=(H, W)."""
+    return np.clip(np.round(STEPS * share), 0, 255).astype(np.uint8)
 
 
-def unpack_doubt(steps: NDArray[np.uint8], whole: int) -> NDArray[np.float32]:
+def unpack_doubt(steps: NDArray[np.uint8]) -> NDArray[np.float32]:
     """The inverse of `pack_doubt`, to half a step. Shape=(H, W)."""
-    return steps.astype(np.float32) / np.float32(whole)
+    return steps.astype(np.float32) / np.float32(STEPS)
 
 
 def choose_labels(

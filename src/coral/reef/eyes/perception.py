@@ -25,8 +25,6 @@ class SeenPicture:
     """Depth along the optical axis (m); inf for water. Shape=(H, W)."""
     doubt: NDArray[np.float32]
     """Probability that the label is wrong, 0 to 1. Shape=(H, W)."""
-    depth_doubt: NDArray[np.float32] | None = None
-    """Expected error of the depth as a share of it; None where it is not known. Shape=(H, W)."""
     unlike: float = 0.0
     """How far the picture is from all that the network was trained on; at 1 or more nobody should judge by it."""
     real: bool = False
@@ -87,7 +85,6 @@ def perceive_frame(frame: Frame, eyes: RgbPerception, camera: CameraCfg, attitud
         labels=np.where(unseen, np.uint8(Label.WATER), seen.labels).astype(np.uint8),
         instances=np.full(seen.labels.shape, -1, np.int32),
         doubt=doubt,
-        depth_doubt=seen.depth_doubt,
         real=seen.real,
     )
 

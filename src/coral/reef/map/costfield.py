@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import Count
-from coral.reef.map.costfield_kernels import descend, extend, lookup, lookup_many, march, slowness_grid
+from coral.reef.map.costfield_kernels import descend, extend, lookup, lookup_many, march, slowness_window
 
 UNREACHABLE = "goal unreachable"
 NO_FREE_CELL = "no free cell in the map"
@@ -72,10 +72,7 @@ class CostField:
             cfg: Grid and clearance.
         """
         cfg = cfg or CostFieldCfg()
-        slowness = slowness_grid(
-            np.ascontiguousarray(distance, np.float32), cell_m, cfg.ratio, cfg.radius_m, cfg.band_m, cfg.penalty
-        )
-        return cls.over(slowness, goal, start=start, cell_m=cell_m * cfg.ratio, cfg=cfg)
+        return cls.over(slowness_over(distance, cell_m, cfg), goal, start=start, cell_m=cell_m * cfg.ratio, cfg=cfg)
 
     @classmethod
     def over(
@@ -220,6 +217,15 @@ class CostField:
         n_max = math.ceil(length_m / step_m)
         path = descend(self.value, self.cell_m, x, y, self.target[0], self.target[1], step_m, n_max)
         return np.asarray(path, dtype=np.float64)
+
+
+def slowness_over(distance: NDArray[np.float32], cell_m: float, cfg: CostFieldCfg) -> NDArray[np.float32]:
+    """Compute `slowness_window` over a whole map, Shape=(H, W). Shape=(h, w)."""
+    shape, clearance = distance.shape, (cfg.radius_m, cfg.band_m, cfg.penalty)
+    h, w = math.ceil(shape[0] / cfg.ratio), math.ceil(shape[1] / cfg.ratio)
+    out, fine = np.empty((h, w), np.float32), np.ascontiguousarray(distance, np.float32)
+    slowness_window(fine, (0, 0), shape, cell_m, cfg.ratio, *clearance, out, (0, h, 0, w))
+    return out
 
 
 def nearest_free(slowness: NDArray[np.float32], j: int, i: int) -> tuple[int, int]:

@@ -66,16 +66,6 @@ def slowness_window(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def slowness_grid(distance: Grid, fine_m: float, ratio: int, radius_m: float, band_m: float, penalty: float) -> Grid:
-    """Compute `slowness_window` over a whole map. Shape=(h, w)."""
-    shape = distance.shape
-    h, w = (shape[0] + ratio - 1) // ratio, (shape[1] + ratio - 1) // ratio
-    out = np.empty((h, w), np.float32)
-    slowness_window(distance, (0, 0), shape, fine_m, ratio, radius_m, band_m, penalty, out, (0, h, 0, w))
-    return out
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy: float, top: float) -> Grid:
     """Solve |grad V| = slowness from the goal outwards; inf where no path leads to the goal.
 

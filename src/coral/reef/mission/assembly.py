@@ -31,8 +31,8 @@ from coral.reef.mission.robot import Robot
 from coral.reef.mission.tour import TourPilot
 from coral.reef.mission.word_reader import WordReader
 from coral.reef.pilot.pilot import Pilot
-from coral.reef.vehicle.protocol import Vehicle
 from coral.reef.vehicle.response import VehicleResponse
+from coral.reef.vehicle.sensing import Vehicle
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld
 

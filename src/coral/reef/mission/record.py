@@ -16,7 +16,7 @@ from coral.config import Positive
 from coral.drawing import png
 from coral.errors import naming
 from coral.file_writer import open_log
-from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
+from coral.reef.eyes.doubt import pack_doubt
 from coral.reef.world.geometry import Frame, Pose
 from coral.run_files import SurveyFiles
 from coral.runs import RunWriter
@@ -39,7 +39,7 @@ COLUMNS = tuple(" ".join(TRAJECTORY).split())
 
 POSE_COLUMNS = (
     "t", "x", "y", "z", "roll", "pitch", "yaw", "odo_x", "odo_y", "odo_yaw", "labels", "depth", "rgb",
-    "doubt", "depth_doubt",
+    "doubt",
 )  # fmt: skip
 """Columns of frames/poses.csv: where the robot believed the camera was, z being its height above the seabed; where
 odometry alone put it; names of the pictures (empty where there is none: exact perception has no doubt). SI units, world
@@ -152,16 +152,14 @@ class FrameRecorder:
             images["map"] = cells
         for name, image in images.items():
             self._writer.bytes(f"{SurveyFiles.FRAMES}{step:06d}_{name}.png", png(image))
-        names = [f"{step:06d}_labels.png", f"{step:06d}_depth.png", "", "", ""]
+        names = [f"{step:06d}_labels.png", f"{step:06d}_depth.png", "", ""]
         if frame.rgb is not None:
             names[2] = f"{step:06d}_rgb.jpg"
             self._writer.bytes(f"{SurveyFiles.FRAMES}{names[2]}", _jpeg(frame.rgb))
         if taken_at is not None:
-            doubts = (("doubt", frame.doubt, LABEL_STEPS), ("depth_doubt", frame.depth_doubt, DEPTH_STEPS))
-            for k, (name, share, whole) in enumerate(doubts, 3):
-                if share is not None:
-                    names[k] = f"{step:06d}_{name}.png"
-                    self._writer.bytes(f"{SurveyFiles.FRAMES}{names[k]}", png(pack_doubt(share, whole)))
+            if frame.doubt is not None:
+                names[3] = f"{step:06d}_doubt.png"
+                self._writer.bytes(f"{SurveyFiles.FRAMES}{names[3]}", png(pack_doubt(frame.doubt)))
             self._note_pose(t, taken_at, names)
 
     def _note_pose(self, t: float, at: PicturePose, names: list[str]) -> None:

@@ -10,8 +10,7 @@ from coral.reef.map.localization import Localizer
 from coral.reef.mission.record import PicturePose
 from coral.reef.pilot.guard import Reading
 from coral.reef.pilot.pilot import Command, Pilot
-from coral.reef.vehicle.protocol import Vehicle
-from coral.reef.vehicle.sensing import VehicleObservation
+from coral.reef.vehicle.sensing import Vehicle, VehicleObservation
 from coral.reef.vehicle.states import PilotState
 from coral.reef.world.geometry import Frame, Pose
 

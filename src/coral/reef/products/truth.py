@@ -58,15 +58,6 @@ def true_oysters(world: ReefWorld, seen: NDArray[np.bool_], fine_m: float) -> Tr
     )
 
 
-def true_area_m2(world: ReefWorld) -> float:
-    """Return the area that oysters cover on the sea floor, seen from above (m²).
-
-    It is the union of the shells' vertical projections: shells that overlap count once, gaps between shells do not
-    count. What lies under an obstacle is left out, as in all true areas here.
-    """
-    return len(_covered(world)) * RASTER_M**2
-
-
 def _covered(world: ReefWorld) -> NDArray[np.intp]:
     """Return the cells of `RASTER_M` that oysters cover, column and row. Shape=(N, 2)."""
     scene = Scene.from_world(world)

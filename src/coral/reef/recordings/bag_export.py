@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.bag_writer import BagWriter, open_bag
-from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt
+from coral.reef.eyes.doubt import pack_doubt
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
 from coral.reef.recordings.picture_files import encode_depth, encode_jpeg, encode_png
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
@@ -29,7 +29,6 @@ TOPICS = {
         "sensor_msgs/msg/CompressedImage",
         "Doubt of classes in steps of 1/255, where a network saw the pictures.",
     ),
-    "/camera/depth_doubt/compressed": ("sensor_msgs/msg/CompressedImage", "Doubt of depths in percent."),
     "/camera/seen_by": ("std_msgs/msg/String", "What found classes and depth, if known: `exact`, `rgb` or a file."),
     "/camera/camera_info": ("sensor_msgs/msg/CameraInfo", "The camera."),
     "/camera/points": ("sensor_msgs/msg/PointCloud2", "x, y, z, class; every third pixel, every 2 s."),
@@ -141,13 +140,9 @@ class _SurveyWriter:
         ]
         if frame.rgb is not None:
             pictures.append(("/camera/image/compressed", "rgb8; jpeg compressed bgr8", encode_jpeg(frame.rgb)))
-        for name, share, whole in (
-            ("doubt", frame.doubt, LABEL_STEPS), ("depth_doubt", frame.depth_doubt, DEPTH_STEPS),
-        ):  # fmt: skip
-            if share is not None:
-                pictures.append(
-                    (f"/camera/{name}/compressed", "mono8; png compressed", encode_png(pack_doubt(share, whole)))
-                )
+        if frame.doubt is not None:
+            doubt = encode_png(pack_doubt(frame.doubt))
+            pictures.append(("/camera/doubt/compressed", "mono8; png compressed", doubt))
         for topic, kind, content in pictures:
             self._picture(topic, kind, content, t)
 

@@ -47,8 +47,6 @@ class BagTopics:
     """Classes of pixels (0 water, 1 oyster, 2 obstacle, 3 seabed) in 8 bits, CompressedImage (PNG) or Image."""
     doubt: str = "/camera/doubt/compressed"
     """Probability that a pixel's class is wrong, in steps of 1/255, 8 bits; read if it is there."""
-    depth_doubt: str = "/camera/depth_doubt/compressed"
-    """Expected error of a pixel's depth in percent of it, 8 bits; read if it is there."""
     seen_by: str = "/camera/seen_by"
     """String: who found classes and depth, exact, rgb or a file's name; read if it is there."""
     camera_info: str = "/camera/camera_info"
@@ -101,15 +99,14 @@ def read_bag(
     if not contents.track.odometry.times:
         raise InputError(where, topics.odometry, "no messages", f"nav_msgs/Odometry; {_known(contents)}")
     kinds = {
-        topics.doubt: "doubt", topics.depth_doubt: "depth_doubt", topics.classes: "labels", topics.depth: "depth",
-        topics.image: "rgb",
+        topics.doubt: "doubt", topics.classes: "labels", topics.depth: "depth", topics.image: "rgb",
     }  # fmt: skip
     wanted = (topics.image,) if perception else (topics.classes, topics.depth, topics.image)
     pictured = [name for name in wanted if contents.counts.get(name)]
     if topics.image not in pictured and len(pictured) < 2:
         raise InputError(where, topics.image, "no pictures", f"CompressedImage or Image; {_known(contents)}")
-    if perception is None:
-        pictured += [name for name in (topics.doubt, topics.depth_doubt) if contents.counts.get(name)]
+    if perception is None and contents.counts.get(topics.doubt):
+        pictured.append(topics.doubt)
     found = camera or _with_mount(contents, where, topics)
     track = contents.track
     placed = track.tree.joins(track.child, contents.camera_frame)

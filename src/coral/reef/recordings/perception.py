@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from coral.errors import InputError
 from coral.file_writer import write_whole
 from coral.foreign_file import read_picture_file
-from coral.reef.eyes.doubt import DEPTH_STEPS, LABEL_STEPS, pack_doubt, unpack_doubt
+from coral.reef.eyes.doubt import pack_doubt, unpack_doubt
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
 from coral.reef.recordings.picture_files import (
     NO_OBJECTS,
@@ -27,9 +27,7 @@ from coral.reef.recordings.picture_files import (
 from coral.reef.sea.recorded_camera import RecordedCamera
 from coral.reef.world.geometry import Frame, Label
 
-_PARTS = ("labels", "depth", "doubt", "depth_doubt")
-DOUBTS = {"doubt": LABEL_STEPS, "depth_doubt": DEPTH_STEPS}
-"""Pictures of doubt, as a run of a network keeps them, with the steps that make 1."""
+_PARTS = ("labels", "depth", "doubt")
 
 
 class PicturePerception:
@@ -60,15 +58,14 @@ class PicturePerception:
             number = self._seen[where] = len(self._seen)
             self._keep(number, seen, camera)
             self._real[number] = seen.real
-        labels, depth, doubt, depth_doubt = (self._read(number, part) for part in _PARTS)
+        labels, depth, doubt = (self._read(number, part) for part in _PARTS)
         metres = np.where(depth > 0, depth.astype(np.float32) / np.float32(1000.0), np.float32(np.inf))
         return Frame(
             depth=metres.astype(np.float32),
             labels=np.asarray(labels, np.uint8),
             instances=NO_OBJECTS,
             rgb=rgb,
-            doubt=unpack_doubt(doubt, LABEL_STEPS),
-            depth_doubt=unpack_doubt(depth_doubt, DEPTH_STEPS) if depth_doubt.size else None,
+            doubt=unpack_doubt(doubt),
             real=self._real[number],
         )
 
@@ -80,9 +77,7 @@ class PicturePerception:
             depth = np.where(camera.rectifier.outside, np.uint16(0), depth).astype(np.uint16)
         write_whole(self._path(number, "labels"), encode_png(labels))
         write_whole(self._path(number, "depth"), encode_png(depth))
-        write_whole(self._path(number, "doubt"), encode_png(pack_doubt(seen.doubt, LABEL_STEPS)))
-        if seen.depth_doubt is not None:
-            write_whole(self._path(number, "depth_doubt"), encode_png(pack_doubt(seen.depth_doubt, DEPTH_STEPS)))
+        write_whole(self._path(number, "doubt"), encode_png(pack_doubt(seen.doubt)))
 
     def _read(self, number: int, part: str) -> NDArray[Any]:
         path = self._path(number, part)
@@ -102,7 +97,7 @@ def recorded_frame(
     """Return the pictures of one moment, with the recording's own classes and depth, or with those that eyes see.
 
     Args:
-        images: Each decodes one: rgb, labels, depth, doubt, depth_doubt, as far as they are there.
+        images: Each decodes one: rgb, labels, depth, doubt, as far as they are there.
         camera: The camera.
         perception: The eyes; None: what the recording has.
         attitude: Of the camera then.
@@ -113,12 +108,9 @@ def recorded_frame(
     """
     rgb = colours_of(images["rgb"](), camera, where) if "rgb" in images else None
     if perception is None and "labels" in images and "depth" in images:
-        doubt, depth_doubt = (
-            doubt_of(images[name](), camera, where, name, whole) if name in images else None
-            for name, whole in DOUBTS.items()
-        )
+        doubt = doubt_of(images["doubt"](), camera, where) if "doubt" in images else None
         labels, depth = labels_of(images["labels"](), camera, where), depth_of(images["depth"](), camera, where)
-        return Frame(depth, labels, NO_OBJECTS, rgb, doubt=doubt, depth_doubt=depth_doubt)
+        return Frame(depth, labels, NO_OBJECTS, rgb, doubt=doubt)
     if rgb is None:
         found = f"no colours, only {', '.join(images) or 'nothing'}"
         raise InputError(where, "rgb", found, "colour, or both labels and depth" if perception is None else "colour")

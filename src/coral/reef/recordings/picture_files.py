@@ -70,16 +70,16 @@ def depth_of(image: Image, camera: RecordedCamera, where: str) -> NDArray[np.flo
     return metres
 
 
-def doubt_of(image: Image, camera: RecordedCamera, where: str, field: str, whole: int) -> NDArray[np.float32]:
-    """Return decoded doubt, in steps of 1 / whole, as the camera's view shows it. Shape=(H, W).
+def doubt_of(image: Image, camera: RecordedCamera, where: str) -> NDArray[np.float32]:
+    """Return decoded doubt as the camera's view shows it. Shape=(H, W).
 
     Raises:
         InputError: It is of another kind or size.
     """
-    _check_size(image, camera, where, field)
+    _check_size(image, camera, where, "doubt")
     if image.dtype != np.uint8 or image.ndim != 2:
-        raise InputError(where, field, _kind(image), "8 bits in one channel")
-    return unpack_doubt(image if camera.rectifier is None else camera.rectifier.values(image), whole)
+        raise InputError(where, "doubt", _kind(image), "8 bits in one channel")
+    return unpack_doubt(image if camera.rectifier is None else camera.rectifier.values(image))
 
 
 def colours_of(rgb: Image, camera: RecordedCamera, where: str) -> NDArray[np.uint8]:

@@ -13,7 +13,7 @@ from coral.errors import InputError
 from coral.foreign_file import read_text
 from coral.limits import LARGEST_NUMBER, LATEST_S, TABLE_BYTES
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.recordings.perception import DOUBTS, PicturePerception, recorded_frame
+from coral.reef.recordings.perception import PicturePerception, recorded_frame
 from coral.reef.recordings.picture_files import read_picture
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.sea.recorded_camera import RecordedCamera
@@ -29,6 +29,8 @@ GLOBAL = ("lat", "lon", "heading")
 EXPECTED = "columns t, x, y, yaw or t, lat, lon, heading; z, roll, pitch, rgb, depth, labels if known"
 FASTEST_M_S, FIX_M = 20.0, 30.0
 """No vehicle in the water is faster, and no fix of a satellite receiver is further off without being a bad one."""
+PICTURES = ("rgb", "depth", "labels", "doubt")
+"""Columns of pictures; a run of a network has doubt."""
 
 
 def read_folder(
@@ -139,7 +141,7 @@ def read_rows(
         raise InputError(where, "", f"columns {', '.join(header) or 'none'}", expected)
     if not body:
         raise InputError(where, "", "no rows", "a row for each picture")
-    texts = [name for name in ("rgb", "depth", "labels", *DOUBTS) if name in header]
+    texts = [name for name in PICTURES if name in header]
     numbers = [
         name
         for name in ("t", *place, "z", "roll", "pitch", "odo_x", "odo_y", "odo_yaw")
@@ -171,7 +173,7 @@ def read_rows(
 def _is_whole(row: list[str], header: list[str], folder: Path) -> bool:
     """Check whether a last row without a line end was not cut off: it has all fields, and its pictures are there."""
     named = dict(zip(header, row, strict=False))
-    pictures = [named[name].strip() for name in ("rgb", "depth", "labels", *DOUBTS) if name in named]
+    pictures = [named[name].strip() for name in PICTURES if name in named]
     return len(row) == len(header) and all((folder / name).is_file() for name in pictures if name)
 
 

@@ -43,6 +43,7 @@ def read_run(path: Path, perception: PicturePerception | None = None, period_s: 
         )
     where = str(path / RunFiles.CONFIG)
     config = read_yaml(path / RunFiles.CONFIG)
+    _part(config, "map", "doubt").pop("obstacle_depth", None)  # of earlier versions
     camera = RecordedCamera.plain(camera_of(config, where))
     recording = read_folder((path / SurveyFiles.POSES).parent, camera, perception, period_s)
     name, size, start = _world(path, config)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 from coral.reef.sea.picture import Shot
 from coral.reef.sea.real_time import FixedRate
-from coral.reef.simulation.frame_painter import FramePainter
 from coral.reef.simulation.noise import SensorNoise
 from coral.reef.simulation.stills import Stills
 from coral.reef.vehicle.camera import Camera, CameraCfg
@@ -32,7 +32,7 @@ class SimulatedCamera:
         rate_hz: float = 10.0,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
-        painter: FramePainter | None = None,
+        painter: Any = None,
         noise: SensorNoise | None = None,
         stills: Stills | None = None,
     ) -> None:

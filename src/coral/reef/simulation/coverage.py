@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from coral.config import CellSize
-from coral.errors import InputError
+from coral.config import CellSize, Positive
 from coral.reef.simulation import coverage_kernels
 from coral.reef.vehicle import collision_kernels
 from coral.reef.world.geometry import Label, Pose
@@ -23,26 +24,15 @@ class CoverageCfg:
 
     cell_m: CellSize = 0.05
     """Edge of a cell of the true area; the same as in the robot's map."""
-    closing_m: float = 0.15
+    closing_m: Annotated[float, Field(ge=0, le=5)] = 0.15
     """Gaps narrower than twice this between a cluster's oysters belong to its area (morphological closing). The outer
     edge stays where the oysters end."""
-    hfov_deg: float = 120.0
+    hfov_deg: Annotated[float, Field(gt=0, le=360)] = 120.0
     """Paper IV-E: observed means within the camera's 120° field of view."""
-    range_m: float = 6.0
+    range_m: Positive = 6.0
     """The paper gives no limit; its prompts speak of 0-6 m."""
-    threshold: float = 0.6
+    threshold: Annotated[float, Field(gt=0, le=1)] = 0.6
     """Paper IV-E: a cluster is covered when at least 60 % of its area has been observed."""
-
-    def __post_init__(self) -> None:
-        def demand(field: str, holds: bool, expected: str) -> None:
-            if not holds:
-                raise InputError("coverage", field, getattr(self, field), expected)
-
-        demand("cell_m", 0.005 <= self.cell_m <= 1.0, "0.005 to 1 m")
-        demand("closing_m", 0.0 <= self.closing_m <= 5.0, "0 to 5 m")
-        demand("hfov_deg", 0.0 < self.hfov_deg <= 360.0, "an angle above 0, at most 360 degrees")
-        demand("range_m", self.range_m > 0.0, "a distance above 0 m")
-        demand("threshold", 0.0 < self.threshold <= 1.0, "a share above 0, at most 1")
 
 
 class CoverageMeter:

@@ -3,60 +3,47 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.config import Count, Fraction, NonNegative, Positive
 from coral.errors import InputError
 from coral.reef.vehicle.camera import CameraCfg, ray_lengths
 from coral.reef.world.geometry import Frame, Label, Pose, wrap
-
-_SHARES = ("dropout", "oyster_missed", "obstacle_missed", "oyster_false", "obstacle_false", "visibility_falloff")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SensorNoiseCfg:
     """Errors of the sensors. The paper's simulation has no noise (III-A), so all are off by default."""
 
-    depth_sigma: float = 0.0
+    depth_sigma: NonNegative = 0.0
     """Standard deviation of the depth per metre of depth (m/m)."""
-    depth_sigma_square: float = 0.0
+    depth_sigma_square: NonNegative = 0.0
     """Standard deviation of the depth per squared metre of depth (m/m²), as in stereo; added to `depth_sigma`."""
-    dropout: float = 0.0
+    dropout: Fraction = 0.0
     """Probability that a pixel returns nothing."""
-    visibility_m: float | None = None
+    visibility_m: Positive | None = None
     """Turbidity: nothing is visible beyond this range along the ray (m). None: clear water."""
-    visibility_falloff: float = 0.3
+    visibility_falloff: Fraction = 0.3
     """Last share of that range over which the probability of losing a pixel rises from 0 to 1."""
-    oyster_missed: float = 0.0
+    oyster_missed: Fraction = 0.0
     """Share of oyster pixels labelled seabed."""
-    obstacle_missed: float = 0.0
+    obstacle_missed: Fraction = 0.0
     """Share of obstacle pixels labelled seabed."""
-    oyster_false: float = 0.0
+    oyster_false: Fraction = 0.0
     """Share of seabed pixels labelled oyster."""
-    obstacle_false: float = 0.0
+    obstacle_false: Fraction = 0.0
     """Share of seabed pixels labelled obstacle."""
-    patch_px: int = 6
+    patch_px: Count = 6
     """Edge of the square patches in which masks are wrong: segmentation errs in patches, not in single pixels."""
-    drift_xy: float = 0.0
+    drift_xy: NonNegative = 0.0
     """Random walk of the estimated position along each axis (m per square root of a second)."""
-    drift_theta: float = 0.0
+    drift_theta: NonNegative = 0.0
     """Random walk of the estimated heading (rad per square root of a second)."""
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if value is None:
-                continue
-            if field.name in _SHARES and not 0.0 <= value <= 1.0:
-                raise InputError("noise", field.name, value, "a share between 0 and 1")
-            if not 0.0 <= value < math.inf:
-                raise InputError("noise", field.name, value, "a finite number, not below 0")
-        if self.patch_px < 1:
-            raise InputError("noise", "patch_px", self.patch_px, "at least 1 pixel")
-        if self.visibility_m == 0.0:
-            raise InputError("noise", "visibility_m", self.visibility_m, "a range above 0 m, or none")
         if self.oyster_false + self.obstacle_false > 1.0:
             found = self.oyster_false + self.obstacle_false
             raise InputError("noise", "oyster_false + obstacle_false", found, "a sum of at most 1")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,9 @@ from coral.config import Positive
 from coral.reef.map.sonar_3d15 import Sonar3d15, SonarCfg
 from coral.reef.simulation.coverage import CoverageCfg, CoverageMeter
 from coral.reef.simulation.daylight import PainterCfg
-from coral.reef.simulation.frame_painter import FramePainter, make_painter
 from coral.reef.simulation.imaging import ImagingCfg, ImagingMeter
 from coral.reef.simulation.noise import PoseDrift, SensorNoise, SensorNoiseCfg
-from coral.reef.simulation.stills import Stills
+from coral.reef.simulation.stills import Stills, make_painter
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.vehicle.collision import ContactCounter, clearance
 from coral.reef.vehicle.range_image import RangeImage
@@ -94,7 +93,7 @@ class ReefSimulator:
         self.world, self.cfg = world, cfg
         self.scene: Scene = Scene.from_world(world)
         self._camera = Camera(self.scene, cfg.camera)
-        self._painter: FramePainter | None = None
+        self._painter: Any = None
         if cfg.pictures:
             self._painter = make_painter(self.scene, cfg.camera, cfg.picture_water(), cfg.painter, world.seed)
         self._stills = make_stills(self.scene, cfg, world.seed) if cfg.stills else None

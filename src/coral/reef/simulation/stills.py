@@ -1,15 +1,16 @@
-"""Stills: colour pictures of full size, taken only when a question shows them."""
+"""Colour pictures of a simulated reef: what paints a camera's frames, and stills of full size for questions."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.plugins import our_part
 from coral.reef.simulation.daylight import PainterCfg
-from coral.reef.simulation.frame_painter import FramePainter, make_painter
 from coral.reef.vehicle.camera import Camera, CameraCfg
 from coral.reef.world.geometry import Frame, Pose
 from coral.reef.world.scene import Scene
@@ -17,6 +18,15 @@ from coral.reef.world.water_types import WaterType
 
 STILL_PX = (1280, 960)
 """Width and height of a still: of the camera's shape, as small as a person can tell kinds from at 4 m."""
+
+
+def make_painter(scene: Scene, camera: CameraCfg, water: WaterType, cfg: PainterCfg, seed: int) -> Any:
+    """Make the painter of a simulated camera, the `Painter` of `coral.reef.paint.painter`, which is a wing.
+
+    Raises:
+        InputError: The wing is not installed.
+    """
+    return our_part("painter", "reef", "--cfg.simulator.pictures")(scene, camera, water, cfg, seed)
 
 
 class Stills:
@@ -34,7 +44,7 @@ class Stills:
         """
         self._scene, self._camera = scene, replace(camera, width=STILL_PX[0], height=STILL_PX[1])
         self._make = partial(make_painter, scene, self._camera, water, painter, seed)
-        self._painter: FramePainter | None = None
+        self._painter: Any = None
 
     def make_ready(self) -> Stills:
         """Make the painter and take a first still, before time matters; seconds."""
@@ -55,4 +65,4 @@ class Stills:
         if self._painter is None:
             self._painter = self._make()
         frame = Camera(self._scene, self._camera).render(pose, t=t)
-        return self._painter.paint(frame, pose, t=t)
+        return np.asarray(self._painter.paint(frame, pose, t=t), np.uint8)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,3 +82,15 @@ class VehicleObservation:
             attitude=None if attitude is None else Stamped(t, attitude),
             sonar=None if sonar is None else Stamped(t, sonar),
         )
+
+
+class Vehicle(Protocol):
+    """A vehicle that surveys. Neither method waits."""
+
+    def observe(self, t: float) -> VehicleObservation:
+        """Return the newest measurements at time `t` of the mission (s), in the survey's frame."""
+        ...
+
+    def command(self, command: tuple[float, float]) -> None:
+        """Follow a forward speed (m/s) and a yaw rate (rad/s, positive to the left) until the next command."""
+        ...

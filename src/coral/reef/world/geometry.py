@@ -44,8 +44,6 @@ class Frame:
     """The colour picture, sRGB; None where none was taken. Shape=(H, W, 3), uint8."""
     doubt: NDArray[np.float32] | None = None
     """Probability that the label of a pixel is wrong; None where labels are exact. Shape=(H, W), float32."""
-    depth_doubt: NDArray[np.float32] | None = None
-    """Expected error of the depth as a share of it; None where it is exact or not known. Shape=(H, W), float32."""
     still: Callable[[], NDArray[np.uint8]] | None = None
     """Takes the colour picture in full size, Shape=(H, W, 3), when it is wanted; None where there is none."""
     real: bool = False
