@@ -36,7 +36,6 @@ VARIANTS = {
     "ddp": {},
     "uniform": {"uniform": True},
     "uniform-1s": {"uniform": True, "horizon_s": 1.0},
-    "elite": {"elites": 10, "temperature": 1.0},
     "pd": None,
 }
 

@@ -17,11 +17,6 @@ def test_infeasible_rollouts_do_not_count_and_none_left_gives_zero():
     assert softmax_weights(np.full(3, np.inf), temperature=0.1).tolist() == [0.0, 0.0, 0.0]
 
 
-def test_elites_are_the_cheapest():
-    weights = softmax_weights(np.array([3.0, 1.0, 2.0, 1.0]), temperature=1.0, elites=2)
-    assert weights.tolist() == [0.0, 0.5, 0.0, 0.5]
-
-
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=30), st.floats(1e-3, 10.0))
 def test_weights_sum_to_one_ignore_an_offset_and_prefer_the_cheap(costs, temperature):
     costs = np.array(costs)

@@ -8,13 +8,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def softmax_weights(costs: Array, temperature: float, elites: int = 0) -> Array:
+def softmax_weights(costs: Array, temperature: float) -> Array:
     """Compute the information-theoretic weights exp(-(J - min J) / lambda), normalised.
 
     Args:
         costs: Shape=(K,) cost of each rollout; inf for an invalid one.
         temperature: lambda > 0, in units of the cost.
-        elites: If positive, only this many of the cheapest rollouts count.
 
     Returns:
         Shape=(K,) weights that sum to 1, or all zero if no cost is finite.
@@ -23,8 +22,6 @@ def softmax_weights(costs: Array, temperature: float, elites: int = 0) -> Array:
     finite = np.flatnonzero(np.isfinite(costs))
     if finite.size == 0:
         return weights
-    if 0 < elites < finite.size:
-        finite = finite[np.argsort(costs[finite], kind="stable")[:elites]]
     chosen = np.exp(-(costs[finite] - costs[finite].min()) / temperature)
     weights[finite] = chosen / chosen.sum()
     return weights

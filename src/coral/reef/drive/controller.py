@@ -12,7 +12,7 @@ from pydantic import Field
 
 from coral.config import Count, Fraction, Positive, TimeStep
 from coral.errors import InputError
-from coral.mppi.weights import effective_sample_size, softmax_weights, weighted_mean
+from coral.mppi.weights import softmax_weights, weighted_mean
 from coral.reef.drive.controller_kernels import RolloutScene, Schedule, clearance_at, rollout, shape_samples
 from coral.reef.drive.cost_terms import COSTS, CostCfg, Scales
 from coral.reef.map.costfield import CostField
@@ -53,9 +53,6 @@ class MppiCfg:
     temperature: Positive = 0.03
     """lambda, in units of the cost, which differs by about 1 between standing and full progress. The paper gives none.
     With 0.1 the slow half of the samples weighs too much: 0.42 m/s in clutter instead of 0.50."""
-    elites: int = 0
-    """Number of best rollouts that are averaged; 0: all feasible ones. The published DDP planner averages 10 with a
-    temperature of 1."""
     warm_fraction: Fraction = 0.35
     """Share of rollouts sampled around the previous solution."""
     guided_fraction: Fraction = 0.15
@@ -92,12 +89,6 @@ class Plan:
     """Commands of the plan; the first is `command`. Shape=(T, 2)."""
     times: Array
     """Times of the poses, in seconds from now. Shape=(T + 1,)."""
-    costs: dict[str, float] = field(default_factory=dict)
-    """Weighted cost terms of the plan, by name."""
-    n_feasible: int = 0
-    """Number of rollouts without a collision."""
-    effective_samples: float = 0.0
-    """1 / sum of squared weights."""
     rollouts: Array | None = None
     """All rollouts, Shape=(K, T + 1, 3), and whether each is `feasible`, Shape=(K,). None unless asked for."""
     feasible: NDArray[np.bool_] | None = None
@@ -236,21 +227,20 @@ class DdpMppi:
         scene = self._scene(start, cost_field, distance_map, cell_m)
         controls = self._sample(start)
         total = self._evaluate(start, controls, self._guide, scene)
-        n_feasible = int(self._feasible.sum())
         kept = (self._path.copy(), self._feasible.copy()) if self.cfg.keep_rollouts else (None, None)
         failure = ""
-        if n_feasible == 0:
+        if not self._feasible.any():
             failure = NO_FEASIBLE
             controls = self._sample_recovery()
             total = self._evaluate(start, controls, self._free, scene)
             if not self._feasible.any():
                 return self._stop(state, failure, ok=False)
-        weights = softmax_weights(total, self.cfg.temperature, self.cfg.elites)
+        weights = softmax_weights(total, self.cfg.temperature)
         mean = weighted_mean(weights, controls)
-        path, costs, free = self._one(start, mean, scene)
+        path, free = self._one(start, mean, scene)
         if not free:
             best = int(np.argmin(total))
-            mean, path, costs = controls[best].copy(), self._path[best].copy(), self._costs[best].copy()
+            mean, path = controls[best].copy(), self._path[best].copy()
         self._nominal = mean
         self._executed = mean[0].copy()
         return Plan(
@@ -260,9 +250,6 @@ class DdpMppi:
             path=path,
             controls=mean.copy(),
             times=self._times,
-            costs=dict(zip(COSTS, map(float, self._weights * costs), strict=True)),
-            n_feasible=n_feasible,
-            effective_samples=effective_sample_size(weights),
             rollouts=kept[0],
             feasible=kept[1],
         )
@@ -337,14 +324,14 @@ class DdpMppi:
         )  # fmt: skip
         return np.asarray(np.where(self._feasible, self._costs @ self._weights, np.inf))
 
-    def _one(self, start: Array, controls: Array, scene: RolloutScene) -> tuple[Array, Array, bool]:
-        """Return the path, the cost terms and the feasibility of one sequence."""
+    def _one(self, start: Array, controls: Array, scene: RolloutScene) -> tuple[Array, bool]:
+        """Return the path and the feasibility of one sequence."""
         path, costs, free = np.empty((1, len(controls) + 1, 3)), np.empty((1, len(COSTS))), np.empty(1, np.bool_)
         rollout(
             start, self._executed, controls[None].copy(), np.zeros(1), self.schedule, scene, self._model,
             path, costs, free,
         )  # fmt: skip
-        return path[0], costs[0], bool(free[0])
+        return path[0], bool(free[0])
 
     def _stop(self, state: VehicleState, failure: str, *, ok: bool) -> Plan:
         """Return a plan that brakes and stays."""

@@ -174,7 +174,7 @@ def explore(
     cell_m: float,
     tangent_half: float,
     column_reach: NDArray[np.float64],
-) -> int:
+) -> None:
     """Cast `n_rays` rays over the field of view and mark the cells they pass as explored.
 
     A ray ends at the first blocked cell, at `range_m`, or at the last return in its image column, whichever comes
@@ -194,7 +194,6 @@ def explore(
     """
     ny, nx = explored.shape
     width = column_reach.shape[0]
-    fresh = 0
     for k in range(n_rays):
         bearing = (k + 0.5) / n_rays * hfov - 0.5 * hfov
         column = int(0.5 * width * (1.0 - math.tan(bearing) / tangent_half))
@@ -206,14 +205,11 @@ def explore(
             ix, iy = int(math.floor(x / cell_m)), int(math.floor(y / cell_m))
             if ix < 0 or iy < 0 or ix >= nx or iy >= ny:
                 break
-            if not explored[iy, ix]:
-                explored[iy, ix] = True
-                fresh += 1
+            explored[iy, ix] = True
             if blocked[iy, ix]:
                 break
             x += dx
             y += dy
-    return fresh
 
 
 @njit(cache=True)
