@@ -129,7 +129,7 @@ def render_products(
         up="Up is the map's y axis.",
         overlay=Markup(_overlay(products)),
         density=_data(ramp(products.density, COVER_STOPS)[::-1], 12),
-        nearest=_data(ramp(products.quality.nearest_m, DISTANCE_STOPS)[::-1], 2),
+        nearest=_data(ramp(products.cells.nearest, DISTANCE_STOPS)[::-1], 2),
         density_cell=f"{products.density_cell_m:g}",
         cover_ramp=Markup(_gradient(COVER_STOPS)),
         distance_ramp=Markup(_gradient(DISTANCE_STOPS)),

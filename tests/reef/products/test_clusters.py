@@ -7,7 +7,6 @@ from coral.reef.map.chain import ChainCfg
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.products.clusters import label_clusters, measure_clusters
 from coral.reef.products.cover import Cover, CoverCfg
-from coral.reef.products.view_quality import ViewQuality
 from coral.reef.vehicle.camera import CameraCfg
 
 
@@ -33,9 +32,9 @@ def test_a_cluster_is_measured_within_its_outline(cells):
     share = np.zeros((150, 200), np.float32)
     share[25:50, 25:75] = 0.5  # half of 0.5 x 1 m
     cover = Cover(CoverCfg(), share, share, np.ones_like(share, bool))
-    quality = ViewQuality(np.full((60, 80), 2.0, np.float32), np.full((60, 80), 7, np.uint16))
+    cells.nearest[:] = 2.0
     group = label_clusters(cells, ChainCfg(), 0.1)
-    first, second = measure_clusters(cells, group, quality, cover, [], ChainCfg())
+    first, second = measure_clusters(cells, group, np.full((60, 80), 7, np.uint16), cover, [], ChainCfg())
     assert (first.area.m2, first.outline_m2, first.cover) == pytest.approx((0.25, 0.5, 0.5), rel=1e-3)
     assert (first.x, first.y) == pytest.approx((1.0, 0.75))
     assert (first.seen_from_m, first.looks) == (2.0, 7)

@@ -28,3 +28,11 @@ def test_pixels_too_doubtful_for_the_map_are_nowhere(recording):
     one = next(iter(recording.keyframes()))
     doubtful = replace(one, frame=replace(one.frame, doubt=np.full(one.frame.depth.shape, 0.9, np.float32)))
     assert (find_points(doubtful, recording, 0.05, (160, 180)).cell == -1).all()
+
+
+def test_looks_are_counted_by_picture(products, recording):
+    seen = products.looks > 0
+    assert products.looks.max() <= products.keyframes
+    assert seen[np.isfinite(products.cells.nearest) & (products.cells.nearest < 4.0)].all()
+    height = transform_of(next(iter(recording.keyframes())), recording)[2, 3]
+    assert products.cells.nearest[products.cells.cells() == 1].min() > height - 0.15

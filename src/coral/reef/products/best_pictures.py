@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from coral.reef.products.cover_kernels import count_in_groups
 from coral.reef.products.mosaic import colours_of
 from coral.reef.products.seen_points import find_points
 from coral.reef.recordings.recording import Recording
+from coral.reef.world.geometry import Label
 
 
 @dataclass(frozen=True)
@@ -43,10 +43,10 @@ def best_pictures(
     border = max(1, min(recording.camera.width, recording.camera.height) // 20)
     scores = []
     for keyframe in recording.keyframes():
-        counts = np.zeros(count + 1, np.int64)
         points = find_points(keyframe, recording, recording.map.cell_m, (group.shape[0], group.shape[1]))
-        count_in_groups(points.cell, points.frame.labels, group, border, counts)
-        scores.append((keyframe.t, counts))
+        inside = np.s_[border:-border, border:-border]
+        shown = points.cell[inside][(points.frame.labels[inside] == Label.OYSTER) & (points.cell[inside] >= 0)]
+        scores.append((keyframe.t, np.bincount(group.flat[shown], minlength=count + 1)))
     chosen: dict[int, list[tuple[int, int]]] = {}
     for cluster in range(1, count + 1):
         taken: list[int] = []

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from coral.reef.map.chain import ChainCfg, closing_width, label_regions
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.products.cover import Area, Cover, area_within, fine_of
-from coral.reef.products.view_quality import ViewQuality
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +64,7 @@ def label_clusters(cells: OccupancyMap, cfg: ChainCfg, beside_m: float) -> NDArr
 
 
 def measure_clusters(
-    cells: OccupancyMap, group: NDArray[np.int32], quality: ViewQuality, cover: Cover, without: list[Cover],
+    cells: OccupancyMap, group: NDArray[np.int32], looks: NDArray[np.uint16], cover: Cover, without: list[Cover],
     cfg: ChainCfg,
 ) -> list[ClusterProduct]:  # fmt: skip
     """Measure every cluster of `label_clusters`."""
@@ -78,7 +77,7 @@ def measure_clusters(
         oysters = cells.target & near
         closed = _closed(oysters, kernel)
         iy, ix = np.nonzero(closed)
-        away = quality.nearest_m[oysters]
+        away = cells.nearest[oysters]
         seen_from = float(np.median(away[np.isfinite(away)])) if np.isfinite(away).any() else float("nan")
         made.append(
             ClusterProduct(
@@ -90,7 +89,7 @@ def measure_clusters(
                 outlines=tuple(_outlines(closed, cell_m)),
                 seen_from_m=seen_from,
                 pixel_m=seen_from / cells.focal_px,
-                looks=int(np.median(quality.looks[oysters])),
+                looks=int(np.median(looks[oysters])),
             )
         )
     return made

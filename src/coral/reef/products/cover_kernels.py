@@ -1,4 +1,4 @@
-"""Hot loops of the products: which class pictures show at each point of the sea floor, from how near and how often."""
+"""Hot loops of the products: where pixels lie on the sea floor, and their votes for oysters there."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-OYSTER = 1
 NOWHERE = -1
 
 
@@ -87,61 +86,3 @@ def vote(
             oyster[iy, ix] += likely[v, u] / (z * z)
             floor[iy, ix] += (1.0 - likely[v, u]) / (z * z)
             nearest[iy, ix] = min(nearest[iy, ix], z)
-
-
-@njit(cache=True)
-def look(
-    cell: NDArray[np.int64],
-    away: NDArray[np.float64],
-    labels: NDArray[np.uint8],
-    nearest: NDArray[np.float32],
-    looks: NDArray[np.uint16],
-    last: NDArray[np.int32],
-    picture: int,
-) -> None:
-    """Note from how near each cell was seen, and in how many pictures.
-
-    Args:
-        cell: Shape=(H, W), of `locate_pixels`.
-        away: Shape=(H, W), of `locate_pixels`.
-        labels: Shape=(H, W), pixel classes.
-        nearest: Shape=(NY, NX), smallest distance along the line of sight (m), updated in place.
-        looks: Shape=(NY, NX), pictures that show the cell, updated in place.
-        last: Shape=(NY, NX), last picture that counted for each cell, updated in place.
-        picture: Number of this picture, 1 or more.
-    """
-    nx = nearest.shape[1]
-    for v in range(cell.shape[0]):
-        for u in range(cell.shape[1]):
-            if cell[v, u] == NOWHERE or labels[v, u] == 0:
-                continue
-            iy, ix = divmod(cell[v, u], nx)
-            nearest[iy, ix] = min(nearest[iy, ix], away[v, u])
-            if last[iy, ix] != picture:
-                last[iy, ix] = picture
-                looks[iy, ix] = min(looks[iy, ix] + 1, 65535)
-
-
-@njit(cache=True)
-def count_in_groups(
-    cell: NDArray[np.int64],
-    labels: NDArray[np.uint8],
-    group: NDArray[np.int32],
-    border: int,
-    counts: NDArray[np.int64],
-) -> None:
-    """Count a picture's oyster pixels in each cluster, without those at the picture's border.
-
-    Args:
-        cell: Shape=(H, W), of `locate_pixels`.
-        labels: Shape=(H, W), pixel classes.
-        group: Shape=(NY, NX), number of the cluster of each cell, 0 for none.
-        border: Width of the border (px).
-        counts: Shape=(N + 1,), pixels of each cluster, updated in place.
-    """
-    nx = group.shape[1]
-    for v in range(border, cell.shape[0] - border):
-        for u in range(border, cell.shape[1] - border):
-            if cell[v, u] != NOWHERE and labels[v, u] == OYSTER:
-                iy, ix = divmod(cell[v, u], nx)
-                counts[group[iy, ix]] += 1

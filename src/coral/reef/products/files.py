@@ -157,7 +157,7 @@ def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: 
         ),
         (
             ProductFiles.SEEN,
-            np.dstack([products.quality.nearest_m, products.quality.pixel_m(focal), products.quality.looks]),
+            np.dstack([products.cells.nearest, products.cells.nearest / np.float32(focal), products.looks]),
             cell_m,
             ("nearest look (m)", "size of a pixel at the nearest look (m)", "pictures that show the cell"),
         ),
@@ -165,7 +165,7 @@ def _write_rasters(products: SurveyProducts, placement: EarthPlacement, folder: 
     for name, values, edge_m, bands in layers:
         filled = np.where(np.isfinite(values), values, NOTHING).astype(np.float32)
         if name == ProductFiles.SEEN:
-            filled[products.quality.looks == 0] = NOTHING
+            filled[products.looks == 0] = NOTHING
         raster = place_raster(filled, edge_m, placement, NOTHING)
         write_geotiff(folder / name, raster, placement.epsg, bands=bands, nothing=NOTHING)
 

@@ -12,7 +12,7 @@ from coral.reef.eyes.doubt import drop_doubtful
 from coral.reef.products.cover_kernels import locate_pixels
 from coral.reef.recordings.recording import PosedFrame, Recording
 from coral.reef.vehicle.camera import T_world_camera
-from coral.reef.world.geometry import Frame
+from coral.reef.world.geometry import Frame, Label
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,20 @@ def find_points(
         frame.depth, transform_of(keyframe, recording), lens_of(recording), range_m, cell_m, shape, cell, away
     )
     return SeenPoints(frame, cell, away)
+
+
+def count_looks(recording: Recording) -> NDArray[np.uint16]:
+    """Return the number of pictures of a located recording that show each cell, within the map's range.
+
+    Shape=(NY, NX).
+    """
+    shape = grid_shape(recording, recording.map.cell_m)
+    looks = np.zeros(shape, np.uint16)
+    for keyframe in recording.keyframes():
+        points = find_points(keyframe, recording, recording.map.cell_m, shape, recording.map.range_m)
+        shown = points.cell[(points.cell >= 0) & (points.frame.labels != Label.WATER)]
+        looks.flat[np.unique(shown)] += np.uint16(1)
+    return looks
 
 
 def grid_shape(recording: Recording, cell_m: float) -> tuple[int, int]:

@@ -17,8 +17,8 @@ from coral.reef.products.cover import Area, CoverCfg, area_within, fine_of, meas
 from coral.reef.products.judgement import Judgement, judge
 from coral.reef.products.mosaic import Mosaic, MosaicCfg, make_mosaic
 from coral.reef.products.picture_labels import LabelsCfg
+from coral.reef.products.seen_points import count_looks
 from coral.reef.products.shell_count import ShellCount, count_shells
-from coral.reef.products.view_quality import ViewQuality, measure_views
 from coral.reef.recordings.recording import Recording, map_of
 
 
@@ -59,7 +59,8 @@ class SurveyProducts:
     """Sea floor seen near enough to count, in fine cells. Shape=(FY, FX)."""
     fine_m: float
     """Edge of a fine cell (m)."""
-    quality: ViewQuality
+    looks: NDArray[np.uint16]
+    """Number of pictures that show each map cell. Shape=(NY, NX)."""
     mosaic: Mosaic
     pictures: tuple[ClusterPicture, ...]
     track: NDArray[np.float64]
@@ -92,7 +93,7 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         cells.target &= np.nan_to_num(in_cells) >= cfg.cover.confirmed
     judgement = judge(recording, cfg.cover, calibrated=cover.calibration is not None)
     group = label_clusters(cells, cfg.clusters, cfg.cover.beside_m)
-    quality = measure_views(recording)
+    looks = count_looks(recording)
     area = area_within(cover, without, counted)
     return SurveyProducts(
         recording=recording,
@@ -102,7 +103,7 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         judgement=judgement,
         shells=count_shells(cover.seen * counted, cover.filled * counted, cfg.cover.fine_m, area.relative_error),
         calibrated_reefs=0 if cover.calibration is None else cover.calibration.reefs,
-        clusters=tuple(measure_clusters(cells, group, quality, cover, without, cfg.clusters)),
+        clusters=tuple(measure_clusters(cells, group, looks, cover, without, cfg.clusters)),
         cover=in_cells,
         density=mean_in_cells(
             share, cover.known, cfg.cover.fine_m, cfg.density_cell_m, _shape(recording, cfg.density_cell_m), 0.2
@@ -110,7 +111,7 @@ def measure(recording: Recording, cfg: ProductsCfg) -> SurveyProducts:
         density_cell_m=cfg.density_cell_m,
         seen=cover.known,
         fine_m=cfg.cover.fine_m,
-        quality=quality,
+        looks=looks,
         mosaic=make_mosaic(recording, cfg.mosaic),
         pictures=tuple(best_pictures(recording, group)),
         track=track,
