@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from coral.reef.products import cover_kernels
 from coral.reef.products.cover import (
     Cover,
     CoverCfg,
@@ -16,6 +15,7 @@ from coral.reef.products.cover import (
     make_cover,
     measure_cover,
     oyster_probability,
+    vote,
 )
 from coral.reef.products.cover_calibration import BINS, CoverCalibration, bins_of
 from coral.reef.products.seen_points import find_points, lens_of, transform_of
@@ -74,20 +74,20 @@ def test_map_cells_on_the_fine_cells():
 def test_votes_are_those_of_a_plain_loop(recording):
     one = next(iter(recording.keyframes()))
     transform, (focal, cx, cy) = transform_of(one, recording), lens_of(recording)
-    votes = [np.zeros((400, 450), np.float32) for _ in range(2)]
-    nearest = np.full((400, 450), np.inf, np.float32)
+    empty = np.zeros((400, 450), np.float32)
+    votes = Votes(empty, empty.copy(), np.full((400, 450), np.inf, np.float32))
     depth = one.frame.depth
     doubt = np.random.default_rng(0).uniform(0.0, 0.5, depth.shape).astype(np.float32)
     likely = oyster_probability(replace(one.frame, doubt=doubt), soft=True)
     cell = find_points(one, recording, 0.02, (400, 450), 3.0).cell
-    cover_kernels.vote(cell, depth, likely, *votes, nearest)
+    vote(cell, depth, likely, votes)
     v, u = np.indices(depth.shape)
     z = np.where(np.isfinite(depth), depth, 0.0).astype(float)
     points = np.stack([(u - cx) / focal * z, (v - cy) / focal * z, z], axis=-1)
     near = (np.linalg.norm(points, axis=-1) <= 3.0) & (z > 0.0)
     world = points @ transform[:3, :3].T + transform[:3, 3]
     chosen = near & ~np.isnan(likely)
-    for share, made in ((likely, votes[0]), (1 - likely, votes[1])):
+    for share, made in ((likely, votes.oyster), (1 - likely, votes.floor)):
         expected = np.zeros((400, 450))
         at = np.floor(world[chosen][:, :2] / 0.02).astype(int)
         inside = (at >= 0).all(axis=1) & (at[:, 0] < 450) & (at[:, 1] < 400)
@@ -95,7 +95,7 @@ def test_votes_are_those_of_a_plain_loop(recording):
         np.testing.assert_allclose(made, expected, rtol=1e-4, atol=1e-5)
     least = np.full((400, 450), np.inf)
     np.minimum.at(least, (at[inside, 1], at[inside, 0]), z[chosen][inside])
-    np.testing.assert_allclose(nearest, least, rtol=1e-6)
+    np.testing.assert_allclose(votes.nearest_m, least, rtol=1e-6)
 
 
 def test_a_pixel_votes_as_its_network_believes():

@@ -21,7 +21,6 @@ def test_cells_are_those_of_a_plain_computation(recording):
     there = (z > 0) & (away <= 4.0) & (column >= 0) & (row >= 0) & (column < nx) & (row < ny)
     assert (ny, nx) == (160, 180)
     np.testing.assert_array_equal(points.cell, np.where(there, row * nx + column, -1))
-    np.testing.assert_allclose(points.away[there], away[there])
 
 
 def test_pixels_too_doubtful_for_the_map_are_nowhere(recording):

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from coral.config import Count, Fraction, Positive
 from coral.reef.eyes.doubt import DoubtCfg
 from coral.reef.products.cover_calibration import CoverCalibration, find_calibration
-from coral.reef.products.cover_kernels import vote
 from coral.reef.products.seen_points import find_points, grid_shape
 from coral.reef.recordings.recording import Recording
 from coral.reef.world.geometry import Frame, Label
@@ -125,8 +124,26 @@ def collect_votes(recording: Recording, cfg: CoverCfg, *, soft: bool) -> list[Vo
         votes = parts[number % len(parts)]
         points = find_points(keyframe, recording, cfg.fine_m, shape, cfg.range_m)
         likely = oyster_probability(points.frame, soft=soft)
-        vote(points.cell, points.frame.depth, likely, votes.oyster, votes.floor, votes.nearest_m)
+        vote(points.cell, points.frame.depth, likely, votes)
     return parts
+
+
+def vote(cell: NDArray[np.int64], depth: NDArray[np.float32], likely: NDArray[np.float32], votes: Votes) -> None:
+    """Add a picture's votes for oyster and sea floor to the cells where its pixels lie.
+
+    A pixel counts 1 / Z², so that one look from near outvotes many from afar, in parts for oyster and for sea floor.
+
+    Args:
+        cell: Of `find_points`. Shape=(H, W).
+        depth: Metres along the optical axis. Shape=(H, W).
+        likely: Of `oyster_probability`; nan for no vote. Shape=(H, W).
+        votes: Updated in place.
+    """
+    told = (cell >= 0) & ~np.isnan(likely)
+    at, z, share = cell[told], depth[told], likely[told]
+    np.add.at(votes.oyster.reshape(-1), at, share / (z * z))
+    np.add.at(votes.floor.reshape(-1), at, (1 - share) / (z * z))
+    np.minimum.at(votes.nearest_m.reshape(-1), at, z)
 
 
 def sum_votes(parts: list[Votes]) -> Votes:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from coral.foreign_file import read_json
 from coral.reef.eyes.backends import RGB
 from coral.reef.eyes.reef_net import SHIPPED
 
@@ -64,5 +64,5 @@ def find_calibration(perception: str) -> CoverCalibration | None:
     """
     if perception != RGB:
         return None
-    values = json.loads(SHIPPED.with_suffix(".cover.json").read_text(encoding="utf-8"))
+    values = read_json(SHIPPED.with_suffix(".cover.json"), "a calibration")
     return CoverCalibration(**{**values, "cover": tuple(values["cover"])})

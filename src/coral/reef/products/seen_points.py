@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.reef.eyes.doubt import drop_doubtful
-from coral.reef.products.cover_kernels import locate_pixels
 from coral.reef.recordings.recording import PosedFrame, Recording
 from coral.reef.vehicle.camera import T_world_camera
 from coral.reef.world.geometry import Frame, Label
@@ -23,14 +22,12 @@ class SeenPoints:
     """Without pixels that are too doubtful for the map."""
     cell: NDArray[np.int64]
     """Number of the cell, iy NX + ix; -1 for none. Shape=(H, W)."""
-    away: NDArray[np.float64]
-    """Distance along the line of sight (m) where there is a cell. Shape=(H, W)."""
 
 
 def find_points(
     keyframe: PosedFrame, recording: Recording, cell_m: float, shape: tuple[int, int], range_m: float = math.inf
 ) -> SeenPoints:
-    """Find the cell in which each pixel of a keyframe lies.
+    """Find the cell in which each pixel of a keyframe lies, the height of its point left out (Eq. 1).
 
     Args:
         keyframe: The keyframe.
@@ -40,11 +37,17 @@ def find_points(
         range_m: Largest distance along the line of sight (m).
     """
     frame = drop_doubtful(keyframe.frame, recording.map.doubt)
-    cell, away = np.empty(frame.depth.shape, np.int64), np.zeros(frame.depth.shape)
-    locate_pixels(
-        frame.depth, transform_of(keyframe, recording), lens_of(recording), range_m, cell_m, shape, cell, away
+    transform, (focal, cx, cy) = transform_of(keyframe, recording), lens_of(recording)
+    rows, columns = frame.depth.shape
+    p, q = (np.arange(columns) - cx) / focal, ((np.arange(rows) - cy) / focal)[:, None]
+    z = np.where(np.isfinite(frame.depth), frame.depth, np.float32(0.0))
+    ix, iy = (
+        np.floor((origin + z * (right * p + down * q + forward)) / cell_m).astype(np.int64)
+        for right, down, forward, origin in transform[:2]
     )
-    return SeenPoints(frame, cell, away)
+    there = (z > 0.0) & (z * np.sqrt(1.0 + p * p + q * q) <= range_m)
+    there &= (ix >= 0) & (iy >= 0) & (ix < shape[1]) & (iy < shape[0])
+    return SeenPoints(frame, np.where(there, iy * shape[1] + ix, -1))
 
 
 def count_looks(recording: Recording) -> NDArray[np.uint16]:
