@@ -98,16 +98,23 @@ def calibrate_by_held_board(
 
 
 def solve_robot_world(A: Sequence[Array], B: Sequence[Array]) -> tuple[Array, Array]:
-    """Solve A(i) X = Z B(i) for the rigid transforms X and Z.
+    """Solve A(i) X = Z B(i) for the rigid transforms X and Z: rotations by singular vectors, then positions.
 
     Source: Shah, "Solving the robot-world/hand-eye calibration problem using the Kronecker product" (2013).
     """
-    turns_a, shifts_a = [a[:3, :3] for a in A], [a[:3, 3] for a in A]
-    turns_b, shifts_b = [b[:3, :3] for b in B], [b[:3, 3] for b in B]
-    x, shift_x, z, shift_z = cv2.calibrateRobotWorldHandEye(
-        turns_a, shifts_a, turns_b, shifts_b, method=cv2.CALIB_ROBOT_WORLD_HAND_EYE_SHAH
-    )
-    return pose_matrix(x, shift_x.ravel()), pose_matrix(z, shift_z.ravel())
+    K = sum(np.kron(b[:3, :3], a[:3, :3]) for a, b in zip(A, B, strict=True))
+    u, _, vt = np.linalg.svd(np.asarray(K))
+    x, z = _nearest_rotation(vt[0].reshape(3, 3).T), _nearest_rotation(u[:, 0].reshape(3, 3).T)
+    left = np.concatenate([np.hstack([a[:3, :3], -np.eye(3)]) for a in A])
+    right = np.concatenate([z @ b[:3, 3] - a[:3, 3] for a, b in zip(A, B, strict=True)])
+    shifts = np.linalg.lstsq(left, right, rcond=None)[0]
+    return pose_matrix(x, shifts[:3]), pose_matrix(z, shifts[3:])
+
+
+def _nearest_rotation(matrix: Array) -> Array:
+    matrix = matrix * np.sign(np.linalg.det(matrix))
+    u, _, vt = np.linalg.svd(matrix)
+    return np.asarray(u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt)
 
 
 def _reprojection(board: SeenBoard, T_camera_board: Array, lens: Array) -> Array:
