@@ -1,7 +1,9 @@
+from importlib.metadata import EntryPoint
+
 import pytest
 
-from coral import surface
-from coral.surface import described
+from coral import plugins, surface
+from coral.surface import described, foreign_commands
 
 PLACE = "coral.commands.version:Version"
 
@@ -21,3 +23,9 @@ def test_a_description_is_read_again_without_importing_the_command(monkeypatch):
 def test_a_description_of_another_form_is_made_again(monkeypatch):
     monkeypatch.setattr(surface, "recall", lambda name, key, make: {"text": ""})
     assert described(PLACE).text == "Print the version."
+
+
+def test_commands_of_other_packages_are_found_and_ours_stay_ours(monkeypatch):
+    points = {name: EntryPoint(name, "theirs:Tune", "coral.commands") for name in ("reef.tune", "reef.run")}
+    monkeypatch.setattr(plugins, "find_plugins", lambda group: points if group == "coral.commands" else {})
+    assert foreign_commands({"reef run": ()}) == {"reef tune": ("theirs:Tune", "(of )")}

@@ -20,7 +20,7 @@ from coral.flag_parser import build, scan
 from coral.help_page import flag_page, help_page
 from coral.interrupts import orderly_termination
 from coral.odd_text import encodable, printable
-from coral.surface import described, is_installed, load
+from coral.surface import described, foreign_commands, is_installed, load
 
 COMMANDS = {
     "reef run": ("coral.commands.reef_run:ReefRun", "survey a reef and write a run folder"),
@@ -58,8 +58,11 @@ COMMANDS = {
 
 
 def commands() -> dict[str, tuple[str, str]]:
-    """Return the commands that are installed, `module:class` and description by their words; not of a missing wing."""
-    return {name: entry for name, entry in COMMANDS.items() if is_installed(entry[0])}
+    """Return the commands that are installed, `module:class` and description by their words.
+
+    Those of a missing wing are left out; those of other packages are entry points of the group coral.commands.
+    """
+    return {name: entry for name, entry in COMMANDS.items() if is_installed(entry[0])} | foreign_commands(COMMANDS)
 
 
 FIRST = {
@@ -151,6 +154,9 @@ def _command(words: Sequence[str]) -> str | None:
                 raise InputError("coral", "", repr(name), "a command of an installed wing: its wing is missing")
             return name
     known = commands()
+    found = next((name for n in (2, 1) if (name := " ".join(words[:n])) in known), None)
+    if found is not None:
+        return found
     group = [name for name in known if name.split()[0] == words[0] and " " in name]
     if group and (len(words) == 1 or words[1] in HELP):
         return None
@@ -159,9 +165,13 @@ def _command(words: Sequence[str]) -> str | None:
     raise InputError("coral", "", repr(tried), f"one of: {', '.join(group or known)}{nearest(tried, near)}")
 
 
+def _place(name: str) -> str:
+    return (COMMANDS.get(name) or commands()[name])[0]
+
+
 def _parse(name: str, words: Sequence[str]) -> Command:
     """Parse flags into the command's dataclass."""
-    place = COMMANDS[name][0]
+    place = _place(name)
     if name in FIRST and re.fullmatch("[^-:][^:]*", "".join(words[:1])):  # not gen:3, libero:object/0
         load(FIRST[name])(words[0])
     about = described(place)
@@ -180,7 +190,7 @@ def _parse(name: str, words: Sequence[str]) -> Command:
 
 def _help(name: str, words: Sequence[str]) -> str:
     """Return the help of a command, or of the flags that follow `--help`."""
-    about = described(COMMANDS[name][0])
+    about = described(_place(name))
     asked = words[min(words.index(word) for word in HELP if word in words) + 1 :]
     return "\n\n".join(flag_page(name, about, word) for word in asked) or help_page(name, about)
 

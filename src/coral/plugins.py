@@ -26,6 +26,7 @@ GROUPS = {
     "--cfg.think.memory.embedder",
     "coral.cameras": "function (rest, T_world_camera or None) that makes an RgbdCamera; NAME[:REST] after --camera",
     "coral.conditions": "class of a condition of success, a subclass of BaseCondition; its `kind` in a task file",
+    "coral.commands": "dataclass of a command, coral NAME; a dot in the name separates its two words",
     "coral.vehicles": "function of what follows NAME: after --vehicle that makes a VehicleLink",
     "coral.eyes": "function without arguments that makes an RgbPerception; NAME after --perception",
     "coral.exporters": "function (recording, path) that writes it and returns counts; NAME after --to",

@@ -6,6 +6,7 @@ and `coral config` need the description alone.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from importlib import import_module
@@ -26,6 +27,21 @@ def load(place: str) -> Any:
 def is_installed(place: str) -> bool:
     """Return whether the module of `module:name` is there; it is not imported."""
     return find_spec(place.partition(":")[0]) is not None
+
+
+def foreign_commands(ours: Mapping[str, object]) -> dict[str, tuple[str, str]]:
+    """Find other packages' commands: `module:class` and package by their words. Names of ours cannot be taken."""
+
+    def search() -> list[list[str]]:
+        from coral.plugins import find_plugins  # reading the metadata of packages takes a tenth of a second
+
+        points = find_plugins("coral.commands").values()
+        return [[point.name, point.value, point.dist.name if point.dist else ""] for point in points]
+
+    found = recall("commands", code_stamp(), search)
+    return {
+        words: (at, f"(of {package})") for name, at, package in found if (words := name.replace(".", " ")) not in ours
+    }
 
 
 def described(place: str) -> Described:

@@ -67,6 +67,24 @@ def test_nothing_is_overwritten(told, tmp_path):
     assert out.read_bytes() == b"mine"
 
 
+def test_pictures_of_one_folder_are_a_recording_that_map_reads(told, tmp_path):
+    pytest.importorskip("onnxruntime")
+    folder = tmp_path / "dive"
+    for k, x in enumerate(("6", "6.3")):
+        words = ("--at", x, "5.3", "90", "--size", "64", "48", "--out", folder / f"{k}.png")
+        assert told("reef", "picture", "s1", *words)[0] == 0
+    assert (folder / "poses.csv").read_text().splitlines() == [
+        "t,x,y,z,roll,pitch,yaw,rgb", "0,6,5.3,1,0,0,1.57079633,0.png", "1,6.3,5.3,1,0,0,1.57079633,1.png",
+    ]  # fmt: skip
+    code, made, error = told("reef", "map", folder, "--perception", "rgb", "--out", tmp_path / "map", "--json")
+    assert code == 0, error
+    assert made["keyframes"] == 2
+    code, _, error = told("reef", "picture", "s1", "--size", "32", "24", "--out", folder / "2.png")
+    assert (code, error.count("\n")) == (2, 1)
+    assert "camera.yaml: found another camera" in error
+    assert not (folder / "2.png").exists()
+
+
 def test_an_animal_is_elsewhere_at_another_time(told, tmp_path):
     reddest = []
     for t in ("0", "12"):

@@ -24,7 +24,8 @@ class ReefPicture:
     world: Annotated[str, Argument(names=shipped_worlds)]
     """Name of a reef or a world file."""
     out: Path
-    """The PNG file to write."""
+    """The PNG file to write. Camera and pose go into camera.yaml and poses.csv of its folder, which `coral reef map`
+    reads; pictures that are taken into the same folder later are added."""
     water: tuple[str, ...] = ("clear",)
     """Jerlov types (jerlov-3C) or presets (clear, coast, bay, hard); all: every Jerlov type."""
     at: Annotated[tuple[float, float, float] | None, Option(metavar="X Y HEADING")] = None
@@ -45,6 +46,7 @@ class ReefPicture:
         from coral.reef.paint.painter import Painter
         from coral.reef.paint.viewpoints import choose_viewpoints
         from coral.reef.pictures.mapview import png
+        from coral.reef.recordings.picture_export import add_picture, table_of
         from coral.reef.vehicle.camera import Camera, CameraCfg
         from coral.reef.world.generated import find_world
         from coral.reef.world.geometry import Pose
@@ -71,6 +73,7 @@ class ReefPicture:
             (pose,) = choose_viewpoints(scene, 1, np.random.default_rng(self.seed))
         else:
             pose = Pose(self.at[0], self.at[1], math.radians(self.at[2]))
+        table = table_of(self.out.parent, camera) if len(waters) == 1 else []
         frame = Camera(scene, camera).render(pose, t=self.t)
         taken = [
             (f"{water.name}, visibility {water.visibility_m:.1f} m",
@@ -80,6 +83,8 @@ class ReefPicture:
         picture = taken[0][1] if len(taken) == 1 else contact_sheet(taken, columns=2 if len(taken) <= 4 else 5)
         with writing("--out", str(self.out)):
             write_whole(self.out, png(picture))
+            if table:
+                add_picture(self.out.parent, table, camera, self.out.name, pose, self.t)
         return {
             "picture": str(self.out),
             "waters": {water.name: round(water.visibility_m, 2) for water in waters},
