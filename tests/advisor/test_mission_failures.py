@@ -46,6 +46,7 @@ def reef():
     return load_world("l1")
 
 
+@pytest.mark.slow
 def test_a_mission_survives_every_failure_in_turn(stub, reef, tmp_path):
     huge = stub.completion("x" * 10_000_000)
     server = stub(

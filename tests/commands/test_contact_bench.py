@@ -49,6 +49,7 @@ def bench(task, tmp_path_factory):
     ], out
 
 
+@pytest.mark.slow
 def test_a_bench_runs_what_is_missing_and_makes_tables(bench, task, tmp_path, capsys, request):
     words, out = bench
     assert main(words) == 0

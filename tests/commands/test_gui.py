@@ -22,7 +22,7 @@ def test_what_the_page_offers_is_a_command_that_parses(tmp_path, system, name):
     assert folder == tmp_path / f"{name}-001"
     place, about = COMMANDS[f"{system} run"][0], described(COMMANDS[f"{system} run"][0])
     made = build(load(place), scan(words[2:], about, "run"), about, "run")
-    assert (made.seed, made.live, made.wait) == (0, True, False)
+    assert (made.seed, made.page.live, made.page.wait) == (0, True, False)
 
 
 @pytest.mark.parametrize("system", SETTINGS)

@@ -26,6 +26,7 @@ def survey_run(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_a_run_its_mcap_file_and_its_bag_give_the_same_oysters(survey_run, tmp_path, told):
     assert told("export", survey_run, "--to", "mcap", "--out", tmp_path / "x.mcap")[0] == 0
     assert told("export", survey_run, "--to", "bag", "--out", tmp_path / "x_bag")[0] == 0
@@ -55,6 +56,7 @@ def test_what_is_no_recording_is_one_line(tmp_path, told):
         assert (code, error.count("\n")) == (2, 1)
 
 
+@pytest.mark.slow
 def test_pictures_with_an_autopilots_log(network, tmp_path, told):
     (tmp_path / "dive.BIN").write_bytes(dataflash_dive())
     (tmp_path / "camera.yaml").write_text("{width: 80, height: 60, altitude_m: 1.0}\n")
@@ -98,6 +100,7 @@ def cluster(folder):
     return [111_320.0 * float(row[name]) for name in ("latitude", "longitude")], float(row["area_m2"])
 
 
+@pytest.mark.slow
 def test_pictures_and_poses_alone_become_a_map_with_the_oysters_where_they_are(colour_run, network, tmp_path, told):
     place = ("--datum", "0.001,0.001")
     assert told("reef", "map", colour_run, *place, "--out", tmp_path / "exact")[0] == 0

@@ -65,16 +65,16 @@ class ContactCalibrate:
         if not 1 <= self.pictures <= MOST_PICTURES:
             raise InputError("--pictures", "", self.pictures, f"1 to {MOST_PICTURES}")
         frames = self._take(self.camera)
-        found, method = self._by_touch(frames[0]) if self.touches is not None else self._by_board(frames)
+        placing, method = self._by_touch(frames[0]) if self.touches is not None else self._by_board(frames)
         self.out.parent.mkdir(parents=True, exist_ok=True)
-        write_camera_pose(self.out, found, method)
-        placed = found.T_world_camera
+        write_camera_pose(self.out, placing, method)
+        placed = placing.T_world_camera
         return {
             "out": str(self.out),
             "method": method,
             "position_m": [round(float(value), 5) for value in placed[:3, 3]],
             "looks_along": [round(float(value), 4) for value in placed[:3, 2]],
-            "residuals": found.residuals,
+            "residuals": placing.residuals,
         }
 
     def describe(self, result: Mapping[str, Any]) -> str:

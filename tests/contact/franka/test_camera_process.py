@@ -88,6 +88,7 @@ def test_a_tracker_that_fails_says_why(job, monkeypatch):
     process.close()
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # it ends by SystemExit
 def test_a_wrong_camera_is_one_line(job, tmp_path):
     with pytest.raises(InputError, match="--camera"):
         CameraProcess(dataclasses.replace(job, camera="kinect"), thread)

@@ -30,6 +30,7 @@ def fail():
     raise RunError("the arm speaks another version")
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # it ends by SystemExit
 @pytest.mark.parametrize(
     ("prepare", "error", "told"),
     [

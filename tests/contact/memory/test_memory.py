@@ -274,6 +274,7 @@ def adding(tmp_path):
         writer.communicate()
 
 
+@pytest.mark.slow
 def test_many_processes_write_into_a_new_memory_at_once_and_nothing_is_lost(scene, memory, adding):
     writers = adding(memory.where, experience(scene("pick-box")), 4)
     for writer in writers:

@@ -244,6 +244,7 @@ def test_a_bad_policy_flag_is_bad_input(task, words, said, capsys):
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_bench_tabulates_a_policy_in_the_papers_row(serve, task, tmp_path, capsys):
     server = serve()
     out = tmp_path / "bench"
@@ -254,6 +255,7 @@ def test_bench_tabulates_a_policy_in_the_papers_row(serve, task, tmp_path, capsy
     assert [row["end_reason"] for row in read_parquet(out / "results.parquet")] == ["timeout"] * 2
 
 
+@pytest.mark.slow
 def test_bench_does_not_count_an_outage_against_the_policy(serve, task, tmp_path):
     server = serve(lambda k, seen: ConnectionError if k in (2, 3, 4) else {"actions": np.zeros((10, 7))})
     out = tmp_path / "bench"
