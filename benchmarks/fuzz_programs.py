@@ -209,7 +209,7 @@ class Tally:
 
 def odd_in_numpy(case: str, python: Callable[[], Any]) -> bool:
     """Check whether NumPy divides whole numbers by 0, which gives 0, or takes a generator for one object."""
-    if re.search(r"np\.\w+\(\(.* for ", case):
+    if re.search(r"(np\.\w+\(|[=!<>]=? )\(.* for ", case):
         return True
     try:
         with np.errstate(divide="raise"):

@@ -44,6 +44,7 @@ def test_it_starts_moves_stops_and_ends():
     assert not stream.child.process.is_alive()
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # it ends by SystemExit
 def test_an_arm_that_cannot_be_had_is_the_users_error():
     with pytest.raises(InputError, match="--robot: found nobody, expected the address of an arm"):
         StreamProcess(make_obedient_arm, "nobody", CFG, TRIAL, threading.Thread)
