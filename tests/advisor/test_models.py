@@ -52,7 +52,7 @@ def decide(advisor, log, **budget):
     task = clock.start(consult(advisor, lambda _: QUESTION, lambda q, a: None, BudgetCfg(**budget), clock, log.append))
     while not task.done():
         clock.advance()
-    clock._stepped.thread.submit(advisor.aclose).result(10.0)
+    clock.thread.submit(advisor.aclose).result(10.0)
     clock.close()
     return task.result()
 

@@ -20,7 +20,7 @@ from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_plan import PlanAnswer
 from coral.contact.plan.plan_check import judge_plan
 from coral.contact.plan.sampled_states import sample_states
-from coral.contact.scene.task_file import every_task, shipped_tasks, suite_tasks, unseen_tasks
+from coral.contact.scene.task_file import every_task, shipped_tasks, suite_tasks
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.pose_question import PosesAnswer
@@ -50,8 +50,8 @@ ANSWERS = {
 NAMES = shipped_recordings()
 CONTACT = {
     **{name: (name, 300) for name in shipped_tasks()},
-    **{name: (name, 0) for name in unseen_tasks("development")},
-    **{name: (name, 3) for name in unseen_tasks("test")},
+    **{name: (name, 0) for name in suite_tasks("unseen", "development")},
+    **{name: (name, 3) for name in suite_tasks("unseen", "test")},
     **{name: (name, 3000) for name in suite_tasks("long")},
     "pull-shelf": (str(ROOT / "tests/data/recordings/pull-shelf.yaml"), 0),
 }

@@ -312,10 +312,10 @@ def _outcome(future: Future[Any]) -> tuple[Any, BaseException | None]:
     return (None, error) if error is not None else (future.result(), None)
 
 
-class WallClock:
-    """Wall seconds since creation or `restart`: for a real vehicle.
+class WallClock(SimulatedClock):
+    """Wall seconds since creation or `restart`: for a real vehicle, whose control loop keeps its own period.
 
-    It is used like `SimulatedClock`, from a control loop that keeps its own period and is never blocked.
+    Nothing waits for a reply: it is delivered when it is there.
     """
 
     def __init__(self, thread: AdvisorThread | None = None, latency: LatencyCfg | None = None) -> None:
@@ -325,11 +325,9 @@ class WallClock:
             thread: Thread of the advisors; by default its own.
             latency: An answer is given no earlier than this, and when it is there; by default when it is there.
         """
-        self._start_s = time.monotonic()
         latency = latency or LatencyCfg(kind="measured")
-        self._stepped = SimulatedClock(latency, np.random.default_rng(0), thread=thread, paced=False)
-        self.waited_s = 0.0
-        """Always 0: nothing waits for a reply."""
+        super().__init__(latency, np.random.default_rng(0), thread=thread, paced=False)
+        self.restart()
 
     def now(self) -> float:
         """Return wall seconds since this clock was made or restarted."""
@@ -337,35 +335,17 @@ class WallClock:
 
     def restart(self) -> None:
         """Count from now: the mission that it serves begins. Before the first question only."""
-        self._start_s = time.monotonic()
-
-    @property
-    def pending(self) -> bool:
-        """Return whether a question is pending."""
-        return self._stepped.pending
+        self._start_s, self._now_s = time.monotonic(), 0.0
 
     def start(self, coroutine: Coroutine[Any, Any, R]) -> asyncio.Task[R]:
         """Run a coroutine up to its first wait, in the thread of the control loop."""
-        self._stepped.advance(self.now())
-        return self._stepped.start(coroutine)
+        self.advance()
+        return super().start(coroutine)
 
-    def advance(self) -> None:
-        """Deliver what has arrived, without waiting."""
-        if self.pending:
-            self._stepped.advance(self.now())
-
-    async def reply(self, asking: Callable[[], Coroutine[Any, Any, R]], timeout_s: float) -> R:
-        """Ask, and return the reply when it arrives (see `SimulatedClock.reply`)."""
-        return await self._stepped.reply(asking, timeout_s)
+    def advance(self, now_s: float = 0.0) -> None:
+        """Deliver what has arrived, without waiting; the time is this clock's own."""
+        super().advance(self.now())
 
     async def prepare(self, work: Callable[[], R], after_s: float | None) -> R:
         """Run `work` on another thread, and return its result when it is there; `after_s` is for simulated time."""
-        return await self._stepped.prepare(work, None)
-
-    def withdraw(self) -> None:
-        """Cancel every pending request."""
-        self._stepped.withdraw()
-
-    def close(self) -> None:
-        """End all coroutines started here."""
-        self._stepped.close()
+        return await super().prepare(work, None)

@@ -5,10 +5,6 @@ from coral.contact.control.mppi_controller import Controller
 from coral.errors import InputError
 
 
-def test_ours_can_be_given_more_samples_beyond_what_every_controller_does():
-    assert {"plan", "reset", "samples", "with_samples", "adopt"} <= set(dir(Controller))
-
-
 def test_ours_is_made_by_name_and_a_function_is_taken_as_it_is():
     assert hand_controller_maker("mppi") is Controller
     assert hand_controller_maker(Controller) is Controller

@@ -11,12 +11,6 @@ def test_a_fixed_latency_passes_in_whole_control_steps_whatever_the_machine():
     assert PlanLatency("fixed:0.01", 0.02, 2, 50).expected_steps() == 2  # no sooner than plans are asked for
 
 
-def test_more_rollouts_than_the_fixed_latency_stands_for_take_longer():
-    latency = PlanLatency("fixed:0.04", 0.02, 2, 50)
-    latency.effort = 4.0
-    assert (latency.plan_s, latency.expected_steps()) == (0.16, 8)
-
-
 def test_without_latency_nothing_is_charged():
     assert not PlanLatency("0", 0.02, 2, 50).charged
     assert not PlanLatency("fixed:0", 0.02, 2, 50).charged

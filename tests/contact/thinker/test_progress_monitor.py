@@ -29,7 +29,7 @@ def surprise_after(seconds, period_s):
         now_at = {"box_pos": now.objects["box"].position[None, None]}
         plan = SimpleNamespace(cost=1.0, terms={}, now=now_at, expected_force=np.zeros((10, 3)), at_edge=0.0)
         taken = (Transition(before, still, now),) if k else ()
-        monitor.update(PlanReport(k, now, plan, "push", taken, next_state=plan.now))
+        monitor.update(PlanReport(now, plan, "push", taken, next_state=plan.now))
         before = now
     return monitor.surprise_m["box"]
 
@@ -49,7 +49,7 @@ def noticed_after(costs):
     for k in range(1000):
         stage, cost = costs[k % len(costs)]
         plan = SimpleNamespace(cost=cost, terms={}, expected_force=np.full((10, 3), 2.0), at_edge=0.0)
-        if monitor.update(PlanReport(k, observed(0.04 * k, 0.0), plan, stage, ())):
+        if monitor.update(PlanReport(observed(0.04 * k, 0.0), plan, stage, ())):
             assert monitor.notes[-1].expected_force == (2.0, 2.0, 2.0)
             return 0.04 * k
     return None
@@ -73,7 +73,7 @@ def test_the_first_values_of_a_stages_end_are_kept_longer_than_the_record(monkey
     monitor = ProgressMonitor(OuterCfg(), ("reach", "lift"), {"reach": end})
     plan = SimpleNamespace(cost=1.0, terms={}, now={}, expected_force=np.zeros((10, 3)), at_edge=0.0)
     for k in range(10):
-        monitor.update(PlanReport(k, observed(0.04 * k, 0.0), plan, "reach", (), present="measured"))
-    monitor.update(PlanReport(10, observed(0.4, 0.0), plan, "lift", (), present="measured"))
+        monitor.update(PlanReport(observed(0.04 * k, 0.0), plan, "reach", (), present="measured"))
+    monitor.update(PlanReport(observed(0.4, 0.0), plan, "lift", (), present="measured"))
     assert monitor.first_ends == {"reach": (0,)}
     assert [note.end for note in monitor.notes] == [(8,), (9,), ()]

@@ -1,6 +1,5 @@
 import dataclasses
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -83,7 +82,7 @@ def plan_report(one, t, stage, cost, taken=()):
     state = one.world.present(now)
     plan = HandPlan((), terms={"all": cost}, now=state)
     assert body is not None
-    return PlanReport(0, now, plan, stage, taken, next_state=plan.now, present=plan.now)
+    return PlanReport(now, plan, stage, taken, next_state=plan.now, present=plan.now)
 
 
 def test_the_default_advisor_gives_a_strategy_and_is_counted(scene):
@@ -432,59 +431,6 @@ def test_when_stuck_the_plan_changes_and_the_diagnosis_is_kept(scene):
     assert repair["kind"] == "cost-repair"
     assert repair["explanation"].startswith("Once more.")
     assert strategist.on_plan(plan_report(one, 9.0, "above", 5.0)) is None
-
-
-class Found:
-    """What a planner with more samples is said to have found."""
-
-    samples, more, cost, lower, plans, stronger = 12, 48, 5.0, 2.0, 20, "the stronger planner"
-
-    def __init__(self, gain):
-        self.gain = gain
-
-    def sentence(self):
-        return "More samples were tried."
-
-
-class WeakPlanner:
-    """Notes what it adopts."""
-
-    adopted = ()
-    samples = 2
-    plan = reset = with_samples = print
-
-    def adopt(self, other):
-        self.adopted = (*self.adopted, other)
-
-
-@pytest.mark.parametrize(("gain", "strengthened"), [(0.3, True), (0.05, False)])
-def test_a_planner_that_is_too_weak_gets_more_samples_once_before_the_plan_changes(
-    scene, monkeypatch, gain, strengthened
-):
-    one, planner = scene("pick-box"), WeakPlanner()
-    monkeypatch.setattr(thinking, "probe_effort", lambda *given: Found(gain))
-    strategist, told = begun(one, outer=SOON)
-    changed = [
-        strategist.on_plan(dataclasses.replace(plan_report(one, 0.1 * k, "above", 5.0), planner=planner)) is not None
-        for k in range(12)
-    ]
-    assert sum(changed) == 1
-    events = [(event, fields["diagnosis"]) for event, fields in told if event in ("planner_effort", "stuck")]
-    tried = ("planner_effort", "planner-weak" if strengthened else "no-progress")
-    assert events == [tried, ("stuck", "no-progress")]
-    assert planner.adopted == (("the stronger planner",) if strengthened else ())
-    assert "More samples were tried." in next(fields for event, fields in told if event == "stuck")["evidence"]
-
-
-def test_the_time_of_the_trial_with_more_samples_passes_in_the_world(scene, monkeypatch):
-    one, passed = scene("pick-box"), []
-    monkeypatch.setattr(thinking, "probe_effort", lambda *given: Found(0.3))
-    strategist, _ = begun(one, outer=SOON)
-    strategist.attach_episode(SimpleNamespace(clock_s=0.0, go_on=lambda seconds: passed.append(seconds) or True))
-    for k in range(6):
-        report = dataclasses.replace(plan_report(one, 0.1 * k, "above", 5.0), planner=WeakPlanner(), plan_s=0.04)
-        strategist.on_plan(report)
-    assert pytest.approx(20 * 0.04) in passed
 
 
 class Regrouper:

@@ -99,16 +99,6 @@ def test_a_correction_says_how_well_the_history_fits(tmp_path):
     ("event", "title", "said"),
     [
         (
-            {"event": "planner_effort", "diagnosis": "planner-weak", "text": "With 48 samples it is less."},
-            "The planner was too weak and gets more samples",
-            "With 48 samples",
-        ),
-        (
-            {"event": "planner_effort", "diagnosis": "settled", "text": "With 48 samples it is the same."},
-            "More samples find nothing better",
-            "the same",
-        ),
-        (
             {"event": "recall", "id": 3, "similarity": 0.9, "distance": 0.2, "outcome": None, "refused": ""},
             "Memory 3 was used",
             "differs by 0.20. No question",

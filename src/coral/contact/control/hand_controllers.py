@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 
@@ -20,7 +20,7 @@ class HandController(Protocol):
     """A controller of the hand; `Controller` is the one by MPPI.
 
     Two methods are all: episodes, records, live pages and diagnoses read the `HandPlan` that `plan` returns, of which
-    only the targets are necessary. What else a controller can do (`AdjustableController`) is its own affair.
+    only the targets are necessary.
     """
 
     def reset(self, now: Observation) -> None:
@@ -49,24 +49,6 @@ class HandController(Protocol):
         Raises:
             CostError: The stage's cost cannot be evaluated.
         """
-        ...
-
-
-@runtime_checkable
-class AdjustableController(HandController, Protocol):
-    """A controller that can be given more rollouts when it is stuck, which `probe_effort` tries."""
-
-    @property
-    def samples(self) -> int:
-        """Return the number of rollouts per plan."""
-        ...
-
-    def with_samples(self, samples: int, rng: np.random.Generator) -> AdjustableController:
-        """Copy the controller, its present plan included, with another number of rollouts."""
-        ...
-
-    def adopt(self, other: AdjustableController) -> None:
-        """Continue as such a copy."""
         ...
 
 

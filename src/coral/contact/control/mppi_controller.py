@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
@@ -99,11 +99,6 @@ class Controller:
         self._target: HandTarget | None = None
         self._centre: Array | None = None
 
-    @property
-    def samples(self) -> int:
-        """Return the number of rollouts per plan."""
-        return self.cfg.mppi.samples
-
     def reset(self, now: Observation) -> None:
         """See `HandController.reset`."""
         self._target = HandTarget(
@@ -171,19 +166,6 @@ class Controller:
             paths=keep_paths(context, sane, weights, self.world.object_names),
             at_edge=self._share_at_edge(targets),
         )
-
-    def with_samples(self, samples: int, rng: np.random.Generator) -> Controller:
-        """Copy the controller, its present plan included, with another number of samples."""
-        cfg = replace(self.cfg, mppi=replace(self.cfg.mppi, samples=samples))
-        other = Controller(self.world, cfg, rng)
-        other.mppi.knots = self.mppi.knots.copy()
-        other._target, other._centre = self._target, self._centre
-        return other
-
-    def adopt(self, other: Controller) -> None:
-        """Continue with the sampler and the plan of another controller of the same hand."""
-        self.cfg, self.mppi, self._rng = other.cfg, other.mppi, other._rng
-        self._target, self._centre = other._target, other._centre
 
     def _total(self, terms: Terms, shape: tuple[int, int]) -> Array:
         total = np.zeros(shape)

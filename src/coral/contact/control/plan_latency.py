@@ -31,8 +31,6 @@ class PlanLatency:
         self._step_s, self._least, self._most = step_s, least, most
         self._durations: deque[float] = deque(maxlen=REMEMBERED)
         self.fixed_s = _fixed(spec)
-        self.effort = 1.0
-        """Rollouts per plan, as a multiple of the number that the fixed latency was stated for."""
         if self.fixed_s is not None and self.fixed_s >= most * step_s:
             raise InputError("--cfg", "planning.latency", repr(spec), f"less than a plan's {most * step_s:g} s")
 
@@ -45,7 +43,7 @@ class PlanLatency:
     def plan_s(self) -> float:
         """Return how long a plan takes (s): as fixed, or the median so far; 0 if the world stands still."""
         if self.fixed_s is not None:
-            return self.fixed_s * self.effort
+            return self.fixed_s
         return median(self._durations) if self._durations else 0.0
 
     def expected_steps(self) -> int:

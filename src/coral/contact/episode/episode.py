@@ -157,17 +157,10 @@ class Episode:
         return self.progress.stage.name
 
     def planner_limits(self) -> PlannerLimits:
-        """Return what the planner can do now: it may have been given more samples, and a measured latency varies."""
+        """Return what the planner can do now: a measured latency varies."""
         cfg, step_s = self.cfg, self.cfg.planning.step_s
-        mppi = dataclasses.replace(cfg.controller.mppi, samples=self._samples)
-        controller = dataclasses.replace(cfg.controller, mppi=mppi)
         replan_s = self.latency.expected_steps() * step_s
-        return PlannerLimits(controller, step_s, replan_s, self.latency.plan_s, cfg.reactive.force_limit_n)
-
-    @property
-    def _samples(self) -> int:
-        """Return the number of rollouts per plan: an adjustable controller says how many it has now."""
-        return int(getattr(self.controller, "samples", self.cfg.controller.mppi.samples))
+        return PlannerLimits(cfg.controller, step_s, replan_s, self.latency.plan_s, cfg.reactive.force_limit_n)
 
     def run(self, observers: Sequence[Observer[Episode]] = ()) -> dict[str, Any]:
         """Run to the end and return metrics and timing together.
@@ -250,7 +243,6 @@ class Episode:
         if not self.latency.charged:
             followed, self._followed = self._followed, 0
             return self.now, self.step, self._still, followed
-        self.latency.effort = self._samples / self.cfg.controller.mppi.samples
         self._ahead = self.latency.expected_steps()
         followed = 0
         if self._under_way is None:
@@ -301,7 +293,7 @@ class Episode:
 
     def _plan(self) -> HandPlan | None:
         """Plan, and pass the plan to the strategist; None if there is nothing to execute."""
-        stage, since = self.progress.stage, self._since
+        stage = self.progress.stage
         try:
             plan = self._replan()
         except CostError as error:
@@ -317,21 +309,14 @@ class Episode:
         taken, self._taken = tuple(self._taken), []
         step = self.step
         try:
-            predicted = self._next_state(plan)
-            plan_s = 0.0 if self._meanwhile is not None else self.latency.plan_s
-            sunk_m = sunk_into(self.planner, self.now)
             report = PlanReport(
-                step=self.step,
                 now=self.now,
                 plan=plan,
                 stage=stage.name,
                 taken=taken,
                 touched=self._touched,
-                sunk_m=sunk_m,
-                next_state=predicted,
-                planner=self.controller,
-                plan_s=plan_s,
-                since=since,
+                sunk_m=sunk_into(self.planner, self.now),
+                next_state=self._next_state(plan),
                 present=self._present,
             )
             other = self._ask_strategist(lambda: self.strategist.on_plan(report))

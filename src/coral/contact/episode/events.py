@@ -34,8 +34,6 @@ EVENTS = {
     "track": "The tracker `lost` an `object` (`reason`, whether the hand `held` it), or found it `after_s`.",
     "stuck": "The outer loop found no progress: `attempts`, `stage`, `object`, `diagnosis` with its `text`, "
     "`evidence`, `cost`, `history`.",
-    "planner_effort": "Before a plan was thrown away, `more` samples than `samples` were tried: `lower` cost than "
-    "`cost`, the `gain`, and what follows (`diagnosis`, `text`); `stage`.",
     "correction": "Mass and friction of an `object` were replayed with the history: whether new ones were "
     "`accepted`, `text`, `errors` of both, values `before` and `after`; `decided`, `source`, `failure`, `refused`.",
     "cost_error": "A cost failed in use: `stage`, `code`, `reason`.",

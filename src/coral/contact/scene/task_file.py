@@ -9,7 +9,7 @@ from typing import Any
 from coral.config import read_model
 from coral.contact.scene.shapes import Shape
 from coral.contact.scene.task import Task
-from coral.contact.scene.task_names import TASKS_DIR, every_task, shipped_tasks, suite_tasks, task_path, unseen_tasks
+from coral.contact.scene.task_names import TASKS_DIR, every_task, shipped_tasks, suite_tasks, task_path
 from coral.contact.scene.task_validation import check_task
 from coral.file_writer import write_whole
 
@@ -20,7 +20,6 @@ __all__ = [
     "shipped_tasks",
     "suite_tasks",
     "task_schema",
-    "unseen_tasks",
 ]
 
 

@@ -20,11 +20,6 @@ def shipped_tasks() -> tuple[str, ...]:
     return tuple(name for name in order if name in known) + tuple(sorted(known - set(order)))
 
 
-def unseen_tasks(half: str = "") -> tuple[str, ...]:
-    """Return the names of the unseen suite; see `suite_tasks`."""
-    return suite_tasks("unseen", half)
-
-
 def suite_tasks(suite: str, half: str = "") -> tuple[str, ...]:
     """Return the names of a suite of tasks, in alphabetical order.
 

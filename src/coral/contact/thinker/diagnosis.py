@@ -25,7 +25,6 @@ Diagnosis = Literal[
     "not-moved",
     "moved-otherwise",
     "no-progress",
-    "planner-weak",
 ]
 TEXTS: Mapping[Diagnosis, str] = {
     "cost-error": "the cost could not be evaluated",
@@ -48,7 +47,6 @@ TEXTS: Mapping[Diagnosis, str] = {
     "not-moved": "the hand pressed and the object hardly moved",
     "moved-otherwise": "the object moved, but not as predicted: the simulation believes in wrong parameters",
     "no-progress": "the cost fell no further, though nothing is visibly wrong: a side or grasp that leads nowhere",
-    "planner-weak": "the planner found no way down the cost that more samples did find",
 }
 
 

@@ -59,7 +59,7 @@ def try_recalled(
     for moment in imagine(world, strategy, first, trial.task.time_limit_s, CONTROLLER):
         judge.update(moment)
         end_s = moment.now.time_s
-        stuck = monitor.update(PlanReport(0, moment.now, moment.plan, moment.stage))
+        stuck = monitor.update(PlanReport(moment.now, moment.plan, moment.stage))
         if judge.succeeded or judge.broken or stuck or monitor.returns == MOST_RETURNS:
             break
     return RecallRun(judge.outcome, round(end_s - first.time_s, 2), _refusal(judge, monitor, len(names), repaired))

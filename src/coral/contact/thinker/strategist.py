@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from coral.contact.control.hand_controllers import HandController
 from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
@@ -36,8 +35,6 @@ class StrategistCounts:
 class PlanReport:
     """A plan as the strategist sees it: nothing that the robot does not know."""
 
-    step: int
-    """Number of control steps since the episode began."""
     now: Observation
     """The latest observation."""
     plan: HandPlan
@@ -52,12 +49,6 @@ class PlanReport:
     """How deep (m) the hand is inside each object by the believed poses."""
     next_state: Context | None = None
     """Predicted state after the next control step; None if the hand holds still until this plan is ready."""
-    planner: HandController | None = None
-    """The planner, which may be given more samples if it is an `AdjustableController`."""
-    plan_s: float = 0.0
-    """Simulated time (s) that passes while it plans; 0 if the world stands still, or moves on by itself."""
-    since: Observation | None = None
-    """The observation with which the planned stage began; None if it begins now."""
     present: Context | None = None
     """The measured state as the conditions of the stage read it, a batch of one."""
 

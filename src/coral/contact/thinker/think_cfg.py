@@ -8,7 +8,6 @@ from typing import Literal
 from coral.advisor.consult import BudgetCfg
 from coral.advisor.registry import asks_person
 from coral.config import NonNegative
-from coral.contact.control.planning_effort import EffortCfg
 from coral.contact.memory.memory import MemoryCfg
 from coral.contact.thinker.fallback import StandIn
 from coral.contact.thinker.progress_monitor import OuterCfg
@@ -56,8 +55,6 @@ class ThinkCfg:
     """Retrieval of remembered plans."""
     identify: IdentifyCfg = field(default_factory=IdentifyCfg)
     """Fit of world-model corrections."""
-    effort: EffortCfg = field(default_factory=EffortCfg)
-    """More samples for a planner that is too weak, before a plan is thrown away."""
     outer: OuterCfg = field(default_factory=OuterCfg)
     """Thresholds of the outer loop."""
 

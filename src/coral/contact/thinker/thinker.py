@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from coral.advisor.question import Picture
-from coral.contact.control.hand_controllers import AdjustableController
 from coral.contact.control.planner_limits import PlannerLimits
-from coral.contact.control.planning_effort import probe_effort
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.cost.stages import Strategy
 from coral.contact.cost_program import CostError
@@ -25,7 +23,7 @@ from coral.contact.plan.cost_plan import Loader, PlanAnswer, in_process, make_st
 from coral.contact.plan.stage_end import stage_ends
 from coral.contact.scene.observation import BodyState, Observation, Transition
 from coral.contact.scene.trial import PhysicalParameters, Trial
-from coral.contact.thinker.asker import Asker, EpisodeOver
+from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.correction import CorrectionSchedule, TouchHistory, correct_beliefs
 from coral.contact.thinker.diagnosis import TEXTS, Diagnosis, diagnose
 from coral.contact.thinker.evidence import collect_evidence
@@ -43,10 +41,6 @@ from coral.errors import RunError
 
 TELL_NOTHING: frozenset[Diagnosis] = frozenset({"led-away", "out-of-reach", "pose-wrong", "not-reached"})
 """Diagnoses whose history says nothing about mass and friction: nothing was pushed, or not where it was believed."""
-PLANNER_MAY_BE_WEAK: frozenset[Diagnosis] = frozenset(
-    {"settled", "stage-never-ends", "not-gripped", "not-reached", "blocked", "not-moved", "no-progress"}
-)
-"""Diagnoses that a planner too weak for its cost brings about as well; of the others the record names another cause."""
 
 
 class Thinker:
@@ -86,8 +80,7 @@ class Thinker:
         self._worker = worker or CostWorker()  # its process starts with the first program
         self._correction_schedule = CorrectionSchedule(cfg.correct_every_s if cfg.refine and not cfg.unified else 0.0)
         self._now: Observation
-        self._repairs, self._harder = 0, 0
-        self._attempt: Strategy
+        self._repairs = 0
         self._match: Match | None = None
         self._numbers: dict[str, float] = {}
         """Measurements of the scene as the first plan found it."""
@@ -97,7 +90,6 @@ class Thinker:
         self._history: list[Transition] = []
         self._corrected: list[str] = []
         self._evidence: list[str] = []
-        self._effort: list[str] = []
         self._trial: Trial
         self._world: PlanningWorld
         self._plan: PlanAnswer
@@ -247,7 +239,7 @@ class Thinker:
         if not self._followed or self._followed[-1] != step:
             self._followed.append(step)
         candidates = None if regions is None else self._questions.touchable_candidates(regions, self._plan)
-        self._attempt = make_strategy(
+        return make_strategy(
             name,
             self._plan,
             regions,
@@ -256,7 +248,6 @@ class Thinker:
             self._load,
             candidates,
         )
-        return self._attempt
 
     def _new_monitor(self) -> ProgressMonitor:
         ends = stage_ends(self._plan, self._world.schema, self._load)
@@ -321,9 +312,7 @@ class Thinker:
         if monitor.steps:
             found = collect_evidence(monitor.steps, monitor.notes, name, size, monitor.first_ends)
         kind = diagnose(monitor.steps, name, monitor.returns, surprise_m, found)
-        if kind in PLANNER_MAY_BE_WEAK and not self._diagnosed_by_model and self._plan_harder(report, kind):
-            return None
-        self._evidence = [*([] if found is None else found.sentences()), *self._effort]
+        self._evidence = [] if found is None else found.sentences()
         self._repairs += 1
         self._emit(
             "stuck",
@@ -347,37 +336,6 @@ class Thinker:
         self._questions.diagnoses.append(kind)
         self._replan(now, lambda: self._questions.keep_plan(self._plan))
         return self._repaired_strategy()
-
-    def _plan_harder(self, report: PlanReport, kind: Diagnosis) -> bool:
-        """Give the planner more samples if they find a way down the cost; return False to throw the plan away."""
-        cfg = self.cfg.effort
-        if not isinstance(report.planner, AdjustableController) or self._harder >= cfg.retries:
-            return False
-        stage = next(one for one in self._attempt.stages if one.name == report.stage)
-        try:
-            found = probe_effort(report.planner, report.now, stage, report.step, cfg, report.since)
-        except CostError:
-            return False  # a repair is due
-        if report.plan_s and not self.asker.clock.thinking.go_on(found.plans * report.plan_s):
-            raise EpisodeOver
-        weak = found.gain >= cfg.gain
-        self._effort = [found.sentence()]
-        self._emit(
-            "planner_effort",
-            diagnosis="planner-weak" if weak else kind,
-            stage=report.stage,
-            samples=found.samples,
-            more=found.more,
-            cost=round(found.cost, 4),
-            lower=round(found.lower, 4),
-            gain=round(found.gain, 4),
-            text=found.sentence(),
-        )
-        if weak:
-            self._harder += 1
-            report.planner.adopt(found.stronger)
-            self._monitor = self._new_monitor()
-        return weak
 
     def _correct(self, name: str, now: Observation) -> bool:
         past = TouchHistory(

@@ -204,7 +204,7 @@ class Pilot:
     def _advance(self, t: float) -> None:
         """Advance the clock of the questions, and take over what has been decided."""
         self._now = t
-        self.clock.advance(t) if isinstance(self.clock, SimulatedClock) else self.clock.advance()
+        self.clock.advance(t)
         self._collect()
 
     def _steer(self, t: float, pose: Pose, velocity: Velocity) -> Command:

@@ -151,8 +151,6 @@ def seen(run: RunFolder) -> str:
 def _cause(kinds: list[str], step: int) -> tuple[str, str]:
     if "cost_error" in kinds:
         return "The cost failed while it was in use", "bad"
-    if "planner_effort" in kinds and "stuck" not in kinds:
-        return "Stuck: the planner gets more samples", "warn"
     if "stuck" in kinds:
         return "Stuck: the outer loop asks again", "warn"
     if "remembered" in kinds:
@@ -344,15 +342,6 @@ def _strategy(event: Record) -> ThoughtPart | None:
     )
 
 
-def _planner_effort(event: Record) -> ThoughtPart:
-    weak = event.get("diagnosis") == "planner-weak"
-    return ThoughtPart(
-        title="The planner was too weak and gets more samples" if weak else "More samples find nothing better",
-        state="warn" if weak else "",
-        text=str(event.get("text", "")),
-    )
-
-
 _PARTS: Mapping[str, Callable[[Record], ThoughtPart | None]] = {
     "poses": _poses,
     "beliefs": _beliefs,
@@ -362,7 +351,6 @@ _PARTS: Mapping[str, Callable[[Record], ThoughtPart | None]] = {
     "regions": _regions,
     "candidates": _candidates,
     "stuck": _stuck,
-    "planner_effort": _planner_effort,
     "correction": _correction,
     "cost_error": _cost_error,
     "fallback": _fallback,
