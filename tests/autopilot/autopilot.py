@@ -12,8 +12,8 @@ from autopilot.failsafes import Action, Circumstances, Failsafes
 from autopilot.parameters import ParameterStore
 from coral.config import Fraction, Positive, Signed, TimeStep
 from coral.reef.sea import ardusub
-from coral.reef.sea.frames import pose_to_ned, velocity_to_ned
 from coral.reef.sea.setpoints import NEUTRAL
+from coral.reef.world.geometry import Pose, wrap
 
 POSITION_MODES = ("AUTO", "GUIDED", "CIRCLE", "POSHOLD")
 RELIABLE = {0: 1.0}
@@ -477,6 +477,18 @@ class SimulatedAutopilot:
         return self._dialect.MAVLink_autopilot_version_message(
             0, 0x04070000, 0, 0, 0, list(b"coralsim"), [0] * 8, [0] * 8, 0, 0, 0
         )
+
+
+def pose_to_ned(pose: Pose) -> tuple[float, float, float]:
+    """Convert an ENU pose to (north m, east m, yaw rad): the inverse of `pose_from_ned`."""
+    return pose.y, pose.x, wrap(math.pi / 2 - pose.theta)
+
+
+def velocity_to_ned(velocity: tuple[float, float, float], yaw_rad: float) -> tuple[float, float, float]:
+    """Convert a velocity in FLU to (m/s north, m/s east, rad/s clockwise): the inverse of `velocity_from_ned`."""
+    forward, left, turn = velocity
+    c, s = math.cos(yaw_rad), math.sin(yaw_rad)
+    return c * forward + s * left, s * forward - c * left, -turn
 
 
 def _text(value: Any) -> str:

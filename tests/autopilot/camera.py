@@ -155,7 +155,7 @@ class Judge:
         """Return shares (0 to 1), contacts, and the least distance to an obstacle (m)."""
         inspected = [cluster["inspected"] for cluster in self._truth.verdict([])["clusters"]]
         return {
-            "clusters_covered": self._truth.coverage,
+            "clusters_covered": self._truth.judge.coverage,
             "inspected": round(float(np.mean(inspected)), 4),
             "inspected_of_each": inspected,
             "contacts": self._contacts,

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from coral.advisor.fallback import FOR_BENCHES, Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
-from coral.advisor.registry import advisor_help, asks_person, make_advisor, rules_alone
+from coral.advisor.registry import advisor_help, asks_person, rules_alone
 from coral.campaign.campaign import Summary
 from coral.campaign.reef_tables import BASELINES, TABLE_I, TABLE_II, reef_tables, word_tables
 from coral.campaign.spec import NO_ADVISOR, Spec, grid, parse_names, parse_seeds
@@ -31,13 +31,11 @@ from coral.commands.config_flag import config_words, configured, given_keys, set
 from coral.config import checked, to_mapping
 from coral.errors import InputError
 from coral.flags import Option
-from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.drive.controllers import controller_maker
 from coral.reef.mission.campaign_episode import run_episode
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, apply_preset, named, preset_help
-from coral.reef.mission.resolution import with_fallback
+from coral.reef.mission.resolution import reef_advisor, with_fallback
 from coral.reef.mission.sweep import apply_setting
 from coral.reef.mission.variants import apply_variant
 from coral.reef.pictures.questions import question_pictures
@@ -167,15 +165,7 @@ class ReefBench(CampaignFlags):
 
     def _advisor(self, name: str) -> Advisor:
         """Make the advisor of a row, as far as it can be checked here."""
-        return make_advisor(
-            name,
-            rules=REEF_RULES,
-            rng=_rng(),
-            inbox=self.inbox,
-            cfg=self.model,
-            where="--advisors",
-            mistakes=REEF_MISTAKES,
-        )
+        return reef_advisor(name, inbox=self.inbox, model=self.model, where="--advisors")
 
     def _check_desk(self, advisor: str) -> None:
         """Check that a reader outside can answer, and that the results will not depend on his clock."""
@@ -286,9 +276,3 @@ def mission_of(
     cfg, world = apply_setting([(key, value) for key, value in spec.overrides if key != PRESET], cfg, world)
     controller_maker(cfg.driver)
     return checked(apply_variant(spec.variant, cfg), "--cfg"), world
-
-
-def _rng() -> Any:
-    import numpy as np
-
-    return np.random.default_rng(0)

@@ -9,29 +9,24 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
-
 from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
-from coral.advisor.registry import advisor_help, asks_person, make_advisor
+from coral.advisor.registry import advisor_help, asks_person
 from coral.commands.config_flag import configured, given_keys, set_keys
 from coral.commands.live import LiveFlags, watching
 from coral.commands.notice import mission_notice
 from coral.commands.progress import MissionProgress
 from coral.commands.render import render
-from coral.config import checked
 from coral.errors import InputError
 from coral.flags import Argument, Option
-from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission.compiled import NOTICE, is_compiled
 from coral.reef.mission.metrics import OWN_MAP
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, PRESETS, preset_help
-from coral.reef.mission.resolution import resolve_mission, with_sonar
+from coral.reef.mission.resolution import reef_advisor, resolve_mission, with_sonar
 from coral.reef.mission.variants import VARIANTS
 from coral.reef.mission.word_judge import with_instruction
 from coral.reef.pictures.questions import question_pictures
@@ -127,16 +122,8 @@ class ReefRun:
         if self.instruction is not None:
             cfg = with_instruction(cfg, self.instruction, world.mission)
         folder = self.out or new_run_folder(Path("runs"), world.name)
-        rng = np.random.default_rng([self.seed, 7])
         inbox = self.inbox or folder / RunFiles.INBOX
-        advisor = make_advisor(
-            self.advisor,
-            rules=REEF_RULES,
-            rng=rng,
-            inbox=inbox,
-            cfg=dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts),
-            mistakes=REEF_MISTAKES,
-        )
+        advisor = reef_advisor(self.advisor, self.seed, inbox=inbox, model=self.model, facts=self.facts)
         if self.preflight and cfg.decider == "advisor":
             preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
         mission = Mission(

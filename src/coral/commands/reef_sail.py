@@ -12,13 +12,10 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
-
 from coral.advisor.attribution import who_decided
-from coral.advisor.consult import DEADLINE_S
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
-from coral.advisor.registry import advisor_help, asks_person, make_advisor
+from coral.advisor.registry import advisor_help, asks_person
 from coral.commands.config_flag import configured
 from coral.commands.keyboard import HELP, HELP_INSTRUCT, Keyboard
 from coral.commands.notice import mission_notice
@@ -33,10 +30,14 @@ from coral.exit_code import ExitCode
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option
 from coral.plugins import our_part
-from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.resolution import PERSON_DEADLINE_S, with_camera, with_camera_latency, with_sonar
+from coral.reef.mission.resolution import (
+    reef_advisor,
+    with_camera,
+    with_camera_latency,
+    with_deadline,
+    with_sonar,
+)
 from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import CheckLine, Equipment, blocking
@@ -260,14 +261,11 @@ class ReefSail:
         if self.safety.on_time != "none" and cfg.time_limit_s <= self.safety.reserve_s:
             kept = f"more than the {self.safety.reserve_s:g} s kept back for the way home (--safety.reserve-s)"
             raise InputError("--cfg.time-limit-s", "", f"{cfg.time_limit_s:g} s", kept)
-        budget = cfg.pilot.budget.within(PERSON_DEADLINE_S if asks_person(self.advisor) else DEADLINE_S)
-        return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
+        return with_deadline(cfg, asks_person(self.advisor))
 
     def _advisor(self, folder: Path, cfg: MissionCfg) -> Any:
         inbox = self.inbox or folder / SurveyFiles.INBOX
-        model = dataclasses.replace(checked(self.model, "--model"), facts=self.model.facts or self.facts)
-        rng = np.random.default_rng([self.seed, 7])
-        advisor = make_advisor(self.advisor, rules=REEF_RULES, rng=rng, inbox=inbox, cfg=model, mistakes=REEF_MISTAKES)
+        advisor = reef_advisor(self.advisor, self.seed, inbox=inbox, model=self.model, facts=self.facts)
         if self.preflight and not self.check:
             preflight(advisor, pictures=cfg.record.pictures, quiet=self.quiet)
         if asks_person(self.advisor):

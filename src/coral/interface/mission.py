@@ -7,24 +7,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from coral.advisor.fallback import Fallback
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight as ask_first
 from coral.advisor.question import Advisor
-from coral.advisor.registry import asks_person, check_advisor, make_advisor, rules_alone
-from coral.config import checked
+from coral.advisor.registry import asks_person, check_advisor, rules_alone
 from coral.interface.result import ResultFolder, RunResult, demand_inbox
 from coral.interface.settings import resolve_settings
 from coral.plugins import our_part
-from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.decide.own_parts import Check, Wanted
 from coral.reef.drive.controllers import MakeController
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.resolution import resolve_mission
+from coral.reef.mission.resolution import reef_advisor, resolve_mission
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.world.generated import find_world
 from coral.reef.world.world import ReefWorld
@@ -115,15 +110,9 @@ def run_mission(
         pictures=resolved.record.pictures and (kept or bool(report) or not rules_alone(named)),
     )
     resolved = dataclasses.replace(resolved, record=record)
+    of_errors = int(seed) if isinstance(seed, int) and seed >= 0 else 0
     who: Advisor = (
-        make_advisor(
-            advisor,
-            rules=REEF_RULES,
-            rng=np.random.default_rng([seed, 7]) if isinstance(seed, int) and seed >= 0 else np.random.default_rng(0),
-            inbox=folder.path / RunFiles.INBOX,
-            cfg=checked(model or ModelCfg(), "--model"),
-            mistakes=REEF_MISTAKES,
-        )
+        reef_advisor(advisor, of_errors, inbox=folder.path / RunFiles.INBOX, model=model)
         if isinstance(advisor, str)
         else check_advisor(advisor)
     )

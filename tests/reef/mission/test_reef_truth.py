@@ -17,7 +17,7 @@ def truth(tmp_path, told):
     world = load_world("s1")
     truth = ReefTruth(world, SimulatorCfg(), tmp_path, lambda event, **fields: told.append((event, fields)))
     yield truth
-    truth.close()
+    truth.judge.close()
 
 
 def test_it_counts_what_the_simulator_counts(truth, tmp_path):
@@ -27,14 +27,14 @@ def test_it_counts_what_the_simulator_counts(truth, tmp_path):
     for step in range(1, 150):
         simulator.act((0.5, 0.1), 0.1)
         truth.follow(step, 0.1 * step, simulator.pose)
-    assert truth.covered == set(np.flatnonzero(simulator.coverage.covered()).tolist())
+    assert truth.judge.covered == set(np.flatnonzero(simulator.coverage.covered()).tolist())
     assert truth.clearance_m(simulator.pose) == pytest.approx(simulator.clearance_m)
     last = (tmp_path / "judge.csv").read_text().splitlines()[-1].split(",")
     assert float(last[2]) == pytest.approx(simulator.imaging.imaged, abs=1e-4)
 
 
 def test_driving_through_a_rock_is_one_collision(truth, told):
-    rock = truth.world.obstacles[0]
+    rock = truth.judge.world.obstacles[0]
     for step in range(30):
         truth.follow(step, 0.1 * step, Pose(rock.x - 1.5 + 0.1 * step, rock.y, 0.0))
     touched = [fields["obstacle"] for event, fields in told if event == "collision"]
@@ -42,10 +42,10 @@ def test_driving_through_a_rock_is_one_collision(truth, told):
 
 
 def test_a_cluster_is_told_once(truth, told):
-    oyster = truth.world.clusters[0].oysters[0]
+    oyster = truth.judge.world.clusters[0].oysters[0]
     for step in range(40):
         truth.follow(step, 0.1 * step, Pose(oyster.x - 2.0, oyster.y, 0.16 * step))
     names = [fields["name"] for event, fields in told if event == "cluster_covered"]
-    assert truth.world.clusters[0].name in names
+    assert truth.judge.world.clusters[0].name in names
     assert len(names) == len(set(names))
-    assert truth.coverage == len(names) / len(truth.world.clusters)
+    assert truth.judge.coverage == len(names) / len(truth.judge.world.clusters)

@@ -61,14 +61,14 @@ def robot():
 
 def test_it_senses_decides_and_drives(robot):
     one = robot()
-    assert one.vehicle.position == (3.0, 5.0)
+    assert one.vehicle.simulator.pose[:2] == (3.0, 5.0)
     for k in range(10):
         one.sense(0.1 * k)
         one.localize(0.1 if k else 0.0)
         assert one.think() >= 0.0
         one.act()
     assert one.command[0] > 0.0
-    x, y = one.vehicle.position
+    x, y, _ = one.vehicle.simulator.pose
     assert x > 3.1
     assert y == pytest.approx(5.0, abs=0.05)
 

@@ -6,13 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from coral.reef.sea.frames import (
-    pose_from_ned,
-    pose_to_ned,
-    tilt_from_frd,
-    velocity_from_ned,
-    velocity_to_ned,
-)
+from autopilot.autopilot import pose_to_ned, velocity_to_ned
+from coral.reef.sea.frames import pose_from_ned, tilt_from_frd, velocity_from_ned
 from coral.reef.world.geometry import Pose, wrap
 
 angles = st.floats(-3.1, 3.1)

@@ -63,7 +63,7 @@ def test_frames_are_taken_every_two_seconds(tmp_path):
         return np.zeros((4, 4), np.uint8)
 
     for step in range(50):
-        record.offer_frame(step, 0.1 * step, cells, FRAME)
+        record.frames.offer(step, 0.1 * step, cells, FRAME)
     record.close()
     assert len(asked) == 3
 
@@ -82,7 +82,7 @@ def test_keyframes_are_kept_twice_a_second_with_colour_and_pose(tmp_path):
     frame = replace(FRAME, rgb=np.full((2, 2, 3), 90, np.uint8))
     for step in range(20):
         at = PicturePose(pose=Pose(0.1 * step, 2.0, 0.3), odometry=Pose(0.0, 0.0, 0.0), height_m=0.9, pitch=0.1)
-        record.offer_frame(step, 0.1 * step, lambda: np.zeros((4, 4), np.uint8), frame, at)
+        record.frames.offer(step, 0.1 * step, lambda: np.zeros((4, 4), np.uint8), frame, at)
     record.close()
     rows = list(read_rows(tmp_path / "run" / SurveyFiles.POSES))
     assert [float(row["t"]) for row in rows] == [0.0, 0.5, 1.0, 1.5]

@@ -188,7 +188,7 @@ def test_the_survey_ends_when_the_truth_is_covered_unless_told_otherwise(tmp_pat
     for stops in (True, False):
         cfg = MissionCfg(stop_when_covered=stops)
         voyage = Voyage(tmp_path / str(stops), time_limit_s=4.0, cfg=cfg)
-        voyage.on(20, lambda truth=voyage.mission.record.truth: truth.covered.update(range(len(WORLD.clusters))))
+        voyage.on(20, lambda truth=voyage.mission.record.truth: truth.judge.covered.update(range(len(WORLD.clusters))))
         result = voyage.run()
         assert result["end_reason"] == ("coverage complete" if stops else "time limit")
 

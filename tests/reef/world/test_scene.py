@@ -60,7 +60,7 @@ def test_footprints_keep_the_order_of_the_obstacles():
         Obstacle(shape="ellipsoid", x=9, y=10, z=0, size=(0.6, 0.2, 0.9), yaw=-0.4),
     )
     outlines = Scene.from_world(world(obstacles=obstacles)).footprints()
-    assert len(outlines) == 4
+    assert len(outlines.kind) == 4
     assert outlines.kind.tolist() == [ELLIPSE, RECTANGLE, ELLIPSE, ELLIPSE]
     assert outlines.center.tolist() == [[3, 4], [5, 6], [7, 8], [9, 10]]
     assert outlines.half.tolist() == [[0.5, 0.5], [0.3, 0.4], [0.2, 0.2], [0.6, 0.2]]
@@ -68,7 +68,7 @@ def test_footprints_keep_the_order_of_the_obstacles():
 
 
 def test_a_world_without_obstacles_has_no_footprints():
-    assert len(Scene.from_world(world()).footprints()) == 0
+    assert len(Scene.from_world(world()).footprints().kind) == 0
 
 
 @pytest.mark.parametrize("seed", range(5))

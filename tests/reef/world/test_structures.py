@@ -27,7 +27,7 @@ def pool(**changes):
 
 def test_a_tank_keeps_its_inner_radius_in_every_direction():
     outlines = Scene.from_world(pool()).footprints()
-    assert len(outlines) == TANK_SIDES
+    assert len(outlines.kind) == TANK_SIDES
     for angle in np.linspace(0.0, 2.0 * math.pi, 29):
         x, y = 2.0 + 1.5 * math.cos(angle), 2.0 + 1.5 * math.sin(angle)
         assert clearance(outlines, x, y) == pytest.approx(0.3, abs=0.005)

@@ -8,6 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from coral.reef.world.scene import Solids
+
 _ELLIPSOID, _BOX = 0, 1
 
 
@@ -20,11 +22,7 @@ def cast(
     elevation: NDArray[np.float64],
     seabed_z: float,
     surface_z: float,
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    half: NDArray[np.float64],
-    rotation: NDArray[np.float64],
-    radius: NDArray[np.float64],
+    solids: Solids,
     range_m: float,
     ranges: NDArray[np.float64],
     hit: NDArray[np.int32],
@@ -41,15 +39,12 @@ def cast(
         elevation: Shape=(H,), evenly spaced, rising (rad).
         seabed_z: Height of the sea floor (m).
         surface_z: Height of the water's surface (m); inf: none.
-        kind: Shape=(N,), as `Scene.kind`.
-        center: Shape=(N, 3).
-        half: Shape=(N, 3).
-        rotation: Shape=(N, 3, 3), object to world.
-        radius: Shape=(N,), of a ball about the centre that holds the solid (m).
+        solids: N of them.
         range_m: Longest range (m).
         ranges: Shape=(H, W), written: range (m), inf where nothing is within `range_m`.
         hit: Shape=(H, W), written: index of the solid, -1: the sea floor, -2: nothing, -3: the surface.
     """
+    kind, center, half, rotation, radius = solids
     height, width = ranges.shape
     world = np.empty((height, width, 3))
     for v in range(height):

@@ -12,7 +12,6 @@ from pydantic import Field
 
 from coral.config import Fraction, NonNegative, Positive, Signed
 from coral.reef.map import cast_kernels
-from coral.reef.vehicle.camera import ball_radii
 from coral.reef.vehicle.range_image import RangeImage, beam_angles, beam_directions
 from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene, rotations
@@ -81,7 +80,6 @@ class Sonar3d15:
         shape = (cfg.height, cfg.width)
         self._azimuth, self._elevation = beam_angles(shape, cfg.hfov_deg, cfg.vfov_deg)
         self._beams = beam_directions(shape, cfg.hfov_deg, cfg.vfov_deg)
-        self._radius = ball_radii(scene.kind, scene.half)
         self.hit: NDArray[np.int32] = np.full(shape, NOTHING, np.int32)
         """What each beam of the last image met: an index into the scene, or SEABED, NOTHING or SURFACE. For tests only.
         Shape=(H, W)."""
@@ -106,11 +104,7 @@ class Sonar3d15:
             self._elevation,
             scene.seabed_z,
             self._surface_z,
-            scene.kind,
-            scene.center,
-            scene.half,
-            scene.rotation,
-            self._radius,
+            scene.solids,
             cfg.range_m,
             ranges,
             self.hit,

@@ -6,19 +6,15 @@ import dataclasses
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from coral.advisor.model_cfg import ModelCfg
-from coral.advisor.registry import asks_person, make_advisor
+from coral.advisor.registry import asks_person
 from coral.errors import RunError
-from coral.reef.decide.heuristic import REEF_RULES
-from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.decide.planner import Draw
 from coral.reef.mission.metrics import covered_at
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import RecordCfg
-from coral.reef.mission.resolution import PERSON_DEADLINE_S
+from coral.reef.mission.resolution import reef_advisor, with_deadline
 from coral.reef.world.world import ReefWorld
 
 
@@ -47,11 +43,8 @@ def run_episode(
         RunError: The mission was interrupted.
     """
     cfg = dataclasses.replace(cfg, record=RecordCfg(pictures=draw is not None, frames=False, report=False, video=False))
-    if asks_person(advisor):
-        budget = cfg.pilot.budget.within(PERSON_DEADLINE_S)
-        cfg = dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
-    rng = np.random.default_rng([seed, 7])
-    asked = make_advisor(advisor, rules=REEF_RULES, rng=rng, inbox=inbox, cfg=model, mistakes=REEF_MISTAKES)
+    cfg = with_deadline(cfg, asks_person(advisor))
+    asked = reef_advisor(advisor, seed, inbox=inbox, model=model)
     result = Mission(world, cfg, asked, folder, seed=seed, variant=variant, preset=preset, draw=draw).run()
     if result["end_reason"].startswith("stopped by"):
         raise RunError(result["end_reason"])

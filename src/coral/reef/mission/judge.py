@@ -1,10 +1,10 @@
-"""The judge of a mission, who knows the truth: records the share imaged and inspected and the distance to the reef."""
+"""The judge of a mission, who knows the truth: what was covered, imaged and inspected, and what words asked for."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -14,7 +14,11 @@ from numpy.typing import NDArray
 from coral.file_writer import open_log
 from coral.reef.map.chain import Track
 from coral.reef.map.mapping import distance_to
+from coral.reef.mission.word_judge import WordJudge, told_verdict
+from coral.reef.simulation.coverage import CoverageMeter
 from coral.reef.simulation.imaging import ImagingMeter
+from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.scene import Scene
 from coral.reef.world.world import ReefWorld
 from coral.run_files import SurveyFiles
 
@@ -29,8 +33,22 @@ MATCH_M = 1.0
 class MissionJudge:
     """Records the truth of one mission in `judge.csv`. No decision reads it."""
 
-    def __init__(self, world: ReefWorld, meter: ImagingMeter, folder: Path) -> None:
-        self.meter = meter
+    def __init__(
+        self,
+        world: ReefWorld,
+        scene: Scene,
+        coverage: CoverageMeter,
+        meter: ImagingMeter,
+        folder: Path,
+        emit: Callable[..., None],
+    ) -> None:
+        """Begin the record in `folder`; `emit(event, **fields)` is told of covered clusters. Others move the meters."""
+        self.world, self.meter, self._coverage, self._emit = world, meter, coverage, emit
+        self.words = None if world.mission is None else WordJudge(world, scene, world.mission, meter.camera)
+        """Judges a mission in words; None for others."""
+        self.covered: set[int] = set()
+        """Indices of the clusters that have been covered."""
+        self._over = False
         spine = [point for line in world.spine for point in _dense(np.array(line))]
         reef = np.concatenate([np.array(spine).reshape(-1, 2), meter.points[:, :2]])
         width, height = (math.ceil(edge / CELL_M) for edge in world.size_m)
@@ -40,10 +58,51 @@ class MissionJudge:
         self._file: IO[str] = open_log(folder / SurveyFiles.JUDGE)
         self._file.write(",".join(COLUMNS) + "\n")
 
-    def note(self, step: int, t: float, x: float, y: float) -> None:
-        """Append a row, with the robot's true position (m)."""
-        meter, reef_m = self.meter, self.reef_m(x, y)
+    @property
+    def coverage(self) -> float:
+        """Share of the true clusters covered so far."""
+        return len(self.covered) / max(len(self.world.clusters), 1)
+
+    def note(self, step: int, t: float, pose: Pose, taken: tuple[Pose, Frame] | None = None) -> None:
+        """Take in a tick: the true pose, and what the last picture shows in truth, from where."""
+        fractions, meter = self._coverage.fractions, self.meter
+        for k in np.flatnonzero(self._coverage.covered()).tolist():
+            if k not in self.covered:
+                self.covered.add(k)
+                name = self.world.clusters[k].name
+                self._emit("cluster_covered", name=name, fraction=round(float(fractions[k]), 4))
+        reef_m = self.reef_m(pose.x, pose.y)
         self._file.write(f"{step},{t:.6g},{meter.imaged:.6g},{meter.inspected:.6g},{reef_m:.4g}\n")
+        if self.words is not None and not self._over:
+            self.words.note(t, pose, taken)
+
+    def end_mission(self, answer: str) -> None:
+        """Take the advisor's word that a mission in words is done: what the vehicle does after it counts no more."""
+        if self.words is not None and not self._over:
+            self.words.hear(answer)
+        self._over = True
+
+    def verdict(
+        self,
+        tracks: Sequence[Track],
+        contacts: int,
+        instruction: str = "",
+        answer: str | None = None,
+        oracle_s: float | None = None,
+    ) -> dict[str, Any]:
+        """Return the fields of the `judged` event.
+
+        `answer` is None if the advisor of a mission in words did not say that it was done.
+        """
+        if answer is not None:
+            self.end_mission(answer)
+        return {
+            "clusters": self.clusters(),
+            "tracks": len(tracks),
+            "phantoms": self.phantoms(tracks),
+            "oracle_time_to_90_s": oracle_s,
+            **told_verdict(instruction, answer, self.words, contacts),
+        }
 
     def reef_m(self, x: float, y: float) -> float:
         """Return the distance (m) from a point to the reef, its oysters or spine, to a decimetre; nan without one."""

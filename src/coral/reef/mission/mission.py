@@ -30,7 +30,7 @@ from coral.reef.mission.metrics import compute_metrics
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.record import COLUMNS, FrameRecorder
 from coral.reef.mission.tours import planned
-from coral.reef.mission.word_judge import WordJudge, instructed, told_verdict
+from coral.reef.mission.word_judge import instructed
 from coral.reef.mission.word_oracle import true_answer
 from coral.reef.pilot.leftover import chain_of, what_is_left
 from coral.reef.simulation.simulated_vehicle import SimulatedVehicle
@@ -108,9 +108,8 @@ class Mission:
         commands = planned(world, cfg)
         # All inputs have been validated: create the folder only now.
         self.writer = RunWriter(folder, COLUMNS)
-        scene = self.simulator.scene
-        self.words = None if world.mission is None else WordJudge(world, scene, world.mission, cfg.simulator.camera)
-        self.judge = MissionJudge(world, self.simulator.imaging, folder)
+        sim = self.simulator
+        self.judge = MissionJudge(world, sim.scene, sim.coverage, sim.imaging, folder, self.emit)
         self.attempts = AttemptRecorder(folder)
         self.frames = FrameRecorder(self.writer, cfg.record)
         self.clock = SimulatedClock(latency, of_clock)
@@ -143,7 +142,6 @@ class Mission:
         """What the advisor answered when it said that a mission in words was done."""
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
         """Functions called with every event, as written to events.jsonl."""
-        self._covered: set[int] = set()
         self._wall = self._stood_still_s = 0.0
 
     def emit(self, event: str, **fields: Any) -> None:
@@ -152,8 +150,6 @@ class Mission:
         self.collisions += event == "collision"
         if event == "held" and "answer" in fields:
             self.answer = str(fields["answer"])
-            if self.words is not None:
-                self.words.hear(self.answer)
         self.writer.event(self.step, self.t, event, **fields)
         for hear in self.listeners:
             hear({"step": self.step, "t": self.t, "event": event, **fields})
@@ -222,22 +218,12 @@ class Mission:
 
     def commanded(self) -> str:
         """Judge and record the tick. Return why the mission is over, or ""."""
-        self._cover()
-        self.judge.note(self.step, self.t, *self.vehicle.position)
-        if self.words is not None:
-            self.words.note(self.t, self.simulator.pose, self.simulator.taken)
+        self.judge.note(self.step, self.t, self.simulator.pose, self.simulator.taken)
         self._row()
         if self.cfg.stop_when_covered and self.coverage == 1.0:
             return "coverage complete"
         late = self.t >= self.cfg.time_limit_s - 1e-9
         return self.robot.surfaced or self.pilot.end_reason or ("time limit" if late else "")
-
-    def _cover(self) -> None:
-        fractions = self.simulator.coverage.fractions
-        for k in np.flatnonzero(self.simulator.coverage.covered()):
-            if int(k) not in self._covered:
-                self._covered.add(int(k))
-                self.emit("cluster_covered", name=self.world.clusters[k].name, fraction=round(float(fractions[k]), 4))
 
     def _row(self) -> None:
         robot, simulator = self.robot, self.simulator
@@ -254,14 +240,14 @@ class Mission:
             simulator.clearance_m,
             int(plan.ok) if plan else 1,
             self.coverage,
-            len(self._covered),
+            len(self.judge.covered),
             *odometry.value,
         )
 
     @property
     def coverage(self) -> float:
         """Share of the true clusters covered so far."""
-        return len(self._covered) / max(len(self.world.clusters), 1)
+        return self.judge.coverage
 
     def _begin(self) -> None:
         save_world(self.world, self.writer.folder / SurveyFiles.WORLD)
@@ -291,8 +277,7 @@ class Mission:
         )
         if text := self.cfg.planner.instruction.text:
             self.emit("instruction", text=text, by="start")
-        self._cover()
-        self.judge.note(0, 0.0, *self.vehicle.position)
+        self.judge.note(0, 0.0, self.simulator.pose)
 
     def _judged(self) -> float:
         """Emit the judge's final record. Return the wall time that this took (s)."""
@@ -302,22 +287,11 @@ class Mission:
         if self.end_reason and meter.inspected >= 0.9 - 1e-6:
             visibility_m = sim.noise.visibility_m
             soon = oracle_bound(self.world, sim.camera, sim.imaging, visibility_m, sim.vehicle).time_s
-        self.emit(
-            "judged",
-            clusters=self.judge.clusters(),
-            tracks=len(self.belief.tracks),
-            phantoms=self.judge.phantoms(self.belief.tracks),
-            oracle_time_to_90_s=soon,
-            **self._fulfilled(),
-        )
-        return time.perf_counter() - begun
-
-    def _fulfilled(self) -> dict[str, Any]:
-        """Return the verdict on a mission in words."""
-        if self.cfg.decider == "oracle" and self.words is not None:
+        if self.cfg.decider == "oracle" and self.judge.words is not None:
             self.answer = true_answer(self.world)
-            self.words.hear(self.answer)
-        return told_verdict(self.pilot.planner.cfg.instruction.text, self.answer, self.words, self.collisions)
+        text = self.pilot.planner.cfg.instruction.text
+        self.emit("judged", **self.judge.verdict(self.belief.tracks, self.collisions, text, self.answer, soon))
+        return time.perf_counter() - begun
 
     def instruct(self, words: str, by: str) -> bool:
         """Change the instruction of a mission in words, from any thread. Return whether there is one to change."""

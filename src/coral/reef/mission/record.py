@@ -81,13 +81,16 @@ class RecordCfg:
 
 
 class FrameRecorder:
-    """Writes the known map and the camera pictures every few seconds of simulated time, on a thread of its own.
+    """Writes the known map and the camera pictures every few seconds.
 
-    `offer` waits while two sets are still to be written.
+    `later` takes the writing of a set; None: a thread of its own, for which `offer` waits while two sets are still to
+    be written.
     """
 
-    def __init__(self, writer: RunWriter, cfg: RecordCfg) -> None:
-        self._writer, self._cfg = writer, cfg
+    def __init__(
+        self, writer: RunWriter, cfg: RecordCfg, later: Callable[[Callable[[], None]], object] | None = None
+    ) -> None:
+        self._writer, self._cfg, self._later = writer, cfg, later or self._submit
         self._due = self._keyframe_due = 0.0
         self._poses: IO[str] | None = None
         self._thread = ThreadPoolExecutor(1, "coral-frames")
@@ -116,9 +119,8 @@ class FrameRecorder:
             self._due = t + cfg.frame_period_s
         if keyframe:
             self._keyframe_due = t + cfg.keyframe_period_s
-        self._finish(1)
         now = cells() if with_map else None
-        self._open.append(self._thread.submit(self._write, step, t, now, frame, taken_at if keyframe else None))
+        self._later(lambda: self._write(step, t, now, frame, taken_at if keyframe else None))
 
     def keep_final_map(self, step: int, cells: Callable[[], NDArray[np.uint8]]) -> None:
         """Write the map of a run that keeps no snapshots: some kB, without which its report would show none."""
@@ -137,6 +139,10 @@ class FrameRecorder:
             self._thread.shutdown()
             if self._poses is not None:
                 self._poses.close()
+
+    def _submit(self, write: Callable[[], None]) -> None:
+        self._finish(1)
+        self._open.append(self._thread.submit(write))
 
     def _finish(self, leaving: int) -> None:
         """Take note of the sets that have been written; wait until no more than `leaving` are open."""

@@ -1,13 +1,21 @@
-"""From what a user asks for to the configuration of a mission: preset, fallback, variant, deadline."""
+"""From what a user asks for to a mission: its configuration (preset, fallback, variant, deadline), and who decides."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Collection
+from pathlib import Path
+
+import numpy as np
 
 from coral.advisor.consult import DEADLINE_S
 from coral.advisor.fallback import Fallback
+from coral.advisor.model_cfg import ModelCfg
+from coral.advisor.question import Advisor
+from coral.advisor.registry import make_advisor
 from coral.config import checked
+from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.decide.mistakes import REEF_MISTAKES
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.presets import CLEAR, apply_preset
 from coral.reef.mission.variants import apply_variant
@@ -44,9 +52,47 @@ def resolve_mission(
     """
     cfg, world = apply_preset(preset, cfg, world, keep)
     cfg = with_fallback(cfg, fallback)
-    cfg = checked(apply_variant(variant, cfg), "--cfg")
+    return with_deadline(checked(apply_variant(variant, cfg), "--cfg"), asks_people), world
+
+
+def reef_advisor(
+    name: str,
+    seed: int = 0,
+    *,
+    inbox: Path | None = None,
+    model: ModelCfg | None = None,
+    facts: bool = False,
+    where: str = "--advisor",
+) -> Advisor:
+    """Make the advisor of a survey, with the reef's rules and errors.
+
+    Args:
+        name: As `make_advisor` takes it.
+        seed: That of the mission, for advisors with errors.
+        inbox: Folder of `desk` for its questions.
+        model: Calls of a real model.
+        facts: Whether a model gets the numbers too, whatever `model` says.
+        where: Flag to name in an error message.
+
+    Raises:
+        InputError: The string names no advisor, or something that it needs is missing.
+    """
+    model = checked(model or ModelCfg(), "--model")
+    return make_advisor(
+        name,
+        rules=REEF_RULES,
+        rng=np.random.default_rng([seed, 7]),
+        inbox=inbox,
+        cfg=dataclasses.replace(model, facts=model.facts or facts),
+        where=where,
+        mistakes=REEF_MISTAKES,
+    )
+
+
+def with_deadline(cfg: MissionCfg, asks_people: bool) -> MissionCfg:
+    """Return the configuration with a deadline for answers, where it has none."""
     budget = cfg.pilot.budget.within(PERSON_DEADLINE_S if asks_people else DEADLINE_S)
-    return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget)), world
+    return dataclasses.replace(cfg, pilot=dataclasses.replace(cfg.pilot, budget=budget))
 
 
 def with_camera_latency(cfg: MissionCfg, latency_s: float) -> MissionCfg:

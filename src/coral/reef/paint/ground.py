@@ -47,10 +47,7 @@ class SeaFloor:
             cell,
             sun,
             softness,
-            scene.kind,
-            scene.center,
-            scene.half,
-            scene.rotation,
+            scene.solids,
             scene.label == Label.OYSTER,
             values,
         )

@@ -8,6 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from coral.reef.world.scene import Solids
+
 _ELLIPSOID, _BOX = 0, 1
 
 
@@ -17,10 +19,7 @@ def rasterise_ground(
     cell: float,
     sun: tuple[float, float, float],
     softness: float,
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    half: NDArray[np.float64],
-    rotation: NDArray[np.float64],
+    solids: Solids,
     shell: NDArray[np.bool_],
     ground: NDArray[np.float32],
 ) -> None:
@@ -31,13 +30,11 @@ def rasterise_ground(
         cell: Edge of a cell (m).
         sun: Unit vector towards the sun, under water.
         softness: Width of a shadow's edge as a share of the distance to what casts it.
-        kind: Shape=(N,), as `Scene.kind`.
-        center: Shape=(N, 3).
-        half: Shape=(N, 3).
-        rotation: Shape=(N, 3, 3), object to world.
+        solids: N of them.
         shell: Shape=(N,), whether debris lies around the solid.
         ground: Shape=(NY, NX, 3), begun with (1, 1, 0); multiplied by what remains of sun and sky, debris added.
     """
+    kind, center, half, rotation, _ = solids
     ny, nx = ground.shape[:2]
     x0, y0, z0 = origin
     lean_x, lean_y = sun[0] / sun[2], sun[1] / sun[2]

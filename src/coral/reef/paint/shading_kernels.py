@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from coral.reef.paint.floor_kernels import floor_surface
 from coral.reef.paint.solid_kernels import solid_surface
 from coral.reef.paint.texture_kernels import FAST
+from coral.reef.world.scene import Solids
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
@@ -23,10 +24,7 @@ def shade(
     depth: NDArray[np.float32],
     ids: NDArray[np.int32],
     floor: NDArray[np.bool_],
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    half: NDArray[np.float64],
-    rotation: NDArray[np.float64],
+    solids: Solids,
     material: NDArray[np.uint8],
     paint: NDArray[np.float64],
     fate: NDArray[np.float64],
@@ -54,10 +52,7 @@ def shade(
         depth: Shape=(H, W), along the optical axis (m), inf where nothing is seen.
         ids: Shape=(H, W), index of the solid, -1 elsewhere.
         floor: Shape=(H, W), whether the pixel shows the sea floor.
-        kind: Shape=(N,), as `Scene.kind`.
-        center: Shape=(N, 3).
-        half: Shape=(N, 3).
-        rotation: Shape=(N, 3, 3), object to world.
+        solids: N of them.
         material: Shape=(N,), a constant of `solid_kernels`.
         paint: Shape=(N, 3), reflectance of each solid.
         fate: Shape=(N, 4), random numbers of each solid, 0 to 1.
@@ -74,6 +69,7 @@ def shade(
         sand: Reflectance of the sand.
         image: Shape=(H, W, 3), written: radiance.
     """
+    kind, center, half, rotation, _ = solids
     eye_x, eye_y, eye_z = pose[0, 3], pose[1, 3], pose[2, 3]
     for v in range(q.size):
         for u in range(p.size):

@@ -1,4 +1,4 @@
-"""A reef run as a ROS 2 bag: pictures, odometry, transforms, maps, points (REP-103, REP-105).
+"""A reef run as a ROS 2 bag: pictures, odometry, transforms, maps (REP-103, REP-105).
 
 Frames: map -> odom -> base_link -> camera_optical. odom is where odometry alone puts the vehicle; map -> odom is what
 the robot's own localization corrects. The origin of z is the sea floor.
@@ -19,7 +19,6 @@ from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, OccupancyMap
 from coral.reef.recordings.picture_files import encode_depth, encode_jpeg, encode_png
 from coral.reef.recordings.recording import RECORDED, PosedFrame, Recording
 from coral.reef.recordings.transforms import body_transform, camera_in_body, quaternion_of
-from coral.reef.world.geometry import Frame
 
 TOPICS = {
     "/camera/image/compressed": ("sensor_msgs/msg/CompressedImage", "Colour, if the run took it."),
@@ -31,7 +30,6 @@ TOPICS = {
     ),
     "/camera/seen_by": ("std_msgs/msg/String", "What found classes and depth, if known: `exact`, `rgb` or a file."),
     "/camera/camera_info": ("sensor_msgs/msg/CameraInfo", "The camera."),
-    "/camera/points": ("sensor_msgs/msg/PointCloud2", "x, y, z, class; every third pixel, every 2 s."),
     "/odometry": ("nav_msgs/msg/Odometry", "`odom` to `base_link`, by odometry alone."),
     "/tf": ("tf2_msgs/msg/TFMessage", "`map` to `odom` (what localization corrects), `odom` to `base_link`."),
     "/tf_static": ("tf2_msgs/msg/TFMessage", "`base_link` to `camera_optical`."),
@@ -40,9 +38,6 @@ TOPICS = {
 }
 """Type of each topic, and what is on it."""
 MAP_EVERY_S = 20.0
-POINTS_EVERY_S = 2.0
-POINTS_STRIDE = 3
-"""Every third pixel of every third row becomes a point."""
 
 
 def write_bag(recording: Recording, path: Path, *, single_file: bool) -> dict[str, int]:
@@ -79,7 +74,7 @@ class _SurveyWriter:
 
     def write(self, recording: Recording) -> None:
         cells = OccupancyMap(recording.size_m, recording.camera, recording.map)
-        map_due = points_due = 0.0
+        map_due = 0.0
         static = self._transform("base_link", "camera_optical", camera_in_body(recording.camera), 0.0)
         t = 0.0
         for number, keyframe in enumerate(recording.keyframes()):
@@ -92,9 +87,6 @@ class _SurveyWriter:
             self._pose(keyframe)
             self._pictures(keyframe)
             cells.integrate(keyframe.frame, keyframe.pose, keyframe.roll, keyframe.pitch)
-            if t >= points_due - 1e-9:
-                points_due = t + POINTS_EVERY_S
-                self._send("/camera/points", t, self._points(recording, keyframe.frame, t))
             if t >= map_due - 1e-9:
                 map_due = t + MAP_EVERY_S
                 self._maps(cells, t)
@@ -168,33 +160,6 @@ class _SurveyWriter:
             roi=self._new(
                 "sensor_msgs/msg/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False
             ),
-        )
-
-    def _points(self, recording: Recording, frame: Frame, t: float) -> Any:
-        focal, _, cx, cy = recording.camera.intrinsics
-        v, u = np.mgrid[0 : frame.depth.shape[0] : POINTS_STRIDE, 0 : frame.depth.shape[1] : POINTS_STRIDE]
-        z = frame.depth[v, u]
-        seen = np.isfinite(z)
-        z, u, v = z[seen], u[seen], v[seen]
-        kind = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("class", "<u4")])
-        points = np.zeros(len(z), kind)
-        points["x"], points["y"], points["z"] = (u - cx) / focal * z, (v - cy) / focal * z, z
-        points["class"] = frame.labels[v, u]
-        field = [
-            self._new("sensor_msgs/msg/PointField", name=name, offset=4 * k, datatype=7 if k < 3 else 6, count=1)
-            for k, name in enumerate(("x", "y", "z", "class"))
-        ]
-        return self._new(
-            "sensor_msgs/msg/PointCloud2",
-            header=self._header(t, "camera_optical"),
-            height=1,
-            width=len(points),
-            fields=field,
-            is_bigendian=False,
-            point_step=16,
-            row_step=16 * len(points),
-            data=points.view(np.uint8).ravel(),
-            is_dense=True,
         )
 
     def _maps(self, cells: OccupancyMap, t: float) -> None:

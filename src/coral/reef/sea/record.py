@@ -13,7 +13,7 @@ from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
 from coral.config import to_mapping
 from coral.reef.map.belief import Belief
-from coral.reef.mission.record import COLUMNS, FrameRecorder, PicturePose, RecordCfg
+from coral.reef.mission.record import COLUMNS, FrameRecorder, RecordCfg
 from coral.reef.mission.reef_truth import ReefTruth
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.local_frame import LocalFrame
@@ -22,7 +22,7 @@ from coral.reef.sea.saved_survey import save_survey
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.simulation.simulator import SimulatorCfg
 from coral.reef.vehicle.response import VehicleResponse
-from coral.reef.world.geometry import Frame, Pose
+from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld, save_world
 from coral.run_files import RunFiles, SurveyFiles
 from coral.runs import RunWriter, provenance
@@ -66,10 +66,7 @@ class SeaRecord:
         self.work = BackgroundWork(threaded=threaded)
         self.listeners: list[Callable[[dict[str, Any]], None]] = []
         """Functions called with every event, on the thread that emits it."""
-        self._frames, self._attempts = FrameRecorder(self.writer, record), AttemptRecorder(folder)
-        self._period_s = record.frame_period_s if record.frames else float("inf")
-        self._keyframe_s = record.keyframe_period_s if record.frames and record.keyframes else float("inf")
-        self._due_s = self._keyframe_due_s = 0.0
+        self.frames, self._attempts = FrameRecorder(self.writer, record, self.work.offer), AttemptRecorder(folder)
         self._save_due_s = SAVE_S
         self._truth_step, self._truth_t = 0, 0.0
         self.truth = None if world is None else ReefTruth(world, simulator, folder, self._told_by_truth)
@@ -149,32 +146,11 @@ class SeaRecord:
                 return
             self._truth_step, self._truth_t = step, t
             self.truth.follow(step, t, true_pose)
-            judged = (self.truth.clearance_m(true_pose), planner_ok, self.truth.coverage, len(self.truth.covered))
+            judge = self.truth.judge
+            judged = (self.truth.clearance_m(true_pose), planner_ok, judge.coverage, len(judge.covered))
             self.writer.row(step, t, *true_pose, u, v, r, *pose, v_cmd, omega_cmd, *goal, *judged, *odometry)
 
         self.work.offer(write)
-
-    def offer_frame(
-        self, step: int, t: float, cells: Callable[[], Any], frame: Frame, taken_at: PicturePose | None = None
-    ) -> None:
-        """Record map and picture if they are due.
-
-        Args:
-            step: Number of the tick.
-            t: Time (s).
-            cells: Returns the classes of the map as a new array.
-            frame: The newest picture.
-            taken_at: Where it was taken, if it is new: then it may become a keyframe.
-        """
-        with_map = t >= self._due_s - 1e-9
-        keyframe = taken_at is not None and t >= self._keyframe_due_s - 1e-9
-        if with_map:
-            self._due_s = t + self._period_s
-        if keyframe:
-            self._keyframe_due_s = t + self._keyframe_s
-        if with_map or keyframe:
-            now = cells() if with_map else None
-            self.work.offer(lambda: self._frames.offer(step, t, lambda: now, frame, taken_at if keyframe else None))
 
     def offer_survey(self, t: float, belief: Belief, *, last: bool = False) -> None:
         """Save the map if it is due, so that a killed survey can be gone on with.
@@ -201,12 +177,12 @@ class SeaRecord:
 
     def close(self) -> None:
         """Write what waits and close all files."""
-        self.work.offer(self._frames.close)
+        self.work.offer(self.frames.close)
         self.work.close()
         self._attempts.close()
         self.writer.close()
         if self.truth is not None:
-            self.truth.close()
+            self.truth.judge.close()
 
     def _told_by_truth(self, event: str, **fields: Any) -> None:
         """Record an event of the truth; this is the background's thread."""

@@ -187,7 +187,7 @@ class SeaMission:
     @property
     def coverage(self) -> float:
         """Share of the clusters: of the true ones in a simulated reef, else of those on the vehicle's own map."""
-        return self._own()[1] if self.record.truth is None else self.record.truth.coverage
+        return self._own()[1] if self.record.truth is None else self.record.truth.judge.coverage
 
     @property
     def instruction(self) -> str:
@@ -263,10 +263,10 @@ class SeaMission:
         """Record the tick. Return why the survey is over, or ""."""
         self._record()
         truth, done = self.record.truth, self.pilot.end_reason
-        if self.cfg.mission.stop_when_covered and truth is not None and truth.coverage == 1.0:
+        if self.cfg.mission.stop_when_covered and truth is not None and truth.judge.coverage == 1.0:
             done = done or "coverage complete"
         if done and truth is not None and (answer := self.answer) is not None:
-            self.record.work.offer(lambda: truth.end_mission(answer))
+            self.record.work.offer(lambda: truth.judge.end_mission(answer))
         if done and not self.supervisor.returning and self.states.state is not PilotState.TAKEN_OVER:
             self.supervisor.complete(self.t, done)
         return self.supervisor.end_reason
@@ -318,7 +318,7 @@ class SeaMission:
         odometry = self.vehicle.pose or belief.pose
         self.record.tick(self.step, self.t, belief.pose, odometry, self.crew.true_pose(), state, self._own())
         if robot.picture is not None:
-            self.record.offer_frame(self.step, self.t, belief.map.cells, robot.picture, robot.taken_at)
+            self.record.frames.offer(self.step, self.t, belief.map.cells, robot.picture, robot.taken_at)
         self.record.offer_survey(self.t, belief)
         if self._recording and self.record.work.failure:
             self._recording = False

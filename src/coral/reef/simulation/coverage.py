@@ -13,7 +13,7 @@ from pydantic import Field
 
 from coral.config import CellSize, Positive
 from coral.reef.simulation import coverage_kernels
-from coral.reef.vehicle import collision_kernels
+from coral.reef.vehicle.collision import clearance
 from coral.reef.world.geometry import Label, Pose
 from coral.reef.world.scene import Footprints, Scene
 
@@ -51,7 +51,7 @@ class CoverageMeter:
         for index in range(len(scene.cluster_names)):
             members = np.flatnonzero((scene.cluster == index) & (scene.label == Label.OYSTER))
             cells = rasterise(scene.outlines(members), cfg.cell_m, cfg.closing_m)
-            free = np.array([_distance(hiders, x, y) > 0.0 for x, y in cells])
+            free = np.array([clearance(hiders, x, y) > 0.0 for x, y in cells])
             areas.append(cells[free] if free.any() else cells)
         self._size = np.array([len(area) for area in areas], np.int64)
         self._start = np.cumsum(self._size) - self._size
@@ -59,11 +59,11 @@ class CoverageMeter:
         self._circle = np.array([_circle(area) for area in areas]).reshape(-1, 3)
         self._order = np.arange(len(self._cells), dtype=np.int64)
         self._left = self._size.copy()
-        self._scratch = np.empty((len(hiders), 7))
+        self._scratch = np.empty((len(hiders.kind), 7))
 
     def update(self, pose: Pose) -> None:
         """Mark the area seen from a true pose."""
-        cfg, hiders = self.cfg, self._hiders
+        cfg = self.cfg
         coverage_kernels.observe(
             (float(pose.x), float(pose.y), float(pose.theta)),
             math.radians(cfg.hfov_deg) / 2,
@@ -73,10 +73,7 @@ class CoverageMeter:
             self._circle,
             self._order,
             self._left,
-            hiders.kind,
-            hiders.center,
-            hiders.half,
-            hiders.yaw,
+            self._hiders,
             self._scratch,
         )
 
@@ -133,12 +130,6 @@ def rasterise(outlines: Footprints, cell_m: float, closing_m: float) -> NDArray[
         mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, disc)
     iy, ix = np.nonzero(mask)
     return np.stack([ix + low[0] + 0.5, iy + low[1] + 0.5], axis=1) * cell_m
-
-
-def _distance(footprints: Footprints, x: float, y: float) -> float:
-    return float(
-        collision_kernels.clearance(x, y, footprints.kind, footprints.center, footprints.half, footprints.yaw)[0]
-    )
 
 
 def _circle(cells: NDArray[np.float64]) -> tuple[float, float, float]:

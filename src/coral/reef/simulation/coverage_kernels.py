@@ -8,6 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from coral.reef.world.scene import Footprints
+
 _ELLIPSE = 0
 
 
@@ -21,10 +23,7 @@ def observe(
     circle: NDArray[np.float64],
     order: NDArray[np.int64],
     left: NDArray[np.int64],
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    half: NDArray[np.float64],
-    yaw: NDArray[np.float64],
+    outlines: Footprints,
     unit: NDArray[np.float64],
 ) -> None:
     """Mark the cells seen from a pose.
@@ -38,12 +37,10 @@ def observe(
         circle: Shape=(C, 3), circle (x, y, radius) that contains the cells of every cluster.
         order: Shape=(M,), from each cluster's `start` on, its `left` cells not yet seen; updated in place.
         left: Shape=(C,), number of each cluster's cells not yet seen; updated in place.
-        kind: Shape=(K,), outlines that hide cells, as `Footprints`.
-        center: Shape=(K, 2).
-        half: Shape=(K, 2).
-        yaw: Shape=(K,).
+        outlines: K of them, which hide cells.
         unit: Shape=(K, 7), scratch.
     """
+    kind, center, half, yaw = outlines
     x, y = pose[0], pose[1]
     c, s = math.cos(pose[2]), math.sin(pose[2])
     edge = math.cos(half_fov)

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from coral.config import CellSize, Positive
 from coral.reef.simulation import imaging_kernels
 from coral.reef.simulation.coverage import rasterise
-from coral.reef.vehicle.camera import CameraCfg, T_world_camera, ball_radii
+from coral.reef.vehicle.camera import CameraCfg, T_world_camera
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.geometry import Label, Pose
-from coral.reef.world.scene import Scene
+from coral.reef.world.scene import Footprints, Scene
 
 LEVELS = {"imaged": imaging_kernels.IMAGED, "inspected": imaging_kernels.INSPECTED}
 """The two levels at which a cluster's area is counted."""
@@ -68,20 +68,24 @@ class ImagingMeter:
         self._seabed_z = scene.seabed_z
         focal, _, _, _ = self.camera.intrinsics
         edge_u, edge_v = 0.5 * self.camera.width / focal, 0.5 * self.camera.height / focal
-        self._lens = (-edge_u, edge_u, -edge_v, edge_v)
         far = min(self.cfg.range_m, self.camera.range_m, math.inf if visibility_m is None else visibility_m)
         self.inspection_m: float = min(far, self.cfg.pixel_m * focal)
         """Largest distance of an inspected point (m)."""
-        self._limits = (self.camera.near_m, far, self.inspection_m)
         self.points, self.group = _points(scene, self.cfg.cell_m)
         """World points (m), Shape=(M, 3), and the cluster of each, Shape=(M,)."""
         self.size: NDArray[np.int64] = np.bincount(self.group, minlength=len(self.names)).astype(np.int64)
         hiders = np.flatnonzero(scene.label == Label.OBSTACLE)
-        self._kind, self._center = scene.kind[hiders], np.ascontiguousarray(scene.center[hiders])
-        half = scene.half[hiders]
-        self._unit = np.ascontiguousarray(np.swapaxes(scene.rotation[hiders], 1, 2) / half[:, :, None])
-        self._radius = ball_radii(self._kind, half)
-        self._scratch, self._near = np.empty((len(hiders), 3)), np.empty(len(hiders), np.int64)
+        kind, center, half, rotation, radius = (array[hiders] for array in scene.solids)
+        self._sight = imaging_kernels.Sight(
+            (-edge_u, edge_u, -edge_v, edge_v),
+            (self.camera.near_m, far, self.inspection_m),
+            self.points,
+            self.group,
+            kind,
+            np.ascontiguousarray(center),
+            np.ascontiguousarray(np.swapaxes(rotation, 1, 2) / half[:, :, None]),
+            radius,
+        )
         self.level: NDArray[np.uint8] = np.zeros(len(self.points), np.uint8)
         """Best level of every point so far. Shape=(M,)."""
         self._count = np.zeros((3, len(self.names)), np.int64)
@@ -96,17 +100,8 @@ class ImagingMeter:
         imaging_kernels.image(
             transform[:3, 3].copy(),
             np.ascontiguousarray(transform[:3, :3]),
-            self._lens,
-            self._limits,
-            self.points,
-            self._kind,
-            self._center,
-            self._unit,
-            self._radius,
-            self._scratch,
-            self._near,
+            self._sight,
             level,
-            self.group,
             count,
         )
 
@@ -136,17 +131,8 @@ class ImagingMeter:
             every,
             target,
             T_world_camera(Pose(0.0, 0.0, 0.0), self.camera, seabed_z=self._seabed_z),
-            self._lens,
-            self._limits,
-            self.points,
-            self._kind,
-            self._center,
-            self._unit,
-            self._radius,
-            self._scratch,
-            self._near,
+            self._sight,
             level,
-            self.group,
             count,
             self.size,
         )
@@ -178,7 +164,8 @@ def _points(scene: Scene, cell_m: float) -> tuple[NDArray[np.float64], NDArray[n
         outlines = scene.outlines(members)
         for k, member in enumerate(members):
             height = float(scene.center[member, 2])
-            for x, y in rasterise(outlines[k : k + 1], cell_m, 0.0).round(6).tolist():
+            one = Footprints(*(array[k : k + 1] for array in outlines))
+            for x, y in rasterise(one, cell_m, 0.0).round(6).tolist():
                 found[x, y] = max(found.get((x, y), -math.inf), height)
         free = {at: z for at, z in found.items() if clearance(hiders, *at) > 0.0} or found
         points += [(x, y, z) for (x, y), z in free.items()]

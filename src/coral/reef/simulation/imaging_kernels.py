@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -13,21 +14,33 @@ UNSEEN, IMAGED, INSPECTED = 0, 1, 2
 """Levels of a point."""
 
 
+class Sight(NamedTuple):
+    """What does not change from picture to picture: the camera, M points, and K solids that hide some."""
+
+    lens: tuple[float, float, float, float]
+    """Tangents of the picture's left, right, upper and lower edge: X / Z and Y / Z of the outer pixels' edges."""
+    limits: tuple[float, float, float]
+    """Smallest depth (m), largest distance of an imaged point (m) and of an inspected point (m)."""
+    points: NDArray[np.float64]
+    """In the world (m). Shape=(M, 3)."""
+    group: NDArray[np.int64]
+    """The cluster of each. Shape=(M,)."""
+    kind: NDArray[np.int8]
+    """As `Scene.kind`. Shape=(K,)."""
+    center: NDArray[np.float64]
+    """Shape=(K, 3)."""
+    unit: NDArray[np.float64]
+    """World to the frame in which the solid is the unit ball, cube or cylinder. Shape=(K, 3, 3)."""
+    radius: NDArray[np.float64]
+    """Of a ball about the centre that holds the solid (m). Shape=(K,)."""
+
+
 @njit(cache=True, error_model="numpy")
 def image(
     eye: NDArray[np.float64],
     turn: NDArray[np.float64],
-    lens: tuple[float, float, float, float],
-    limits: tuple[float, float, float],
-    points: NDArray[np.float64],
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    unit: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    scratch: NDArray[np.float64],
-    near_hiders: NDArray[np.int64],
+    sight: Sight,
     level: NDArray[np.uint8],
-    group: NDArray[np.int64],
     count: NDArray[np.int64],
 ) -> None:
     """Raise the level of every point that a picture shows better than any picture before.
@@ -35,22 +48,16 @@ def image(
     Args:
         eye: Shape=(3,), position of the camera in the world (m).
         turn: Shape=(3, 3), camera optical frame to world.
-        lens: Tangents of the picture's left, right, upper and lower edge: X / Z and Y / Z of the outer pixels' edges.
-        limits: Smallest depth (m), largest distance of an imaged point (m) and of an inspected point (m).
-        points: Shape=(M, 3), world points (m).
-        kind: Shape=(K,), `Scene.kind` of the solids that hide points.
-        center: Shape=(K, 3).
-        unit: Shape=(K, 3, 3), world to the frame in which the solid is the unit ball, cube or cylinder.
-        radius: Shape=(K,), radius of a ball about the centre that contains the solid.
-        scratch: Shape=(K, 3), overwritten.
-        near_hiders: Shape=(K,), overwritten.
+        sight: Camera, points and what hides them.
         level: Shape=(M,), best level of each point so far; updated in place.
-        group: Shape=(M,), the cluster of each point.
         count: Shape=(3, C), number of points of each cluster at or above a level; updated in place.
     """
-    left, right, top, bottom = lens
-    near, far, close = limits
+    points, group, kind, center = sight.points, sight.group, sight.kind, sight.center
+    unit, radius = sight.unit, sight.radius
+    left, right, top, bottom = sight.lens
+    near, far, close = sight.limits
     close = min(close, far)
+    near_hiders, scratch = np.empty(kind.size, np.int64), np.empty((kind.size, 3))
     hiders = 0
     for k in range(kind.size):
         dx, dy, dz = eye[0] - center[k, 0], eye[1] - center[k, 1], eye[2] - center[k, 2]
@@ -99,17 +106,8 @@ def image_along(
     every: int,
     target: float,
     first: NDArray[np.float64],
-    lens: tuple[float, float, float, float],
-    limits: tuple[float, float, float],
-    points: NDArray[np.float64],
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    unit: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    scratch: NDArray[np.float64],
-    near_hiders: NDArray[np.int64],
+    sight: Sight,
     level: NDArray[np.uint8],
-    group: NDArray[np.int64],
     count: NDArray[np.int64],
     size: NDArray[np.int64],
 ) -> int:
@@ -131,7 +129,7 @@ def image_along(
         eye[0] = poses[k, 0] + c * first[0, 3] - s * first[1, 3]
         eye[1] = poses[k, 1] + s * first[0, 3] + c * first[1, 3]
         eye[2] = first[2, 3]
-        image(eye, turn, lens, limits, points, kind, center, unit, radius, scratch, near_hiders, level, group, count)
+        image(eye, turn, sight, level, count)
         share = 0.0
         for cluster in range(size.size):
             share += count[INSPECTED, cluster] / size[cluster]

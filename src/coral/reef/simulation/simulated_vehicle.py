@@ -22,12 +22,6 @@ class SimulatedVehicle:
         self.simulator, self._period_s, self._tell = simulator, period_s, tell
         self._begun = False
 
-    @property
-    def position(self) -> tuple[float, float]:
-        """True position (m)."""
-        x, y, _ = self.simulator.pose
-        return x, y
-
     def observe(self, t: float) -> VehicleObservation:
         """Measure everything at time `t` (s), one period after the last time."""
         sensed = self.simulator.sense(self._period_s if self._begun else 0.0)

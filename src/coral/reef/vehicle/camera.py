@@ -12,7 +12,7 @@ from coral.config import Signed
 from coral.errors import InputError
 from coral.reef.vehicle import camera_kernels
 from coral.reef.world.geometry import Frame, Pose
-from coral.reef.world.scene import CYLINDER, ELLIPSOID, Scene
+from coral.reef.world.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,12 +125,6 @@ def pixel_rays(cfg: CameraCfg, roll: float = 0.0, pitch: float = 0.0) -> NDArray
     return np.asarray(np.stack([u, v, np.ones_like(u)], axis=-1) @ turn.T)
 
 
-def ball_radii(kind: NDArray[np.int8], half: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the radius of a ball about each solid's centre that holds it (m). Arguments as in `Scene`. Shape=(N,)."""
-    upright, widest = np.hypot(half[:, 0], half[:, 2]), half.max(axis=1, initial=0.0)
-    return np.select([kind == ELLIPSOID, kind == CYLINDER], [widest, upright], np.linalg.norm(half, axis=1))
-
-
 class Camera:
     """Renders a scene exactly: the result equals that of a ray caster with one ray per pixel."""
 
@@ -141,7 +135,6 @@ class Camera:
         self._p = (np.arange(cfg.width, dtype=np.float64) - cx) / fx
         self._q = (np.arange(cfg.height, dtype=np.float64) - cy) / fy
         self._reach = (cfg.range_m / ray_lengths(cfg)).astype(np.float32)
-        self._radius = ball_radii(scene.kind, scene.half)
 
     def render(
         self, pose: Pose, altitude: float | None = None, *, roll: float = 0.0, pitch: float = 0.0, t: float = 0.0
@@ -159,11 +152,7 @@ class Camera:
             self._p,
             self._q,
             self._reach,
-            scene.kind,
-            scene.center,
-            scene.half,
-            scene.rotation,
-            self._radius,
+            scene.solids,
             scene.label,
             frame.depth,
             frame.labels,

@@ -14,6 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from coral.reef.world.scene import Solids
+
 WATER, SEABED = -2, -1
 """Values of `ids` where no solid is seen."""
 _ELLIPSOID, _BOX = 0, 1
@@ -28,11 +30,7 @@ def render(
     p: NDArray[np.float64],
     q: NDArray[np.float64],
     reach: NDArray[np.float32],
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    half: NDArray[np.float64],
-    rotation: NDArray[np.float64],
-    radius: NDArray[np.float64],
+    solids: Solids,
     label: NDArray[np.uint8],
     depth: NDArray[np.float32],
     labels: NDArray[np.uint8],
@@ -48,16 +46,13 @@ def render(
         p: Shape=(W,), (u - cx) / fx of every column.
         q: Shape=(H,), (v - cy) / fy of every row.
         reach: Shape=(H, W), depth (m) at which each pixel's ray has covered `range_m`.
-        kind: Shape=(N,), as `Scene.kind`.
-        center: Shape=(N, 3).
-        half: Shape=(N, 3).
-        rotation: Shape=(N, 3, 3), object to world.
-        radius: Shape=(N,), radius of a ball about the centre that contains the solid.
+        solids: N of them.
         label: Shape=(N,), class of every solid.
         depth: Shape=(H, W), written: depth (m), inf where nothing is seen.
         labels: Shape=(H, W), written: `Label` of every pixel.
         ids: Shape=(H, W), written: index of the solid, -1 elsewhere.
     """
+    kind, center, half, rotation, radius = solids
     width, height = p.size, q.size
     turn = np.ascontiguousarray(pose[:3, :3])
     eye = pose[:3, 3].copy()

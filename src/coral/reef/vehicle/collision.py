@@ -19,9 +19,7 @@ def nearest(footprints: Footprints, x: float, y: float) -> tuple[float, int]:
         Signed distance (m) from the point to the outline, negative inside, and the obstacle's index in the world;
         (inf, -1) in a world without obstacles. Exact for circles and rectangles, within 1e-9 m for ellipses.
     """
-    distance, index = collision_kernels.clearance(
-        float(x), float(y), footprints.kind, footprints.center, footprints.half, footprints.yaw
-    )
+    distance, index = collision_kernels.clearance(float(x), float(y), footprints)
     return float(distance), int(index)
 
 
@@ -41,9 +39,9 @@ class ContactCounter:
         """Contacts so far."""
         self._footprints = footprints
         self._radius, self._release = radius, release_m
-        self._touching: NDArray[np.bool_] = np.zeros(len(footprints), np.bool_)
-        self._fresh: NDArray[np.int64] = np.zeros(len(footprints), np.int64)
-        self._point: NDArray[np.int64] = np.zeros(len(footprints), np.int64)
+        self._touching: NDArray[np.bool_] = np.zeros(len(footprints.kind), np.bool_)
+        self._fresh: NDArray[np.int64] = np.zeros(len(footprints.kind), np.int64)
+        self._point: NDArray[np.int64] = np.zeros(len(footprints.kind), np.int64)
 
     def clearance(self, x: float, y: float) -> float:
         """Return the distance (m) from the disc, its centre at (x, y), to the nearest obstacle; negative in contact."""
@@ -55,20 +53,11 @@ class ContactCounter:
         Returns:
             New contacts as (x, y, obstacle): position of the centre (m) and index of the obstacle.
         """
-        f, room = self._footprints, len(track) * len(self._touching)
+        room = len(track) * len(self._touching)
         if room > len(self._fresh):
             self._fresh, self._point = np.zeros(room, np.int64), np.zeros(room, np.int64)
         fresh = collision_kernels.contacts_along(
-            track,
-            self._radius,
-            self._release,
-            f.kind,
-            f.center,
-            f.half,
-            f.yaw,
-            self._touching,
-            self._fresh,
-            self._point,
+            track, self._radius, self._release, self._footprints, self._touching, self._fresh, self._point
         )
         self.count += fresh
         return [

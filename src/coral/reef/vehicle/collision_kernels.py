@@ -8,6 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from coral.reef.world.scene import Footprints
+
 _ELLIPSE = 0
 
 
@@ -60,12 +62,10 @@ def outline_distance(
     x: float,
     y: float,
     k: int,
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    half: NDArray[np.float64],
-    yaw: NDArray[np.float64],
+    outlines: Footprints,
 ) -> float:
     """Compute the signed distance (m) from a world point to outline k, negative inside."""
+    kind, center, half, yaw = outlines
     dx, dy = x - center[k, 0], y - center[k, 1]
     c, s = math.cos(yaw[k]), math.sin(yaw[k])
     px, py = c * dx + s * dy, -s * dx + c * dy
@@ -78,21 +78,10 @@ def outline_distance(
 def clearance(
     x: float,
     y: float,
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    half: NDArray[np.float64],
-    yaw: NDArray[np.float64],
+    outlines: Footprints,
 ) -> tuple[float, int]:
-    """Compute the signed distance (m) from a world point to the nearest outline, and its index; (inf, -1) without any.
-
-    Args:
-        x: World x (m).
-        y: World y (m).
-        kind: Shape=(K,), as `Footprints`.
-        center: Shape=(K, 2).
-        half: Shape=(K, 2).
-        yaw: Shape=(K,).
-    """
+    """Compute the signed distance (m) from a world point to the nearest outline, and its index; else (inf, -1)."""
+    kind, center, half, _ = outlines
     best, index = np.inf, -1
     for k in range(kind.size):
         dx, dy = x - center[k, 0], y - center[k, 1]
@@ -101,7 +90,7 @@ def clearance(
         # An outline is never nearer than the circle about it.
         if math.sqrt(dx * dx + dy * dy) - round_ >= best:
             continue
-        distance = outline_distance(x, y, k, kind, center, half, yaw)
+        distance = outline_distance(x, y, k, outlines)
         if distance < best:
             best, index = distance, k
     return best, index
@@ -112,10 +101,7 @@ def contacts_along(
     track: NDArray[np.float64],
     radius: float,
     release: float,
-    kind: NDArray[np.int8],
-    center: NDArray[np.float64],
-    half: NDArray[np.float64],
-    yaw: NDArray[np.float64],
+    outlines: Footprints,
     touching: NDArray[np.bool_],
     fresh: NDArray[np.int64],
     point: NDArray[np.int64],
@@ -126,14 +112,12 @@ def contacts_along(
         track: Shape=(N, 2), positions of the disc's centre (m), oldest first.
         radius: Radius of the disc (m).
         release: Gap (m) beyond which a contact ends.
-        kind: Shape=(K,), as `Footprints`.
-        center: Shape=(K, 2).
-        half: Shape=(K, 2).
-        yaw: Shape=(K,).
+        outlines: K of them.
         touching: Shape=(K,), updated in place.
         fresh: Shape=(N * K,), written: outlines that the disc began to touch.
         point: Shape=(N * K,), written: index of the track point of each new contact.
     """
+    kind, center, half, _ = outlines
     count = 0
     for i in range(track.shape[0]):
         x, y = track[i, 0], track[i, 1]
@@ -143,7 +127,7 @@ def contacts_along(
             if dx * dx + dy * dy > reach * reach:
                 touching[k] = False
                 continue
-            gap = outline_distance(x, y, k, kind, center, half, yaw) - radius
+            gap = outline_distance(x, y, k, outlines) - radius
             if touching[k]:
                 touching[k] = gap <= release
             elif gap <= 0.0:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +21,7 @@ ELLIPSE, RECTANGLE = 0, 1
 _KINDS = {"sphere": ELLIPSOID, "ellipsoid": ELLIPSOID, "box": BOX, "cylinder": CYLINDER}
 
 
-@dataclass(frozen=True)
-class Footprints:
+class Footprints(NamedTuple):
     """K outlines on the ground plane. World frame, metres, radians."""
 
     kind: NDArray[np.int8]
@@ -32,11 +33,16 @@ class Footprints:
     yaw: NDArray[np.float64]
     """Angle of the outline's first axis, counter-clockwise from +x. Shape=(K,)."""
 
-    def __len__(self) -> int:
-        return len(self.kind)
 
-    def __getitem__(self, part: slice) -> Footprints:
-        return Footprints(self.kind[part], self.center[part], self.half[part], self.yaw[part])
+class Solids(NamedTuple):
+    """N solids as ray casters take them, the arrays of `Scene`."""
+
+    kind: NDArray[np.int8]
+    center: NDArray[np.float64]
+    half: NDArray[np.float64]
+    rotation: NDArray[np.float64]
+    radius: NDArray[np.float64]
+    """Radius of a ball about each centre that holds the solid (m). Shape=(N,)."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +126,11 @@ class Scene:
     def __len__(self) -> int:
         return len(self.kind)
 
+    @cached_property
+    def solids(self) -> Solids:
+        """The solids, for ray casters."""
+        return Solids(self.kind, self.center, self.half, self.rotation, ball_radii(self.kind, self.half))
+
     def footprints(self) -> Footprints:
         """Return the outlines of the obstacles, in the order of the world's `solids`."""
         return self.outlines(np.flatnonzero(self.label == Label.OBSTACLE))
@@ -141,6 +152,12 @@ class Scene:
         yaw[tilted] = np.arctan2(axes[:, 1, 0], axes[:, 0, 0])[tilted]
         kind = np.where(self.kind[index] == BOX, RECTANGLE, ELLIPSE).astype(np.int8)
         return Footprints(kind=kind, center=np.ascontiguousarray(self.center[index, :2]), half=half, yaw=yaw)
+
+
+def ball_radii(kind: NDArray[np.int8], half: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the radius of a ball about each solid's centre that holds it (m). Arguments as in `Scene`. Shape=(N,)."""
+    upright, widest = np.hypot(half[:, 0], half[:, 2]), half.max(axis=1, initial=0.0)
+    return np.select([kind == ELLIPSOID, kind == CYLINDER], [widest, upright], np.linalg.norm(half, axis=1))
 
 
 def rotations(rpy: Iterable[tuple[float, float, float]]) -> NDArray[np.float64]:
