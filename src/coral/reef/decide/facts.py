@@ -23,10 +23,7 @@ def describe(
 ) -> dict[str, Any]:
     """Return the facts of a question in plain JSON; points as seen on arrival (m forward, m left).
 
-    Args:
-        outlook: What the robot knows, and where it will be when the answer is needed.
-        left: What is left to explore.
-        options: Waypoints that may be named; None in centroid selection mode.
+    `options` are waypoints that may be named; None in centroid selection mode.
     """
     belief, arrival, pose = outlook.belief, outlook.arrival, outlook.arrival.pose
     facts: dict[str, Any] = {

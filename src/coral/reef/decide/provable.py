@@ -77,13 +77,9 @@ def finished_dot(outlook: Outlook, index: int | None) -> Rejection | None:
 def leads_nowhere(
     outlook: Outlook, remaining: Remaining, xs: NDArray[np.float64], ys: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Tell which points show nothing and lead to nothing: all about them is known, and nothing left is nearer.
+    """Tell which points (xs, ys) (m), Shape=(N,) each, show nothing and lead to nothing.
 
-    Args:
-        outlook: What the robot knows.
-        remaining: What is left.
-        xs: Points (m). Shape=(N,).
-        ys: Shape=(N,).
+    All about them is known, and nothing that is left is nearer.
     """
     if not len(remaining.places) or not len(xs):
         return np.zeros(len(xs), bool)

@@ -272,13 +272,7 @@ def _near(tracks: Sequence[Track], at: tuple[float, float]) -> bool:
 
 
 def aim(left: NDArray[np.float64], pose: Pose, within_m: float) -> tuple[float, float]:
-    """Return where to drive to see what is left of a cluster: to the part of it that is reached first.
-
-    Args:
-        left: What is left to see. Shape=(L, 2), metres.
-        pose: Of the robot.
-        within_m: Size of the part.
-    """
+    """Return where to drive to see what is left of a cluster, Shape=(L, 2), metres: to the part of it reached first."""
     offset = left - np.array(pose[:2])
     off = np.arctan2(offset[:, 1], offset[:, 0]) - pose.theta
     turn = np.abs(np.arctan2(np.sin(off), np.cos(off)))

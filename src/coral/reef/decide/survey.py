@@ -84,11 +84,7 @@ class Survey:
 def survey(outlook: Outlook, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg) -> Survey:
     """Analyse the map as it will be on arrival: what will have been explored on the way is not left.
 
-    Args:
-        outlook: What the robot knows, and where it will be.
-        field_cfg: How obstacles are inflated for the geodesic distances.
-        forward_m: Forward projection from which a centroid counts as ahead (Alg. 2, d_min).
-        cfg: Thresholds.
+    `forward_m` is the forward projection from which a centroid counts as ahead (Alg. 2, d_min).
     """
     belief, arrival, pose = outlook.belief, outlook.arrival, outlook.arrival.pose
     water = belief.water(field_cfg)

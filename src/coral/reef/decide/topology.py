@@ -109,11 +109,6 @@ def plan_tour(remaining: Remaining, left: Survey, arrival: Arrival) -> Remaining
 
 
 def frontier_worth(reef_m: float, unexplored: float) -> float:
-    """Return what a frontier promises: oysters settle near oysters, and more of them fit into more water.
-
-    Args:
-        reef_m: Distance to the nearest known oysters (m); inf when none are known.
-        unexplored: Unexplored share of its surroundings.
-    """
+    """Return what a frontier promises: oysters settle near others (inf m: none known), and fill unexplored water."""
     near = math.exp(-reef_m / REEF_M) if math.isfinite(reef_m) else 0.5
     return FRONTIER_WORTH * (0.2 + near) * min(1.0, 2.0 * unexplored)

@@ -87,16 +87,10 @@ class SmartTrigger:
         pending: bool,
         soon: bool | None = None,
     ) -> Firing | None:
-        """Evaluate Eq. 12 at time `t` (s) for the robot at (x, y) moving at `speed` (m/s).
+        """Evaluate Eq. 12 at time `t` (s) for the robot at (x, y) (m), on its way to `target` at `speed` (m/s).
 
-        Args:
-            t: Time (s).
-            x: Robot position (m).
-            y: Robot position (m).
-            speed: Magnitude of its velocity (m/s).
-            target: Active waypoint (m); None before the first.
-            pending: A question is already open.
-            soon: Whether the goals will be done before an answer can come; None: ask by distance, as the paper does.
+        `pending`: a question is already open. `soon`: whether the goals will be done before an answer can come; None:
+        ask by distance, as the paper does.
 
         Returns:
             The predicate that holds now, if any; stuck before failure before distance.

@@ -53,9 +53,7 @@ class BlindOrders:
     def of_conditions(cls, conditions: Collection[Clause], kinds: Mapping[str, str]) -> BlindOrders:
         """Return what the conditions tell without the kinds: numbers, distances, times.
 
-        Args:
-            conditions: Those of the mission.
-            kinds: Kind of each thing by its name; only how many there are of those that a condition names is read.
+        Of `kinds`, by name of the thing, only how many there are of those that a condition names is read.
         """
         orders: dict[str, Any] = {}
         for one in conditions:

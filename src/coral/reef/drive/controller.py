@@ -147,14 +147,7 @@ class DdpMppi:
 
     The commands are constant on the intervals of Eq. 10. Each tick samples K sequences, rolls them out over the
     vehicle's dynamics, drops those that collide, and averages the others with weights softmax(-cost / lambda). The mean
-    is the warm start of the next tick.
-
-    Args:
-        cfg: Settings of the controller.
-        vehicle: Limits, hull and dynamics of the vehicle.
-        rng: Source of the samples.
-        control_period_s: Time between two plans (s), by which the warm start is shifted.
-        response: How the vehicle follows commands; by default as the simulated one does.
+    is the warm start of the next tick. By default commands are followed as by the simulated vehicle.
     """
 
     def __init__(
@@ -210,12 +203,8 @@ class DdpMppi:
     ) -> Plan:
         """Compute the command of this tick.
 
-        Args:
-            state: Estimated pose and ground-relative velocity.
-            cost_field: Cost-to-go to the goal. If it failed, the plan fails with the same reason.
-            distance_map: Distance (m) to the nearest known obstacle, inf without any. Shape=(H, W), float32.
-            cell_m: Edge of a cell of `distance_map` (m); cell (0, 0) at the world's origin.
-            trailing: Part of the velocity that follows slowly, by the vehicle's response.
+        `distance_map`, Shape=(H, W), float32, is the distance (m) to the nearest known obstacle, inf without any; its
+        cell (0, 0) lies at the world's origin. `trailing` is the part of the velocity that follows slowly.
         """
         if not all(map(math.isfinite, state)):
             return self._stop(VehicleState(0.0, 0.0, 0.0), NOT_FINITE, ok=False)

@@ -91,15 +91,7 @@ def hull_is_free(
 ) -> bool:
     """Check whether n points on the hull's boundary (N_t of Eq. 11) all keep the margin.
 
-    Args:
-        distance: Shape=(H, W) distance to the nearest known obstacle (m).
-        cell_m: Edge of its cells (m).
-        hull_m: Radius of the hull.
-        margin_m: Distance that every point must exceed.
-        x: Centre of the hull (m).
-        y: Centre of the hull (m).
-        circle: Shape=(>=n, 2) unit vectors.
-        n: Number of them to check.
+    `distance`, Shape=(H, W), is that to the nearest known obstacle (m); `circle`, Shape=(>=n, 2), holds unit vectors.
     """
     for k in range(n):
         px, py = x + hull_m * circle[k, 0], y + hull_m * circle[k, 1]

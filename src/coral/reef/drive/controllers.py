@@ -49,12 +49,7 @@ CONTROLLERS: dict[str, MakeController] = {"ddp-mppi": _ddp_mppi, "pd": _pd}
 
 
 def controller_maker(controller: str | MakeController, where: str = "--cfg", field: str = "driver") -> MakeController:
-    """Return the function that makes a robot's controller.
-
-    Args:
-        controller: Name of one of ours or of an entry point of the group `coral.controllers`, or the function itself.
-        where: Flag or file, for the error.
-        field: Field in it.
+    """Return the function that makes a robot's controller: given itself, or the name of one of ours or an entry point.
 
     Raises:
         InputError: There is no controller of this name.

@@ -104,16 +104,9 @@ def add_step(sums: Array, step: Step, scales: Scales) -> None:
 def finish(
     sums: Array, horizon_s: float, n_steps: int, driven_m: float, end: float, now: float, scales: Scales
 ) -> None:
-    """Turn the sums of a rollout into its normalised terms, in place.
+    """Turn the sums of a rollout, Shape=(len(COSTS),), into its normalised terms, in place.
 
-    Args:
-        sums: What `add_step` has added. Shape=(len(COSTS),).
-        horizon_s: Sum of the intervals.
-        n_steps: Number of steps.
-        driven_m: Length of the rollout.
-        end: Cost-to-go at its end (m).
-        now: Cost-to-go at its beginning (m).
-        scales: What the terms are measured in.
+    `end` and `now` are the cost-to-go at its end and at its beginning (m).
     """
     sums[GOAL] = (0.5 * (end + sums[GOAL] / horizon_s) - now) / scales.reach_m
     sums[OBSTACLE] /= horizon_s

@@ -30,16 +30,10 @@ class CostToGo:
         prepare_s: float,
         straight: bool = False,
     ) -> None:
-        """Set up that of one robot.
+        """Set up that of one robot, renewed at most every `period_s` (s) while only the map changes.
 
-        Args:
-            belief: What the robot knows; its goal is where the cost-to-go leads.
-            clock: Clock of the robot's decisions.
-            cfg: Grid and clearance.
-            period_s: Shortest time between updates when only the map has changed (s).
-            most_cells: Cells that are searched at most within a control tick.
-            prepare_s: Simulated time that a larger search takes (s).
-            straight: Use the straight distance to the goal, whatever lies between.
+        A search of more cells than `most_cells` takes `prepare_s` of simulated time (s). `straight`: by the straight
+        distance to the goal, whatever lies between.
         """
         self.field: CostField | None = None
         """None before the first update."""

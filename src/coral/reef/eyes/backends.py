@@ -25,16 +25,10 @@ EXACT, RGB = "exact", "rgb"
 
 
 def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> RgbPerception | None:
-    """Return eyes by name.
+    """Return eyes by name: an entry point of the group `coral.eyes`, or an ONNX file whose layout says what it is.
 
-    Args:
-        name: exact, rgb, an entry point of the group `coral.eyes`, or the path of an ONNX file, whose layout says what
-            it is.
-        where: Flag or key that it comes from, for errors.
-        depth: ONNX file of a relative depth network, which replaces the depth of the eyes; "" for none.
-
-    Returns:
-        None for exact: the simulator's frames are used as they are.
+    `depth` is the ONNX file of a relative depth network, which replaces the depth of the eyes; "" for none. None for
+    exact: the simulator's frames are used as they are.
 
     Raises:
         InputError: There is no such thing, or the file has a layout that is not known.

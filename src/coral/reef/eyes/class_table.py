@@ -39,12 +39,7 @@ class ClassTable:
 
 
 def class_table(names: Mapping[int, str], stated: Mapping[int | str, str], path: str) -> ClassTable:
-    """Return what each class is: as the user states, by number or name, or else by its name as a whole.
-
-    Args:
-        names: Of the network; empty where it has none.
-        stated: What the user says that a class is (`STATED`), by number or name.
-        path: Of the network, for errors.
+    """Return what each class is: as the user states (`STATED`), by number or name, or else by its name as a whole.
 
     Raises:
         InputError: None is an oyster, or something is stated of a class that the network has not.

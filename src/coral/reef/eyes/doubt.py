@@ -54,15 +54,10 @@ def unpack_doubt(steps: NDArray[np.uint8]) -> NDArray[np.float32]:
 def choose_labels(
     logits: NDArray[np.float32], obstacle_from: float, oyster_from: float | None = None
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-    """Choose the likeliest class of every pixel, or obstacle, or oyster, where that is likely enough.
+    """Choose the likeliest class of every pixel from logits in the order of `Label`, Shape=(4, H, W).
 
-    Args:
-        logits: In the order of `Label`. Shape=(4, H, W).
-        obstacle_from: Probability from which a pixel is an obstacle, whatever else it may be.
-        oyster_from: The same for oysters, before obstacles; None: only where that is likeliest.
-
-    Returns:
-        Labels and the probability that they are wrong. Shape=(H, W) each.
+    A pixel is an obstacle from a probability of `obstacle_from` on, an oyster, before that, from `oyster_from` (None:
+    only where it is likeliest). Returns labels and the probability that they are wrong. Shape=(H, W) each.
     """
     powers = np.exp(logits - logits.max(axis=0))
     shares = powers / powers.sum(axis=0)

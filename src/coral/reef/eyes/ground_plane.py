@@ -15,16 +15,9 @@ NEAR_PER_M, FAR_PER_M = 4.0, 0.0
 def ground_depth(
     camera: CameraCfg, height: float | None = None, *, roll: float = 0.0, pitch: float = 0.0
 ) -> NDArray[np.float32]:
-    """Compute the depth at which each pixel's ray meets a flat sea floor.
+    """Compute the depth along the optical axis at which each pixel's ray meets a flat sea floor (m). Shape=(H, W).
 
-    Args:
-        camera: The camera.
-        height: Of the camera above the floor (m); None: as configured.
-        roll: As for `T_world_camera`.
-        pitch: As for `T_world_camera`.
-
-    Returns:
-        Depth along the optical axis (m), inf at and above the horizon. Shape=(H, W).
+    It is inf at and above the horizon. Height, roll and pitch as for `T_world_camera`.
     """
     fx, fy, cx, cy = camera.intrinsics
     transform = T_world_camera(Pose(0.0, 0.0, 0.0), camera, altitude=height, roll=roll, pitch=pitch)
@@ -37,14 +30,9 @@ def ground_depth(
 
 
 def network_input(rgb: NDArray[np.uint8], ground: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Stack a picture and the inverse depth of the sea floor, as our networks read them.
+    """Stack a picture, Shape=(H, W, 3), and the inverse of `ground_depth` (1/m), as our networks read them.
 
-    Args:
-        rgb: Shape=(H, W, 3).
-        ground: Of `ground_depth`. Shape=(H, W).
-
-    Returns:
-        Red, green and blue from -1 to 1, inverse depth (1/m). Shape=(4, H, W).
+    Red, green and blue go from -1 to 1. Shape=(4, H, W).
     """
     stacked = np.empty((4, *ground.shape), np.float32)
     stacked[:3] = rgb.transpose(2, 0, 1).astype(np.float32) / 127.5 - 1.0

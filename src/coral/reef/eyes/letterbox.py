@@ -46,14 +46,7 @@ class Letterbox:
         return out
 
     def extract(self, image: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return the camera's part of a map of the network's picture, at the camera's size.
-
-        Args:
-            image: Of the network's picture, perhaps coarser. Shape=(h, w).
-
-        Returns:
-            Shape=(H, W).
-        """
+        """Return the camera's part of a map of the network's picture, perhaps coarser, at the camera's size."""
         rows, columns = image.shape
         fx, fy = columns / self.net_width, rows / self.net_height
         (x, y), (width, height) = self.corner, self.inner

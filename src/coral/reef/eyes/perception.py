@@ -52,13 +52,7 @@ class RgbPerception(Protocol):
     """What they take their network for, line by line: layout, classes, pictures."""
 
     def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
-        """Find classes and depth in a picture.
-
-        Args:
-            rgb: sRGB. Shape=(H, W, 3).
-            camera: That took it.
-            attitude: Of the camera then, as measured.
-        """
+        """Find classes and depth in an sRGB picture, Shape=(H, W, 3), taken by a camera in a measured attitude."""
         ...
 
 

@@ -52,11 +52,7 @@ def check_pixels(look: Look, used: PictureInput) -> str:
 
 
 def depth_kind(values: NDArray[np.float32]) -> str:
-    """Say what a depth network's map of the shipped picture is: relative (larger is nearer), metric, or '' if neither.
-
-    Args:
-        values: At the camera's size. Shape=(H, W).
-    """
+    """Say what a map of the shipped picture is: relative (larger is nearer), metric, or '' if neither."""
     _, truth = shipped_picture()
     ground = ground_depth(CAMERA)
     floor = (truth == Label.SEABED) & (ground < CAMERA.range_m) & np.isfinite(values)

@@ -48,9 +48,7 @@ class ScaleShift:
 def fit_scale_shift(relative: NDArray[np.float32], depth: NDArray[np.float32]) -> ScaleShift:
     """Fit scale and shift by least squares in inverse depth, reweighted so that outliers do not count (MiDaS, SPADE).
 
-    Args:
-        relative: Relative inverse depth at the points; larger is nearer. Shape=(N,).
-        depth: True depth along the optical axis there (m), as by a sonar. Shape=(N,).
+    `relative` is larger for what is nearer, `depth` is true, along the optical axis (m). Shape=(N,) each.
 
     Raises:
         ValueError: There are fewer than two points, all at the same relative depth, or nearer ones look farther.

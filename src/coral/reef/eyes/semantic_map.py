@@ -117,12 +117,7 @@ class SemanticEyes:
 def gather_labels(maps: NDArray[np.float32], table: ClassTable) -> NDArray[np.float32]:
     """Return the logits of what the classes are to us, in the order of `Label`: log of the sum of their powers.
 
-    Args:
-        maps: Logits, or probabilities that sum to 1. Shape=(C, h, w).
-        table: Of the classes.
-
-    Returns:
-        Shape=(4, h, w).
+    `maps`, Shape=(C, h, w), are logits, or probabilities that sum to 1. Shape=(4, h, w).
     """
     if maps.min() >= 0.0 and np.abs(maps.sum(axis=0) - 1.0).max() < 1e-2:
         maps = np.log(np.maximum(maps, np.float32(1e-12)))

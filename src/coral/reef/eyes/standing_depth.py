@@ -9,17 +9,11 @@ from coral.reef.world.geometry import Label
 
 
 def standing_depth(labels: NDArray[np.uint8], ground: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return the depth of every pixel, if what is seen lies on the sea floor or stands upright on it.
+    """Return the depth of every pixel (m), if what is seen lies on the sea floor or stands upright on it. Shape=(H, W).
 
-    Sea floor and oysters have the depth of the plane. An obstacle has in each column the depth of the plane at its
-    lowest pixel, its foot; above the horizon without a foot, as a floating ball, it has none.
-
-    Args:
-        labels: `Label` of every pixel. Shape=(H, W).
-        ground: Depth of the plane (m), inf above the horizon; see `ground_depth`. Shape=(H, W).
-
-    Returns:
-        Metres; inf for water and where nothing is known. Shape=(H, W).
+    Sea floor and oysters have the depth of the plane, `ground_depth`. An obstacle has in each column the depth of the
+    plane at its lowest pixel, its foot; above the horizon without a foot, as a floating ball, it has none. Inf for
+    water and where nothing is known.
     """
     depth = np.where((labels == Label.SEABED) | (labels == Label.OYSTER), ground, np.float32(np.inf))
     foot = np.full(labels.shape[1], np.inf, np.float32)

@@ -24,11 +24,7 @@ _STRIDES, _ANCHORS = (8, 16, 32), 3
 def layout_of(rows: int, columns: int, classes: int, size: tuple[int, int]) -> Layout | None:
     """Return the layout of an output of shape (1, rows, columns); None if it fits none, or not this many classes.
 
-    Args:
-        rows: Of the output.
-        columns: Of the output.
-        classes: Of the network.
-        size: Width and height of its pictures (px), which tell YOLOv5 of one class from chosen objects.
+    The size of its pictures (px) tells YOLOv5 of one class from chosen objects.
     """
     anchors = _ANCHORS * sum((size[0] // stride) * (size[1] // stride) for stride in _STRIDES)
     if columns == _CHOSEN and rows <= _MOST_CHOSEN and not (classes == 1 and rows == anchors):
@@ -55,11 +51,8 @@ class Detections:
 def decode(raw: NDArray[np.float32], layout: Layout, score: float = 0.25, overlap: float = 0.7) -> Detections:
     """Choose the objects: those with a score, without those that overlap a likelier one of their class.
 
-    Args:
-        raw: The candidates. Shape=(4 + classes + 32, M), (M, 5 + classes + 32) or (M, 6 + 32), as the layout says.
-        layout: What stands where.
-        score: Least score.
-        overlap: Largest intersection over union of two boxes of a class.
+    `raw` has Shape=(4 + classes + 32, M), (M, 5 + classes + 32) or (M, 6 + 32), as the layout says; `overlap` is the
+    largest intersection over union of two boxes of a class.
     """
     if layout == "chosen":
         kept_rows = raw[np.argsort(-raw[:, 4], kind="stable")]
@@ -98,15 +91,9 @@ def box_overlap(box: NDArray[np.float32], others: NDArray[np.float32]) -> NDArra
 
 
 def draw_masks(found: Detections, prototypes: NDArray[np.float32], net_size: tuple[int, int]) -> NDArray[np.float32]:
-    """Return the mask of every object: a weighted sum of the prototypes, cut at its box.
+    """Return the mask of every object: a weighted sum of the prototypes, Shape=(32, h, w), cut at its box.
 
-    Args:
-        found: The objects.
-        prototypes: Shape=(32, h, w).
-        net_size: Width and height of the network's picture (px).
-
-    Returns:
-        Probability that a pixel belongs to the object. Shape=(N, h, w).
+    It is the probability that a pixel belongs to the object. Shape=(N, h, w).
     """
     _, rows, columns = prototypes.shape
     sums = np.clip(np.tensordot(found.coefficients, prototypes, axes=1), -50.0, 50.0)

@@ -115,13 +115,7 @@ class Belief:
         return self._waters[cfg].now()
 
     def update(self, frame: Frame | None, pose: Pose, attitude: Attitude | None = None) -> None:
-        """Take in the robot's pose and the camera picture taken from it; None if there is no new one.
-
-        Args:
-            frame: The picture.
-            pose: Where it was taken.
-            attitude: Roll and pitch of the body then; None: level.
-        """
+        """Take in the robot's pose and the picture taken there, if there is a new one; without an attitude, level."""
         self.pose = pose
         if frame is not None:
             self.frame = frame

@@ -102,13 +102,7 @@ class Track:
 
 
 def components(target: NDArray[np.bool_], cell_m: float, cfg: ChainCfg) -> list[Component]:
-    """Find connected oyster regions of at least A_min, with their centroids (Eq. 2).
-
-    Args:
-        target: Oyster cells. Shape=(NY, NX).
-        cell_m: Edge of a cell (m).
-        cfg: Filter settings.
-    """
+    """Find connected oyster regions of at least A_min, with their centroids (Eq. 2). `target` has Shape=(NY, NX)."""
     ys, xs = np.flatnonzero(target.any(axis=1)), np.flatnonzero(target.any(axis=0))
     if not ys.size:
         return []
@@ -124,11 +118,7 @@ def closing_width(cell_m: float, cfg: ChainCfg) -> int:
 def label_regions(target: NDArray[np.bool_], window: Box, cell_m: float, cfg: ChainCfg) -> list[tuple[Component, Box]]:
     """Find the connected oyster regions in a window, of any size; one that crosses its edge is cut there.
 
-    Args:
-        target: Oyster cells. Shape=(NY, NX).
-        window: Where to look.
-        cell_m: Edge of a cell (m).
-        cfg: Width of the gaps that are closed.
+    `target`, Shape=(NY, NX), are oyster cells.
     """
     width = closing_width(cell_m, cfg)
     s0, s1, t0, t1 = grown(window, width, target.shape)
@@ -157,16 +147,10 @@ def label_regions(target: NDArray[np.bool_], window: Box, cell_m: float, cfg: Ch
 
 
 def order_chain(points: NDArray[np.float64]) -> list[int]:
-    """Order points into one path that follows their spine (paper III-B, "path ordering").
+    """Order points, Shape=(K, 2), into one path that follows their spine (paper III-B, "path ordering").
 
     Path segments grow greedily: the closest pair of segment ends that belong to different segments (union-find)
-    is joined until one path is left.
-
-    Args:
-        points: Shape=(K, 2), metres.
-
-    Returns:
-        Indices into `points`, from one end of the path to the other.
+    is joined until one path is left. Returns indices, from one end of the path to the other.
     """
     k = len(points)
     if k < 2:
@@ -195,14 +179,7 @@ def order_chain(points: NDArray[np.float64]) -> list[int]:
 
 
 def spanning_tree(points: NDArray[np.float64]) -> list[tuple[int, int]]:
-    """Return the shortest set of links that joins all points: the chain with its forks (Prim 1957).
-
-    Args:
-        points: Shape=(K, 2), metres.
-
-    Returns:
-        Pairs of indices into `points`, K - 1 of them.
-    """
+    """Return the K - 1 shortest links that join all points, Shape=(K, 2): the chain with its forks (Prim 1957)."""
     k = len(points)
     if k < 2:
         return []
@@ -237,9 +214,7 @@ class CentroidTracker:
     def update(self, found: Sequence[Component], hints: Sequence[Hint] = ()) -> list[Track]:
         """Match components to tracks, closest pairs first, each at most once; start and drop tracks.
 
-        Args:
-            found: The oyster regions of the map.
-            hints: Oysters seen beyond the map's range. They are tracks of their own until the map shows a region there.
+        Hints, oysters seen beyond the map's range, are tracks of their own until the map shows a region there.
         """
         cfg = self.cfg
         tracks = [t for t in self.tracks if not t.far]
@@ -307,13 +282,9 @@ class CentroidTracker:
     ) -> None:
         """Update how much of each cluster has been seen from near, and mark as visited where next to nothing is left.
 
-        Args:
-            nearest: Shape=(NY, NX), smallest distance (m) from which each cell has been seen.
-            unseeable: Shape=(NY, NX), cells that are not worth another try.
-            near_m: Distance (m) from which oysters can be counted.
-            cell_m: Edge of a cell (m).
-            cfg: What is left over.
-            seen: The only rectangle in which `nearest` has changed since the last call; None: anywhere.
+        `nearest`, Shape=(NY, NX), is the smallest distance (m) from which each cell has been seen; it has changed only
+        in `seen` since the last call (None: anywhere). From `near_m` oysters can be counted. Cells that are
+        `unseeable`, Shape=(NY, NX), are not worth another try.
         """
         tracks, inspected = [], {}
         for track in self.tracks:
@@ -338,12 +309,7 @@ class CentroidTracker:
         return copied
 
     def doubt(self, agreement: Callable[[NDArray[np.intp]], float], sure: float) -> None:
-        """Mark the clusters of which the pictures do not agree that there are any.
-
-        Args:
-            agreement: Tells from 0 to 1 how far they agree on oysters in some cells.
-            sure: Agreement from which a cluster is taken for true.
-        """
+        """Mark the clusters of which the pictures agree, from 0 to 1, less than `sure` that there are oysters."""
         self.tracks = [
             replace(t, doubtful=agreement(t.cells) < sure) if len(t.cells) and not t.far else t for t in self.tracks
         ]

@@ -64,12 +64,8 @@ class CostField:
     ) -> CostField:
         """Compute the cost-to-go over a map. Unknown water can be crossed, the map's edge cannot.
 
-        Args:
-            distance: Distance (m) of each map cell to the nearest known obstacle, inf without any. Shape=(H, W).
-            goal: World point (m).
-            start: Position of the robot (m). If given, a goal without a path from there is a `failure`.
-            cell_m: Edge of a map cell (m).
-            cfg: Grid and clearance.
+        `distance`, Shape=(H, W), is that of each map cell to the nearest known obstacle (m), inf without any. With the
+        robot's `start` (m), a goal without a path from there is a `failure`.
         """
         cfg = cfg or CostFieldCfg()
         return cls.over(slowness_over(distance, cell_m, cfg), goal, start=start, cell_m=cell_m * cfg.ratio, cfg=cfg)
@@ -84,14 +80,9 @@ class CostField:
         cell_m: float = 0.1,
         cfg: CostFieldCfg | None = None,
     ) -> CostField:
-        """Compute the cost-to-go over water whose cost is known.
+        """Compute the cost-to-go over water whose cost per metre is known, Shape=(h, w); negative: blocked.
 
-        Args:
-            slowness: Cost per metre of each cell; negative: blocked. Shape=(h, w).
-            goal: World point (m).
-            start: Position of the robot (m). If given, a goal without a path from there is a `failure`.
-            cell_m: Edge of a cell (m).
-            cfg: Clearance.
+        With the robot's `start` (m), a goal without a path from there is a `failure`.
         """
         cfg = cfg or CostFieldCfg()
         h, w = slowness.shape
@@ -120,21 +111,11 @@ class CostField:
         cfg: CostFieldCfg | None = None,
         most_cells: int | None = None,
     ) -> CostField | None:
-        """Compute the cost-to-go of a robot on its way to a goal, over a window about both.
+        """Compute the cost-to-go of a robot on its way to a goal, over a window about both, as `over` does.
 
         The window is so large that no path from the robot's surroundings that leaves it can be shorter; it grows to
-        the whole map if no path is found. Outside of it the cost-to-go is a constant, larger than inside.
-
-        Args:
-            slowness: Cost per metre of each cell; negative: blocked. Shape=(h, w).
-            start: Position of the robot (m). A goal without a path from there is a `failure`.
-            goal: World point (m).
-            cell_m: Edge of a cell (m).
-            cfg: Clearance.
-            most_cells: Largest number of cells to search; None: any number.
-
-        Returns:
-            The field; None if more cells than `most_cells` have to be searched.
+        the whole map if no path is found. Outside of it the cost-to-go is a constant, larger than inside. None if more
+        than `most_cells` have to be searched.
         """
         cfg = cfg or CostFieldCfg()
         h, w = slowness.shape

@@ -67,22 +67,11 @@ def slowness_window(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def march(slowness: Grid, cell_m: float, goal_j: int, goal_i: int, gx: float, gy: float, top: float) -> Grid:
-    """Solve |grad V| = slowness from the goal outwards; inf where no path leads to the goal.
+    """Solve |grad V| = slowness from the goal outwards; inf where no path leads to the goal. Shape=(h, w), m.
 
     Fast marching with buckets one third of a cell wide instead of a heap. Cells of a bucket are taken in the order of
-    their arrival: the error is far below that of the scheme, and the time is linear in the number of cells.
-
-    Args:
-        slowness: Shape=(h, w), cost per metre; negative: blocked.
-        cell_m: Edge of a cell (m).
-        goal_j: Row of the goal's cell.
-        goal_i: Column of the goal's cell.
-        gx: x of the goal (m). The cells around the goal start with their true distance.
-        gy: y of the goal (m).
-        top: Largest slowness in the grid.
-
-    Returns:
-        Shape=(h, w) cost-to-go (m of open water).
+    their arrival: the error is far below that of the scheme, and the time is linear in the number of cells. The cells
+    around the goal (gx, gy) (m) start with their true distance. Negative slowness: blocked. `top` is the largest.
     """
     # A rim of blocked cells makes bounds checks unnecessary. Cells have a linear index.
     h, w = slowness.shape[0] + 2, slowness.shape[1] + 2

@@ -12,16 +12,7 @@ from coral.reef.world.geometry import Pose
 
 
 def echoes_in_picture(image: RangeImage, pitch_down_deg: float, camera: CameraCfg) -> NDArray[np.float32]:
-    """Return column, row (px) and depth along the optical axis (m) of the echoes that the camera has in view.
-
-    Args:
-        image: Of a sonar at the body's origin, where the camera is too.
-        pitch_down_deg: Tilt of the sonar (degrees).
-        camera: The camera.
-
-    Returns:
-        Shape=(N, 3).
-    """
+    """Return `project_points` of the echoes of a sonar at the body's origin, where the camera is too."""
     heard = np.isfinite(image.ranges)
     points = image.directions()[heard] * image.ranges[heard][:, None]
     to_body = sonar_attitude(0.0, 0.0, 0.0, pitch_down_deg)
@@ -30,14 +21,9 @@ def echoes_in_picture(image: RangeImage, pitch_down_deg: float, camera: CameraCf
 
 
 def project_points(points: NDArray[np.float64], camera: CameraCfg) -> NDArray[np.float32]:
-    """Return column, row (px) and depth (m) of the points that the camera has in view.
+    """Return column, row (px) and depth (m) of the points that the camera has in view. Shape=(M, 3).
 
-    Args:
-        points: In the camera's optical frame (m). Shape=(N, 3).
-        camera: The camera.
-
-    Returns:
-        Shape=(M, 3).
+    `points`, Shape=(N, 3), are in the camera's optical frame (m).
     """
     x, y, z = points.T
     ahead = z > camera.near_m

@@ -102,14 +102,7 @@ class OccupancyMap:
         cfg: MapCfg | None = None,
         sonar: SonarCfg | None = None,
     ) -> None:
-        """Set up an empty map.
-
-        Args:
-            size_m: Width and height of the survey area (m).
-            camera: The camera that takes the pictures.
-            cfg: Cells, ranges and thresholds.
-            sonar: The sonar that takes the range images; None without one.
-        """
+        """Set up an empty map of a survey area (m); `sonar` is None without one."""
         self.cfg = cfg = cfg or MapCfg()
         self.size_m = size_m
         shape = (math.ceil(size_m[1] / cfg.cell_m - 1e-9), math.ceil(size_m[0] / cfg.cell_m - 1e-9))
@@ -153,15 +146,9 @@ class OccupancyMap:
         self._reach = np.zeros(camera.width)
 
     def integrate(self, frame: Frame, pose: Pose, roll: float = 0.0, pitch: float = 0.0) -> None:
-        """Fuse a camera picture taken at `pose`, the robot's own estimate.
+        """Fuse a camera picture taken at `pose`, the robot's own estimate, with roll and pitch as in `T_world_camera`.
 
         The grid is flat: of Eq. 1's point, its height is dropped. The camera's height is in the depth of the picture.
-
-        Args:
-            frame: The picture.
-            pose: Pose of the body.
-            roll: About body x (rad), as in `T_world_camera`.
-            pitch: About body y (rad).
 
         Raises:
             InputError: The picture is not of the configured size and type, or the pose is not finite. The kernels check
@@ -239,10 +226,7 @@ class OccupancyMap:
     def hear(self, image: RangeImage, pose: Pose, attitude: Attitude | None = None) -> None:
         """Fuse a range image of the sonar into the obstacle layer, apart from what the camera has seen.
 
-        Args:
-            image: The image.
-            pose: Pose of the body, the robot's own estimate.
-            attitude: Roll, pitch, depth and altitude of the body; None: level, at the camera's configured height.
+        Without an attitude the body is level, at the camera's configured height.
 
         Raises:
             InputError: The map has no sonar, or the pose is not finite.
@@ -282,12 +266,7 @@ class OccupancyMap:
     ) -> NDArray[np.float32]:
         """Return `distance_near` with all that nobody has found free as an obstacle, for a vehicle without a camera.
 
-        Args:
-            x: Place of the vehicle (m).
-            y: Place of the vehicle (m).
-            radius_m: How far about it distances are computed; farther away they are 0.
-            trail: Places where it has been (m), which are free. Shape=(N, 2).
-            passed_m: Radius about each of them (m).
+        Water within `passed_m` of its `trail`, Shape=(N, 2), metres, is free. Beyond `radius_m` distances are 0.
         """
         y0, y1, x0, x1 = self._window(Pose(x, y, 0.0), radius_m)
         free = self.explored[y0:y1, x0:x1].copy()
@@ -310,10 +289,6 @@ class OccupancyMap:
 
         What it saw last stands where it stood relative to the robot. Were it left behind, the robot would stand among
         obstacles that are not there, and beside some that are no longer on the map.
-
-        Args:
-            before: The robot's pose as it was believed.
-            after: The corrected one, of the same moment.
         """
         to, source = moved_cells(self.obstacle.shape, self.cfg.cell_m, before, after)
         known = (self.explored | self.obstacle).flat[source]
@@ -333,11 +308,7 @@ class OccupancyMap:
         self.nearest[(self._neared >= begin) & (self._neared < stop)] = np.inf
 
     def close_off(self, cells: NDArray[np.bool_]) -> None:
-        """Make cells obstacles for good, whatever a picture shows there: places where the robot must not go.
-
-        Args:
-            cells: Shape=(NY, NX).
-        """
+        """Make cells, Shape=(NY, NX), obstacles for good, whatever a picture shows there: places not to go to."""
         if cells.any():
             self._obstacles[cells] = SATURATED
             self.obstacle |= cells
@@ -386,13 +357,10 @@ class OccupancyMap:
         self.version += 1
 
     def agreement(self, cells: NDArray[np.intp]) -> float:
-        """Return how far pictures agree that oysters lie in some cells, from 0 to 1; 1 where nothing says otherwise.
+        """Return how far pictures agree that oysters lie in some cells, (iy, ix) of each, Shape=(M, 2), from 0 to 1.
 
         It is the mean over the cells of the share of pictures that show oysters there, of those that show oysters or
-        seabed. A picture that shows both counts for both.
-
-        Args:
-            cells: (iy, ix) of each. Shape=(M, 2).
+        seabed; 1 where nothing says otherwise. A picture that shows both counts for both.
         """
         hits, ground = (counts[cells[:, 0], cells[:, 1]].astype(np.float64) for counts in (self._targets, self._ground))
         against = ground / np.maximum(hits + ground, 1.0)

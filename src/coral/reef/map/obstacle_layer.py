@@ -81,16 +81,7 @@ class ObstacleLayer:
         pitch: float = 0.0,
         depth_m: float = math.inf,
     ) -> bool:
-        """Fuse a range image taken at `pose`.
-
-        Args:
-            image: The image, of the configured sonar or of another geometry.
-            pose: Pose of the body.
-            altitude_m: Height of the body above the sea floor (m).
-            roll: About body x (rad).
-            pitch: About body y (rad); positive lowers the nose.
-            depth_m: Depth of the body below the surface (m).
-        """
+        """Fuse a range image of any geometry taken at `pose`; a positive pitch (rad) lowers the nose."""
         cfg = self.cfg
         geometry = image.ranges.shape, image.hfov_deg, image.vfov_deg
         if geometry != self._geometry:

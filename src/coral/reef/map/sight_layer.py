@@ -104,15 +104,9 @@ class SightLayer:
         roll: float = 0.0,
         pitch: float = 0.0,
     ) -> bool:
-        """Fuse a picture taken at `pose`.
+        """Fuse a picture, without its doubtful pixels, taken at `pose`; roll and pitch (rad) as in `T_world_camera`.
 
-        Args:
-            frame: The picture, without its doubtful pixels.
-            pose: Pose of the body.
-            ranges_m: Greatest distance (m) of obstacles, and of explored cells.
-            explored: Shape=(NY, NX), updated in place.
-            roll: As in `T_world_camera` (rad).
-            pitch: The same.
+        `ranges_m` are the greatest distances (m) of obstacles and of explored cells, Shape=(NY, NX), updated in place.
         """
         cfg, at = self.cfg, self._last
         rays = pixel_rays(self.camera, roll, pitch) if roll or pitch else self._rays

@@ -67,14 +67,7 @@ class Sonar3d15:
     def __init__(
         self, scene: Scene, cfg: SonarCfg, rng: np.random.Generator, *, surface_z: float | None = None
     ) -> None:
-        """Set up.
-
-        Args:
-            scene: What there is.
-            cfg: The sonar and its errors.
-            rng: Source of the errors.
-            surface_z: Height of the water's surface in the world (m); None: it is out of reach.
-        """
+        """Set up; `surface_z` is the height of the water's surface in the world (m), None if it is out of reach."""
         self.scene, self.cfg, self._rng = scene, cfg, rng
         self._surface_z = math.inf if surface_z is None else surface_z
         shape = (cfg.height, cfg.width)
@@ -85,14 +78,7 @@ class Sonar3d15:
         Shape=(H, W)."""
 
     def image(self, pose: Pose, altitude_m: float, *, roll: float = 0.0, pitch: float = 0.0) -> RangeImage:
-        """Take an image.
-
-        Args:
-            pose: Of the body.
-            altitude_m: Height of the body above the sea floor (m).
-            roll: About body x (rad).
-            pitch: About body y (rad); positive lowers the nose.
-        """
+        """Take an image from a body at `pose` and an altitude above the sea floor; positive pitch lowers the nose."""
         cfg, scene = self.cfg, self.scene
         turn = sonar_attitude(pose.theta, roll, pitch, cfg.pitch_down_deg)
         ranges = np.empty((cfg.height, cfg.width))
@@ -141,11 +127,7 @@ class Sonar3d15:
 def sonar_attitude(theta: float, roll: float, pitch: float, pitch_down_deg: float) -> NDArray[np.float64]:
     """Return the rotation from the sonar's frame (x forward, y left, z up) to the world. Shape=(3, 3).
 
-    Args:
-        theta: Heading of the body (rad).
-        roll: About body x (rad).
-        pitch: About body y (rad); positive lowers the nose.
-        pitch_down_deg: Tilt of the mounting (degrees).
+    Heading, roll and pitch (rad) are the body's; a positive pitch lowers the nose, as the mount is tilted (degrees).
     """
     body, mount = rotations([(roll, pitch, theta), (0.0, math.radians(pitch_down_deg), 0.0)])
     return np.ascontiguousarray(body @ mount)

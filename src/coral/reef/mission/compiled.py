@@ -11,13 +11,9 @@ NOTICE = "compiling once, about a minute"
 
 
 def is_compiled(kernel: Any = rollout) -> bool:
-    """Check whether numba's cache has a kernel, compiled from the source as it is now.
+    """Check whether numba's cache has a kernel, by default the one that takes longest, of the present source.
 
-    Args:
-        kernel: A function compiled with `cache=True`; by default the one that takes longest.
-
-    Returns:
-        True also where nobody can tell, as with numba's compiler switched off.
+    True also where nobody can tell, as with numba's compiler switched off.
     """
     cache = getattr(getattr(kernel, "_cache", None), "cache_path", None)
     if cache is None:

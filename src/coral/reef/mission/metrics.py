@@ -151,12 +151,7 @@ def metrics_of(events: Iterable[Mapping[str, Any]], rows: Iterable[Mapping[str, 
 
 
 def seconds_in_states(events: Sequence[Mapping[str, Any]], end_s: float) -> dict[str, float]:
-    """Return the time (s) in each state; empty if no states were recorded.
-
-    Args:
-        events: All events, in order; the vehicle begins ready, at time 0.
-        end_s: End of the run (s).
-    """
+    """Return the time (s) in each state, by all events in order; empty if no states were recorded."""
     changes = [event for event in events if event["event"] == "state"]
     if not changes:
         return {}

@@ -82,13 +82,7 @@ def plan_tour(
 ) -> Tour:
     """Plan a fast tour that inspects all that can be inspected, up to `SLACK`. Deterministic.
 
-    Args:
-        world: The true reef.
-        camera: Camera that takes the pictures.
-        imaging: What counts as inspected.
-        visibility_m: Visibility in the water (m); None: clear water.
-        vehicle: Gives hull radius, speed and yaw rate. It has no inertia here.
-        dt: Control period (s).
+    `visibility_m` is None in clear water. The vehicle gives hull radius, speed and yaw rate; it has no inertia here.
     """
     planner = _Planner(world, camera or CameraCfg(), imaging or ImagingCfg(), visibility_m, vehicle or VehicleCfg(), dt)
     tours = [planner.search(spacing) for spacing in GRIDS_M]

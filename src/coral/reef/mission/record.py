@@ -99,13 +99,8 @@ class FrameRecorder:
     def offer(self, step: int, t: float, cells: Any, frame: Frame, taken_at: PicturePose | None = None) -> None:
         """Write a set of pictures if it is due.
 
-        Args:
-            step: Number of the tick.
-            t: Time (s).
-            cells: Called without arguments, returns the classes of the map, Shape=(NY, NX).
-            frame: The camera picture.
-            taken_at: Where it was taken; None where nobody knows, or where the pilot did not get it: then it is no
-                keyframe.
+        `cells` returns the classes of the map, Shape=(NY, NX). A picture is a keyframe only with the place where it was
+        taken, if that is known and the pilot got it.
 
         Raises:
             OSError: An earlier set could not be written.

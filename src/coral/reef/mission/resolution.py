@@ -38,14 +38,8 @@ def resolve_mission(
 ) -> tuple[MissionCfg, ReefWorld]:
     """Return configuration and world of a mission, the same for the command line and for Python.
 
-    Args:
-        cfg: Configuration that the user gave.
-        world: The world as loaded.
-        variant: Name of the variant.
-        preset: Name of the water and sensors.
-        fallback: What happens where the advisor does not decide; None as configured.
-        keep: Keys of the configuration that win over the preset.
-        asks_people: Whether a person may answer, who gets more time.
+    `fallback` is what happens where the advisor does not decide; None as configured. Keys in `keep` win over the
+    preset. A person who may answer gets more time.
 
     Raises:
         InputError: A name is unknown or a value out of range.
@@ -64,15 +58,9 @@ def reef_advisor(
     facts: bool = False,
     where: str = "--advisor",
 ) -> Advisor:
-    """Make the advisor of a survey, with the reef's rules and errors.
+    """Make the advisor of a survey as `make_advisor` does, with the reef's rules and errors.
 
-    Args:
-        name: As `make_advisor` takes it.
-        seed: That of the mission, for advisors with errors.
-        inbox: Folder of `desk` for its questions.
-        model: Calls of a real model.
-        facts: Whether a model gets the numbers too, whatever `model` says.
-        where: Flag to name in an error message.
+    `seed` is that of the mission. With `facts` a model gets the numbers too, whatever its configuration says.
 
     Raises:
         InputError: The string names no advisor, or something that it needs is missing.

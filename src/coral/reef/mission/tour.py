@@ -56,13 +56,9 @@ def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose) -> NDArray
 
 
 def drive_lines(points: NDArray[np.float64], start: Pose, vehicle: VehicleCfg, dt: float) -> NDArray[np.float64]:
-    """Compute commands that drive straight from point to point at cruise speed and turn on the spot. Shape=(K, 2).
+    """Compute commands that drive straight from point to point, Shape=(N, 2), at cruise speed and turn on the spot.
 
-    Args:
-        points: Shape=(N, 2), metres, the first one at the start.
-        start: Pose of the vehicle.
-        vehicle: Gives speed and yaw rate.
-        dt: Control period (s).
+    The first point is at the start (m). Shape=(K, 2), one command every `dt` (s).
     """
     parts = []
     for a, b in itertools.pairwise(points):

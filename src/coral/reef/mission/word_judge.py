@@ -95,13 +95,10 @@ class WordJudge:
 
 
 def told_verdict(text: str, answer: str | None, judge: WordJudge | None, contacts: int) -> dict[str, Any]:
-    """Return what the event `judged` tells of a mission in words; empty for another mission.
+    """Return what the event `judged` tells of a mission in words, `text` at the end; empty for another mission.
 
-    Args:
-        text: The instruction at the end. Only that of the judge has known conditions; of other words nobody judges.
-        answer: The advisor's; None if it did not say that the mission was done.
-        judge: Who knows the conditions; None if there are none.
-        contacts: Of the vehicle, with which no mission is fulfilled.
+    Only the judge's own instruction has known conditions; of other words nobody judges. `answer` is None if the advisor
+    did not say that the mission was done. With contacts no mission is fulfilled.
     """
     if not text:
         return {}

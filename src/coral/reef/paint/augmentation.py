@@ -43,13 +43,9 @@ class BatchRandom:
 
 
 def choose_windows(count: int, chance: BatchRandom, *, scale: tuple[float, float], turned: bool) -> PictureWindow:
-    """Choose windows, half of them mirrored.
+    """Choose windows, half of them mirrored; `turned`: some are also turned and squashed.
 
-    Args:
-        count: Number of pictures.
-        chance: Random numbers.
-        scale: Least and largest share of the picture; above 1 the picture repeats, mirrored, beyond its edges.
-        turned: Whether pictures may be turned and squashed.
+    `scale` is the least and largest share of the picture; above 1 the picture repeats, mirrored, beyond its edges.
     """
     share = torch.exp(chance.uniform(math.log(scale[0]), math.log(scale[1]), count))
     squash = torch.exp(0.5 * chance.uniform(-0.45, 0.45, count)) if turned else torch.ones_like(share)
@@ -70,13 +66,9 @@ def choose_windows(count: int, chance: BatchRandom, *, scale: tuple[float, float
 
 
 def look_through(image: Tensor, window: PictureWindow, size: tuple[int, int], mode: str) -> Tensor:
-    """Resample pictures. `mode` is bilinear (colours, which are smoothed where they shrink) or nearest.
+    """Resample pictures, Shape (N, C, H, W), to a size (height, width).
 
-    Args:
-        image: Shape (N, C, H, W).
-        window: What is looked at.
-        size: Height and width of the result.
-        mode: As for `grid_sample`.
+    `mode` is bilinear (colours, which are smoothed where they shrink) or nearest.
     """
     grid = functional.affine_grid(window.matrix, [len(image), image.shape[1], *size], align_corners=False)
     seen = functional.grid_sample(image, grid, mode, "reflection", align_corners=False)
@@ -90,13 +82,10 @@ def look_through(image: Tensor, window: PictureWindow, size: tuple[int, int], mo
 
 
 def vary_colours(light: Tensor, depth: Tensor | None, chance: BatchRandom, strength: float = 1.0) -> Tensor:
-    """Change gains, gamma, saturation; add haze, a lamp, blur and noise.
+    """Change gains, gamma, saturation of sRGB, 0 to 1, Shape (N, 3, H, W); add haze, a lamp, blur and noise.
 
-    Args:
-        light: sRGB from 0 to 1. Shape (N, 3, H, W).
-        depth: Metres, inf for none, for the haze; None: haze is thicker towards the top. Shape (N, 1, H, W).
-        chance: Random numbers.
-        strength: Of gains, mixing and haze.
+    The haze follows the depth, Shape (N, 1, H, W), inf for none; None: it is thicker towards the top. `strength` is of
+    gains, mixing and haze.
     """
     n = len(light)
     mixing = torch.eye(3, device=light.device) + chance.normal(0.08 * strength, n, 3, 3)
@@ -176,14 +165,7 @@ def random_floor(count: int, size: tuple[int, int], chance: BatchRandom) -> Tens
 
 
 def paste_titles(light: Tensor, titles: Tensor, chance: BatchRandom, share: float = 0.12) -> Tensor:
-    """Write some of the prepared titles over some of the pictures.
-
-    Args:
-        light: Shape (N, 3, H, W).
-        titles: Coverage by letters and by their box. Shape (K, 2, h, w).
-        chance: Random numbers.
-        share: Of pictures with a title.
-    """
+    """Write titles, coverage by letters and by their box, Shape (K, 2, h, w), over a share of pictures (N, 3, H, W)."""
     n = len(light)
     which = torch.randint(len(titles), (n,), device=light.device, generator=chance.generator)
     cover = functional.interpolate(titles[which], size=light.shape[2:], mode="bilinear", align_corners=False)

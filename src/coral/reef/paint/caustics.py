@@ -17,19 +17,11 @@ GRAVITY_M_S2, INDEX = 9.81, 1.34
 
 @cache
 def caustics(seed: int, depth_m: float, slope: float) -> NDArray[np.float32]:
-    """Refract the sun's rays at moving waves and collect them on the floor.
+    """Refract the sun's rays at moving waves and collect them on the floor. Shape=(FRAMES, SIZE, SIZE).
 
     A ray that meets the surface where its slope is s is bent by (1 - 1/n) s, so it lands that much times the depth
     away (Snell's law for small angles). Waves of deep water obey omega^2 = g k; their frequencies are rounded so that
-    the film repeats.
-
-    Args:
-        seed: Of the waves.
-        depth_m: Depth of the floor.
-        slope: Root mean square slope of the waves.
-
-    Returns:
-        Light relative to its mean. Shape=(FRAMES, SIZE, SIZE), float32.
+    the film repeats. `slope` is the root mean square slope of the waves. Light is relative to its mean.
     """
     rng = np.random.default_rng([seed, 0xCA5])
     most = 9

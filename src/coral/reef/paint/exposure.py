@@ -15,17 +15,9 @@ _LUMA = (0.2126, 0.7152, 0.0722)
 
 
 def expose(light: NDArray[np.float32], cfg: PainterCfg, seed: int) -> NDArray[np.uint8]:
-    """Take the picture of the light that reaches the lens.
+    """Take the picture, RGB in sRGB, of the light that reaches the lens, linear, on any scale. Shape=(H, W, 3) both.
 
     Exposure and white balance follow from this picture alone, so a picture does not depend on those before it.
-
-    Args:
-        light: Linear, on any scale. Shape=(H, W, 3).
-        cfg: Lens and sensor.
-        seed: Of the noise.
-
-    Returns:
-        Shape=(H, W, 3), RGB in sRGB.
     """
     mean = np.maximum(light.reshape(-1, 3).mean(axis=0, dtype=np.float64), 1e-9)
     balance = (mean[1] / mean) ** cfg.white_balance

@@ -85,14 +85,8 @@ def remember(
     """Give a network the descriptors of what it was trained on, and the limit.
 
     Distances are measured along the principal axes of all descriptors, each scaled to the fourth root of its variance.
-    This is a nearest-neighbour test (Sun et al. 2022, arXiv 2204.06507).
-
-    Args:
-        net: Is changed.
-        real: Descriptors of real pictures. Shape=(N, D).
-        videos: The video of each: the limit comes from those of one against all others. Shape=(N,).
-        painted: Descriptors of painted reefs. Shape=(M, D).
-        seed: Of the choice among them.
+    This is a nearest-neighbour test (Sun et al. 2022, arXiv 2204.06507). `real`, Shape=(N, D), and `painted`,
+    Shape=(M, D), are descriptors; the limit comes from those of one of the videos, Shape=(N,), against all others.
     """
     rng = np.random.default_rng([seed, 0xFA])
     both = np.concatenate([real, painted])

@@ -27,13 +27,7 @@ def floor_surface(
 ) -> tuple[float, float, float, float, float, float]:
     """Return reflectance (red, green, blue) and normal of a point of the sea floor.
 
-    Args:
-        x: World position (m).
-        y: World position (m).
-        span: What the pixel covers there (m).
-        debris: Density of shell debris, 0 to 1.
-        sand: Reflectance of the sand.
-        tile: As `noise_tile`.
+    `span` is what the pixel covers there (m), `debris` the density of shell debris, 0 to 1; `tile` as `noise_tile`.
     """
     # The same tile at three scales, turned against one another so that no repetition shows.
     wide, wide_grain, _, _ = sample_tile(tile, 0.8 * x - 0.6 * y, 0.6 * x + 0.8 * y, 9.7, span)

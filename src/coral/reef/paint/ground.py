@@ -27,12 +27,9 @@ class SeaFloor:
 
     @classmethod
     def of(cls, scene: Scene, sun: tuple[float, float, float], softness: float = 0.06) -> SeaFloor:
-        """Rasterise a scene.
+        """Rasterise a scene; `sun` is a unit vector towards the sun, under water.
 
-        Args:
-            scene: Its solids.
-            sun: Unit vector towards the sun, under water.
-            softness: Width of a shadow's edge as a share of the distance to what casts it: waves and haze blur the sun.
+        `softness` is the width of a shadow's edge by the distance to what casts it: waves and haze blur the sun.
         """
         if not len(scene):
             return cls((0.0, 0.0), 1.0, np.array([[[255, 255, 0]]], np.uint8))

@@ -64,11 +64,8 @@ def video_of(name: str) -> str:
 def read_labelled(folder: Path, oysters: tuple[str, ...] = ()) -> Iterator[LabelledPicture]:
     """Read a folder of labelled pictures; what lies in it says of which kind it is.
 
-    `LabelFiles` are told apart by name. A folder with parts train, valid or test is all of them together.
-
-    Args:
-        folder: Where pictures lie.
-        oysters: Names (or numbers, where there are no names) of classes that are oysters; all, by default.
+    `LabelFiles` are told apart by name. A folder with parts train, valid or test is all of them together. `oysters` are
+    names (or numbers, where there are no names) of classes that are oysters; all, by default.
 
     Raises:
         InputError: There are no labels, or a file is broken.
@@ -153,11 +150,9 @@ def _box_corners(x: float, y: float, width: float, height: float) -> NDArray[np.
 
 
 def fill_target(shape: tuple[int, ...], marks: list[tuple[NDArray[np.float64], bool]]) -> NDArray[np.uint8]:
-    """Fill outlines (px) with oyster. A box is one inside its ellipse; its corners are unknown.
+    """Fill outlines, corners (px), Shape=(N, 2), and whether of a box, with oyster: a box is one inside its ellipse.
 
-    Args:
-        shape: Height and width.
-        marks: Corners, Shape=(N, 2), and whether they are those of a box.
+    A box's corners are unknown.
     """
     target = np.full(shape[:2], OTHER, np.uint8)
     for points, box in sorted(marks, key=lambda mark: not mark[1]):

@@ -17,12 +17,7 @@ SMOOTH, GRAIN, FLAKES, PEBBLES = range(4)
 def noise_tile(seed: int) -> NDArray[np.uint8]:
     """Make a tile that repeats without a seam, and its coarser levels, each half the size of the one before.
 
-    Args:
-        seed: Of its random numbers.
-
-    Returns:
-        The texels of all levels, row by row, from fine to coarse. 0 to 255 stand for 0 to 1.
-        Shape=((4 SIZE^2 - 1) / 3, 4), uint8.
+    The texels of all levels, row by row, from fine to coarse; 0 to 255 stand for 0 to 1. Shape=((4 SIZE^2 - 1) / 3, 4).
     """
     rng = np.random.default_rng([seed, 0x5EAF])
     channels = [

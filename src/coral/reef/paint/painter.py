@@ -47,14 +47,7 @@ class Painter:
         cfg: PainterCfg | None = None,
         seed: int = 0,
     ) -> None:
-        """Prepare the surfaces of a scene.
-
-        Args:
-            scene: The solids that pictures show.
-            camera: The camera that takes them.
-            water: Water type, or its name.
-            cfg: Daylight, lens and sensor.
-            seed: Of textures, waves and noise.
+        """Prepare the surfaces of a scene for pictures of a camera; `seed` is of textures, waves and noise.
 
         Raises:
             InputError: There is no water of this name.
@@ -87,19 +80,10 @@ class Painter:
         t: float = 0.0,
         velocity: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> NDArray[np.uint8]:
-        """Paint a frame as the camera's picture.
+        """Paint what the camera's rays met as its picture, RGB in sRGB. Shape=(H, W, 3).
 
-        Args:
-            frame: What the camera's rays met.
-            pose: True pose of the body.
-            height: Height of the camera above the seabed (m); None: as configured.
-            roll: As for `T_world_camera`.
-            pitch: As for `T_world_camera`.
-            t: Time (s): waves, snow, noise and animals change with it.
-            velocity: Surge, sway (m/s) and yaw rate (rad/s), for the motion blur.
-
-        Returns:
-            Shape=(H, W, 3), RGB in sRGB.
+        Roll and pitch as for `T_world_camera`, with the camera's height above the seabed (m; None: as configured).
+        Waves, snow, noise and animals change with `t` (s). Velocity, surge, sway (m/s) and yaw rate (rad/s), blurs.
         """
         light = self.light(frame, pose, height=height, roll=roll, pitch=pitch, t=t, velocity=velocity)
         return expose(light, self.cfg, noise_seed(self.seed, pose, t))
@@ -115,11 +99,7 @@ class Painter:
         t: float = 0.0,
         velocity: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> NDArray[np.float32]:
-        """Return the light that reaches the lens, before exposure and noise. The arguments are those of `paint`.
-
-        Returns:
-            Shape=(H, W, 3).
-        """
+        """Return the light that reaches the lens, before exposure and noise, as for `paint`. Shape=(H, W, 3)."""
         cfg, water, scene = self.cfg, self.water, self.scene.at(t)
         transform = T_world_camera(
             pose, self.camera, seabed_z=self.scene.seabed_z, altitude=height, roll=roll, pitch=pitch

@@ -32,13 +32,7 @@ class EyesScore:
     pictures: int = 0
 
     def add(self, seen: SeenPicture, truth: Frame, lengths: NDArray[np.float64]) -> None:
-        """Count a picture.
-
-        Args:
-            seen: What eyes say.
-            truth: What is true.
-            lengths: Of `ray_lengths`. Shape=(H, W).
-        """
+        """Count what eyes say of a picture against what is true; `lengths` are those of `ray_lengths`."""
         reach = truth.depth * lengths
         self.pictures += 1
         for band, (low, high) in enumerate(pairwise(BANDS_M)):

@@ -65,15 +65,9 @@ def paint_reefs(
     seed: int, reefs: int, pictures: int, size: tuple[int, int], processes: int = 1,
     tell: Callable[[str], None] = print,
 ) -> PaintedReefs:  # fmt: skip
-    """Paint pictures of generated reefs, some reefs at a time in processes of their own.
+    """Paint pictures of a size (px) of generated reefs, several reefs at a time in processes of their own.
 
-    Args:
-        seed: Of everything; the number of processes changes nothing.
-        reefs: Number of reefs.
-        pictures: Number of pictures of each.
-        size: Width and height (px).
-        processes: How many at a time.
-        tell: Called with a line now and then.
+    The number of processes changes nothing; `tell` is called with a line now and then.
     """
     jobs = [(1000 * seed + k, min(_REEFS_AT_A_TIME, reefs - k), pictures, size)
             for k in range(0, reefs, _REEFS_AT_A_TIME)]  # fmt: skip
@@ -118,15 +112,9 @@ def teach(
     seed: int, *, reefs: int, pictures: int, real: MarkedPictures | None, processes: int = 1,
     tell: Callable[[str], None] = print,
 ) -> TrainingData:  # fmt: skip
-    """Make the data of a training.
+    """Make the data of a training: pictures of painted reefs, of the same number again at half size, and real ones.
 
-    Args:
-        seed: Of all that is painted.
-        reefs: Number of painted reefs; the same number again at half size.
-        pictures: Pictures of each reef.
-        real: Real pictures; None without.
-        processes: That paint at a time.
-        tell: Called with a line now and then.
+    Several processes paint; `tell` is called with a line now and then.
     """
     full, half = (320, 240), (160, 120)
     painted = tuple(

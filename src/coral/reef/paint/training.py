@@ -78,13 +78,8 @@ def train(
     doubt. Of marked pictures only oysters count: cross entropy of oyster and all else, and 1 - IoU picture by picture.
     Every second step is at half size. What comes out is a running mean of the weights.
 
-    Args:
-        data: What to learn from.
-        cfg: How long and how fast.
-        seed: Of the first weights, the order and the variation of colours.
-        tell: Called with a line now and then.
-        begin: Weights to begin with, of `weights_in`: their encoder stays as it is, and so does what it finds familiar.
-            By default the encoder has seen photographs, and learns at a lower rate.
+    With weights to begin with, of `weights_in`, their encoder stays as it is, and so does what it finds familiar. By
+    default the encoder has seen photographs, and learns at a lower rate.
     """
     torch.set_num_threads(cfg.threads)
     torch.manual_seed(seed)
@@ -255,12 +250,8 @@ def weights_in(path: Path) -> dict[str, Tensor]:
 def export(net: ReefNet, path: Path, oyster_from: float | None = None) -> None:
     """Write a network for pictures of any even size as ONNX; its weights as .pt beside.
 
-    Input `picture`, outputs `logits`, `depth`, `depth_doubt`, `unlike`.
-
-    Args:
-        net: The network.
-        path: Where to.
-        oyster_from: Probability from which eyes call a pixel an oyster; None: where that is likeliest.
+    Input `picture`, outputs `logits`, `depth`, `depth_doubt`, `unlike`. Eyes call a pixel an oyster from a probability
+    of `oyster_from`; None: where that is likeliest.
     """
     net = net.cpu().eval()
     small = {name: value.half() if value.dim() > 1 else value for name, value in net.state_dict().items()}

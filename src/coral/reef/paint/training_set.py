@@ -43,17 +43,7 @@ class Sample:
 
 
 def make_samples(seed: int, worlds: int, pictures: int, size: tuple[int, int] = (160, 120)) -> Iterator[Sample]:
-    """Make pictures of generated reefs one by one.
-
-    Args:
-        seed: Of reefs, poses, water and light.
-        worlds: Number of reefs.
-        pictures: Number of pictures of each.
-        size: Width and height (px).
-
-    Yields:
-        Samples. The same arguments give the same ones.
-    """
+    """Yield pictures of a size (px) of generated reefs; `seed` is of reefs, poses, water and light."""
     rng = np.random.default_rng([seed, 0xE1E5])
     for number in range(worlds):
         scene = _make_scene(FIRST_SEED + 1000 * seed + number, rng)

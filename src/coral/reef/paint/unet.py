@@ -87,10 +87,9 @@ class ReefNet(nn.Module):  # type: ignore[misc]  # torch is not there when types
         self.register_buffer("limits", torch.ones(2))
 
     def forward(self, picture: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-        """Return (logits (N, 4, H, W), depth in m (N, 1, H, W), its relative doubt (N, 1, H, W), unlike (N, 2)).
+        """Return logits (N, 4, H, W), depth in m (N, 1, H, W), its relative doubt (N, 1, H, W), unlike (N, 2).
 
-        Args:
-            picture: Shape (N, 4, H, W); H and W are multiples of `STRIDE`.
+        `picture` has Shape (N, 4, H, W); H and W are multiples of `STRIDE`.
         """
         out, descriptor = self.features(picture)
         flat = -torch.log(torch.clamp(picture[:, 3:4], min=FLAT_PER_M))

@@ -23,15 +23,10 @@ def choose_viewpoints(
     aside_rad: float = 0.35,
     free_m: float = 0.35,
 ) -> list[Pose]:
-    """Choose poses 0.5 to 5 m from a solid, at random, that look at it more or less.
+    """Choose poses 0.5 to 5 m from a solid of the wanted class, at random, that look at it more or less.
 
-    Args:
-        scene: Solids of the reef.
-        count: Number of poses.
-        rng: Source of randomness.
-        wanted: Class of the solid.
-        aside_rad: Standard deviation of the direction from that to the solid.
-        free_m: Least distance from the camera to an obstacle; by default the hull of a vehicle fits.
+    `aside_rad` is the standard deviation of their direction from that to the solid, `free_m` the least distance to an
+    obstacle; by default the hull of a vehicle fits.
 
     Raises:
         InputError: There is no room among the obstacles.

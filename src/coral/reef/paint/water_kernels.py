@@ -18,13 +18,10 @@ nearly straight on counts as not scattered, as it does for `WaterType.lost`."""
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
 def transmission_table(beam: Rgb, lost: Rgb, far: float, table: NDArray[np.float32]) -> None:
-    """Tabulate exp(-c r) and exp(-g r) - exp(-c r) for ranges from 0 to `far`: the exponentials of every pixel.
+    """Tabulate exp(-c r) and exp(-g r) - exp(-c r) for ranges from 0 to `far` (m): the exponentials of every pixel.
 
-    Args:
-        beam: c (1/m).
-        lost: g (1/m).
-        far: Range of the last row (m).
-        table: Shape=(n, 6), written: straight light in red, green, blue, then light astray.
+    `beam` is c, `lost` is g (1/m). `table`, Shape=(n, 6), is written: straight light in red, green, blue, then light
+    astray.
     """
     for i in range(table.shape[0]):
         r = far * i / (table.shape[0] - 1)

@@ -28,14 +28,7 @@ class FloorMosaic:
     """
 
     def __init__(self, shape: tuple[int, int], pixel_m: float, camera: CameraCfg, range_m: float) -> None:
-        """Begin.
-
-        Args:
-            shape: (MY, MX) pixels, row 0 in the south.
-            pixel_m: Edge of a pixel (m).
-            camera: Whose pictures are added.
-            range_m: Largest distance of a picture that gives a colour (m).
-        """
+        """Begin with `shape` (MY, MX) pixels, row 0 in the south; no picture gives a colour beyond `range_m`."""
         self.pixel_m, self.camera, self.range_m = pixel_m, camera, range_m
         self._best, self._weight = np.full(shape, np.inf, np.float32), np.zeros(shape, np.float32)
         self._shade, self._fine = np.zeros((*shape, 3), np.float32), np.zeros((*shape, 3), np.float32)
@@ -47,13 +40,9 @@ class FloorMosaic:
         transform: NDArray[np.float64],
         shade_share: float = SHADE_SHARE,
     ) -> None:
-        """Add a picture.
+        """Add a picture, Shape=(H, W, 3), of any size of the camera's shape, with its depth (m), Shape=(H, W).
 
-        Args:
-            rgb: Shape=(H, W, 3), of any size of the camera's shape.
-            depth: Shape=(H, W), of the same size (m).
-            transform: T_c^w, the floor at 0 m. Shape=(4, 4).
-            shade_share: See `split_bands`.
+        `transform` is T_c^w, the floor at 0 m, Shape=(4, 4); for `shade_share` see `split_bands`.
         """
         coarse, detail = split_bands(rgb, shade_share)
         fx, _, cx, cy = self.camera.intrinsics
@@ -75,12 +64,9 @@ class FloorMosaic:
 
 
 def split_bands(rgb: NDArray[np.uint8], share: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Split a picture into its shade and its detail, which add up to it. Shape=(H, W, 3) each.
+    """Split a picture, Shape=(H, W, 3), into its shade and its detail, which add up to it. Shape=(H, W, 3) each.
 
-    Args:
-        rgb: Shape=(H, W, 3).
-        share: Standard deviation of the Gaussian that makes the shade, as a share of the picture's width; 0: all is
-            detail.
+    The shade is by a Gaussian, `share` of the picture's width wide (standard deviation); 0: all is detail.
     """
     picture = rgb.astype(np.float32)
     if share <= 0.0:

@@ -118,16 +118,7 @@ LEGEND_PX = 640
 
 
 def draw_legend(rgb: Image, left: int, top: int, goal: bool, arrival: bool = False, clusters: bool = True) -> None:
-    """Draw two lines that explain the colours, in place, from (left, top) px.
-
-    Args:
-        rgb: The picture.
-        left: Column (px).
-        top: Row (px).
-        goal: Whether a goal is drawn.
-        arrival: Whether the place where the robot will be is drawn.
-        clusters: Whether the centroid chain is drawn.
-    """
+    """Draw two lines that explain the colours, in place, from (left, top) px, with the marks that are drawn."""
     squares = [
         (CELL_COLORS[0], "unexplored"),
         (CELL_COLORS[1], "explored"),

@@ -97,10 +97,7 @@ def check_attitude(roll: float, pitch: float, depth_m: float, tilt_rad: float) -
 def check_frame(frame: object, camera: CameraCfg, least_seen: float) -> Frame:
     """Return a picture after checking its shape, type, the range of its values, and that it shows something.
 
-    Args:
-        frame: The picture.
-        camera: Gives its size.
-        least_seen: Share of the pixels that must have a return.
+    At least the share `least_seen` of its pixels must have a return.
     """
     if not isinstance(frame, Frame):
         raise UnfitMeasurement("wrong type", f"{type(frame).__name__}, not a Frame")
@@ -126,10 +123,7 @@ def check_frame(frame: object, camera: CameraCfg, least_seen: float) -> Frame:
 def check_range_image(image: object, sonar: SonarCfg, least_heard: float) -> RangeImage:
     """Return a range image after checking its type, shape, field of view, its values, and that there are echoes.
 
-    Args:
-        image: The image.
-        sonar: Gives its shape and field of view.
-        least_heard: Share of the beams that must have an echo.
+    At least the share `least_heard` of its beams must have one.
     """
     if not isinstance(image, RangeImage):
         raise UnfitMeasurement("wrong type", f"{type(image).__name__}, not a RangeImage")

@@ -149,14 +149,9 @@ class SensorGuard:
         *,
         sonar_alone: Callable[[], bool] = lambda: False,
     ) -> None:
-        """Set up.
+        """Set up for a survey area (m) whose corner is the origin; without a sonar its images are not looked at.
 
-        Args:
-            camera: The camera.
-            size_m: Size of the survey area (m), whose corner is the origin.
-            cfg: Limits.
-            sonar: The sonar; None without one: its images are then not looked at.
-            sonar_alone: Tells whether only the sonar finds obstacles: then nothing moves without it.
+        `sonar_alone` tells whether only the sonar finds obstacles: then nothing moves without it.
         """
         self.cfg, self._camera, self._size_m = cfg or GuardCfg(), camera, size_m
         self._sonar, self._sonar_alone = sonar, sonar_alone

@@ -61,12 +61,7 @@ class Sightings:
 
 
 def greedy_cover(sightings: Sightings, weight: NDArray[np.float64]) -> list[int]:
-    """Choose few viewpoints that together see what all see, by adding the one that adds most each time.
-
-    Args:
-        sightings: What the viewpoints see.
-        weight: Shape=(M,), weight of each point.
-    """
+    """Choose few viewpoints that together see what all see, each time the one that adds most weight, Shape=(M,)."""
     left, chosen = sightings.seen(), list[int]()
     while left.any():
         best = int(np.argmax(sightings.worth(np.where(left, weight, 0.0))))

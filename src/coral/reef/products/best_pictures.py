@@ -31,13 +31,9 @@ class ClusterPicture:
 def best_pictures(
     recording: Recording, group: NDArray[np.int32], each: int = 3, apart_s: float = 3.0
 ) -> list[ClusterPicture]:
-    """Choose up to `each` pictures of every cluster, `apart_s` seconds apart, the best first.
+    """Choose up to `each` pictures of every cluster of a located recording, `apart_s` seconds apart, the best first.
 
-    Args:
-        recording: A located recording.
-        group: Number of each cell's cluster, from `label_clusters`. Shape=(NY, NX).
-        each: How many for a cluster.
-        apart_s: Least time between two of them (s).
+    `group` is the number of each cell's cluster, from `label_clusters`. Shape=(NY, NX).
     """
     count = int(group.max())
     border = max(1, min(recording.camera.width, recording.camera.height) // 20)

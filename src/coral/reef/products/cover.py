@@ -107,11 +107,8 @@ def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cove
 def collect_votes(recording: Recording, cfg: CoverCfg, *, soft: bool) -> list[Votes]:
     """Let the pixels of each subset of the pictures of a located recording vote.
 
-    Args:
-        recording: The recording.
-        cfg: How.
-        soft: Whether pixels vote by a network's probabilities, however doubtful; if not, by their class, without those
-            that are too doubtful for the map.
+    `soft`: by a network's probabilities, however doubtful; if not, by their class, without those that are too doubtful
+    for the map.
     """
     if soft:
         recording = replace(recording, map=replace(recording.map, doubt=DoubtCfg(oyster=1.0, obstacle=1.0, seabed=1.0)))
@@ -129,15 +126,9 @@ def collect_votes(recording: Recording, cfg: CoverCfg, *, soft: bool) -> list[Vo
 
 
 def vote(cell: NDArray[np.int64], depth: NDArray[np.float32], likely: NDArray[np.float32], votes: Votes) -> None:
-    """Add a picture's votes for oyster and sea floor to the cells where its pixels lie.
+    """Add a picture's votes for oyster and sea floor, `oyster_probability` (nan: none), to the cells of `find_points`.
 
     A pixel counts 1 / Z², so that one look from near outvotes many from afar, in parts for oyster and for sea floor.
-
-    Args:
-        cell: Of `find_points`. Shape=(H, W).
-        depth: Metres along the optical axis. Shape=(H, W).
-        likely: Of `oyster_probability`; nan for no vote. Shape=(H, W).
-        votes: Updated in place.
     """
     told = (cell >= 0) & ~np.isnan(likely)
     at, z, share = cell[told], depth[told], likely[told]

@@ -35,12 +35,7 @@ class CoverCalibration:
     """Command that made it."""
 
     def apply(self, share: NDArray[np.float32], nearest_m: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return the expected cover of fine cells.
-
-        Args:
-            share: Share of oysters among the votes. Shape=(...).
-            nearest_m: Depth of the nearest pixel (m). Shape=(...).
-        """
+        """Return the expected cover of fine cells by the share of oysters among the votes and the nearest depth."""
         return np.asarray(self.cover, np.float32)[bins_of(share, nearest_m)]
 
     def std_m2(self, area_m2: float) -> float:

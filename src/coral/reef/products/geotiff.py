@@ -21,14 +21,9 @@ _PIXEL_SCALE, _TIE_POINT, _GEO_KEYS, _GDAL_METADATA, _NO_DATA = 33550, 33922, 34
 def write_geotiff(
     path: Path, raster: PlacedRaster, epsg: int | None, *, bands: Sequence[str] = (), nothing: float | None = None
 ) -> None:
-    """Write a raster, compressed without loss.
+    """Write a raster, Shape=(H, W), (H, W, C), or red, green, blue, alpha as uint8, compressed without loss.
 
-    Args:
-        path: File to write; an existing one is replaced.
-        raster: Values of one band, Shape=(H, W), of several, Shape=(H, W, C), or red, green, blue, alpha as uint8.
-        epsg: Code of the projected coordinates; None: metres of no known place.
-        bands: Names of the bands.
-        nothing: Value of pixels without a value.
+    `epsg` is the code of the projected coordinates; None: metres of no known place. `nothing` stands for no value.
 
     Raises:
         InputError: tifffile is not installed.

@@ -52,13 +52,7 @@ class Judgement:
 
 
 def judge(recording: Recording, cfg: CoverCfg, *, calibrated: bool) -> Judgement:
-    """Judge the pictures of a located recording.
-
-    Args:
-        recording: The recording.
-        cfg: How pictures become an area.
-        calibrated: Whether the errors of the network are in the interval already.
-    """
+    """Judge the pictures of a located recording; `calibrated`: the network's errors are in the interval already."""
     wide = replace(recording, map=replace(recording.map, doubt=DoubtCfg(oyster=1.0, obstacle=1.0, seabed=1.0)))
     shape = grid_shape(recording, cfg.fine_m)
     known, unknown = np.zeros(shape[0] * shape[1], np.bool_), np.zeros(shape[0] * shape[1], np.bool_)

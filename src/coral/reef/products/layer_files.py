@@ -21,12 +21,7 @@ _WKB = {"Point": 1, "LineString": 2, "MultiPolygon": 6}
 
 
 def write_geopackage(path: Path, layers: Sequence[Layer], placement: EarthPlacement) -> None:
-    """Write layers in UTM, or in metres of the recording without a datum.
-
-    Args:
-        path: File to write; an existing one is replaced.
-        layers: The features, in metres of the map.
-        placement: Where the map lies.
+    """Write layers in UTM, or in metres of the recording without a datum; an existing file is replaced.
 
     Raises:
         InputError: pyogrio is not installed.
@@ -41,10 +36,7 @@ def write_geopackage(path: Path, layers: Sequence[Layer], placement: EarthPlacem
 def write_geojson(path: Path, layer: Layer, placement: EarthPlacement) -> None:
     """Write a layer in longitude and latitude (WGS 84) to a millimetre, cut where it crosses the date line.
 
-    Args:
-        path: File to write; an existing one is replaced.
-        layer: The features, in metres of the map.
-        placement: Where the map lies, with a datum.
+    An existing file is replaced.
 
     Raises:
         InputError: pyogrio is not installed.

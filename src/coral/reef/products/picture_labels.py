@@ -39,16 +39,9 @@ class LabelsCfg:
 
 
 def write_labels(recording: Recording, count: int, cfg: LabelsCfg, folder: Path) -> list[str]:
-    """Write pictures of a located recording, and what was seen in them.
+    """Write some of a located recording's `count` pictures into a new folder, and what was seen in them.
 
-    Args:
-        recording: The recording.
-        count: Number of its pictures.
-        cfg: How many.
-        folder: New folder.
-
-    Returns:
-        Names of the files; none where the recording has no colours.
+    Returns the names of the files; none where the recording has no colours.
     """
     if not (cfg.pictures and count):
         return []
@@ -80,11 +73,7 @@ def write_labels(recording: Recording, count: int, cfg: LabelsCfg, folder: Path)
 
 
 def find_outlines(labels: NDArray[np.uint8]) -> Iterator[Mapping[str, Any]]:
-    """Yield the outline of each patch of oysters as COCO has it: segmentation, box and area (px).
-
-    Args:
-        labels: `Label` of every pixel. Shape=(H, W).
-    """
+    """Yield the outline of each patch of oysters in labels as COCO has it: segmentation, box and area (px)."""
     mask = (labels == Label.OYSTER).astype(np.uint8)
     rings, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     for ring in rings:
@@ -97,14 +86,7 @@ def find_outlines(labels: NDArray[np.uint8]) -> Iterator[Mapping[str, Any]]:
 
 
 def choose_points(keyframe: PosedFrame, recording: Recording, count: int, seed: int) -> Iterator[Mapping[str, Any]]:
-    """Yield points of a picture, rows and columns from 0, with class, doubt, and place on the map where that is known.
-
-    Args:
-        keyframe: The picture.
-        recording: Its recording, located.
-        count: About how many.
-        seed: Of the places.
-    """
+    """Yield about `count` points, rows and columns from 0, with class, doubt, and place on the map where known."""
     frame, rng = keyframe.frame, np.random.default_rng([seed, 11])
     height, width = frame.labels.shape
     columns = max(round((count * width / height) ** 0.5), 1)

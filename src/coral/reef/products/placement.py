@@ -112,14 +112,9 @@ class PlacedRaster:
 def place_raster(
     values: NDArray[Any], cell_m: float, placement: EarthPlacement, nothing: Any, pixel_m: float | None = None
 ) -> PlacedRaster:
-    """Place a grid of the map in output coordinates; each pixel takes the value of the cell at its centre.
+    """Place a grid of the map, Shape=(NY, NX) or (NY, NX, C), in output coordinates; `nothing` stands outside the map.
 
-    Args:
-        values: Shape=(NY, NX) or (NY, NX, C), cell (0, 0) at the map's corner.
-        cell_m: Edge of a cell (m).
-        placement: Where the map lies.
-        nothing: Value outside the map.
-        pixel_m: Edge of a pixel (m); None: of a cell.
+    Each pixel takes the value of the cell at its centre; it is as large as a cell by default (m).
     """
     ny, nx = values.shape[:2]
     pixel = pixel_m or cell_m

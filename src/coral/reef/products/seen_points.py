@@ -27,14 +27,9 @@ class SeenPoints:
 def find_points(
     keyframe: PosedFrame, recording: Recording, cell_m: float, shape: tuple[int, int], range_m: float = math.inf
 ) -> SeenPoints:
-    """Find the cell in which each pixel of a keyframe lies, the height of its point left out (Eq. 1).
+    """Find the cell of a grid in which each pixel of a keyframe lies, the height of its point left out (Eq. 1).
 
-    Args:
-        keyframe: The keyframe.
-        recording: Its recording, located.
-        cell_m: Edge of a cell (m).
-        shape: (NY, NX) of the grid.
-        range_m: Largest distance along the line of sight (m).
+    `range_m` is the largest distance along the line of sight (m).
     """
     frame = drop_doubtful(keyframe.frame, recording.map.doubt)
     transform, (focal, cx, cy) = transform_of(keyframe, recording), lens_of(recording)

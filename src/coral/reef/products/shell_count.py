@@ -77,17 +77,12 @@ class ShellCount:
 def count_shells(
     seen: NDArray[np.float32], filled: NDArray[np.float32], cell_m: float, area_error: float = 0.0
 ) -> ShellCount:
-    """Count shells.
+    """Count shells in the share of oysters of each cell, Shape=(FY, FX): as seen, none in gaps, and with gaps filled.
 
     Those that lie apart give the size of one. How many there are follows from the cover p by the Boolean model, in
     which shells of mean area a lie on each other at random: p = 1 - exp(-density a) (Matheron 1975; Chiu et al.,
-    Stochastic Geometry and its Applications, 3.1), in a window about each place.
-
-    Args:
-        seen: Share of oysters in each cell as seen, none in gaps. Shape=(FY, FX).
-        filled: The same with gaps filled. Shape=(FY, FX).
-        cell_m: Edge of a cell (m).
-        area_error: Relative standard deviation of the area of oysters.
+    Stochastic Geometry and its Applications, 3.1), in a window about each place. `area_error` is the relative standard
+    deviation of the area of oysters.
     """
     share = np.asarray(0.5 * (seen + filled), np.float32)
     singles = find_singles(share, cell_m)
@@ -112,11 +107,9 @@ def count_shells(
 
 
 def covered_number(share: NDArray[np.float32], window: float) -> float:
-    """Return the sum of -ln(1 - p) over cells: areas of all shells, also hidden ones, in cells.
+    """Return the sum of -ln(1 - p) over cells, Shape=(FY, FX): areas of all shells, also hidden ones, in cells.
 
-    Args:
-        share: Shape=(FY, FX).
-        window: Standard deviation of the window of p (cells).
+    `window` is the standard deviation of the window of p (cells).
     """
     mean = cv2.GaussianBlur(share.astype(np.float32), (0, 0), max(window, 0.5))
     return float(-np.log1p(-np.clip(mean, 0.0, 0.97)).sum(dtype=np.float64))

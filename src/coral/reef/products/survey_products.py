@@ -126,15 +126,9 @@ def mean_in_cells(
     shape: tuple[int, int],
     least: float,
 ) -> NDArray[np.float32]:
-    """Return the mean of the known fine cells in each larger cell; nan where fewer than the share `least` are known.
+    """Return the mean of the known fine cells, Shape=(FY, FX), in each larger cell, Shape=(NY, NX).
 
-    Args:
-        share: Shape=(FY, FX).
-        known: Shape=(FY, FX).
-        fine_m: Edge of a fine cell (m).
-        cell_m: Edge of a larger cell (m).
-        shape: (NY, NX) of the result.
-        least: Share of a larger cell that must be known.
+    It is nan where fewer than the share `least` are known.
     """
     iy = np.minimum(((np.arange(share.shape[0]) + 0.5) * fine_m / cell_m).astype(np.intp), shape[0] - 1)
     ix = np.minimum(((np.arange(share.shape[1]) + 0.5) * fine_m / cell_m).astype(np.intp), shape[1] - 1)

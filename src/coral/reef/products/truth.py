@@ -36,10 +36,7 @@ class TrueOysters:
 def true_oysters(world: ReefWorld, seen: NDArray[np.bool_], fine_m: float) -> TrueOysters:
     """Return the true area, number and length of a reef's oysters where a survey saw the floor.
 
-    Args:
-        world: The reef.
-        seen: Whether each fine cell was seen near enough to count. Shape=(FY, FX).
-        fine_m: Edge of a fine cell (m).
+    `seen`, Shape=(FY, FX), says whether each fine cell was seen near enough to count.
     """
 
     def was_seen(xy: NDArray[Any]) -> NDArray[np.bool_]:

@@ -41,15 +41,7 @@ MAP_EVERY_S = 20.0
 
 
 def write_bag(recording: Recording, path: Path, *, single_file: bool) -> dict[str, int]:
-    """Write a located recording.
-
-    Args:
-        recording: What is written.
-        path: The bag's folder, or the MCAP file; it must not exist.
-        single_file: Whether to write one MCAP file and no folder.
-
-    Returns:
-        Number of messages on each topic that has some.
+    """Write a located recording as a folder or one MCAP file. Return the number of messages on each topic with some.
 
     Raises:
         InputError: The path exists, or rosbags is not installed.

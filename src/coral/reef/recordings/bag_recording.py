@@ -79,17 +79,11 @@ def read_bag(
     period_s: float = 0.0,
     sonar: SonarCfg | None = None,
 ) -> Recording:
-    """Read a bag.
+    """Read a ROS 2 bag's folder, or an MCAP file.
 
-    Args:
-        path: Folder of a ROS 2 bag, or an MCAP file.
-        topics: Names of the topics.
-        camera: The camera; None: from camera_info and the transforms.
-        cfg: How pictures become a map; the edge of a cell is the bag's own where it has a map.
-        perception: Sees what colour pictures show, whatever else the bag has of them; None: classes and depth are the
-            bag's own.
-        period_s: Least time between two pictures that are used (s).
-        sonar: Beams of the sonar, if the bag has echoes of one; None: those of the Sonar 3D-15.
+    The camera is by default that of camera_info and the transforms, the sonar a Sonar 3D-15, the edge of a cell the
+    bag's own where it has a map. With `perception`, what pictures show is what that sees in their colours, whatever
+    else the bag has of them. `period_s` is the least time between two pictures that are used (s).
 
     Raises:
         InputError: It is no bag, or something in it is missing or wrong. Pictures are checked when they are read.

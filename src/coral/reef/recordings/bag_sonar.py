@@ -66,14 +66,7 @@ def open_sonar(
     camera_mount: Callable[[float], NDArray[np.float64] | None],
     sonar: SonarCfg | None = None,
 ) -> BagSonar:
-    """Prepare for the echoes on a topic that has some.
-
-    Args:
-        path: The bag.
-        topic: Of the clouds.
-        track: Poses of the body.
-        camera_mount: T_camera^body at a time, optical.
-        sonar: The sonar's beams; None: those of the Sonar 3D-15.
+    """Prepare for the echoes on a topic that has some; `camera_mount` is T_camera^body at a time, optical.
 
     Raises:
         InputError: Nobody knows where on the vehicle the sonar is.

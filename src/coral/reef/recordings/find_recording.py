@@ -33,16 +33,9 @@ def find_recording(
 ) -> Recording:
     """Read a recording of any kind.
 
-    Args:
-        path: Folder or file.
-        camera: Camera file (`CameraFileCfg`). A run and a bag know their camera; a folder of pictures has it in
-            `camera.yaml` unless it is given.
-        topics: Topics of a bag.
-        cfg: How pictures become a map.
-        perception: Sees what colour pictures show; None: classes and depth are the recording's own.
-        period_s: Least time between two pictures that are used (s).
-        sonar: Beams of the sonar whose echoes a bag may have.
-        pictures_start_s: Time of an autopilot's log at which the first picture was taken (s).
+    A run and a bag know their camera; a folder of pictures has it in `camera.yaml` unless a file is given
+    (`CameraFileCfg`). Topics and sonar are those of a bag; the other settings as for `read_bag`. `pictures_start_s` is
+    the time of an autopilot's log at which the first picture was taken (s).
 
     Raises:
         InputError: The path is nothing of that, or something in it is missing or wrong.

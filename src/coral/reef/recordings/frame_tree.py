@@ -65,14 +65,10 @@ class FrameTree:
         return self._way(ancestor, frame) is not None
 
     def at(self, ancestor: str, frame: str, t: float, *, latest: bool = False) -> Transform | None:
-        """Return T_frame^ancestor at a time. Shape=(4, 4).
+        """Return T_frame^ancestor at a time (s), for a frame below the ancestor. Shape=(4, 4).
 
-        Args:
-            ancestor: Frame in which the other one is told.
-            frame: A frame below it.
-            t: Time (s).
-            latest: Take the stamp nearest in time however far it is, as for what corrects an odometry; otherwise None
-                where no stamp is near.
+        `latest` takes the stamp nearest in time however far it is, as for what corrects an odometry; otherwise None
+        where no stamp is near.
         """
         whole: Transform = np.eye(4)
         for child in self._way(ancestor, frame) or ():

@@ -126,12 +126,7 @@ def floor_error(
 ) -> NDArray[np.float64]:
     """Return how far matches are from where a flat floor puts them (px), inf where that is nowhere. Shape=(N,).
 
-    Args:
-        points: Of `match`. Shape=(N, 4).
-        first: The one picture.
-        second: The other one.
-        camera: As stated.
-        ratio: Focal length over the stated one.
+    `points` are of `match`, Shape=(N, 4); `ratio` is the focal length over the camera's stated one.
     """
     focal, _, cx, cy = camera.intrinsics
     focal *= ratio

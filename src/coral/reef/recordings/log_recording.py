@@ -38,17 +38,10 @@ def read_log_folder(
     period_s: float = 0.0,
     start_s: float | None = None,
 ) -> Recording:
-    """Read the pictures beside a log, with the poses that it has for them.
+    """Read the pictures or the video beside a log, with the poses that it has for them, as `read_folder` does.
 
     The camera counts as being where the log's position is. Its height is that of a range finder in the log, otherwise
-    the camera's.
-
-    Args:
-        log: The log; pictures or a video lie in its folder.
-        camera: The camera.
-        perception: As in `read_folder`.
-        period_s: Least time between two pictures that are used (s).
-        start_s: Time of the log at which the first picture was taken (s); None: both clocks agree.
+    the camera's. `start_s` is the time of the log at which the first picture was taken (s); None: both clocks agree.
 
     Raises:
         InputError: Log or pictures cannot be read, their times have nothing in common, or the height is unknown.

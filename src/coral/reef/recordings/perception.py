@@ -44,14 +44,7 @@ class PicturePerception:
         self._real: dict[int, bool] = {}
 
     def frame(self, rgb: NDArray[np.uint8], camera: RecordedCamera, attitude: CameraAttitude, where: str) -> Frame:
-        """Return a colour picture with classes, depth and doubt.
-
-        Args:
-            rgb: The picture, of the camera's view. Shape=(H, W, 3), sRGB.
-            camera: The camera.
-            attitude: Of the camera then.
-            where: The picture's place in the recording, which names it.
-        """
+        """Return a colour picture, Shape=(H, W, 3), sRGB, with classes, depth and doubt; `where` names it."""
         number = self._seen.get(where)
         if number is None:
             seen = perceive_frame(_unseen(rgb), self._eyes, camera.view, attitude)
@@ -96,12 +89,7 @@ def recorded_frame(
 ) -> Frame:
     """Return the pictures of one moment, with the recording's own classes and depth, or with those that eyes see.
 
-    Args:
-        images: Each decodes one: rgb, labels, depth, doubt, as far as they are there.
-        camera: The camera.
-        perception: The eyes; None: what the recording has.
-        attitude: Of the camera then.
-        where: The moment, for errors.
+    `images` decode rgb, labels, depth and doubt, as far as they are there.
 
     Raises:
         InputError: Something is missing, or a picture is none of its kind.

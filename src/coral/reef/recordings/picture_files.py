@@ -52,10 +52,7 @@ def labels_of(image: Image, camera: RecordedCamera, where: str) -> NDArray[np.ui
 def depth_of(image: Image, camera: RecordedCamera, where: str) -> NDArray[np.float32]:
     """Return decoded depth in metres, as the camera's view shows it; inf where nothing is seen. Shape=(H, W).
 
-    Args:
-        image: Millimetres of 16 bits, or metres as float32 (REP-118); 0 or nan where nothing is seen.
-        camera: The camera.
-        where: For errors.
+    `image` has millimetres of 16 bits, or metres as float32 (REP-118); 0 or nan where nothing is seen.
 
     Raises:
         InputError: It is of another kind or size.

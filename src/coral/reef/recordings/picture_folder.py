@@ -36,14 +36,9 @@ PICTURES = ("rgb", "depth", "labels", "doubt")
 def read_folder(
     path: Path, camera: RecordedCamera, perception: PicturePerception | None = None, period_s: float = 0.0
 ) -> Recording:
-    """Read a folder of pictures.
+    """Read a folder of pictures, named in its `poses.csv`, `period_s` (s) apart at least.
 
-    Args:
-        path: Folder with `poses.csv` and the pictures that it names.
-        camera: The camera.
-        perception: Sees what the colour pictures show, whatever else the folder has of them; None: classes and depth
-            are the folder's own.
-        period_s: Least time between two pictures that are used (s).
+    With `perception`, what they show is what that sees in their colours, whatever else the folder has of them.
 
     Raises:
         InputError: The table is missing or a value in it is wrong. Pictures are checked when they are read.
@@ -59,15 +54,7 @@ def placed_pictures(
     perception: PicturePerception | None,
     period_s: float,
 ) -> Recording:
-    """Make a recording of pictures with poses.
-
-    Args:
-        path: Folder from which the pictures are named.
-        table: What the rows come from, for errors.
-        rows: Columns of `poses.csv`, at least one row.
-        camera: The camera.
-        perception: As in `read_folder`.
-        period_s: As in `read_folder`.
+    """Make a recording of pictures with poses, as for `read_folder`; rows are columns of `poses.csv`, one at least.
 
     Raises:
         InputError: Between two rows lies a way that no vehicle drives.
@@ -115,12 +102,7 @@ def _pose(values: dict[str, float], plane: LocalPlane | None) -> tuple[Pose, Pos
 def read_rows(
     table: Path, places: tuple[tuple[str, ...], ...] = (LOCAL, GLOBAL), expected: str = EXPECTED
 ) -> list[Row]:
-    """Return every complete row of a table.
-
-    Args:
-        table: The file.
-        places: Names of columns that it must have, one group of them.
-        expected: Describes them.
+    """Return every complete row of a table, which must have one of the groups of columns in `places`.
 
     Raises:
         InputError: It is no such table, or a value in it is wrong.

@@ -38,11 +38,9 @@ def points_in(message: Any, where: str) -> NDArray[np.float64]:
 
 
 def range_image_of(points: NDArray[np.float64], sonar: SonarCfg) -> RangeImage:
-    """Sort points into the beams of a sonar: the nearest one counts, and a beam without a point has no echo.
+    """Sort points, x forward, y left, z up (m), Shape=(N, 3), into the beams of a sonar; the nearest one counts.
 
-    Args:
-        points: x forward, y left, z up (m). Shape=(N, 3).
-        sonar: Its beams. Points outside its field of view and range are left out.
+    A beam without a point has no echo. Points outside the sonar's field of view and range are left out.
     """
     away = np.linalg.norm(points, axis=1)
     azimuth = np.degrees(np.arctan2(points[:, 1], points[:, 0]))

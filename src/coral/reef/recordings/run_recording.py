@@ -24,12 +24,9 @@ def is_run(path: Path) -> bool:
 
 
 def read_run(path: Path, perception: PicturePerception | None = None, period_s: float = 0.0) -> Recording:
-    """Read the keyframes of a run, finished or killed.
+    """Read the keyframes of a run, finished or killed, `period_s` (s) apart at least.
 
-    Args:
-        path: The run folder.
-        perception: Sees what the run's colour pictures show; None: classes and depth as the run kept them.
-        period_s: Least time between two pictures that are used (s).
+    With `perception`, what they show is what that sees in their colours; without, what the run kept.
 
     Raises:
         InputError: There is no run of a reef mission, or it kept no keyframes.

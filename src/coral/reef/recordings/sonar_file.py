@@ -23,14 +23,9 @@ APART_S = 2.0
 def add_sonar_file(recording: Recording, path: Path, sonar: SonarCfg, start_s: float | None = None) -> Recording:
     """Return a recording with the range images of a file, in place of what it may have of a sonar.
 
-    The sonar is taken to sit at the camera. Its pose is interpolated between pictures; range images before the first
-    one, after the last one and in long pauses are left out, and so are packets that are broken.
-
-    Args:
-        recording: Pictures with poses.
-        path: The file, as the sonar's own page records it, or wlsonar.
-        sonar: The tilt of its mounting; its beams are those of the first range image.
-        start_s: Time of the recording at which the file begins (s). None: both tell the same time.
+    The sonar is taken to sit at the camera, tilted as `sonar` says. Its pose is interpolated between pictures; range
+    images before the first one, after the last one and in long pauses are left out, and so are packets that are broken.
+    `start_s` is the time of the recording at which the file begins (s). None: both tell the same time.
 
     Raises:
         InputError: It is no such file, wlsonar is not installed, or pictures and file share no time.

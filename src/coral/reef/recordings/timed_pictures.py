@@ -48,9 +48,7 @@ class TimedPictures:
 def find_pictures(folder: Path, size: tuple[int, int]) -> TimedPictures:
     """Find the pictures of a folder: `times.csv`, else a video, else picture files in it or one folder below.
 
-    Args:
-        folder: The folder.
-        size: Width and height of the camera (px), which a video must have.
+    A video must have the camera's size (px).
 
     Raises:
         InputError: There are none, or their times are unknown.

@@ -36,18 +36,9 @@ class SimulatedCamera:
         noise: SensorNoise | None = None,
         stills: Stills | None = None,
     ) -> None:
-        """Set up.
+        """Set up; `where` tells a monotonic time (s) and the pose of the vehicle. Without noise all is exact.
 
-        Args:
-            scene: The reef.
-            cfg: The camera.
-            where: Tells time and pose of the vehicle.
-            rate_hz: Pictures a second.
-            clock: Monotonic time (s).
-            sleep: Waits so long (s).
-            painter: Paints colours; None for none.
-            noise: Spoils depth and classes; exact by default.
-            stills: Takes colour pictures of full size for questions; None for none.
+        The painter paints colours; stills are colour pictures of full size for questions.
         """
         self._camera, self._where, self._painter, self._noise = Camera(scene, cfg), where, painter, noise
         self._stills = stills

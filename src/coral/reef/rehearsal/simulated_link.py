@@ -40,17 +40,10 @@ class SimulatedLink:
         contact: Clearance | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Put a vehicle into the water, disarmed.
+        """Put a vehicle into the water, disarmed, at a depth and a height above the sea floor (m).
 
-        Args:
-            cfg: The vehicle.
-            start: Its pose in the world.
-            depth_m: Its depth.
-            drift: Drift of the pose that it reports; by default it reports the truth.
-            altitude_m: Its height above the sea floor at the start.
-            current: Water velocity in the world frame (m/s).
-            contact: Signed distance (m) from a point to the nearest obstacle, which stops the hull.
-            clock: Monotonic time (s).
+        It reports the truth unless its pose drifts. `contact` is the signed distance (m) from a point to the nearest
+        obstacle, which stops the hull.
         """
         self._vehicle = VehicleDynamics(cfg, VehicleState(*start))
         self._depth_m, self._current, self._contact, self._clock = depth_m, current, contact, clock

@@ -22,15 +22,7 @@ class SimulatedSonar:
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        """Set up.
-
-        Args:
-            sonar: Takes the images.
-            where: Tells time and pose of the vehicle.
-            altitude_m: Height of the vehicle above the sea floor (m), that of the simulated camera.
-            clock: Monotonic time (s).
-            sleep: Waits so long (s).
-        """
+        """Set up; `where` tells a monotonic time (s) and the pose of the vehicle, at an altitude (m)."""
         self._sonar, self._where, self._altitude_m = sonar, where, altitude_m
         self._rate = FixedRate(1.0 / sonar.cfg.rate_hz, clock, sleep)
         self.name = "simulated"

@@ -31,9 +31,7 @@ POLL_S = 0.05
 class RosAdvisor:
     """Publishes each question, and waits for the answer that bears its id.
 
-    Args:
-        place: Namespace, or a file of ROS parameters.
-        node: Of this program; by default a new one.
+    `place` is a namespace, or a file of ROS parameters.
     """
 
     latency = "measured"

@@ -23,14 +23,11 @@ OFF_DEG = 3.0
 
 
 class RosCamera:
-    """Keeps the newest picture of a topic.
+    """Keeps the newest picture of a topic; one that ends with /compressed holds compressed pictures.
 
-    Args:
-        topic: Name of the topic; one that ends with /compressed holds compressed pictures.
-        latency_s: Time from the light to the message's stamp, as calibrated (s).
-        fit: Makes a picture one of the camera that the robot reckons with; raises ValueError if it cannot.
-        camera: That camera; None if `fit` knows the lens from a camera file.
-        node: Of this program; by default a new one.
+    `latency_s` is the time from the light to the message's stamp, as calibrated. `fit` makes a picture one of the
+    camera that the robot reckons with, or raises ValueError; `camera` is None if `fit` knows the lens from a camera
+    file.
 
     Raises:
         InputError: There is no ROS 2, no picture comes, or one of another camera.

@@ -35,9 +35,7 @@ Mode = Literal["idle", "driven", "hold", "surface"]
 class RosLink:
     """Reads a vehicle's odometry and sends it velocities, on the node's thread. Safe to use from any thread.
 
-    Args:
-        place: Namespace of the vehicle, or a file of ROS parameters.
-        node: Of this program; by default a new one.
+    `place` is the vehicle's namespace, or a file of ROS parameters.
 
     Raises:
         InputError: There is no ROS 2.

@@ -35,12 +35,7 @@ CLOUD, PICTURES = "sensor_msgs.msg.PointCloud2", ("sensor_msgs.msg.Image", "sens
 
 
 class RosSonar:
-    """Keeps the newest ranges of a topic.
-
-    Args:
-        topic: Name of the topic.
-        sonar: Beams and tilt of the images that the map reckons with.
-        node: Of this program; by default a new one.
+    """Keeps the newest ranges of a topic, as images with the beams and the tilt of a sonar.
 
     Raises:
         InputError: There is no ROS 2, or nobody publishes ranges there.

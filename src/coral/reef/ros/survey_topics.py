@@ -41,11 +41,8 @@ def grid_values(cells: NDArray[np.uint8]) -> NDArray[np.int8]:
 class SurveyTopics:
     """Publishes a survey; it reads the mission between two ticks and changes nothing of it.
 
-    Args:
-        place: Namespace of the vehicle, or a file of ROS parameters.
-        words: Where the services put the operator's words.
-        instruct: instruct(words, by) changes the instruction of a mission in words; None without one.
-        node: Of this program; by default a new one.
+    `place` is the vehicle's namespace, or a file of ROS parameters; services put the operator's words into `words`.
+    instruct(words, by) changes the instruction of a mission in words; None without one.
     """
 
     def __init__(

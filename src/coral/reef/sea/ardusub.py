@@ -39,10 +39,7 @@ OLDEST, TESTED = (4, 1, 0), (4, 7, 0)
 
 
 def load_dialect(where: str = "--vehicle") -> Any:
-    """Import MAVLink's messages.
-
-    Args:
-        where: What needs them, for the error.
+    """Import MAVLink's messages; `where` is what needs them, for the error.
 
     Raises:
         InputError: pymavlink is not installed.

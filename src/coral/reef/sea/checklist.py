@@ -89,19 +89,7 @@ def preflight_list(
     sonar: LatestReading[HeardImage] | None = None,
     sonar_cfg: SonarCfg | None = None,
 ) -> list[CheckLine]:
-    """Make the list.
-
-    Args:
-        now: Monotonic time (s).
-        report: The vehicle's present report.
-        rates: Measured rates of its values.
-        camera: The camera.
-        area: Survey area.
-        safety: Limits.
-        equipment: What was chosen.
-        sonar: The sonar; None without one.
-        sonar_cfg: What its images are expected to be.
-    """
+    """Make the list at a monotonic time (s)."""
     return [
         _link(report, equipment),
         _pose(now, report, rates, equipment, safety),

@@ -67,11 +67,7 @@ def rate_told(rate_hz: float | None) -> str:
 class LatestReading(Generic[T]):
     """The newest measurement of a sensor, its rate, and what the sensor last complained of.
 
-    Args:
-        source: The sensor, closed at the end.
-        name: Name of the thread.
-        clock: Monotonic time (s).
-        threaded: Read on a thread. Otherwise `step` reads one measurement, for tests.
+    It is read on a thread of this name; without `threaded`, `step` reads one measurement, for tests.
     """
 
     def __init__(

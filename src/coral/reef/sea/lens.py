@@ -127,12 +127,7 @@ class Rectifier:
     """Turns pictures of a lens into those of a pinhole camera with square pixels, by looking pixels up."""
 
     def __init__(self, lens: Lens, view: CameraCfg) -> None:
-        """Prepare the maps.
-
-        Args:
-            lens: The camera of the recording.
-            view: The camera that its pictures shall be of; its direction is the same.
-        """
+        """Prepare the maps from a recording's lens to a view of the same direction."""
         self._size = view.width, view.height
         # At the resolution of the recording: reducing comes after, averaging over pixels.
         self._fine = max(lens.width / view.width, 1.0)

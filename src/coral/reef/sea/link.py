@@ -99,12 +99,8 @@ class VehicleLink(Protocol):
     def command(self, forward_m_s: float, yaw_rate_rad_s: float, depth_m: float) -> None:
         """Send one set-point, to be followed at most a few seconds if no other comes.
 
-        Args:
-            forward_m_s: Speed over ground along the body's x axis.
-            yaw_rate_rad_s: Positive turns to the left.
-            depth_m: Depth to hold, positive down.
-
-        It is ignored while the vehicle is disarmed or taken over. Numbers that are not finite stop the vehicle.
+        The speed is over ground along the body's x axis, a positive yaw rate turns to the left, the depth is positive
+        down. It is ignored while the vehicle is disarmed or taken over. Numbers that are not finite stop the vehicle.
         """
         ...
 

@@ -23,16 +23,7 @@ class LinkVehicle:
         response: VehicleResponse,
         depth_m: float,
     ) -> None:
-        """Set up.
-
-        Args:
-            link: The vehicle.
-            camera: Its camera.
-            sonar: Its sonar; None without one.
-            frame: From the vehicle's frame to the survey's.
-            response: How it follows set-points.
-            depth_m: Depth to hold.
-        """
+        """Set up; `frame` leads from the vehicle's frame to the survey's, `depth_m` is the depth to hold."""
         self.link, self.frame = link, frame
         self._camera, self._sonar, self._response, self._depth_m = camera, sonar, response, depth_m
         self.began_s = 0.0

@@ -25,13 +25,10 @@ class LocalFrame:
 
     @classmethod
     def from_start(cls, reported: Pose, start: Pose, *, trust_heading: bool) -> LocalFrame:
-        """Make the frame in which a reported pose is the survey's start.
+        """Make the frame in which a pose, reported in the vehicle's own frame, is the survey's start.
 
-        Args:
-            reported: The vehicle's pose at the start, in its own frame.
-            start: The survey's start.
-            trust_heading: Whether the reported heading is that of a compass, counted from east as the survey's is. Then
-                only the position is shifted. Otherwise the vehicle is taken to head as the start says.
+        `trust_heading`: the reported heading is that of a compass, counted from east as the survey's is, and only the
+        position is shifted. Otherwise the vehicle is taken to head as the start says.
         """
         turn = 0.0 if trust_heading else wrap(start.theta - reported.theta)
         c, s = math.cos(turn), math.sin(turn)

@@ -73,12 +73,9 @@ class MavlinkLink:
         clock: Callable[[], float] = time.monotonic,
         threaded: bool = True,
     ) -> None:
-        """Open the line and begin to listen.
+        """Open the line and begin to listen; `clock` is monotonic (s).
 
-        Args:
-            address: Where the vehicle is, or a line to it.
-            clock: Monotonic time (s).
-            threaded: Read in a thread. Otherwise `poll` has to be called, and orders call it while they wait.
+        Without `threaded`, `poll` has to be called, and orders call it while they wait.
 
         Raises:
             InputError: The address cannot be used, or pymavlink is missing.

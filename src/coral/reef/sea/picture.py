@@ -51,12 +51,7 @@ class LatestShot(LatestReading[Shot]):
     ) -> None:
         """Start reading; without `threaded`, `step` reads one picture, for tests.
 
-        Args:
-            source: The camera.
-            eyes: Find classes and depth in its colours; None if its pictures have them.
-            camera: Size and lens of the pictures that eyes get.
-            clock: Monotonic time (s).
-            threaded: Whether to read on a thread.
+        Eyes find classes and depth in the colours of pictures of `camera`; None if its pictures have them.
         """
         self.eyes, self._camera = eyes, camera or CameraCfg()
         self.attitude: Callable[[], CameraAttitude] = CameraAttitude

@@ -49,14 +49,9 @@ class SeaRecord:
         *,
         threaded: bool = True,
     ) -> None:
-        """Create the folder.
+        """Create the folder; `world` is None where the reef is real and nobody knows the truth.
 
-        Args:
-            folder: Run folder, new or empty.
-            record: What is recorded.
-            world: The simulated reef; None where the reef is real and nobody knows the truth.
-            simulator: Vehicle and camera of the simulated reef.
-            threaded: False for tests; then `work.drain` writes.
+        Without `threaded`, for tests, `work.drain` writes.
 
         Raises:
             InputError: The folder cannot be used.
@@ -76,12 +71,7 @@ class SeaRecord:
     ) -> None:
         """Write world.yaml (in real water the area with its outlines) and config.yaml, before the first tick.
 
-        Args:
-            area: Where the survey is.
-            about: First entries of config.yaml: world, advisor, seed, names on the command line.
-            cfg: Configuration.
-            response: How the vehicle follows its set-points.
-            frame: From the vehicle's frame to the survey's.
+        `about` are the first entries of config.yaml: world, advisor, seed, names on the command line.
         """
         if self._world is not None:
             save_world(self._world, self.folder / SurveyFiles.WORLD)
@@ -124,16 +114,10 @@ class SeaRecord:
         state: tuple[float, ...],
         own: tuple[float, float, int],
     ) -> None:
-        """Record one control tick.
+        """Record one control tick: where the vehicle believed it was, by odometry alone, and truly if that is known.
 
-        Args:
-            step: Number of the tick.
-            t: Time (s).
-            pose: Where the vehicle believed it was.
-            odometry: Where its odometry alone put it.
-            true_pose: Where it was; None where nobody knows.
-            state: From u to goal_y, as in `OWN_COLUMNS`; nan where there is no goal. Then planner_ok.
-            own: By the vehicle's own map: distance to an obstacle (m), share of its clusters done, their number.
+        `state` goes from u to goal_y, as in `OWN_COLUMNS`, nan where there is no goal, then planner_ok. `own` is by the
+        vehicle's own map: distance to an obstacle (m), share of its clusters done, their number.
         """
 
         def write() -> None:
@@ -153,14 +137,9 @@ class SeaRecord:
         self.work.offer(write)
 
     def offer_survey(self, t: float, belief: Belief, *, last: bool = False) -> None:
-        """Save the map if it is due, so that a killed survey can be gone on with.
+        """Save the map if it is due, or if this is the last time, so that a killed survey can be gone on with.
 
         The map may change while it is copied. Then it has half of a picture, whose cells are evidence by themselves.
-
-        Args:
-            t: Time (s).
-            belief: What the vehicle knows.
-            last: Whether it is due in any case.
         """
         if not last and t < self._save_due_s:
             return

@@ -68,16 +68,10 @@ class RecordedCamera:
 
     @classmethod
     def of(cls, lens: Lens, mount: CameraCfg, where: str, most_width: int = LARGEST_WIDTH) -> RecordedCamera:
-        """Return the camera with a lens.
-
-        Args:
-            lens: Its lens.
-            mount: Tilt, height and range; size and field of view are those of the lens.
-            where: File or topic that it comes from, for errors.
-            most_width: Wider pictures are reduced to this (px).
+        """Return the camera with a lens; of `mount` come tilt, height and range. Wider pictures are reduced (px).
 
         Raises:
-            InputError: The lens cannot be used.
+            InputError: The lens, of the file or topic `where`, cannot be used.
         """
         width, height, hfov_deg = rectified_size(check_lens(lens, where), where, most_width)
         view = CameraCfg(

@@ -68,15 +68,9 @@ def drive(
     sleep: Callable[[float], None],
     stopped: Callable[[], str] = lambda: "",
 ) -> TrialLog:
-    """Drive the legs with an armed vehicle; record what it did.
+    """Drive the legs with an armed vehicle at a depth (m); record what it did.
 
-    Args:
-        link: The vehicle.
-        plan: The legs.
-        depth_m: Depth to hold.
-        clock: Time of the vehicle's stamps (s).
-        sleep: Waits so long (s).
-        stopped: Returns why the drive must end, or "".
+    `clock` is that of the vehicle's stamps (s); stopped() returns why the drive must end, or "".
 
     Raises:
         RunError: Somebody took over, the position was lost, or the operator stopped the drive.

@@ -88,21 +88,10 @@ class SeaMission:
         decision_clock: SimulatedClock | WallClock | None = None,
         threaded: bool = True,
     ) -> None:
-        """Set up a survey that has not begun.
+        """Set up a survey that has not begun; nothing is believed of the reef unless an earlier survey found it.
 
-        Args:
-            area: Where it is.
-            cfg: Configuration.
-            crew: Vehicle, camera, advisor.
-            folder: Run folder, new or empty.
-            frame: From the vehicle's frame to the survey's.
-            belief: What an earlier survey found, in whose frame the vehicle begins; empty by default.
-            seed: Seed of the controller's samples.
-            about: Further entries of config.yaml, such as the names on the command line.
-            clock: Monotonic time (s), that of the vehicle's stamps.
-            sleep: Waits so long (s).
-            decision_clock: Clock of the advisor's answers; real time by default.
-            threaded: False for tests: orders and recording are then done in the caller's thread.
+        `about` are further entries of config.yaml. Both clocks are real by default; that of the advisor's answers may
+        be another one. Without `threaded`, for tests, orders and recording are done in the caller's thread.
         """
         mission, sim = cfg.mission, cfg.mission.simulator
         self.area, self.cfg, self.crew, self.seed, self.about = area, cfg, crew, seed, about or {}

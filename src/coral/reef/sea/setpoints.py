@@ -43,11 +43,7 @@ class StickLoop:
     ) -> tuple[int, int, int, int]:
         """Return x, y, z, r (-1000 to 1000; z from 0, neutral 500) for one period of `dt` seconds.
 
-        Args:
-            forward_m_s: Wanted speed.
-            yaw_rate_rad_s: Wanted yaw rate, positive left.
-            measured: Measured speed and yaw rate; None where there is no fresh value.
-            dt: Seconds since the last call.
+        A positive yaw rate is to the left. Of the measured speed and yaw rate, what is not fresh is None.
         """
         x, turning = X_PER_M_S * forward_m_s, R_PER_RAD_S * yaw_rate_rad_s
         speed, turn = measured

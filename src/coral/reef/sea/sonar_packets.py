@@ -46,10 +46,7 @@ class SonarPing:
 
 
 def decode_packet(packet: bytes) -> SonarPing | None:
-    """Return the range image in a packet; None for another message of the protocol, such as a bitmap.
-
-    Args:
-        packet: One whole packet.
+    """Return the range image in a whole packet; None for another message of the protocol, such as a bitmap.
 
     Raises:
         UnfitMeasurement: It is no such packet, broken or hostile, or its numbers are none of a sonar.
@@ -69,13 +66,7 @@ def decode_packet(packet: bytes) -> SonarPing | None:
 
 
 def encode_packet(ping: SonarPing, *, protocol: Literal[1, 2] = 2, scale_m: float = SCALE_M) -> bytes:
-    """Return the packet that a sonar would send: for rehearsals and tests.
-
-    Args:
-        ping: Range image; what is farther than the pixels' 16 bits reach has no echo.
-        protocol: 1 is not compressed, 2 is by snappy.
-        scale_m: Step of the ranges (m).
-    """
+    """Return the packet that a sonar would send, for rehearsals and tests; what its pixels cannot reach has no echo."""
     rip = load_protocol()
     ranges = ping.image.ranges
     steps = np.where(np.isfinite(ranges), np.round(np.where(np.isfinite(ranges), ranges, 0.0) / scale_m), 0.0)

@@ -34,14 +34,9 @@ class StepResponse:
 
 
 def lagged(t: Array, at: Array, command: Array, lag_s: float, delay_s: float) -> Array:
-    """Return a command behind a delay and a first-order lag, at the times `t` (s). Shape=(N,).
+    """Return a command behind a delay (s) and a first-order lag (s), at the times `t` (s). Shape=(N,).
 
-    Args:
-        t: Times (s). Shape=(N,).
-        at: Times at which the command changed (s). Shape=(M,).
-        command: What it changed to; 0 before. Shape=(M,).
-        lag_s: Time constant.
-        delay_s: Delay.
+    `command` is what it changed to at the times `at` (s), Shape=(M,); 0 before.
     """
     since = np.maximum(t[:, None] - at[None, :] - delay_s, 0.0)
     return np.asarray(-np.expm1(-since / lag_s) @ np.diff(command, prepend=0.0))
@@ -50,12 +45,8 @@ def lagged(t: Array, at: Array, command: Array, lag_s: float, delay_s: float) ->
 def fit_step_response(t: Array, y: Array, at: Array, command: Array, *, trails: bool) -> StepResponse:
     """Find the least-squares response: a grid over lags and delay, gain and share in closed form.
 
-    Args:
-        t: Times of the measurements (s). Shape=(N,).
-        y: Measured speeds. Shape=(N,).
-        at: Times of the set-points (s). Shape=(M,).
-        command: The set-points. Shape=(M,).
-        trails: Whether a share may trail behind.
+    `y` are the speeds measured at `t` (s), Shape=(N,), `command` the set-points given at `at` (s), Shape=(M,).
+    `trails`: a share may trail behind.
 
     Raises:
         RunError: The vehicle did not follow.

@@ -34,15 +34,7 @@ class Supervisor:
         tell: Callable[..., None],
         go_home: Callable[[], None],
     ) -> None:
-        """Set up.
-
-        Args:
-            states: The vehicle's states.
-            orders: Orders to the vehicle.
-            safety: Limits.
-            tell: tell(event, **fields) records an event.
-            go_home: Makes the pilot drive back to the start.
-        """
+        """Set up; tell(event, **fields) records an event, go_home() makes the pilot drive back to the start."""
         self.states, self.orders, self.safety = states, orders, safety
         self.end_reason = ""
         """Why the survey is over, or ""."""
@@ -65,9 +57,7 @@ class Supervisor:
     def awaits(self, recover_s: float, surface_after_s: float | None) -> str:
         """Return what would end the present state, in words; "" for surveying, which every limit ends.
 
-        Args:
-            recover_s: Sensors must be good for this long (s).
-            surface_after_s: After this long without sensors it comes up (s); None for never.
+        Sensors must be good for `recover_s`; after `surface_after_s` without them it comes up (s), None for never.
         """
         if self.returning and self.states.state is PilotState.SURVEYING:
             return f"on the way back, because of {self.returning}; ends within {HOME_M:g} m of the start"
@@ -88,14 +78,9 @@ class Supervisor:
     def update(
         self, now: float, t: float, report: VehicleReport, pose: Pose | None, words: Iterable[tuple[Word, str]]
     ) -> None:
-        """Take in what happened in one tick.
+        """Take in what happened in one tick, at a monotonic time and the time since the survey began (s).
 
-        Args:
-            now: Monotonic time (s).
-            t: Time since the survey began (s).
-            report: The vehicle's present report.
-            pose: Its pose in the survey's frame.
-            words: What the operator said, and where.
+        The pose is in the survey's frame; words come with where they were said.
         """
         self._hear_orders(t)
         self._notice_person(t, report)

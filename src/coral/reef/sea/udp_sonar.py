@@ -27,12 +27,7 @@ class UdpSonar:
     def __init__(
         self, port: int = PORT, interface: str = "0.0.0.0", clock: Callable[[], float] = time.monotonic
     ) -> None:
-        """Listen.
-
-        Args:
-            port: UDP port; 0 chooses a free one (`port` says which).
-            interface: Address of this computer on the sonar's network, if it is on several.
-            clock: Monotonic time (s).
+        """Listen on a port, 0 for a free one, at this computer's address on the sonar's network, if it is on several.
 
         Raises:
             InputError: The port is in use, or wlsonar is not installed.

@@ -55,13 +55,10 @@ class VideoCamera:
         fit: Fit = lambda rgb: rgb,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Open a stream.
+        """Open a file, URL, device (`/dev/video0` or `0`), or a GStreamer pipeline where OpenCV has GStreamer.
 
-        Args:
-            address: File, URL, device (`/dev/video0` or `0`), or a GStreamer pipeline where OpenCV has GStreamer.
-            latency_s: Time from the light to the picture's arrival here, as calibrated (s).
-            fit: Makes a picture one of the camera that the robot reckons with; raises ValueError if it cannot.
-            clock: Monotonic time (s).
+        `latency_s` is the time from the light to the picture's arrival here, as calibrated. `fit` makes a picture one
+        of the camera that the robot reckons with, or raises ValueError.
 
         Raises:
             InputError: It cannot be opened, gives no picture, or one of another camera.

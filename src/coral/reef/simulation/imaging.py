@@ -55,14 +55,7 @@ class ImagingMeter:
         *,
         visibility_m: float | None = None,
     ) -> None:
-        """Sample the true points.
-
-        Args:
-            scene: The world's solids.
-            camera: Camera that takes the pictures.
-            cfg: Distance and resolution that count.
-            visibility_m: Distance beyond which the water hides everything (m); None: clear water.
-        """
+        """Sample the true points; beyond `visibility_m` the water hides everything (None: clear water)."""
         self.cfg, self.camera = cfg or ImagingCfg(), camera or CameraCfg()
         self.names = scene.cluster_names
         self._seabed_z = scene.seabed_z
@@ -114,17 +107,10 @@ class ImagingMeter:
         every: int = 1,
         target: float = math.inf,
     ) -> int | None:
-        """Count the pictures of a drive until a share is inspected.
+        """Count the pictures of a drive, poses (x, y, theta) of the body, Shape=(K, 3), until a share is inspected.
 
-        Args:
-            poses: Shape=(K, 3), x, y, theta of the body.
-            level: As for `look`.
-            count: As for `look`.
-            every: Count only every n-th pose, and the last one.
-            target: Share at which to stop.
-
-        Returns:
-            Index of the pose at which the target was met; None if it never was.
+        Only every n-th pose counts, and the last one. Returns the index at which the target was met; None: it never
+        was.
         """
         k = imaging_kernels.image_along(
             poses,

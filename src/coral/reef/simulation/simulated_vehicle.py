@@ -12,13 +12,7 @@ class SimulatedVehicle:
     """Observes and moves in simulated time: a command moves it to the next tick."""
 
     def __init__(self, simulator: ReefSimulator, period_s: float, tell: Callable[..., None]) -> None:
-        """Set up.
-
-        Args:
-            simulator: The reef around it.
-            period_s: Time between two ticks.
-            tell: tell(event, **fields) is told of contacts.
-        """
+        """Set up with `period_s` between two ticks; tell(event, **fields) is told of contacts."""
         self.simulator, self._period_s, self._tell = simulator, period_s, tell
         self._begun = False
 

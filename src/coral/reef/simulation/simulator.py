@@ -82,14 +82,7 @@ class ReefSimulator:
     def __init__(
         self, world: ReefWorld, cfg: SimulatorCfg, rng: np.random.Generator, *, start: Pose | None = None
     ) -> None:
-        """Put a vehicle into a world.
-
-        Args:
-            world: The true reef.
-            cfg: Vehicle and sensors.
-            rng: Source of the sensors' noise.
-            start: Start pose; the world's start by default.
-        """
+        """Put a vehicle into a world, by default at its start; `rng` is the source of the sensors' noise."""
         self.world, self.cfg = world, cfg
         self.scene: Scene = Scene.from_world(world)
         self._camera = Camera(self.scene, cfg.camera)

@@ -33,15 +33,7 @@ class Stills:
     """Takes stills of a simulated reef."""
 
     def __init__(self, scene: Scene, camera: CameraCfg, water: WaterType, painter: PainterCfg, seed: int) -> None:
-        """Set up; the painter is made with the first still, since it takes a while.
-
-        Args:
-            scene: The reef.
-            camera: The robot's; stills are larger.
-            water: The water of the pictures.
-            painter: How they are painted.
-            seed: Of the painter, as the world has it.
-        """
+        """Set up; the painter is made with the first still, since it takes a while. Stills are large pictures."""
         self._scene, self._camera = scene, replace(camera, width=STILL_PX[0], height=STILL_PX[1])
         self._make = partial(make_painter, scene, self._camera, water, painter, seed)
         self._painter: Any = None
@@ -52,13 +44,7 @@ class Stills:
         return self
 
     def of(self, frame: Frame, pose: Pose, t: float) -> Frame:
-        """Return a picture that can be asked for its still. Deterministic in place and time, so it need not be at once.
-
-        Args:
-            frame: The picture.
-            pose: Where it was taken.
-            t: When (s).
-        """
+        """Return a picture taken at `t` (s) that can be asked for its still. Deterministic: it need not be at once."""
         return replace(frame, still=partial(self._take, pose, t))
 
     def _take(self, pose: Pose, t: float) -> NDArray[np.uint8]:

@@ -112,13 +112,7 @@ def ray_lengths(cfg: CameraCfg) -> NDArray[np.float64]:
 
 
 def pixel_rays(cfg: CameraCfg, roll: float = 0.0, pitch: float = 0.0) -> NDArray[np.float64]:
-    """Return each pixel's ray at unit depth as its parts along the heading, to the left and up. Shape=(H, W, 3).
-
-    Args:
-        cfg: The camera.
-        roll: As in `T_world_camera`.
-        pitch: As in `T_world_camera`.
-    """
+    """Return each pixel's ray at unit depth as its parts along the heading, to the left and up. Shape=(H, W, 3)."""
     fx, fy, cx, cy = cfg.intrinsics
     u, v = np.meshgrid((np.arange(cfg.width) - cx) / fx, (np.arange(cfg.height) - cy) / fy)
     turn = T_world_camera(Pose(0.0, 0.0, 0.0), cfg, roll=roll, pitch=pitch)[:3, :3]

@@ -7,16 +7,10 @@ from numpy.typing import NDArray
 
 
 def delays_from(between_s: NDArray[np.float64], worth: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute the least mean delay of the other places from each place, by dynamic programming over subsets.
+    """Compute the least mean delay (s), Shape=(N,), of the other places from each place, by dynamic programming.
 
-    A place that is visited at time t is delayed by t; the mean is by worth.
-
-    Args:
-        between_s: Shape=(N, N), symmetric travelling times (s).
-        worth: Shape=(N,), positive.
-
-    Returns:
-        Shape=(N,), seconds.
+    A place that is visited at time t is delayed by t; the mean is by worth, Shape=(N,). `between_s`, Shape=(N, N), are
+    travelling times (s).
     """
     n = len(between_s)
     full = (1 << n) - 1
@@ -30,13 +24,7 @@ def delays_from(between_s: NDArray[np.float64], worth: NDArray[np.float64]) -> N
 
 
 def order_from(first: int, between_s: NDArray[np.float64], worth: NDArray[np.float64]) -> list[int]:
-    """Return the order that makes the mean delay least when one place comes first.
-
-    Args:
-        first: The place that comes first.
-        between_s: Shape=(N, N), symmetric travelling times (s).
-        worth: Shape=(N,), positive.
-    """
+    """Return the order that makes the mean delay least when one place comes first; see `delays_from`."""
     order, rest = [first], [k for k in range(len(worth)) if k != first]
     while rest:
         onward = delays_from(between_s[np.ix_(rest, rest)], worth[rest])

@@ -171,22 +171,10 @@ def planar_drive(
     h: float,
     trace: Array,
 ) -> None:
-    """Run the velocity loop and the motion over a control tick, without obstacles.
+    """Run the velocity loop and the motion over a control tick, without obstacles. Arguments as in `velocity_loop`.
 
-    Args:
-        s: As in `velocity_loop`, updated in place.
-        memory: As in `velocity_loop`.
-        v_cmd: As in `velocity_loop`.
-        omega_cmd: As in `velocity_loop`.
-        rate: As in `velocity_loop`.
-        yaw_rate: As in `velocity_loop`.
-        period: As in `velocity_loop`.
-        gain: As in `velocity_loop`.
-        model: Constants of the vehicle.
-        current: Shape=(2,) water velocity in the world (m/s).
-        lag_s: Time constant of the thrust (s).
-        h: Integration step (s).
-        trace: Shape=(loops, steps, 2), written: position after every integration step.
+    `current`, Shape=(2,), is the water's velocity in the world (m/s), `lag_s` the thrust's time constant (s), `h` the
+    integration step (s). `trace`, Shape=(loops, steps, 2), is written: positions after every integration step.
     """
     asked = np.empty(3)
     for i in range(trace.shape[0]):

@@ -30,15 +30,9 @@ class RangeImage:
 def beam_angles(
     shape: tuple[int, ...], hfov_deg: float, vfov_deg: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the azimuth of each column, positive to the left, and the elevation of each row (rad).
+    """Return the azimuth of each column, positive to the left, Shape=(W,), and the elevation of each row, Shape=(H,).
 
-    Args:
-        shape: Rows and columns of the image.
-        hfov_deg: Angle between the first and the last column (degrees).
-        vfov_deg: Angle between the first and the last row (degrees).
-
-    Returns:
-        Azimuths, Shape=(W,), and elevations, Shape=(H,).
+    They are in rad; the angles given, in degrees, are those between the first and the last column or row.
     """
     half_h, half_v = 0.5 * np.radians(hfov_deg), 0.5 * np.radians(vfov_deg)
     return np.linspace(half_h, -half_h, shape[1]), np.linspace(-half_v, half_v, shape[0])

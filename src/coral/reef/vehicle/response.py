@@ -106,9 +106,7 @@ class DelayedCommands:
     def trailing(self, state: VehicleState, most_m_s: float = 1.0) -> Trailing:
         """Return what trails behind: the measured velocity without the part that follows at once (m/s).
 
-        Args:
-            state: The measured state.
-            most_m_s: Largest forward speed that is asked for; no more than its share can trail.
+        No more can trail than the share of the largest forward speed that is asked for (m/s).
         """
         if self.response.trail == 0.0:
             return Trailing()

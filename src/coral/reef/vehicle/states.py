@@ -106,11 +106,7 @@ class StateMachine:
     def move(self, t: float, who: Mover, cause: str, reason: str = "") -> bool:
         """Apply a row of the table at time `t` (s), if there is one. Return whether there was.
 
-        Args:
-            t: Now (s).
-            who: Who asks for it.
-            cause: Cause, one of those in the table.
-            reason: Words for people; the cause by default.
+        `reason` are words for people; the cause by default.
         """
         for row in CHANGES:
             if (row.source, row.cause, row.who) == (self.state, cause, who) and row.after in (None, self.by):

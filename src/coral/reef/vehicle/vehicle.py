@@ -93,12 +93,9 @@ class VehicleDynamics:
     ) -> NDArray[np.float64]:
         """Move by `dt` seconds under a (forward speed m/s, yaw rate rad/s) command, clipped to the limits.
 
-        Args:
-            command: Surge and yaw-rate set points; sway is held at zero.
-            dt: Duration (s).
-            current: Water velocity in the world frame (m/s), constant over the tick.
-            contact: Signed distance (m) from a point to the nearest obstacle. If given, the hull cannot enter
-                obstacles: it is put back on their surface and loses its velocity into them (inelastic, frictionless).
+        The water flows at `current` in the world (m/s). With the distance (m) from a point to the nearest obstacle in
+        `contact`, the hull cannot enter obstacles: it is put back on their surface and loses its velocity into them
+        (inelastic, frictionless).
 
         Returns:
             Positions after every integration step, before contacts are resolved, for a collision counter (m).

@@ -54,9 +54,7 @@ class Clutter:
     def rows(self, crossings: NDArray[np.float64], name: str) -> None:
         """Place rows of posts across the reef; the gap between two neighbours is the passage and up to 0.1 m more.
 
-        Args:
-            crossings: Shape=(N, 3), x, y (m) and direction (rad) of the spine at the middle of each row.
-            name: Of the setting, for the message.
+        `crossings`, Shape=(N, 3), are x, y (m) and direction (rad) of the spine at the middle of each row.
 
         Raises:
             InputError: None of them finds room.

@@ -119,13 +119,6 @@ def grow(kind: str, x: float, y: float, yaw: float, floor: float) -> list[dict[s
     """Return shape, x, y, z, size (half-extents), rpy and look of the solids of a thing, as a world file has them.
 
     They are the same for the same place, and no two places look the same.
-
-    Args:
-        kind: Name of its kind.
-        x: Its middle (m).
-        y: As x.
-        yaw: Its heading (rad).
-        floor: Height of the sea floor (m).
     """
     rng = np.random.default_rng(crc32(f"{kind} {x:.3f} {y:.3f}".encode()))
     c, s = math.cos(yaw), math.sin(yaw)

@@ -40,12 +40,7 @@ class FreeSpace:
     """Cells that the hull's centre can reach from the start. Shape=(NY, NX)."""
 
     def sees(self, points: NDArray[np.float64], range_m: float = VIEW_M) -> bool:
-        """Check whether the hull can get within `range_m` of one of the points in line of sight.
-
-        Args:
-            points: Shape=(N, 2), metres.
-            range_m: Largest distance (m).
-        """
+        """Check whether the hull can get within a range of one of the points, Shape=(N, 2), in line of sight."""
         cells = self._cells(points)
         if self.reachable[cells[:, 1], cells[:, 0]].any():
             return True
@@ -76,13 +71,9 @@ def free_space(
     start: tuple[float, float],
     radius_m: float = HULL_RADIUS_M + MARGIN_M,
 ) -> FreeSpace:
-    """Flood the free space from the start. An obstacle blocks at any height.
+    """Flood the free space of a world (m) from the start, for a hull of a radius that holds its margin.
 
-    Args:
-        size_m: Width and height of the world.
-        outlines: Polygons of the obstacles on the ground plane (m), each Shape=(K, 2).
-        start: Start of the hull (m), inside the world.
-        radius_m: Radius of the hull with its margin.
+    Outlines are polygons on the ground plane (m), Shape=(K, 2) each: an obstacle blocks at any height.
     """
     cell = 0.05 if max(size_m) <= 40 else 0.1
     shape = math.ceil(size_m[1] / cell - 1e-9), math.ceil(size_m[0] / cell - 1e-9)

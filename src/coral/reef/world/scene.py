@@ -136,11 +136,7 @@ class Scene:
         return self.outlines(np.flatnonzero(self.label == Label.OBSTACLE))
 
     def outlines(self, index: NDArray[np.intp]) -> Footprints:
-        """Return the vertical projection of solids on the ground.
-
-        Args:
-            index: Shape=(K,), indices of the solids. Boxes and cylinders must be upright, as they are in a world.
-        """
+        """Return the vertical projection of solids, by index, on the ground. Boxes and cylinders are upright."""
         turn = self.rotation[index]
         half = self.half[index, :2].copy()
         yaw = np.arctan2(turn[:, 1, 0], turn[:, 0, 0])
@@ -161,11 +157,7 @@ def ball_radii(kind: NDArray[np.int8], half: NDArray[np.float64]) -> NDArray[np.
 
 
 def rotations(rpy: Iterable[tuple[float, float, float]]) -> NDArray[np.float64]:
-    """Compute the rotation matrices Rz(yaw) Ry(pitch) Rx(roll). Shape=(N, 3, 3).
-
-    Args:
-        rpy: N triples of roll, pitch, yaw (rad).
-    """
+    """Compute Rz(yaw) Ry(pitch) Rx(roll) of N triples of roll, pitch, yaw (rad). Shape=(N, 3, 3)."""
     angles = np.array(list(rpy), np.float64).reshape(-1, 3)
     (cr, cp, cy), (sr, sp, sy) = np.cos(angles).T, np.sin(angles).T
     rows = [

@@ -78,10 +78,7 @@ EVERY_TOPOLOGY: tuple[Topology, ...] = (*TOPOLOGIES, "branching", "looping", "pa
 def spread(lines: Sequence[Line], count: int, lead_m: float) -> list[tuple[float, float, float]]:
     """Place points on the lines, as evenly spaced as their number allows, at least one on every line.
 
-    Args:
-        lines: Polylines (m), each Shape=(K, 2). The others branch off the first.
-        count: Number of points, at least the number of lines.
-        lead_m: Arc length from the start that stays empty.
+    The first `lead_m` from the start stay empty. Lines are polylines, Shape=(K, 2); the others branch off the first.
 
     Returns:
         (x, y, direction of the line) of each point, line by line.

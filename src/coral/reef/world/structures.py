@@ -100,14 +100,7 @@ class Obstacle(WorldPart):
 def structures(
     obstacles: Sequence[Obstacle], walls: Sequence[Wall], tank: Tank | None, floor: float
 ) -> tuple[Obstacle, ...]:
-    """Return the tethers with their anchors, the walls and the sides of a tank as solids, in this order.
-
-    Args:
-        obstacles: Those of the world.
-        walls: Those of the world.
-        tank: The world's tank, if it has one.
-        floor: Height of the sea floor (m).
-    """
+    """Return the tethers with their anchors, the walls and the sides of a tank as solids, in this order."""
     found: list[Obstacle] = []
     for ball in obstacles:
         if ball.tether is None:
@@ -124,11 +117,7 @@ def structures(
 
 
 def solid_records(world: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return all solids of a world as plain values, for drawings: a broken or missing part is left out.
-
-    Args:
-        world: Content of a world file, or of a run's `world.yaml`.
-    """
+    """Return all solids of the content of a world file as plain values; a broken or missing part is left out."""
     given = world.get("obstacles")
     records: list[Mapping[str, Any]] = [o for o in given if isinstance(o, Mapping)] if isinstance(given, list) else []
     try:

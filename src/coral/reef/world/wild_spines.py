@@ -99,13 +99,7 @@ WILD: dict[str, Callable[[tuple[float, float], np.random.Generator], list[Line]]
 def scatter(lines: Sequence[Line], count: int, lead_m: float) -> list[tuple[float, float, float]]:
     """Place points on the lines as far from each other as their number allows, each the farthest from those before.
 
-    Args:
-        lines: Polylines, Shape=(K, 2), m; the start is the first point of the first.
-        count: How many places.
-        lead_m: Distance from the start that stays empty.
-
-    Returns:
-        (x, y, direction of the line) of each, in the order of the lines.
+    The first `lead_m` from the start stay empty. Returns (x, y, direction of the line), in the order of the lines.
     """
     points, yaws = _sampled(lines)
     free = np.flatnonzero(np.hypot(*(points - points[0]).T) >= lead_m)

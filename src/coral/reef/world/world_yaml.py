@@ -30,12 +30,7 @@ def read_mapping(path: Path) -> dict[str, Any]:
 
 
 def to_text(world: Mapping[str, Any], header: Sequence[str] = ()) -> str:
-    """Write a world as YAML text: a comment, then one line per oyster and per obstacle.
-
-    Args:
-        world: Plain values, as from `ReefWorld.model_dump(mode="json")`.
-        header: Lines of the comment at the head.
-    """
+    """Write a world's plain values as YAML: the header as a comment, then one line per oyster and per obstacle."""
     lines = [f"# {line}".rstrip() for line in header]
     lines += [
         f"{key}: {_flow(value)}" for key, value in world.items() if key not in _LONG and (value or key not in _RARE)
