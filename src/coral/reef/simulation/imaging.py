@@ -14,7 +14,7 @@ from coral.reef.simulation.coverage import rasterise
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera
 from coral.reef.vehicle.collision import clearance
 from coral.reef.world.geometry import Label, Pose
-from coral.reef.world.scene import Footprints, Scene
+from coral.reef.world.scene import Scene
 
 LEVELS = {"imaged": imaging_kernels.IMAGED, "inspected": imaging_kernels.INSPECTED}
 """The two levels at which a cluster's area is counted."""
@@ -68,16 +68,15 @@ class ImagingMeter:
         """World points (m), Shape=(M, 3), and the cluster of each, Shape=(M,)."""
         self.size: NDArray[np.int64] = np.bincount(self.group, minlength=len(self.names)).astype(np.int64)
         hiders = np.flatnonzero(scene.label == Label.OBSTACLE)
-        kind, center, half, rotation, radius = (array[hiders] for array in scene.solids)
         self._sight = imaging_kernels.Sight(
             (-edge_u, edge_u, -edge_v, edge_v),
             (self.camera.near_m, far, self.inspection_m),
             self.points,
             self.group,
-            kind,
-            np.ascontiguousarray(center),
-            np.ascontiguousarray(np.swapaxes(rotation, 1, 2) / half[:, :, None]),
-            radius,
+            scene.kind[hiders],
+            scene.center[hiders],
+            np.ascontiguousarray(np.swapaxes(scene.rotation[hiders], 1, 2) / scene.half[hiders][:, :, None]),
+            scene.solids.radius[hiders],
         )
         self.level: NDArray[np.uint8] = np.zeros(len(self.points), np.uint8)
         """Best level of every point so far. Shape=(M,)."""
@@ -147,11 +146,9 @@ def _points(scene: Scene, cell_m: float) -> tuple[NDArray[np.float64], NDArray[n
     for index in range(len(scene.cluster_names)):
         found: dict[tuple[float, float], float] = {}
         members = np.flatnonzero((scene.cluster == index) & (scene.label == Label.OYSTER))
-        outlines = scene.outlines(members)
-        for k, member in enumerate(members):
+        for member in members:
             height = float(scene.center[member, 2])
-            one = Footprints(*(array[k : k + 1] for array in outlines))
-            for x, y in rasterise(one, cell_m, 0.0).round(6).tolist():
+            for x, y in rasterise(scene.outlines(np.array([member])), cell_m, 0.0).round(6).tolist():
                 found[x, y] = max(found.get((x, y), -math.inf), height)
         free = {at: z for at, z in found.items() if clearance(hiders, *at) > 0.0} or found
         points += [(x, y, z) for (x, y), z in free.items()]
