@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from coral.reef.world.scene import Solids
+from coral.reef.world.scene import SceneSolids
 
 _ELLIPSOID, _BOX = 0, 1
 
@@ -22,7 +22,7 @@ def cast(
     elevation: NDArray[np.float64],
     seabed_z: float,
     surface_z: float,
-    solids: Solids,
+    solids: SceneSolids,
     range_m: float,
     ranges: NDArray[np.float64],
     hit: NDArray[np.int32],

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from coral.reef.world.scene import Solids
+from coral.reef.world.scene import SceneSolids
 
 _ELLIPSOID, _BOX = 0, 1
 
@@ -19,7 +19,7 @@ def rasterise_ground(
     cell: float,
     sun: tuple[float, float, float],
     softness: float,
-    solids: Solids,
+    solids: SceneSolids,
     shell: NDArray[np.bool_],
     ground: NDArray[np.float32],
 ) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from coral.reef.paint.floor_kernels import floor_surface
 from coral.reef.paint.solid_kernels import solid_surface
 from coral.reef.paint.texture_kernels import FAST
-from coral.reef.world.scene import Solids
+from coral.reef.world.scene import SceneSolids
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
@@ -24,7 +24,7 @@ def shade(
     depth: NDArray[np.float32],
     ids: NDArray[np.int32],
     floor: NDArray[np.bool_],
-    solids: Solids,
+    solids: SceneSolids,
     material: NDArray[np.uint8],
     paint: NDArray[np.float64],
     fate: NDArray[np.float64],

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from coral.reef.world.scene import Solids
+from coral.reef.world.scene import SceneSolids
 
 WATER, SEABED = -2, -1
 """Values of `ids` where no solid is seen."""
@@ -30,7 +30,7 @@ def render(
     p: NDArray[np.float64],
     q: NDArray[np.float64],
     reach: NDArray[np.float32],
-    solids: Solids,
+    solids: SceneSolids,
     label: NDArray[np.uint8],
     depth: NDArray[np.float32],
     labels: NDArray[np.uint8],
@@ -42,7 +42,7 @@ def render(
         pose: Shape=(4, 4), camera optical frame to world.
         seabed_z: Height of the sea floor (m).
         near: Smallest depth (m) at which a surface is seen.
-        range_m: Solids that lie wholly beyond this range (m) are skipped.
+        range_m: SceneSolids that lie wholly beyond this range (m) are skipped.
         p: Shape=(W,), (u - cx) / fx of every column.
         q: Shape=(H,), (v - cy) / fy of every row.
         reach: Shape=(H, W), depth (m) at which each pixel's ray has covered `range_m`.

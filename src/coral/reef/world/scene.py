@@ -34,7 +34,7 @@ class Footprints(NamedTuple):
     """Angle of the outline's first axis, counter-clockwise from +x. Shape=(K,)."""
 
 
-class Solids(NamedTuple):
+class SceneSolids(NamedTuple):
     """N solids as ray casters take them, the arrays of `Scene`."""
 
     kind: NDArray[np.int8]
@@ -127,9 +127,9 @@ class Scene:
         return len(self.kind)
 
     @cached_property
-    def solids(self) -> Solids:
+    def solids(self) -> SceneSolids:
         """The solids, for ray casters."""
-        return Solids(self.kind, self.center, self.half, self.rotation, ball_radii(self.kind, self.half))
+        return SceneSolids(self.kind, self.center, self.half, self.rotation, ball_radii(self.kind, self.half))
 
     def footprints(self) -> Footprints:
         """Return the outlines of the obstacles, in the order of the world's `solids`."""
