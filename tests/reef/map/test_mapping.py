@@ -8,7 +8,7 @@ from echoes import SMALL, flat_floor
 
 from coral.errors import InputError
 from coral.reef.map.mapping import FREE, OBSTACLE, TARGET, UNEXPLORED, MapCfg, OccupancyMap, distance_to
-from coral.reef.map.mapping_kernels import classify
+from coral.reef.map.mapping_kernels import Counts, classify
 from coral.reef.vehicle.camera import CameraCfg, T_world_camera
 from coral.reef.vehicle.sensing import Attitude
 from coral.reef.world.geometry import Frame, Label, Pose
@@ -186,7 +186,8 @@ def test_cells_are_classified_as_their_counts_say():
     solid = (counts[1] >= 3) & (counts[1] >= 0.3 * counts[2])
     sharp = rng.random((40, 40)) < 0.5
     soft = (counts[0] >= 2) & (counts[0] >= np.where(sharp, 0.1, 0.05) * counts[2]) & ~solid
-    changed = classify(*counts, 2, 3, 0.05, 0.1, 0.3, sharp, target, obstacle, (0, 40, 0, 40))
+    seen = Counts(*counts, np.zeros((40, 40), np.int32), sharp)
+    changed = classify(seen, 2, 3, 0.05, 0.1, 0.3, target, obstacle, (0, 40, 0, 40))
     assert np.array_equal(obstacle, solid)
     assert np.array_equal(target, soft)
     assert changed == np.count_nonzero(before != solid)

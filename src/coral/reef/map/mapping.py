@@ -18,7 +18,7 @@ from coral.errors import InputError
 from coral.reef.eyes.doubt import DoubtCfg, drop_doubtful
 from coral.reef.map.carried import AROUND_M, moved_cells
 from coral.reef.map.changes import Box
-from coral.reef.map.mapping_kernels import SATURATED, classify, explore, look, project
+from coral.reef.map.mapping_kernels import SATURATED, Counts, Nearness, classify, explore, project
 from coral.reef.map.obstacle_layer import ObstacleLayer, SonarLayerCfg
 from coral.reef.map.sight_layer import SightLayer, SightLayerCfg
 from coral.reef.map.sonar_3d15 import SonarCfg
@@ -109,8 +109,8 @@ class OccupancyMap:
         self._targets = np.zeros(shape, np.uint16)
         self._obstacles = np.zeros(shape, np.uint16)
         self._ground = np.zeros(shape, np.uint16)
-        self._counted = np.zeros(shape, np.int32)
         self._sharp = np.zeros(shape, np.bool_)
+        self._counts = Counts(self._targets, self._obstacles, self._ground, np.zeros(shape, np.int32), self._sharp)
         self._pictures = 0
         self.target = np.zeros(shape, np.bool_)
         """Oyster cells. Shape=(NY, NX)."""
@@ -161,7 +161,7 @@ class OccupancyMap:
         looks = _looks(self.camera, roll, pitch) if roll or pitch else self._looks
         cfg = self.cfg
         self._pictures += 1
-        changed, counts, obstacle_range_m, sharp_m = False, True, cfg.obstacle_range_m, 0.0
+        changed, obstacle_range_m, sharp_m = False, cfg.obstacle_range_m, 0.0
         self._estimated |= frame.doubt is not None
         doubted = frame.doubt is not None and self.layer is None
         if doubted:
@@ -170,39 +170,21 @@ class OccupancyMap:
                 self._obstacles[~self._closed] = 0
                 self._seen_obstacle = self._closed.copy()
             changed = self.sight.integrate(frame, pose, (cfg.obstacle_range_m, cfg.range_m), self.explored, roll, pitch)
-            counts, obstacle_range_m, sharp_m = self.sight.counted, -1.0, self.sight.sharp_m
-        if counts:
-            project(
-                frame.depth,
-                frame.labels,
-                looks,
-                (pose.x, pose.y, pose.theta),
-                cfg.cell_m,
-                cfg.range_m,
-                obstacle_range_m,
-                self._targets,
-                self._obstacles,
-                self._ground,
-                self._counted,
-                self._pictures,
-                self._reach,
-                self._sharp,
-                sharp_m,
-                cfg.remembered,
-            )
-        look(
+            obstacle_range_m, sharp_m = -1.0, self.sight.sharp_m if self.sight.counted else -1.0
+        project(
             frame.depth,
             frame.labels,
             looks,
             (pose.x, pose.y, pose.theta),
             cfg.cell_m,
             cfg.range_m,
-            self.nearest,
-            self._neared,
-            HINT_CELL_M,
-            self._hints,
-            self._hinted,
+            obstacle_range_m,
+            sharp_m,
+            self._counts,
+            Nearness(self.nearest, self._neared, self._hints, self._hinted, HINT_CELL_M),
             self._pictures,
+            self._reach,
+            cfg.remembered,
         )
         changed |= self._classify(self._window(pose, cfg.range_m))
         if changed:
@@ -442,15 +424,12 @@ class OccupancyMap:
         cfg = self.cfg
         return bool(
             classify(
-                self._targets,
-                self._obstacles,
-                self._ground,
+                self._counts,
                 cfg.target_hits,
                 cfg.obstacle_hits,
                 cfg.target_ratio,
                 cfg.sight.target_ratio,
                 cfg.obstacle_ratio,
-                self._sharp,
                 self.target,
                 self._seen_obstacle,
                 window,

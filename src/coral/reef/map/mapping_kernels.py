@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -10,6 +11,36 @@ from numpy.typing import NDArray
 
 OYSTER, OBSTACLE, SEABED = 1, 2, 3
 SATURATED = 60000
+
+
+class Counts(NamedTuple):
+    """What pictures have shown of each cell. Shape=(NY, NX) each."""
+
+    targets: NDArray[np.uint16]
+    """Pictures that show oysters there."""
+    obstacles: NDArray[np.uint16]
+    """Pictures that show obstacles."""
+    ground: NDArray[np.uint16]
+    """Pictures that show seabed."""
+    counted: NDArray[np.int32]
+    """Classes that the last picture counted: 8 picture + a bit per class."""
+    sharp: NDArray[np.bool_]
+    """Cells that have been seen from near. What was counted from farther away is forgotten then, and nothing more from
+    there is counted."""
+
+
+class Nearness(NamedTuple):
+    """From how near each cell has been seen, and where oysters show beyond the map's range."""
+
+    nearest: NDArray[np.float32]
+    """Smallest distance along the line of sight (m). Shape=(NY, NX)."""
+    neared: NDArray[np.int32]
+    """The picture of that distance. Shape=(NY, NX)."""
+    hints: NDArray[np.uint16]
+    """Pictures with oysters there, beyond the map's range. Shape=(MY, MX)."""
+    hinted: NDArray[np.int32]
+    """Last picture that counted for each cell of the hints. Shape=(MY, MX)."""
+    hint_cell_m: float
 
 
 @njit(cache=True)
@@ -21,14 +52,11 @@ def project(
     cell_m: float,
     target_range_m: float,
     obstacle_range_m: float,
-    targets: NDArray[np.uint16],
-    obstacles: NDArray[np.uint16],
-    ground: NDArray[np.uint16],
-    counted: NDArray[np.int32],
+    sharp_m: float,
+    counts: Counts,
+    nearness: Nearness,
     picture: int,
     column_reach: NDArray[np.float64],
-    sharp: NDArray[np.bool_],
-    sharp_m: float,
     remembered: int,
 ) -> None:
     """Project every pixel into the grid (Eq. 1). Each cell counts the pictures that show a class there.
@@ -38,23 +66,23 @@ def project(
     Args:
         depth: Shape=(H, W), metres along the optical axis; inf where nothing is seen.
         labels: Shape=(H, W), pixel classes.
-        rays: Shape=(H, W, 2), forward and left components (body frame) of each pixel's ray at unit depth.
+        rays: Shape=(H, W, 3), forward and left components (body frame) of each pixel's ray at unit depth, its length.
         pose: (x, y, theta) of the body in the world.
         cell_m: Edge of a grid cell (m).
-        target_range_m: Largest horizontal distance (m) at which oyster and seabed pixels count.
+        target_range_m: Largest horizontal distance (m) at which oyster and seabed pixels count; oysters farther away
+            are hints.
         obstacle_range_m: The same for obstacle pixels.
-        targets: Shape=(NY, NX), pictures that show oysters there, updated in place.
-        obstacles: Shape=(NY, NX), pictures that show obstacles, updated in place.
-        ground: Shape=(NY, NX), pictures that show seabed, updated in place.
-        counted: Shape=(NY, NX), classes that the last picture of each cell counted: 8 picture + a bit per class.
+        sharp_m: Horizontal distance (m) of what is near; 0: all looks are alike, negative: nothing is counted.
+        counts: Updated in place.
+        nearness: Updated in place.
         picture: Number of this picture, 1 or more.
         column_reach: Shape=(W,), farthest horizontal distance (m) with a return in each column, written.
-        sharp: Shape=(NY, NX), cells that have been seen from `sharp_m` or nearer, updated in place. What was counted
-            from farther away is forgotten then, and nothing more from there is counted.
-        sharp_m: Horizontal distance (m); 0: all looks are alike.
         remembered: Pictures of a class at which all counts of a cell are halved; those of `SATURATED` never are.
     """
+    targets, obstacles, ground, counted, sharp = counts
+    nearest, neared, hints, hinted, hint_cell_m = nearness
     ny, nx = targets.shape
+    my, mx = hints.shape
     height, width = depth.shape
     c, s = math.cos(pose[2]), math.sin(pose[2])
     x0, y0 = pose[0], pose[1]
@@ -65,16 +93,26 @@ def project(
             if not z < np.inf:
                 continue
             forward, left = z * rays[v, u, 0], z * rays[v, u, 1]
-            distance = math.sqrt(forward * forward + left * left)
+            square = forward * forward + left * left
+            distance = math.sqrt(square)
             reach = max(reach, distance)
             label = labels[v, u]
-            if distance > (obstacle_range_m if label == OBSTACLE else target_range_m):
+            if label != OYSTER and label != OBSTACLE and label != SEABED:
                 continue
-            ix = int(math.floor((x0 + c * forward - s * left) / cell_m))
-            iy = int(math.floor((y0 + s * forward + c * left) / cell_m))
+            x, y = x0 + c * forward - s * left, y0 + s * forward + c * left
+            far = square > target_range_m * target_range_m
+            if far and label == OYSTER:
+                ix, iy = int(math.floor(x / hint_cell_m)), int(math.floor(y / hint_cell_m))
+                if ix >= 0 and iy >= 0 and ix < mx and iy < my and hinted[iy, ix] != picture:
+                    hinted[iy, ix] = picture
+                    hints[iy, ix] = min(hints[iy, ix] + 1, SATURATED)
+            ix, iy = int(math.floor(x / cell_m)), int(math.floor(y / cell_m))
             if ix < 0 or iy < 0 or ix >= nx or iy >= ny:
                 continue
-            if label != OYSTER and label != OBSTACLE and label != SEABED:
+            if label != OBSTACLE and not far and z * rays[v, u, 2] < nearest[iy, ix]:
+                nearest[iy, ix] = z * rays[v, u, 2]
+                neared[iy, ix] = picture
+            if sharp_m < 0.0 or distance > (obstacle_range_m if label == OBSTACLE else target_range_m):
                 continue
             done = counted[iy, ix]
             if distance > sharp_m:
@@ -102,64 +140,6 @@ def project(
                 obstacles[iy, ix] >>= 1
                 ground[iy, ix] >>= 1
         column_reach[u] = reach
-
-
-@njit(cache=True)
-def look(
-    depth: NDArray[np.float32],
-    labels: NDArray[np.uint8],
-    rays: NDArray[np.float64],
-    pose: tuple[float, float, float],
-    cell_m: float,
-    range_m: float,
-    nearest: NDArray[np.float32],
-    neared: NDArray[np.int32],
-    hint_cell_m: float,
-    hints: NDArray[np.uint16],
-    hinted: NDArray[np.int32],
-    picture: int,
-) -> None:
-    """Note from how near each cell has been seen, and where oysters show beyond the map's range.
-
-    Args:
-        depth: Shape=(H, W), metres along the optical axis; inf where nothing is seen.
-        labels: Shape=(H, W), pixel classes.
-        rays: Shape=(H, W, 3), forward and left components (body frame) of each pixel's ray at unit depth, its length.
-        pose: (x, y, theta) of the body in the world.
-        cell_m: Edge of a grid cell (m).
-        range_m: Horizontal range of the map (m); oysters farther away are hints.
-        nearest: Shape=(NY, NX), smallest distance along the line of sight (m), updated in place.
-        neared: Shape=(NY, NX), the picture of that distance, updated in place.
-        hint_cell_m: Edge of a cell of the hints (m).
-        hints: Shape=(MY, MX), pictures with oysters there, beyond the map's range, updated in place.
-        hinted: Shape=(MY, MX), last picture that counted for each cell of the hints.
-        picture: Number of this picture, 1 or more.
-    """
-    ny, nx = nearest.shape
-    my, mx = hints.shape
-    height, width = depth.shape
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    x0, y0 = pose[0], pose[1]
-    for v in range(height):
-        for u in range(width):
-            z = depth[v, u]
-            if not z < np.inf:
-                continue
-            label = labels[v, u]
-            if label != OYSTER and label != SEABED:
-                continue
-            forward, left = z * rays[v, u, 0], z * rays[v, u, 1]
-            x, y = x0 + c * forward - s * left, y0 + s * forward + c * left
-            if forward * forward + left * left <= range_m * range_m:
-                ix, iy = int(math.floor(x / cell_m)), int(math.floor(y / cell_m))
-                if ix >= 0 and iy >= 0 and ix < nx and iy < ny and z * rays[v, u, 2] < nearest[iy, ix]:
-                    nearest[iy, ix] = z * rays[v, u, 2]
-                    neared[iy, ix] = picture
-            elif label == OYSTER:
-                ix, iy = int(math.floor(x / hint_cell_m)), int(math.floor(y / hint_cell_m))
-                if ix >= 0 and iy >= 0 and ix < mx and iy < my and hinted[iy, ix] != picture:
-                    hinted[iy, ix] = picture
-                    hints[iy, ix] = min(hints[iy, ix] + 1, SATURATED)
 
 
 @njit(cache=True)
@@ -214,20 +194,18 @@ def explore(
 
 @njit(cache=True)
 def classify(
-    targets: NDArray[np.uint16],
-    obstacles: NDArray[np.uint16],
-    ground: NDArray[np.uint16],
+    counts: Counts,
     target_hits: int,
     obstacle_hits: int,
     target_ratio: float,
     sharp_ratio: float,
     obstacle_ratio: float,
-    sharp: NDArray[np.bool_],
     target_mask: NDArray[np.bool_],
     obstacle_mask: NDArray[np.bool_],
     window: tuple[int, int, int, int],
 ) -> int:
     """Turn counts into masks inside `window` (y0, y1, x0, x1). Return the number of obstacle cells that changed."""
+    targets, obstacles, ground, _, sharp = counts
     changed = 0
     for iy in range(window[0], window[1]):
         for ix in range(window[2], window[3]):
