@@ -358,16 +358,18 @@ def _effects(presets: Mapping[str, Sequence[Row]], advisors: Sequence[str]) -> T
     judged = any(RESTRICTED.of(row) is not None for own in presets.values() for row in own)
     variants = dict.fromkeys(variant for own in found.values() for variant in own if variant != REFERENCE)
     lines = tuple(
-        (name(variant), *(_slower(own.get(variant, []), own.get(REFERENCE, [])) for own in found.values()))
+        (
+            name(variant),
+            *(
+                difference_text(difference(own.get(variant, []), own.get(REFERENCE, []), RESTRICTED), 0)
+                for own in found.values()
+            ),
+        )
         for variant in variants
         if len(found) > 1 and judged
     )
     what = f"Difference from {name(REFERENCE)} in the time to 90 % inspected (s), {HORIZON_S:.0f} s where never"
     return Table("Effects", f"{what}: above zero is slower.", ("variant", *found), lines, (UNTOLD,))
-
-
-def _slower(rows: Sequence[Row], reference: Sequence[Row]) -> str:
-    return difference_text(difference(rows, reference, RESTRICTED), 0)
 
 
 def word_tables(rows: Sequence[Row], half_of: Callable[[str], str]) -> list[Table]:

@@ -105,7 +105,7 @@ class ReefRun:
         asks_people = asks_person(self.advisor)
         cfg, world = resolve_mission(
             dataclasses.replace(
-                self._with_sonar(),
+                with_sonar(self.cfg) if self.sonar else self.cfg,
                 perception=self.cfg.perception if self.perception is None else self.perception,
                 depth=self.cfg.depth if self.depth is None else str(self.depth),
             ),
@@ -172,10 +172,6 @@ class ReefRun:
     def _tell_compiling(self) -> None:
         if not self.quiet and not is_compiled():
             print(NOTICE, file=sys.stderr, flush=True)
-
-    def _with_sonar(self) -> MissionCfg:
-        """Return the configuration, with the sonar if the flag or the configuration asks for it."""
-        return with_sonar(self.cfg) if self.sonar else self.cfg
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe the outcome in a few lines, and list the files."""
@@ -246,13 +242,11 @@ class FallbackNotice:
         if event["event"] == "fallback" and not self._said:
             self._said = True
             then = {"rules": "the fallback's rules decide", "hold": "the goal is kept", "fail": "the mission ends"}
-            why = self._why(str(event["failure"]))
+            refused = event["failure"] == "requeries-used-up"
+            why = f"every answer was refused{self._refused}" if refused else str(event["failure"])
             print(
                 f"at {event['t']:.0f} s the advisor did not decide ({why}): {then[self._policy]} "
                 f"(--fallback {self._policy})",
                 file=sys.stderr,
                 flush=True,
             )
-
-    def _why(self, failure: str) -> str:
-        return f"every answer was refused{self._refused}" if failure == "requeries-used-up" else failure

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from coral.reef.pictures.mapview import CELL_COLORS, MapScene, MapViewCfg, cell_classes, draw_map, png
+from coral.reef.pictures.mapview import CELL_COLORS, MapScene, MapViewCfg, draw_map, png
 from coral.reef.world.geometry import Pose
 
 WHOLE = (0.0, 0.0, 20.0, 20.0)
@@ -145,13 +145,6 @@ def test_the_legend_of_a_narrow_map_is_not_cut():
 def test_the_same_scene_gives_the_same_bytes():
     scene = MapScene(cells=grid(), cell_m=0.05, pose=Pose(3, 4, 1), centroids=np.array([(5.0, 5.0)]))
     assert png(draw_map(scene).rgb) == png(draw_map(scene).rgb)
-
-
-def test_oysters_win_over_obstacles_and_both_over_free_space():
-    yes, no = np.ones((1, 3), bool), np.zeros((1, 3), bool)
-    obstacle, target = no.copy(), no.copy()
-    obstacle[0, 1:] = target[0, 2] = True
-    np.testing.assert_array_equal(cell_classes(yes, obstacle, target), [[1, 2, 3]])
 
 
 def test_a_dot_below_the_robot_s_arrow_stays_visible():

@@ -24,7 +24,10 @@ def nearest_centroid(facts: Fact, rejections: Sequence[Rejection]) -> CentroidCh
     """Choose the nearest unvisited centroid and ignore the rest of the map: Rule-Based Selection (paper IV-D)."""
     refused = {r.details.get("index") for r in rejections}
     open_ = [c for c in facts["centroids"] if not c["visited"] and c["path_m"] is not None]
-    best = min([c for c in open_ if c["index"] not in refused] or open_ or facts["centroids"], key=_straight)
+    best = min(
+        [c for c in open_ if c["index"] not in refused] or open_ or facts["centroids"],
+        key=lambda c: math.hypot(c["forward_m"], c["left_m"]),
+    )
     return CentroidChoice(selected_centroid_index=best["index"], reason="the nearest unvisited cluster")
 
 
@@ -104,10 +107,6 @@ def _towards(facts: Fact, forward: float, left: float, refused: set[tuple[Any, A
         return WaypointChoice(forward_m=0, left_m=0, reason="no waypoint can be reached")
     best = min(open_, key=lambda o: o["path_m"] + 1.5 * math.hypot(o["forward_m"] - forward, o["left_m"] - left))
     return WaypointChoice(forward_m=best["forward_m"], left_m=best["left_m"], reason=f"towards {name}")
-
-
-def _straight(c: Fact) -> float:
-    return math.hypot(c["forward_m"], c["left_m"])
 
 
 class Chance:

@@ -182,7 +182,8 @@ class TourPlanner:
     def verify(self, asked: AskedState, answer: Answer) -> Rejection | None:
         """Check an answer in the state in which it was asked, and for what has become impossible since."""
         if not isinstance(answer, CentroidChoice | WaypointChoice):
-            answer = _widened(answer)
+            kind = CentroidChoice if isinstance(answer, CentroidAnswer) else WaypointChoice
+            answer = kind.model_validate(answer.model_dump())
         goal = None if answer.end_survey else self.locate(asked, answer)
         if isinstance(goal, Rejection):
             return goal
@@ -211,7 +212,7 @@ class TourPlanner:
             return refusal
         if _leaves_rest(answer) and asked.tour is not None:
             return None
-        if _names_dot(answer):
+        if _dot_of(answer) is not None:
             return finished_dot(outlook, _dot_of(answer))
         if not separated((goal.x, goal.y), outlook.arrival.pose[:2], cfg.separation_m):
             return Rejection(
@@ -340,12 +341,6 @@ def _towards(asked: AskedState, passing: Sequence[Mapping[str, Any]]) -> list[li
     return named
 
 
-def _widened(answer: Answer) -> CentroidChoice | WaypointChoice:
-    """Return a paper's answer as one of ours."""
-    kind = CentroidChoice if isinstance(answer, CentroidAnswer) else WaypointChoice
-    return kind.model_validate(answer.model_dump())
-
-
 def _dot_of(answer: CentroidChoice | WaypointChoice) -> int | None:
     return answer.selected_centroid_index if isinstance(answer, CentroidChoice) else answer.dot
 
@@ -357,7 +352,3 @@ def _leaves_rest(answer: Answer) -> bool:
 def _first(tour: RemainingTour) -> Goal:
     """Return the place that the robot's own tour begins with."""
     return Goal(x=tour.best.x, y=tour.best.y, index=tour.best.index)
-
-
-def _names_dot(answer: CentroidChoice | WaypointChoice) -> bool:
-    return _dot_of(answer) is not None

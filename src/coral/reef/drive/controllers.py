@@ -36,16 +36,12 @@ class ControllerSetup:
 MakeController = Callable[[ControllerSetup], LocalPlanner]
 
 
-def _ddp_mppi(setup: ControllerSetup) -> LocalPlanner:
-    period_s = setup.control_period_s
-    return DdpMppi(setup.cfg, setup.vehicle, setup.rng, control_period_s=period_s, response=setup.response)
-
-
-def _pd(setup: ControllerSetup) -> LocalPlanner:
-    return PdController(vehicle=setup.vehicle)
-
-
-CONTROLLERS: dict[str, MakeController] = {"ddp-mppi": _ddp_mppi, "pd": _pd}
+CONTROLLERS: dict[str, MakeController] = {
+    "ddp-mppi": lambda setup: DdpMppi(
+        setup.cfg, setup.vehicle, setup.rng, control_period_s=setup.control_period_s, response=setup.response
+    ),
+    "pd": lambda setup: PdController(vehicle=setup.vehicle),
+}
 
 
 def controller_maker(controller: str | MakeController, where: str = "--cfg", field: str = "driver") -> MakeController:

@@ -140,11 +140,6 @@ def _clouds(shape: tuple[int, int], cells: int, rng: np.random.Generator, octave
     return np.asarray(total / 1.3, np.float32)
 
 
-def _horizon(height: int, rng: np.random.Generator) -> float:
-    """Return the row of the horizon, as often high above the picture: a floor seen from above."""
-    return height * float(rng.uniform(0.0, 0.35) if rng.random() < 0.5 else -rng.uniform(0.3, 3.0))
-
-
 def _earth(rng: np.random.Generator) -> NDArray[np.float64]:
     """Return a tint of shell, silt or sand."""
     return np.array([1.0, rng.uniform(0.82, 1.05), rng.uniform(0.55, 1.05)])
@@ -253,7 +248,8 @@ BARE: dict[str, Callable[[Image, float, np.random.Generator], None]] = {
 def bare_picture(kind: str, size: tuple[int, int], rng: np.random.Generator) -> Collage:
     """Draw a picture without oysters. `kind` is one of `BARE`; `size` is width and height (px)."""
     width, height = size
-    horizon = _horizon(height, rng)
+    # As often high above the picture: a floor seen from above.
+    horizon = height * float(rng.uniform(0.0, 0.35) if rng.random() < 0.5 else -rng.uniform(0.3, 3.0))
     image = _ground(size, horizon, rng)
     BARE[kind](image, horizon, rng)
     if rng.random() < 0.3:

@@ -105,8 +105,9 @@ def train(
         progress = max(step / cfg.steps, (time.monotonic() - begun) / cfg.limit_s)
         if progress >= 1.0:
             break
+        rate = min(progress / 0.05, 0.5 + 0.5 * math.cos(math.pi * min(progress, 1.0)))
         for group in optimizer.param_groups:
-            group["lr"] = cfg.rate * group["share"] * _rate_at(progress)
+            group["lr"] = cfg.rate * group["share"] * rate
         optimizer.zero_grad(set_to_none=True)
         losses = feed.losses(net, half=step % 2 == 1)
         (losses[0] + losses[1]).backward()
@@ -284,11 +285,6 @@ def _halve(model: onnx.ModelProto) -> None:
         name = tensor.name
         tensor.CopyFrom(onnx.numpy_helper.from_array(values.astype(np.float16), f"{name}_half"))
         model.graph.node.insert(0, onnx.helper.make_node("Cast", [f"{name}_half"], [name], to=onnx.TensorProto.FLOAT))
-
-
-def _rate_at(progress: float) -> float:
-    """Return the share of the largest learning rate at a share of the training."""
-    return min(progress / 0.05, 0.5 + 0.5 * math.cos(math.pi * min(progress, 1.0)))
 
 
 def _missed(likely: Tensor, true: Tensor, over: tuple[int, ...]) -> Tensor:

@@ -21,13 +21,9 @@ Kind = Literal["colour", "segmentation", "depth"]
 NOTHING: tuple[int, int, int] = (14, 16, 28)
 
 
-def _depth_palette() -> NDArray[np.uint8]:
-    """Return the depth palette, Shape=(256, 3) RGB, near bright to far dark; perceptually uniform."""
-    ramp = np.linspace(245, 20, 256).astype(np.uint8).reshape(-1, 1)
-    return np.asarray(cv2.applyColorMap(ramp, cv2.COLORMAP_VIRIDIS)[:, 0, ::-1], np.uint8)
-
-
-DEPTH_PALETTE = _depth_palette()
+_RAMP = np.linspace(245, 20, 256).astype(np.uint8).reshape(-1, 1)
+DEPTH_PALETTE = np.asarray(cv2.applyColorMap(_RAMP, cv2.COLORMAP_VIRIDIS)[:, 0, ::-1], np.uint8)
+"""Near bright to far dark, perceptually uniform; the last one is for nothing. Shape=(256, 3), RGB."""
 DEPTH_PALETTE[255] = NOTHING
 
 

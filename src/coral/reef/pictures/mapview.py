@@ -19,9 +19,7 @@ from coral.reef.pictures.mapframe import (
     LEGEND_PX,
     MAGENTA,
     MARK,
-    OBSTACLE,
     ORANGE,
-    OYSTER,
     RED,
     YELLOW,
     YELLOW_EDGE,
@@ -33,7 +31,7 @@ from coral.reef.pictures.mapframe import (
 )
 from coral.reef.world.geometry import Pose
 
-__all__ = ["CELL_COLORS", "MapPicture", "MapScene", "MapViewCfg", "camera_picture", "cell_classes", "draw_map", "png"]
+__all__ = ["CELL_COLORS", "MapPicture", "MapScene", "MapViewCfg", "camera_picture", "draw_map", "png"]
 
 Box = tuple[float, float, float, float]
 MARGIN_M = 1.5
@@ -93,14 +91,6 @@ class MapViewCfg:
     window: tuple[float, float, float, float] | None = None
     """What is shown, (x0, y0, x1, y1) in metres; None: the explored area with a margin."""
     legend: bool = True
-
-
-def cell_classes(explored: NDArray[np.bool_], obstacle: NDArray[np.bool_], target: NDArray[np.bool_]) -> Image:
-    """Classify the map cells, Shape=(H, W) each; oysters take precedence over obstacles, both over free space."""
-    cells = explored.astype(np.uint8)
-    cells[obstacle] = OBSTACLE
-    cells[target] = OYSTER
-    return cells
 
 
 def draw_map(scene: MapScene, cfg: MapViewCfg | None = None) -> MapPicture:

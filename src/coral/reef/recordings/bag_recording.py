@@ -233,7 +233,8 @@ def _collect(path: Path, topics: BagTopics) -> _Contents:
                 contents.camera_frame = frame_name(message.header.frame_id)
                 contents.camera = contents.camera or _camera(message, f"{where}: {topic}", topics.image)
             elif topic == topics.seen_by:
-                contents.seen_by = _name_eyes(str(message.data))
+                said = str(message.data)  # a file of whoever wrote the bag is a name, not a path on this machine
+                contents.seen_by = said if said in (EXACT, RGB) else f"{PurePath(said).name[:60]}, recorded"
             elif topic == topics.map:
                 info = message.info
                 cell_m = round(float(info.resolution), 6)
@@ -241,7 +242,10 @@ def _collect(path: Path, topics: BagTopics) -> _Contents:
                 contents.area = (x, y, round(info.width * cell_m, 6), round(info.height * cell_m, 6))
                 contents.cell_m = cell_m
             else:
-                _take_transforms(contents, message, static=topic == "/tf_static")
+                for one in message.transforms:
+                    at = _transform(one.transform.translation, one.transform.rotation)
+                    t = None if topic == "/tf_static" else stamp_of(one)
+                    contents.track.tree.add(one.header.frame_id, one.child_frame_id, at, t)
         except InputError:
             raise
         except (AttributeError, ValueError) as error:
@@ -251,7 +255,7 @@ def _collect(path: Path, topics: BagTopics) -> _Contents:
 
 def _take_odometry(track: BodyTrack, message: Any) -> None:
     pose = message.pose.pose
-    transform = _finite(transform_from(_vector(pose.position), _quaternion(pose.orientation)))
+    transform = _transform(pose.position, pose.orientation)
     parent, child = frame_name(message.header.frame_id), frame_name(message.child_frame_id)
     if not track.odometry.times:
         if points_down(parent) or points_down(child):
@@ -262,17 +266,11 @@ def _take_odometry(track: BodyTrack, message: Any) -> None:
     track.odometry.add(stamp_of(message), transform)
 
 
-def _take_transforms(contents: _Contents, message: Any, *, static: bool) -> None:
-    for one in message.transforms:
-        t = None if static else stamp_of(one)
-        contents.track.tree.add(one.header.frame_id, one.child_frame_id, _transform(one), t)
-
-
-def _transform(stamped: Any) -> NDArray[np.float64]:
-    return _finite(transform_from(_vector(stamped.transform.translation), _quaternion(stamped.transform.rotation)))
-
-
-def _finite(transform: NDArray[np.float64]) -> NDArray[np.float64]:
+def _transform(at: Any, turned: Any) -> NDArray[np.float64]:
+    transform = transform_from(
+        (float(at.x), float(at.y), float(at.z)),
+        (float(turned.x), float(turned.y), float(turned.z), float(turned.w)),
+    )
     if not np.isfinite(transform).all():
         raise ValueError("a pose that is not finite")
     return transform
@@ -297,19 +295,6 @@ def _camera(message: Any, where: str, image_topic: str) -> RecordedCamera:
     return RecordedCamera.of(lens, CameraCfg(), where)
 
 
-def _name_eyes(text: str) -> str:
-    """Return who saw the pictures. A file of whoever wrote the bag is a name, not a path on this machine."""
-    return text if text in (EXACT, RGB) else f"{PurePath(text).name[:60]}, recorded"
-
-
 def _known(contents: _Contents) -> str:
     named = ", ".join(sorted(contents.counts)) or "none"
     return f"--topics.NAME names another topic; the bag has {named}"
-
-
-def _vector(v: Any) -> tuple[float, float, float]:
-    return float(v.x), float(v.y), float(v.z)
-
-
-def _quaternion(q: Any) -> tuple[float, float, float, float]:
-    return float(q.x), float(q.y), float(q.z), float(q.w)

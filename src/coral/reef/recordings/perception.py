@@ -47,7 +47,7 @@ class PicturePerception:
         """Return a colour picture, Shape=(H, W, 3), sRGB, with classes, depth and doubt; `where` names it."""
         number = self._seen.get(where)
         if number is None:
-            seen = perceive_frame(_unseen(rgb), self._eyes, camera.view, attitude)
+            seen = perceive_frame(Frame.of_colours(rgb), self._eyes, camera.view, attitude)
             number = self._seen[where] = len(self._seen)
             self._keep(number, seen, camera)
             self._real[number] = seen.real
@@ -108,8 +108,3 @@ def recorded_frame(
             "--perception rgb or FILE.onnx, or pictures of classes and depth beside them",
         )  # fmt: skip
     return perception.frame(rgb, camera, attitude, where)
-
-
-def _unseen(rgb: NDArray[np.uint8]) -> Frame:
-    shape = rgb.shape[:2]
-    return Frame(np.full(shape, np.inf, np.float32), np.zeros(shape, np.uint8), NO_OBJECTS, rgb)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,9 @@ class RosSonar:
         else:
             create(tf, "/tf_static", self._hear_tree, ros.qos("latched"))
             create(tf, "/tf", self._hear_tree, sensor)
-        self._points: Callable[[Any], NDArray[np.float64]] = self._cloud if kind == CLOUD else self._depths
+        self._points: Callable[[Any], NDArray[np.float64]] = (
+            partial(points_in, where=topic) if kind == CLOUD else self._depths
+        )
         create(ros_type(kind, "--sonar"), topic, self._newest.hear, sensor)
 
     def read(self) -> HeardImage | None:
@@ -118,9 +121,6 @@ class RosSonar:
         self._ros.close()
         told = f"{', '.join(kinds)} on {self._topic}" if found else f"nobody publishes {self._topic}"
         raise InputError("--sonar", "", told, "a topic with PointCloud2, or with depth pictures")
-
-    def _cloud(self, message: Any) -> NDArray[np.float64]:
-        return points_in(message, self._topic)
 
     def _depths(self, message: Any) -> NDArray[np.float64]:
         """Return the points of a depth picture in its optical frame: 32FC1 in m, 16UC1 in mm (REP-118)."""

@@ -69,11 +69,9 @@ class Lens:
         """Return X / Z and Y / Z of the rays through points of the picture (px). Shape=(N, 2) to (N, 2)."""
         given = points.reshape(-1, 1, 2)
         undistort: Any = cv2.fisheye.undistortPoints if self.model == "equidistant" else cv2.undistortPoints
-        return np.asarray(undistort(given, self.matrix, np.array(self._coefficients)), np.float64).reshape(-1, 2)
-
-    @property
-    def _coefficients(self) -> tuple[float, ...]:
-        return self.distortion or (0.0,) * 4
+        return np.asarray(undistort(given, self.matrix, np.array(self.distortion or (0.0,) * 4)), np.float64).reshape(
+            -1, 2
+        )
 
 
 def check_lens(lens: Lens, where: str) -> Lens:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception, perceive_frame
 from coral.reef.sea.latest_reading import LatestReading, SensorSource
 from coral.reef.vehicle.camera import CameraCfg
-from coral.reef.world.geometry import Frame, Label
+from coral.reef.world.geometry import Frame
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,13 +71,6 @@ class LatestShot(LatestReading[Shot]):
         if rgb.shape[:2] != size:
             raise ValueError(f"pictures of {rgb.shape[1]}x{rgb.shape[0]} px, where {size[1]}x{size[0]} are expected")
         begun = self._clock()
-        frame = perceive_frame(_unseen(rgb), self.eyes, self._camera, self.attitude())
+        frame = perceive_frame(Frame.of_colours(rgb), self.eyes, self._camera, self.attitude())
         self.seeing_s = self._clock() - begun
         return replace(shot, frame=frame)
-
-
-def _unseen(rgb: NDArray[np.uint8]) -> Frame:
-    """Return a picture of which only the colours are known."""
-    size = rgb.shape[:2]
-    depth, labels = np.full(size, np.inf, np.float32), np.full(size, Label.WATER, np.uint8)
-    return Frame(depth, labels, np.full(size, -1, np.int32), rgb)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,6 @@ from coral.reef.mission.loop import MissionLoop
 from coral.reef.mission.metrics import OWN_MAP, TRUTH, compute_metrics
 from coral.reef.mission.word_judge import told_verdict
 from coral.reef.pilot.leftover import chain_of, what_is_left
-from coral.reef.pilot.pilot import Pilot
 from coral.reef.sea.latest_reading import HeardImage, LatestReading
 from coral.reef.sea.link import VehicleLink, VehicleReport
 from coral.reef.sea.link_vehicle import LinkVehicle
@@ -39,7 +39,7 @@ from coral.reef.sea.sail_cfg import SailCfg
 from coral.reef.sea.supervisor import Supervisor
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.vehicle.response import VehicleResponse
-from coral.reef.vehicle.states import PilotState, StateMachine
+from coral.reef.vehicle.states import PilotState
 from coral.reef.world.geometry import Pose
 from coral.reef.world.world import ReefWorld
 from coral.run_files import RunFiles
@@ -122,10 +122,14 @@ class SeaMission:
             self.emit,
             response=response,
         )
+        self.belief, self.pilot = self.robot.belief, self.robot.pilot
+        self.states = self.pilot.safety.states
+        """What the vehicle is doing, and why."""
         crew.camera.attitude = lambda: self.robot.camera_attitude(self.robot.seen)
         self.orders = VehicleOrders(crew.link, threaded=threaded)
         self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s)
-        self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, self._go_home)
+        go_home = partial(self.pilot.go_home, *area.start[:2])
+        self.supervisor = Supervisor(self.states, self.orders, self.safety, self.emit, go_home)
         self.ticks = RealTicks(mission.control_period_s, clock, sleep)
         self.loop = MissionLoop(self.robot, self.ticks, self)
         self._recording, self.notice = True, ""
@@ -147,21 +151,6 @@ class SeaMission:
     def end_reason(self) -> str:
         """Why the survey is over, or ""."""
         return self.loop.end_reason
-
-    @property
-    def belief(self) -> Belief:
-        """What the robot knows."""
-        return self.robot.belief
-
-    @property
-    def pilot(self) -> Pilot:
-        """The robot's pilot."""
-        return self.robot.pilot
-
-    @property
-    def states(self) -> StateMachine:
-        """What the vehicle is doing, and why."""
-        return self.robot.pilot.safety.states
 
     @property
     def report(self) -> VehicleReport:
@@ -286,9 +275,6 @@ class SeaMission:
         if found != self.notice:
             self.notice = found
             self.emit("awaited", state=self.states.state.value, reason=self.states.reason, ends_when=found)
-
-    def _go_home(self) -> None:
-        self.pilot.go_home(*self.area.start[:2])
 
     def _own(self) -> tuple[float, float, int]:
         """Distance to the nearest known obstacle (m), share of the known clusters that are done, their number."""

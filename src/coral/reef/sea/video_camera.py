@@ -83,12 +83,10 @@ class VideoCamera:
         except ValueError as error:
             self._video.release()
             raise InputError("--camera", "", f"{address}: {error}", "pictures of the camera as configured") from None
-        self._file_period_s = 1.0 / max(self._video.get(cv2.CAP_PROP_FPS), 1.0) if self._is_file() else 0.0
+        is_file = self._video.get(cv2.CAP_PROP_FRAME_COUNT) > 1
+        self._file_period_s = 1.0 / max(self._video.get(cv2.CAP_PROP_FPS), 1.0) if is_file else 0.0
         self._due_s = clock()
         self.name = f"{self._address}, {width}x{height}"
-
-    def _is_file(self) -> bool:
-        return self._video.get(cv2.CAP_PROP_FRAME_COUNT) > 1
 
     def read(self) -> Shot | None:
         """Wait for the next picture; a file plays at its own speed. None at its end or when the stream breaks."""

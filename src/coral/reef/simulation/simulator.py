@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -161,15 +162,12 @@ class ReefSimulator:
         """Water of the colour pictures; None when none are taken."""
         return None if self._painter is None else self._painter.water
 
-    def _clearance(self, x: float, y: float) -> float:
-        return clearance(self._footprints, x, y)
-
     def act(self, command: tuple[float, float], dt: float) -> list[tuple[float, float, int]]:
         """Drive for `dt` seconds. Return new contacts with obstacles as (x, y, index of the obstacle)."""
         before = self.pose
         current = (self.world.current.x_m_s, self.world.current.y_m_s)
         solid = self.cfg.contact == "solid"
-        self.track = self.vehicle.step(command, dt, current, self._clearance if solid else None)
+        self.track = self.vehicle.step(command, dt, current, partial(clearance, self._footprints) if solid else None)
         self.distance_m += math.dist(before[:2], self.pose[:2])
         contacts = self._contacts.follow(self.track)
         self._judge()

@@ -49,6 +49,12 @@ class Frame:
     real: bool = False
     """Whether a network that knows both took it for a real picture, not a painted one."""
 
+    @classmethod
+    def of_colours(cls, rgb: NDArray[np.uint8]) -> Frame:
+        """Return a picture of which only the colours are known."""
+        size = rgb.shape[:2]
+        return cls(np.full(size, np.inf, np.float32), np.zeros(size, np.uint8), np.full(size, -1, np.int32), rgb)
+
 
 def wrap(angle: float) -> float:
     """Wrap an angle (rad) to (-pi, pi]."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from pathlib import Path
 from zlib import crc32
 
@@ -107,10 +107,6 @@ def _plots(rng: np.random.Generator, asked: str = "plot-old") -> Draft:
     )
 
 
-def _fish(rng: np.random.Generator) -> Draft:
-    return _plots(rng, "fish")
-
-
 def _east(rng: np.random.Generator) -> Draft:
     wanted = ("east-1", "east-2", "east-3")
     things = [(name, "living-clump") for name in wanted] + [(f"west-{k + 1}", "living-clump") for k in range(2)]
@@ -142,7 +138,7 @@ FAMILIES: dict[str, tuple[Callable[[np.random.Generator], Draft], ...]] = {
     "net": (_net,),
     "order": (_order,),
     "count": (_count,),
-    "plots": (_plots, _fish),
+    "plots": (_plots, partial(_plots, asked="fish")),
     "east": (_east,),
     "bags": (_bags,),
     "cable": (_cable,),
