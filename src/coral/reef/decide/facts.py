@@ -21,10 +21,7 @@ def describe(
     left: Survey,
     options: Sequence[dict[str, float]] | None,
 ) -> dict[str, Any]:
-    """Return the facts of a question in plain JSON; points as seen on arrival (m forward, m left).
-
-    `options` are waypoints that may be named; None in centroid selection mode.
-    """
+    """Return the facts of a question in plain JSON, as on arrival; `options` are waypoints, None for choosing dots."""
     belief, arrival, pose = outlook.belief, outlook.arrival, outlook.arrival.pose
     facts: dict[str, Any] = {
         "robot": {"x": belief.pose.x, "y": belief.pose.y, "theta": belief.pose.theta},

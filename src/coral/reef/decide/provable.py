@@ -77,10 +77,7 @@ def finished_dot(outlook: Outlook, index: int | None) -> Rejection | None:
 def leads_nowhere(
     outlook: Outlook, remaining: Remaining, xs: NDArray[np.float64], ys: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Tell which points (xs, ys) (m), Shape=(N,) each, show nothing and lead to nothing.
-
-    All about them is known, and nothing that is left is nearer.
-    """
+    """Tell at which points (m), Shape=(N,), all about is known and done, and nothing that is left is nearer."""
     if not len(remaining.places) or not len(xs):
         return np.zeros(len(xs), bool)
     cells = outlook.belief.map

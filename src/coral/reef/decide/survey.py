@@ -82,10 +82,7 @@ class Survey:
 
 
 def survey(outlook: Outlook, field_cfg: CostFieldCfg, forward_m: float, cfg: SurveyCfg) -> Survey:
-    """Analyse the map as it will be on arrival: what will have been explored on the way is not left.
-
-    `forward_m` is the forward projection from which a centroid counts as ahead (Alg. 2, d_min).
-    """
+    """Analyse the map as it will be on arrival; from `forward_m` on a centroid counts as ahead (Alg. 2, d_min)."""
     belief, arrival, pose = outlook.belief, outlook.arrival, outlook.arrival.pose
     water = belief.water(field_cfg)
     field = CostField.over(water.slowness, (pose.x, pose.y), cell_m=water.cell_m, cfg=field_cfg)

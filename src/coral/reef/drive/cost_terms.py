@@ -104,10 +104,7 @@ def add_step(sums: Array, step: Step, scales: Scales) -> None:
 def finish(
     sums: Array, horizon_s: float, n_steps: int, driven_m: float, end: float, now: float, scales: Scales
 ) -> None:
-    """Turn the sums of a rollout, Shape=(len(COSTS),), into its normalised terms, in place.
-
-    `end` and `now` are the cost-to-go at its end and at its beginning (m).
-    """
+    """Turn a rollout's sums into its normalised terms, in place; `end` and `now` are the cost-to-go then (m)."""
     sums[GOAL] = (0.5 * (end + sums[GOAL] / horizon_s) - now) / scales.reach_m
     sums[OBSTACLE] /= horizon_s
     sums[SPEED] /= horizon_s

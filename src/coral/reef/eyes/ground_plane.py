@@ -15,10 +15,7 @@ NEAR_PER_M, FAR_PER_M = 4.0, 0.0
 def ground_depth(
     camera: CameraCfg, height: float | None = None, *, roll: float = 0.0, pitch: float = 0.0
 ) -> NDArray[np.float32]:
-    """Compute the depth along the optical axis at which each pixel's ray meets a flat sea floor (m). Shape=(H, W).
-
-    It is inf at and above the horizon. Height, roll and pitch as for `T_world_camera`.
-    """
+    """Compute the depth (m) at which each pixel's ray meets a flat sea floor, inf above the horizon. Shape=(H, W)."""
     fx, fy, cx, cy = camera.intrinsics
     transform = T_world_camera(Pose(0.0, 0.0, 0.0), camera, altitude=height, roll=roll, pitch=pitch)
     p = (np.arange(camera.width) - cx) / fx
@@ -30,10 +27,7 @@ def ground_depth(
 
 
 def network_input(rgb: NDArray[np.uint8], ground: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Stack a picture, Shape=(H, W, 3), and the inverse of `ground_depth` (1/m), as our networks read them.
-
-    Red, green and blue go from -1 to 1. Shape=(4, H, W).
-    """
+    """Stack a picture, -1 to 1, and the inverse of `ground_depth` (1/m), as our networks read them. Shape=(4, H, W)."""
     stacked = np.empty((4, *ground.shape), np.float32)
     stacked[:3] = rgb.transpose(2, 0, 1).astype(np.float32) / 127.5 - 1.0
     stacked[3] = np.clip(1.0 / ground, FAR_PER_M, NEAR_PER_M)

@@ -91,10 +91,7 @@ def box_overlap(box: NDArray[np.float32], others: NDArray[np.float32]) -> NDArra
 
 
 def draw_masks(found: Detections, prototypes: NDArray[np.float32], net_size: tuple[int, int]) -> NDArray[np.float32]:
-    """Return the mask of every object: a weighted sum of the prototypes, Shape=(32, h, w), cut at its box.
-
-    It is the probability that a pixel belongs to the object. Shape=(N, h, w).
-    """
+    """Return each object's mask: a weighted sum of prototypes, Shape=(32, h, w), cut at its box. Shape=(N, h, w)."""
     _, rows, columns = prototypes.shape
     sums = np.clip(np.tensordot(found.coefficients, prototypes, axes=1), -50.0, 50.0)
     masks = 1.0 / (1.0 + np.exp(-sums))

@@ -116,10 +116,7 @@ def closing_width(cell_m: float, cfg: ChainCfg) -> int:
 
 
 def label_regions(target: NDArray[np.bool_], window: Box, cell_m: float, cfg: ChainCfg) -> list[tuple[Component, Box]]:
-    """Find the connected oyster regions in a window, of any size; one that crosses its edge is cut there.
-
-    `target`, Shape=(NY, NX), are oyster cells.
-    """
+    """Find the connected oyster regions in a window, of any size, cut at its edge. `target` has Shape=(NY, NX)."""
     width = closing_width(cell_m, cfg)
     s0, s1, t0, t1 = grown(window, width, target.shape)
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))

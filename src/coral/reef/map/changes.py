@@ -16,10 +16,7 @@ class ChangeTracker:
         self._mask, self._kept = mask, np.zeros_like(mask)
 
     def take(self) -> Box | None:
-        """Return the smallest rectangle with all changes since the last call; None without any.
-
-        For the first call, all cells were False before.
-        """
+        """Return the smallest rectangle of all changes since the last call, at first since all False; None: none."""
         rows = np.flatnonzero((self._kept != self._mask).any(axis=1))
         if not rows.size:
             return None

@@ -189,12 +189,7 @@ class CostField:
         return np.where(self.reached[j, i], values, np.inf)
 
     def path_from(self, x: float, y: float, step_m: float = 0.1, length_m: float = 100.0) -> NDArray[np.float64]:
-        """Return the path of steepest descent to the goal: the reference for the executed path.
-
-        Returns:
-            World points about `step_m` apart, from (x, y) to `target` if that is reached within `length_m`.
-            Shape=(n, 2).
-        """
+        """Return the steepest descent to the goal, points `step_m` apart, at most `length_m` long. Shape=(n, 2)."""
         n_max = math.ceil(length_m / step_m)
         path = descend(self.value, self.cell_m, x, y, self.target[0], self.target[1], step_m, n_max)
         return np.asarray(path, dtype=np.float64)

@@ -21,10 +21,7 @@ def echoes_in_picture(image: RangeImage, pitch_down_deg: float, camera: CameraCf
 
 
 def project_points(points: NDArray[np.float64], camera: CameraCfg) -> NDArray[np.float32]:
-    """Return column, row (px) and depth (m) of the points that the camera has in view. Shape=(M, 3).
-
-    `points`, Shape=(N, 3), are in the camera's optical frame (m).
-    """
+    """Return column, row (px) and depth (m) of the points in the optical frame (m) that are in view. Shape=(M, 3)."""
     x, y, z = points.T
     ahead = z > camera.near_m
     x, y, z = x[ahead], y[ahead], z[ahead]

@@ -90,10 +90,7 @@ class MissionJudge:
         answer: str | None = None,
         oracle_s: float | None = None,
     ) -> dict[str, Any]:
-        """Return the fields of the `judged` event.
-
-        `answer` is None if the advisor of a mission in words did not say that it was done.
-        """
+        """Return the fields of the `judged` event; `answer` is what the advisor said to end a mission in words."""
         if answer is not None:
             self.end_mission(answer)
         return {

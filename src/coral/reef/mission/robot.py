@@ -27,10 +27,7 @@ class Robot:
         *,
         eyes: RgbPerception | None = None,
     ) -> None:
-        """Set up.
-
-        `eyes` find classes and depth in the vehicle's colour pictures; None if its pictures have them.
-        """
+        """Set up; `eyes` find classes and depth in the vehicle's colour pictures, None if its pictures have them."""
         self.vehicle, self.pilot, self.belief, self.driver = vehicle, pilot, pilot.belief, pilot.driver
         self.localizer, self.pose = localizer, start
         """Where the robot believes it is: the odometry, corrected."""

@@ -38,10 +38,7 @@ class TourPilot(Pilot):
 def lanes(size_m: tuple[float, float], spacing_m: float, start: Pose) -> NDArray[np.float64]:
     """Return straight lanes along x, `spacing_m` apart, so that no place is farther than half of that from a lane.
 
-    They lie symmetrically in the area, and begin at the corner nearest to the start.
-
-    Returns:
-        Waypoints, beginning with the start (m). Shape=(2 N + 1, 2).
+    They lie symmetrically in the area, and begin at the corner nearest to the start. Waypoints (m), Shape=(2 N + 1, 2).
     """
     width, height = size_m
     count = max(1, math.ceil(height / spacing_m - 1e-9))

@@ -148,10 +148,7 @@ def _blurred(light: Tensor, chance: BatchRandom) -> Tensor:
 
 
 def random_floor(count: int, size: tuple[int, int], chance: BatchRandom) -> Tensor:
-    """Return the inverse depth of a flat floor below cameras at random: nobody knows where the real ones were.
-
-    Shape (count, 1, H, W).
-    """
+    """Return the inverse depth of a flat floor below cameras at random, as nobody knows the real ones (N, 1, H, W)."""
     height, width = size
     focal = 0.5 * width / torch.tan(0.5 * torch.deg2rad(chance.uniform(40.0, 120.0, count, 1, 1)))
     q = (torch.arange(height, device=chance.device)[None, :, None] - 0.5 * (height - 1)) / focal

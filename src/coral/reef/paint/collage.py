@@ -102,11 +102,7 @@ class CollagePainter:
 
 
 def draw_shell(rng: np.random.Generator) -> tuple[Image, Image]:
-    """Draw a shell, hinge down: an irregular drop with growth rings, ridges and stains, lit from above.
-
-    Returns:
-        Colours, Shape=(S, S, 3), and coverage, Shape=(S, S).
-    """
+    """Draw a shell, hinge down, lit from above: colours, Shape=(S, S, 3), and coverage, Shape=(S, S)."""
     span = np.linspace(-1.0, 1.0, _SHELL_PX, dtype=np.float32)
     x, y = np.meshgrid(span, span)
     angle = np.arctan2(x, -y)

@@ -150,10 +150,7 @@ def _box_corners(x: float, y: float, width: float, height: float) -> NDArray[np.
 
 
 def fill_target(shape: tuple[int, ...], marks: list[tuple[NDArray[np.float64], bool]]) -> NDArray[np.uint8]:
-    """Fill outlines, corners (px), Shape=(N, 2), and whether of a box, with oyster: a box is one inside its ellipse.
-
-    A box's corners are unknown.
-    """
+    """Fill outlines (px), Shape=(N, 2), with oyster: a box is one inside its ellipse, its corners are unknown."""
     target = np.full(shape[:2], OTHER, np.uint8)
     for points, box in sorted(marks, key=lambda mark: not mark[1]):
         corners = np.round(np.clip(points, -10_000, 20_000)).astype(np.int32)

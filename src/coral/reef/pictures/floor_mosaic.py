@@ -78,8 +78,7 @@ def split_bands(rgb: NDArray[np.uint8], share: float) -> tuple[NDArray[np.float3
 def seen_floor(belief: Belief) -> Image | None:
     """Return the floor as the robot has seen it, `CELL_PX` pixels to a cell; gray where it has not been near.
 
-    Returns:
-        Shape=(CELL_PX H, CELL_PX W, 3), row 0 in the south; None if there are no colour pictures.
+    Row 0 in the south, Shape=(CELL_PX H, CELL_PX W, 3); None if there are no colour pictures.
     """
     cells, camera = belief.map, belief.map.camera
     height, width = cells.target.shape

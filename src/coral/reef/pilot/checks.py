@@ -95,10 +95,7 @@ def check_attitude(roll: float, pitch: float, depth_m: float, tilt_rad: float) -
 
 
 def check_frame(frame: object, camera: CameraCfg, least_seen: float) -> Frame:
-    """Return a picture after checking its shape, type, the range of its values, and that it shows something.
-
-    At least the share `least_seen` of its pixels must have a return.
-    """
+    """Return a picture after checking its shape, type and values, and that a share of its pixels has a return."""
     if not isinstance(frame, Frame):
         raise UnfitMeasurement("wrong type", f"{type(frame).__name__}, not a Frame")
     shape = (camera.height, camera.width)
@@ -121,10 +118,7 @@ def check_frame(frame: object, camera: CameraCfg, least_seen: float) -> Frame:
 
 
 def check_range_image(image: object, sonar: SonarCfg, least_heard: float) -> RangeImage:
-    """Return a range image after checking its type, shape, field of view, its values, and that there are echoes.
-
-    At least the share `least_heard` of its beams must have one.
-    """
+    """Return a range image after checking type, shape, view and values, and that a share of its beams has an echo."""
     if not isinstance(image, RangeImage):
         raise UnfitMeasurement("wrong type", f"{type(image).__name__}, not a RangeImage")
     ranges = image.ranges

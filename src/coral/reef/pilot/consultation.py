@@ -73,10 +73,7 @@ class Consultation:
         prepare_s: float,
         verifier: Verifier | None = None,
     ) -> None:
-        """Set up that of one robot.
-
-        A question takes `prepare_s` (s) of simulated time to prepare. `verifier` checks what the planner's checks pass.
-        """
+        """Set up; a question takes `prepare_s` (s) to prepare, and `verifier` checks what the planner's checks pass."""
         self.advisor, self.fallback = advisor, fallback
         self.number = -1
         """Of the decision under way, or of the last one."""

@@ -32,10 +32,7 @@ class Goals:
         new_goal: Callable[[], None],
         cfg: PilotCfg,
     ) -> None:
-        """Set up those of one robot.
-
-        `new_goal` is told where the goal at hand is a new one.
-        """
+        """Set up those of one robot; `new_goal` is told where the goal at hand is a new one."""
         self._belief, self._planner, self._clock, self._cfg = belief, planner, clock, cfg
         self._emit, self._new_goal, self._route = emit, new_goal, planner.route
 

@@ -10,10 +10,7 @@ from coral.reef.map.chain import Track
 
 
 def what_is_left(belief: Belief) -> list[dict[str, Any]]:
-    """Return label, place (m), inspected share and reason of every cluster that the robot knows and has not finished.
-
-    What it does not know of, it cannot tell.
-    """
+    """Return label, place (m), inspected share and reason of every known cluster that is not finished."""
     return [
         {
             "index": track.index,

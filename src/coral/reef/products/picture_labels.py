@@ -39,10 +39,7 @@ class LabelsCfg:
 
 
 def write_labels(recording: Recording, count: int, cfg: LabelsCfg, folder: Path) -> list[str]:
-    """Write some of a located recording's `count` pictures into a new folder, and what was seen in them.
-
-    Returns the names of the files; none where the recording has no colours.
-    """
+    """Write some of a located recording's `count` pictures and what was seen in them; return the files, if any."""
     if not (cfg.pictures and count):
         return []
     images: list[dict[str, Any]] = []

@@ -46,10 +46,7 @@ def find_points(
 
 
 def count_looks(recording: Recording) -> NDArray[np.uint16]:
-    """Return the number of pictures of a located recording that show each cell, within the map's range.
-
-    Shape=(NY, NX).
-    """
+    """Return how many pictures of a located recording show each cell, within the map's range. Shape=(NY, NX)."""
     shape = grid_shape(recording, recording.map.cell_m)
     looks = np.zeros(shape, np.uint16)
     for keyframe in recording.keyframes():

@@ -126,10 +126,7 @@ def mean_in_cells(
     shape: tuple[int, int],
     least: float,
 ) -> NDArray[np.float32]:
-    """Return the mean of the known fine cells, Shape=(FY, FX), in each larger cell, Shape=(NY, NX).
-
-    It is nan where fewer than the share `least` are known.
-    """
+    """Return the mean of known fine cells in each larger cell, nan where too few are known. Shape=(NY, NX)."""
     iy = np.minimum(((np.arange(share.shape[0]) + 0.5) * fine_m / cell_m).astype(np.intp), shape[0] - 1)
     ix = np.minimum(((np.arange(share.shape[1]) + 0.5) * fine_m / cell_m).astype(np.intp), shape[1] - 1)
     index = (iy[:, None] * shape[1] + ix[None, :])[known]

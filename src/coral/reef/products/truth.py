@@ -18,10 +18,7 @@ RASTER_M = 0.01
 
 @dataclass(frozen=True)
 class TrueOysters:
-    """What a survey of a simulated reef is compared with: the oysters on the floor that it saw near enough.
-
-    What lies under an obstacle is left out.
-    """
+    """The oysters on the floor that a survey of a simulated reef saw near enough; none under obstacles."""
 
     m2: float
     """Area that oysters cover."""
@@ -34,10 +31,7 @@ class TrueOysters:
 
 
 def true_oysters(world: ReefWorld, seen: NDArray[np.bool_], fine_m: float) -> TrueOysters:
-    """Return the true area, number and length of a reef's oysters where a survey saw the floor.
-
-    `seen`, Shape=(FY, FX), says whether each fine cell was seen near enough to count.
-    """
+    """Return the true area, number and length of the oysters where a survey has `seen` the floor, Shape=(FY, FX)."""
 
     def was_seen(xy: NDArray[Any]) -> NDArray[np.bool_]:
         column, row = (np.clip(xy[:, k] / fine_m, 0, seen.shape[1 - k] - 1).astype(np.intp) for k in (0, 1))

@@ -79,11 +79,7 @@ def check_run_lens(folder: Path) -> str:
 
 
 def fit_lens(recording: Recording) -> LensFit | None:
-    """Find the focal length with which points of the floor lie in the same place in neighbouring pictures.
-
-    Returns:
-        None where too few pictures have colours, overlap and texture.
-    """
+    """Find the focal length by which the floor lies in one place in neighbouring pictures; None where too few tell."""
     camera = recording.camera
     costs = []
     count = 0

@@ -36,10 +36,7 @@ class SimulatedCamera:
         noise: SensorNoise | None = None,
         stills: Stills | None = None,
     ) -> None:
-        """Set up; `where` tells a monotonic time (s) and the pose of the vehicle. Without noise all is exact.
-
-        The painter paints colours; stills are colour pictures of full size for questions.
-        """
+        """Set up; `where` tells a monotonic time (s) and the pose of the vehicle. Without noise all is exact."""
         self._camera, self._where, self._painter, self._noise = Camera(scene, cfg), where, painter, noise
         self._stills = stills
         self._begun: float | None = None

@@ -29,10 +29,7 @@ POLL_S = 0.05
 
 
 class RosAdvisor:
-    """Publishes each question, and waits for the answer that bears its id.
-
-    `place` is a namespace, or a file of ROS parameters.
-    """
+    """Publishes each question, and waits for the answer with its id; `place` is a namespace or a file of parameters."""
 
     latency = "measured"
     name = "ros2"

@@ -69,10 +69,7 @@ class SeaRecord:
     def head(
         self, area: SurveyArea, about: Mapping[str, Any], cfg: SailCfg, response: VehicleResponse, frame: LocalFrame
     ) -> None:
-        """Write world.yaml (in real water the area with its outlines) and config.yaml, before the first tick.
-
-        `about` are the first entries of config.yaml: world, advisor, seed, names on the command line.
-        """
+        """Write world.yaml (in real water the area with its outlines) and config.yaml, which begins with `about`."""
         if self._world is not None:
             save_world(self._world, self.folder / SurveyFiles.WORLD)
         else:

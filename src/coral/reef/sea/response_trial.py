@@ -35,10 +35,7 @@ class Leg:
 
 
 def legs(speed_m_s: float, yaw_rate_rad_s: float) -> tuple[Leg, ...]:
-    """Return the drive: straight steps there and back, backing off, turns on the spot, curves to both sides.
-
-    It needs 5 m around.
-    """
+    """Return the drive, within 5 m: straight steps there and back, turns on the spot, curves to both sides."""
     half = Leg(0.0, yaw_rate_rad_s, math.pi / yaw_rate_rad_s)
     back = Leg(0.0, -yaw_rate_rad_s, math.pi / yaw_rate_rad_s)
     stand, run = Leg(0.0, 0.0, 4.0), Leg(speed_m_s, 0.0, 5.0)

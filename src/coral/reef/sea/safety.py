@@ -116,10 +116,7 @@ class SafetyMonitor:
         self.reboots, self.clock_jumps = report.reboots, report.clock_jumps
 
     def check(self, now: float, t: float, report: VehicleReport, pose: Pose | None) -> Breach | None:
-        """Return the gravest breach of a limit, `now` by the report's stamps, `t` since the survey began (s).
-
-        The pose is in the survey's frame, None if it is unknown. None: no limit is reached.
-        """
+        """Return the gravest breach of a limit, if any; `now` by the report's stamps, `t` since the beginning (s)."""
         found = [breach for breach in self._breaches(now, t, report, pose) if breach.action != "none"]
         return max(found, key=lambda breach: GRAVITY[breach.action], default=None)
 

@@ -78,10 +78,7 @@ class Supervisor:
     def update(
         self, now: float, t: float, report: VehicleReport, pose: Pose | None, words: Iterable[tuple[Word, str]]
     ) -> None:
-        """Take in what happened in one tick, at a monotonic time and the time since the survey began (s).
-
-        The pose is in the survey's frame; words come with where they were said.
-        """
+        """Take in what happened in one tick, `now` by the monotonic clock, `t` since the survey began (s)."""
         self._hear_orders(t)
         self._notice_person(t, report)
         for word, source in words:

@@ -93,11 +93,7 @@ class CoverageMeter:
         return float(self.covered().sum()) / max(len(self.names), 1)
 
     def area(self, cluster: int) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Return the cells of a cluster's true area, for pictures.
-
-        Returns:
-            Centres of the cells (m), Shape=(M, 2), and whether each has been seen, Shape=(M,).
-        """
+        """Return a cluster's cells, centres (m), Shape=(M, 2), and whether each has been seen, Shape=(M,)."""
         start, size = self._start[cluster], self._size[cluster]
         seen = np.ones(size, np.bool_)
         seen[self._order[start : start + self._left[cluster]] - start] = False

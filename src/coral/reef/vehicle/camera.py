@@ -78,16 +78,8 @@ def T_world_camera(
 ) -> NDArray[np.float64]:
     """Return the transform T_c^w of Eq. 1 from the camera optical frame (x right, y down, z forward) to world ENU.
 
-    Args:
-        pose: Pose of the body.
-        cfg: The camera.
-        seabed_z: Height of the seabed (m).
-        altitude: Height of the camera above the seabed (m); None: `cfg.altitude_m`.
-        roll: Rotation about body x, forward (rad). Positive raises the left side.
-        pitch: Rotation about body y, left (rad). Positive lowers the nose, as in REP-103.
-
-    Returns:
-        Shape=(4, 4).
+    `seabed_z` is the height of the seabed, `altitude` that of the camera above it (m; None: as configured). A positive
+    roll (rad) about body x raises the left side, a positive pitch about body y lowers the nose (REP-103). Shape=(4, 4).
     """
     (cr, cp, cy), (sr, sp, sy) = ((f(roll), f(pitch), f(pose.theta)) for f in (math.cos, math.sin))
     tilt = math.radians(cfg.pitch_down_deg)

@@ -13,11 +13,9 @@ from coral.reef.world.scene import Footprints
 
 
 def nearest(footprints: Footprints, x: float, y: float) -> tuple[float, int]:
-    """Find the obstacle nearest to a point. The world's border does not count.
+    """Return the signed distance (m) to the nearest obstacle, negative inside, and its index; (inf, -1) without any.
 
-    Returns:
-        Signed distance (m) from the point to the outline, negative inside, and the obstacle's index in the world;
-        (inf, -1) in a world without obstacles. Exact for circles and rectangles, within 1e-9 m for ellipses.
+    The world's border does not count. Exact for circles and rectangles, within 1e-9 m for ellipses.
     """
     distance, index = collision_kernels.clearance(float(x), float(y), footprints)
     return float(distance), int(index)
@@ -48,11 +46,7 @@ class ContactCounter:
         return clearance(self._footprints, x, y) - self._radius
 
     def follow(self, track: NDArray[np.float64]) -> list[tuple[float, float, int]]:
-        """Move the disc's centre along a track, Shape=(N, 2), metres.
-
-        Returns:
-            New contacts as (x, y, obstacle): position of the centre (m) and index of the obstacle.
-        """
+        """Move the centre along a track, Shape=(N, 2), metres. Return new contacts: x, y, index of the obstacle."""
         room = len(track) * len(self._touching)
         if room > len(self._fresh):
             self._fresh, self._point = np.zeros(room, np.int64), np.zeros(room, np.int64)

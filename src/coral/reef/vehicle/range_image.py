@@ -39,11 +39,7 @@ def beam_angles(
 
 
 def beam_directions(shape: tuple[int, ...], hfov_deg: float, vfov_deg: float) -> NDArray[np.float64]:
-    """Return the unit vector of every beam: x forward, y left, z up. The arguments are those of `beam_angles`.
-
-    Returns:
-        Shape=(H, W, 3).
-    """
+    """Return the unit vector of every beam of `beam_angles`: x forward, y left, z up. Shape=(H, W, 3)."""
     azimuth, elevation = beam_angles(shape, hfov_deg, vfov_deg)
     level = np.cos(elevation)[:, None]
     forward, left = level * np.cos(azimuth), level * np.sin(azimuth)

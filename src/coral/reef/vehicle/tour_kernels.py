@@ -34,20 +34,10 @@ def follow(
     commands: NDArray[np.float64],
     poses: NDArray[np.float64],
 ) -> int:
-    """Drive along a path to its end.
+    """Drive along a path, Shape=(N, 2), points (m) a few centimetres apart, to its end. Return the number of ticks.
 
-    Args:
-        start: (x, y, theta) in the world.
-        path: Shape=(N, 2), world points (m) a few centimetres apart.
-        speed: Cruise speed (m/s).
-        yaw_rate: Largest yaw rate (rad/s).
-        dt: Control period (s).
-        most: Largest number of ticks.
-        commands: Shape=(>= most, 2), written: forward speed and yaw rate of each tick.
-        poses: Shape=(>= most, 3), written: pose after each tick.
-
-    Returns:
-        Number of ticks taken; `most` if the end was not reached.
+    It is `most` if the end was not reached. `commands`, Shape=(>= most, 2), and `poses`, Shape=(>= most, 3), are
+    written: forward speed and yaw rate of each tick, and the pose after it.
     """
     x, y, theta = start
     last = path.shape[0] - 1

@@ -199,8 +199,7 @@ def _places(cfg: GeneratorCfg, lines: Sequence[Line], count: int, lead_m: float)
 def _crossings(clusters: Sequence[Cluster], lines: Sequence[Line], count: int, from_m: float) -> Line:
     """Choose where rows cross the reef: midway between neighbours on the spine, the farthest apart of them first.
 
-    Returns:
-        x, y and the spine's direction of each, Shape=(N, 3); N is less than `count` where the reef has fewer gaps.
+    x, y and the spine's direction of each, Shape=(N, 3); N is less than `count` where the reef has fewer gaps.
     """
     middles = np.array([np.mean([(o.x, o.y) for o in cluster.oysters], axis=0) for cluster in clusters])
     points = samples(lines)

@@ -104,11 +104,7 @@ def unreachable_clusters(world: ReefWorld) -> list[int]:
 
 
 def obstacle_outline(obstacle: Obstacle, corners: int = 48) -> NDArray[np.float64]:
-    """Return an obstacle's polygon on the ground plane: a rectangle for a box, an ellipse for a round shape.
-
-    Returns:
-        Corners (m), counter-clockwise, `corners` of them for an ellipse. Shape=(K, 2).
-    """
+    """Return an obstacle's polygon (m), counter-clockwise: a rectangle, or an ellipse of some corners. Shape=(K, 2)."""
     if obstacle.shape == "box":
         local = np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
     else:

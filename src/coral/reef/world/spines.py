@@ -59,11 +59,7 @@ _ROUNDED: dict[str, int] = {"L": 1, "S": 3}
 def topology_lines(
     topology: Topology, size_m: tuple[float, float], rng: np.random.Generator | None = None
 ) -> list[Line]:
-    """Spine of a topology in a world of some size: the line from the start first, then those that branch off it.
-
-    Returns:
-        Polylines, each Shape=(K, 2), metres.
-    """
+    """Return polylines of a topology, Shape=(K, 2), metres: the line from the start, then those that branch off it."""
     if topology in WILD:
         return WILD[topology](size_m, rng or np.random.default_rng(0))
     scale = np.array(size_m)
@@ -76,12 +72,9 @@ EVERY_TOPOLOGY: tuple[Topology, ...] = (*TOPOLOGIES, "branching", "looping", "pa
 
 
 def spread(lines: Sequence[Line], count: int, lead_m: float) -> list[tuple[float, float, float]]:
-    """Place points on the lines, as evenly spaced as their number allows, at least one on every line.
+    """Place points on the lines, evenly as their number allows, one on every line at least: x, y, direction there.
 
     The first `lead_m` from the start stay empty. Lines are polylines, Shape=(K, 2); the others branch off the first.
-
-    Returns:
-        (x, y, direction of the line) of each point, line by line.
     """
     arcs = [_arc(line) for line in lines]
     begin, first = lead_m, float(arcs[0][2][-1])
