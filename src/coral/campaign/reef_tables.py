@@ -172,12 +172,8 @@ def paper() -> dict[str, Any]:
 def reef_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
     """Make all tables, one set for each preset and advisor: the paper's at the nominal setting, then the sweep's.
 
-    With several presets or advisors, the last table puts the effects of the variants side by side.
-
-    Args:
-        rows: Rows of the data set.
-        about: Conditions of the campaign: commit, machine.
-        command: The command that makes the tables.
+    With several presets or advisors, the last table puts the effects of the variants side by side. `about` are the
+    conditions of the campaign: commit, machine.
     """
     presets = by_preset(rows)
     tables = []
@@ -373,12 +369,7 @@ def _effects(presets: Mapping[str, Sequence[Row]], advisors: Sequence[str]) -> T
 
 
 def word_tables(rows: Sequence[Row], half_of: Callable[[str], str]) -> list[Table]:
-    """Make a table of missions in words for each half and each water; none without such missions.
-
-    Args:
-        rows: Of the data set.
-        half_of: Returns the half that a world is of, "" for none.
-    """
+    """Make a table of missions in words for each half, `half_of` a world, and water; none without such missions."""
     own = [row for row in rows if row.get("success") is not None and half_of(str(row["world"]))]
     return [
         tabulate("Missions in words", f"The {half} half, {preset} water.", "method", _methods(found), WORDS, WORD_NOTES)

@@ -98,16 +98,8 @@ def run_specs(
 ) -> dict[str, Any]:
     """Run the episodes that are not recorded yet, and make the tables.
 
-    Args:
-        flags: Flags of the campaign.
-        store: Its store.
-        specs: Episodes of its grid.
-        episode: Runs one.
-        conditions: Digests of what must be equal for all episodes of a table.
-        command: The command that makes the campaign.
-        collect: Makes the tables.
-        noun: The word for an episode.
-        make: Makes the advisor of a string, as far as it can be checked here.
+    `conditions` are digests of what must be equal for all episodes of a table, `noun` is the word for an episode.
+    `make` makes the advisor of a string, as far as it can be checked here.
 
     Raises:
         InputError: There are no workers, or a model cannot be used.
@@ -166,12 +158,7 @@ def flag_words(flags: CampaignFlags, *names: str) -> list[str]:
 
 
 def read_results(store: Store, noun: str, command: str) -> Results:
-    """Write results.parquet from the records, and read it back.
-
-    Args:
-        store: Store of the campaign.
-        noun: The word for an episode: "mission".
-        command: The command, if the manifest names none.
+    """Write results.parquet from the records, and read it back; `command` is told where the manifest names none.
 
     Raises:
         RunError: Nothing is recorded.
@@ -208,14 +195,9 @@ def write_tables(
 def describe_campaign(
     out: Path, result: Mapping[str, Any], noun: str, files: Sequence[str], first: Sequence[str]
 ) -> str:
-    """Describe the tables that matter, the number of episodes, and where the files are.
+    """Describe the tables that matter, two of those in `first`, the number of episodes, and where the files are.
 
-    Args:
-        out: Folder of the campaign.
-        result: Result of `write_tables`, with further files.
-        noun: The word for an episode.
-        files: Keys of the result with a path, or a list of paths.
-        first: Names of the tables by importance; two are shown.
+    `files` are keys of the result with a path, or a list of paths.
     """
     failed = f"; {result['failed']} failed (see {out / 'failures'}; --retry-failed runs them again)"
     lines = [

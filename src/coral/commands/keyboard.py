@@ -34,13 +34,7 @@ class Keyboard:
         source: IO[str] | None = None,
         instruct: Callable[[str, str], bool] | None = None,
     ) -> None:
-        """Listen.
-
-        Args:
-            words: Takes the operator's words.
-            source: What is read; standard input by default.
-            instruct: instruct(words, by) changes the instruction of a mission in words; None without one.
-        """
+        """Listen, by default on standard input; instruct(words, by) changes the instruction of a mission in words."""
         self._words, self._source, self._instruct = words, source or sys.stdin, instruct
         self._writing = False
         """Whether an instruction is being typed at a terminal."""

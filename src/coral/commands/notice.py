@@ -16,11 +16,7 @@ def mission_notice(
 ) -> AbstractContextManager[Any]:
     """Keep a notice in the inbox while a mission runs; None where no people are asked, or the desk is not installed.
 
-    Args:
-        asks_people: Whether the advisor asks people.
-        inbox: Folder of the questions.
-        instruct: instruct(words, by) changes the instruction of a mission in words; None without one.
-        about: Description of the mission; JSON values.
+    instruct(words, by) changes the instruction of a mission in words; `about` describes the mission, in JSON values.
     """
     if not asks_people:
         return nullcontext()

@@ -35,14 +35,7 @@ class RunBar:
         self._bar.start()
 
     def show(self, name: str, t: float, time_limit_s: float, status: str) -> None:
-        """Update the bar.
-
-        Args:
-            name: Name of the world or the task.
-            t: Simulated time (s).
-            time_limit_s: Time of a full bar.
-            status: Further text.
-        """
+        """Update the bar of a world or a task at a simulated time (s); the bar is full at `time_limit_s`."""
         factor = t / max(time.monotonic() - self._started, 1e-3)
         speed = f"{factor:.0f}x" if factor >= 10 else f"{factor:.2g}x"
         self._bar.update(

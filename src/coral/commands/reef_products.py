@@ -56,14 +56,9 @@ class ReefProducts:
 def make_products(
     recording: Recording, cfg: ProductsCfg, datum: str | None, out: Path, true: ReefWorld | None = None
 ) -> dict[str, Any]:
-    """Measure a recording, write all files, and return the main numbers.
+    """Measure a recording, write all files into a new or empty folder, and return the main numbers.
 
-    Args:
-        recording: What was recorded.
-        cfg: How products are made.
-        datum: LAT,LON[,HEADING], or None.
-        out: Folder, new or empty.
-        true: The reef as it is, which only the comparison on the page sees; None where nobody knows.
+    `datum` is LAT,LON[,HEADING]. Only the comparison on the page sees the true reef; None where nobody knows.
 
     Raises:
         InputError: Something of it cannot be used.

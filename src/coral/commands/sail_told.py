@@ -20,10 +20,7 @@ def survey_told(
 ) -> Iterator[None]:
     """Say what happens to a survey, while it lasts; a terminal that hangs delays nothing else.
 
-    Args:
-        mission: The survey.
-        say: Prints one line.
-        desk: Tells the people who answer at the desk of an event.
+    `desk` tells the people who answer at the desk of an event.
     """
     work = BackgroundWork()
 

@@ -25,12 +25,7 @@ UNREAD: dict[str, dict[str, str]] = {
 
 
 def refuse_unread(command: str, keys: Iterable[str], prefix: str = "--cfg") -> None:
-    """Refuse the first of the keys that a command never reads.
-
-    Args:
-        command: The command, such as "reef sail".
-        keys: Dotted keys that the user has set.
-        prefix: Flag of the configuration, for the error.
+    """Refuse the first of the dotted keys that a command, such as "reef sail", never reads.
 
     Raises:
         InputError: The command does not read one of them.
