@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
-import os
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -15,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.config import to_mapping
-from coral.file_writer import write_whole
-from coral.foreign_file import read_bytes, read_json
+from coral.disk_cache import recall
+from coral.foreign_file import read_bytes
 from coral.limits import YAML_BYTES
 from coral.reef.mission.oracle import plan_tour
 from coral.reef.simulation.imaging import ImagingCfg
@@ -75,27 +73,18 @@ def oracle_bound(
         "code": _code(),
     }
     key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:24]
-    if key in _kept:
-        return _kept[key]
-    path = _folder() / f"{key}.json"
-    with contextlib.suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
-        content: Any = read_json(path, "a tour")
-        time_s = None if content["time_s"] is None else float(content["time_s"])
-        _kept[key] = Bound(time_s, np.array(content["commands"], np.float64).reshape(-1, 2))
-        return _kept[key]
-    tour = plan_tour(world, camera, imaging, visibility_m=visibility_m, vehicle=vehicle, dt=dt)
-    found = _kept[key] = Bound(tour.time_to(SHARE), tour.commands)
-    with contextlib.suppress(OSError):
-        write_whole(path, json.dumps({"time_s": found.time_s, "commands": found.commands.tolist()}))
-    return found
+
+    def plan() -> dict[str, Any]:
+        tour = plan_tour(world, camera, imaging, visibility_m=visibility_m, vehicle=vehicle, dt=dt)
+        return {"time_s": tour.time_to(SHARE), "commands": tour.commands.tolist()}
+
+    if key not in _kept:
+        found = recall(f"oracle-{key}", key, plan)
+        _kept[key] = Bound(found["time_s"], np.array(found["commands"], np.float64).reshape(-1, 2))
+    return _kept[key]
 
 
 _kept: dict[str, Bound] = {}
-
-
-def _folder() -> Path:
-    root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(root) / "coral" / "oracle"
 
 
 @lru_cache(maxsize=1)
