@@ -25,9 +25,10 @@ class EyesScore:
     what is really there. Pixels that are too doubtful for the map should be water in `SeenPicture`.
     """
 
-    common: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(Label), len(BANDS_M) - 1), np.int64))
-    either: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(Label), len(BANDS_M) - 1), np.int64))
-    true: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(Label), len(BANDS_M) - 1), np.int64))
+    counts: NDArray[np.int64] = field(
+        default_factory=lambda: np.zeros((len(BANDS_M) - 1, len(Label), len(Label)), np.int64)
+    )
+    """Pixels by band, class seen and true class."""
     errors: list[list[NDArray[np.float32]]] = field(default_factory=lambda: [[] for _ in BANDS_M[1:]])
     pictures: int = 0
 
@@ -37,33 +38,28 @@ class EyesScore:
         self.pictures += 1
         for band, (low, high) in enumerate(pairwise(BANDS_M)):
             here = (reach >= low) & (reach < high)
-            said, right = seen.labels[here], truth.labels[here]
-            for label in Label:
-                a, b = said == label, right == label
-                self.common[label, band] += np.count_nonzero(a & b)
-                self.either[label, band] += np.count_nonzero(a | b)
-                self.true[label, band] += np.count_nonzero(b)
+            np.add.at(self.counts[band], (seen.labels[here], truth.labels[here]), 1)
             both = np.isfinite(seen.depth[here])
             error = np.abs(seen.depth[here][both] / truth.depth[here][both] - 1.0)
             self.errors[band].append(error[:: max(1, len(error) // _PLACES)].astype(np.float32))
 
     def overlap(self, label: Label, until_m: float | None = None) -> list[float | None]:
         """Return the intersection over union by band, or of all bands up to a range together; None without pixels."""
+        counts = self.counts
         if until_m is not None:
-            last = BANDS_M.index(until_m)
-            common, either = self.common[label, :last].sum(), self.either[label, :last].sum()
-            return [round(float(common / either), 3) if either else None]
-        return [
-            round(float(c / e), 3) if e else None for c, e in zip(self.common[label], self.either[label], strict=True)
-        ]
+            counts = counts[: BANDS_M.index(until_m)].sum(axis=0, keepdims=True)
+        common = counts[:, label, label]
+        return _shares(common, counts[:, label].sum(axis=1) + counts[:, :, label].sum(axis=1) - common)
 
     def recall(self, label: Label) -> list[float | None]:
         """Return the share of a class's pixels that are found, by band."""
-        return [
-            round(float(c / t), 3) if t else None for c, t in zip(self.common[label], self.true[label], strict=True)
-        ]
+        return _shares(self.counts[:, label, label], self.counts[:, :, label].sum(axis=1))
 
     def depth_error(self) -> list[float | None]:
         """Return the median error of the depth as a share of it, by band."""
         kept = [np.concatenate(band) if band else np.zeros(0) for band in self.errors]
         return [round(float(np.median(band)), 3) if len(band) else None for band in kept]
+
+
+def _shares(parts: NDArray[np.int64], wholes: NDArray[np.int64]) -> list[float | None]:
+    return [round(float(part / whole), 3) if whole else None for part, whole in zip(parts, wholes, strict=True)]
