@@ -42,7 +42,7 @@ def render(
         pose: Shape=(4, 4), camera optical frame to world.
         seabed_z: Height of the sea floor (m).
         near: Smallest depth (m) at which a surface is seen.
-        range_m: SceneSolids that lie wholly beyond this range (m) are skipped.
+        range_m: Solids that lie wholly beyond this range (m) are skipped.
         p: Shape=(W,), (u - cx) / fx of every column.
         q: Shape=(H,), (v - cy) / fy of every row.
         reach: Shape=(H, W), depth (m) at which each pixel's ray has covered `range_m`.

@@ -32,7 +32,7 @@ class Look(WorldPart):
 
 
 class Part(WorldPart):
-    """SceneSolids of one look: how many, how large, how placed. Metres and radians; see `kinds.yaml`."""
+    """Solids of one look: how many, how large, how placed. Metres and radians; see `kinds.yaml`."""
 
     look: str
     size: tuple[Extent, Extent, Extent]
