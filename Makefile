@@ -52,7 +52,7 @@ demo: setup  ## survey the S-shaped reef, make its report and a video
 kernels: setup-dev  ## compile the kernels that most commands need
 	@folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	$(BIN)/coral contact poses flip-box --camera drawn:flip-box --quiet >"$$folder/poses" & poses=$$!; \
-	$(BIN)/coral reef run s1 --quiet --sonar --preset hard --perception rgb --cfg.simulator.pictures --cfg.time-limit-s 5 \
+	$(BIN)/coral reef run s1 --quiet --sonar --preset hard --perception painted --cfg.simulator.pictures --cfg.time-limit-s 5 \
 		--out "$$folder/run" >"$$folder/told" && wait $$poses
 
 test: kernels  ## the test suite, without what is slow and end to end

@@ -100,7 +100,7 @@ def main() -> None:
     """Print a table of limits of oysters."""
     parser = argparse.ArgumentParser()
     parser.add_argument("reefs", nargs="*", default=["gen:20/clear", "gen:21/1C", "gen:22/bay"], help="REEF/WATER")
-    parser.add_argument("--perception", default="rgb")
+    parser.add_argument("--perception", default="painted")
     asked = parser.parse_args()
     eyes, camera = open_eyes(asked.perception), CameraCfg()
     assert eyes is not None, "exact perception has no doubt"

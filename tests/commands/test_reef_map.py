@@ -136,9 +136,9 @@ def test_doubtful_oysters_do_not_count(colour_run, network, tmp_path, told):
 
 
 def test_the_shipped_network_maps_a_recording(colour_run, tmp_path, told):
-    code, made, error = told("reef", "map", colour_run, "--perception", "rgb", "--out", tmp_path / "m", "--json")
+    code, made, error = told("reef", "map", colour_run, "--perception", "painted", "--out", tmp_path / "m", "--json")
     assert code == 0, error
-    assert made["perception"] == "rgb"
+    assert made["perception"] == "painted"
     assert made["keyframes"] == 41
 
 
@@ -154,7 +154,7 @@ def test_recordings_that_lie_are_one_line(colour_run, network, tmp_path, told):
         return error
 
     assert "--perception rgb" in refused()
-    assert "recorded, rgb or FILE.onnx (did you mean 'rgb'?)" in refused("--perception", "rbg")
+    assert "recorded, rgb, painted or FILE.onnx (did you mean 'rgb'?)" in refused("--perception", "rbg")
     assert "--period-s" in refused("--period-s", "-1", "--perception", network)
     picture.unlink()
     assert "line 4: rgb: found 000003.jpg: no such file" in refused("--perception", network)

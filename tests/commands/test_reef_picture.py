@@ -76,7 +76,7 @@ def test_pictures_of_one_folder_are_a_recording_that_map_reads(told, tmp_path):
     assert (folder / "poses.csv").read_text().splitlines() == [
         "t,x,y,z,roll,pitch,yaw,rgb", "0,6,5.3,1,0,0,1.57079633,0.png", "1,6.3,5.3,1,0,0,1.57079633,1.png",
     ]  # fmt: skip
-    code, made, error = told("reef", "map", folder, "--perception", "rgb", "--out", tmp_path / "map", "--json")
+    code, made, error = told("reef", "map", folder, "--perception", "painted", "--out", tmp_path / "map", "--json")
     assert code == 0, error
     assert made["keyframes"] == 2
     code, _, error = told("reef", "picture", "s1", "--size", "32", "24", "--out", folder / "2.png")

@@ -144,7 +144,7 @@ def test_networks_of_ones_own_see_for_a_mission(told, tmp_path):
     assert "depth.onnx" in config
     code, _, error = told("reef", "run", "s1", "--depth", tmp_path / "depth.onnx", *short, "--out", tmp_path / "other")
     assert (code, error.count("\n")) == (2, 1)
-    assert "--perception rgb or FILE.onnx, for the classes" in error
+    assert "--perception painted, rgb or FILE.onnx, for the classes" in error
 
 
 def test_the_first_mission_says_why_nothing_moves_yet(told, tmp_path, monkeypatch):

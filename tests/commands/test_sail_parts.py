@@ -8,7 +8,7 @@ from coral.commands import sail_parts
 from coral.commands.reef_sail import ReefSail
 from coral.commands.sail_parts import open_parts, read_area, watch_sensors
 from coral.errors import InputError
-from coral.reef.eyes.reef_net import PaintedOrRealEyes
+from coral.reef.eyes.reef_net import ReefNetEyes
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import with_sonar
@@ -79,8 +79,8 @@ def test_a_wrong_name_is_one_line_with_its_flag(flags, where):
 
 def test_the_configured_network_looks_at_the_cameras_pictures():
     area, world, depth = read_area("s1")
-    with open_parts(ReefSail(area="s1"), area, world, MissionCfg(perception="rgb"), depth) as parts:
-        assert isinstance(parts.camera.eyes, PaintedOrRealEyes)
+    with open_parts(ReefSail(area="s1"), area, world, MissionCfg(perception="painted"), depth) as parts:
+        assert isinstance(parts.camera.eyes, ReefNetEyes)
         assert parts.camera.source.read().frame.rgb is not None  # painted, for there is no other way to see
 
 

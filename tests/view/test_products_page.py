@@ -62,7 +62,7 @@ def test_the_truth_of_what_was_seen_has_a_section_of_its_own(products, survey_ru
 
 
 def test_the_page_says_that_a_network_found_the_oysters(products, tmp_path):
-    recording = replace(products.recording, seen_by="rgb")
+    recording = replace(products.recording, seen_by="painted")
     seen = replace(products, recording=recording, mosaic=replace(products.mosaic, colour=True))
     page = write_products_page(seen, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
     assert "Oysters were recognized by a network (rgb)" in page

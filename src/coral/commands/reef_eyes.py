@@ -26,8 +26,8 @@ class ReefEyes:
 
     action: Annotated[Literal["train", "score"], Argument()]
     """train: write --out FILE.onnx; needs the extra `train`. score: overlap of classes and error of depth by range."""
-    perception: str = "rgb"
-    """score: rgb or FILE.onnx."""
+    perception: str = "painted"
+    """score: painted or FILE.onnx."""
     worlds: tuple[str, ...] = ("all",)
     """score: reefs to take pictures of; `all` are the ten shipped ones, on which nothing is trained."""
     waters: tuple[str, ...] = ("clear", "1C", "bay")
@@ -118,9 +118,9 @@ class ReefEyes:
         from coral.reef.vehicle.camera import ray_lengths
         from coral.reef.world.geometry import Label
 
-        eyes = open_eyes(self.perception)
+        eyes = open_eyes(self.perception, painted=True)
         if eyes is None:
-            raise InputError("--perception", "", "exact", "rgb or FILE.onnx: exact perception has no errors")
+            raise InputError("--perception", "", "exact", "painted or FILE.onnx: exact perception has no errors")
         scores: dict[str, EyesScore] = {}
         spent = 0.0
         for water, camera, frame in self._taken():

@@ -12,7 +12,7 @@ from coral.commands.reef_products import describe_products, make_products
 from coral.config import NonNegative, checked
 from coral.errors import InputError, nearest
 from coral.flags import Argument, Option
-from coral.reef.eyes.backends import RGB, open_eyes
+from coral.reef.eyes.backends import PAINTED, RGB, open_eyes
 from coral.reef.eyes.doubt import DoubtCfg
 from coral.reef.eyes.perception import RgbPerception
 from coral.reef.map.sonar_3d15 import SonarCfg
@@ -41,9 +41,9 @@ class ReefMap:
     camera: Annotated[Path | None, Option(metavar="FILE.yaml")] = None
     """The camera: width, height, and hfov_deg or fx, fy, cx, cy, model, distortion; pitch_down_deg, altitude_m. By
     default the recording's own."""
-    perception: Annotated[str, Option(metavar="recorded|rgb|FILE.onnx")] = RECORDED
-    """Where classes and depth come from. recorded: pictures of classes and depth in the recording. rgb: its colour
-    pictures, by the network that comes with CORAL. FILE.onnx: the same by a network of yours."""
+    perception: Annotated[str, Option(metavar="recorded|rgb|painted|FILE.onnx")] = RECORDED
+    """Where classes and depth come from. recorded: pictures of classes and depth in the recording. rgb or
+    painted: its colour pictures, by the network of CORAL for real or for painted ones. FILE.onnx: by one of yours."""
     depth: Annotated[Path | None, Option(metavar="FILE.onnx")] = None
     """A relative depth network (Depth Anything V2) whose depth replaces that of --perception, which still gives the
     classes."""
@@ -109,15 +109,17 @@ class ReefMap:
     def _eyes(self) -> RgbPerception | None:
         if self.perception == RECORDED:
             if self.depth is not None:
-                raise InputError("--depth", "", f"{self.depth} alone", "--perception rgb or FILE.onnx, for the classes")
+                raise InputError(
+                    "--depth", "", f"{self.depth} alone", "--perception rgb, painted or FILE.onnx, for the classes"
+                )
             return None
-        if self.perception != RGB and not self.perception.endswith(".onnx"):
-            known = (RECORDED, RGB)
+        known = (RECORDED, RGB, PAINTED)
+        if self.perception not in known and not self.perception.endswith(".onnx"):
             raise InputError(
                 "--perception",
                 "",
                 repr(self.perception),
-                f"recorded, rgb or FILE.onnx{nearest(self.perception, known)}",
+                f"{', '.join(known)} or FILE.onnx{nearest(self.perception, known)}",
             )
         return open_eyes(self.perception, depth=str(self.depth or ""))
 

@@ -56,9 +56,9 @@ class ReefRun:
     """Ask a model one small question first, and refuse the run if it cannot be used."""
     sonar: bool = False
     """Give the vehicle an imaging sonar, a simulated Sonar 3D-15, whose obstacles go onto the map."""
-    perception: Annotated[str | None, Option(metavar="exact|rgb|FILE.onnx")] = None
-    """Where classes and depth come from: the ray caster (exact, the default), the network that comes with CORAL (rgb)
-    or one of yours, both on colour pictures alone."""
+    perception: Annotated[str | None, Option(metavar="exact|painted|FILE.onnx")] = None
+    """Where classes and depth come from: the ray caster (exact, the default), the network that comes with CORAL for
+    painted pictures, or one of yours, both on colour pictures alone."""
     depth: Annotated[Path | None, Option(metavar="FILE.onnx")] = None
     """A relative depth network (Depth Anything V2) whose depth replaces that of --perception, which still gives the
     classes."""

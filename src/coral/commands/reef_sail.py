@@ -71,9 +71,9 @@ class ReefSail:
     camera: str = "simulated"
     """simulated: pictures of the simulated reef from where the vehicle is. Or a file, an address (RTSP, HTTP) or a
     device for OpenCV, or ros2:TOPIC, whose pictures need `--perception`."""
-    perception: Annotated[str | None, Option(metavar="exact|rgb|FILE.onnx")] = None
-    """Where classes and depth come from, as for `coral reef run`: exact (the simulated camera alone has them), the
-    network that comes with CORAL (rgb) or one of yours, on the camera's colour pictures."""
+    perception: Annotated[str | None, Option(metavar="exact|rgb|painted|FILE.onnx")] = None
+    """Where classes and depth come from, as for `coral reef run`: exact (the simulated camera alone has them), or
+    from colour pictures, by the network of CORAL for real (rgb) or for painted ones (painted), or by one of yours."""
     lens: Path | None = None
     """Camera file (camera.yaml) of a real camera: size, lens and tilt. Its pictures are rectified."""
     sonar: str = "none"

@@ -148,7 +148,7 @@ def open_parts(
     Raises:
         InputError: A name is wrong, or something does not answer.
     """
-    eyes = open_eyes(cfg.perception, depth=cfg.depth)
+    eyes = open_eyes(cfg.perception, depth=cfg.depth, painted=flags.camera == "simulated")
     opened: list[Any] = []
     try:
         if flags.vehicle == "simulated":

@@ -18,13 +18,16 @@ def test_exact_perception_needs_no_eyes():
 
 
 def test_another_word_suggests_the_nearest():
-    with pytest.raises(InputError, match=r"--perception: found 'rbg', expected exact, rgb or FILE.onnx \(did you mean"):
+    with pytest.raises(
+        InputError, match=r"--perception: found 'rbg', expected exact, painted, rgb or FILE.onnx \(did you mean"
+    ):
         open_eyes("rbg")
 
 
-def test_the_shipped_network_sees_the_same_twice():
+@pytest.mark.parametrize("name", ["painted", "rgb"])
+def test_a_shipped_network_sees_the_same_twice(name):
     pytest.importorskip("onnxruntime")
-    eyes = open_eyes("rgb")
+    eyes = open_eyes(name)
     rgb = np.random.default_rng(0).integers(0, 255, (120, 160, 3), np.uint8)
     first, again = (eyes.perceive(rgb, CameraCfg(), CameraAttitude()) for _ in range(2))
     assert first.labels.shape == first.depth.shape == first.doubt.shape == (120, 160)
@@ -38,13 +41,18 @@ def test_a_depth_network_needs_classes_from_elsewhere(tmp_path):
     path.write_bytes(relative_depth(np.ones((14, 28))))
     with pytest.raises(InputError, match=r"d\.onnx: outputs: found predicted_depth alone, expected classes.*--depth"):
         open_eyes(str(path))
-    with pytest.raises(InputError, match=r"--depth: found .*d\.onnx beside exact, expected --perception rgb"):
+    with pytest.raises(InputError, match=r"--depth: found .*d\.onnx beside exact, expected --perception painted"):
         open_eyes("exact", depth=str(path))
     with pytest.raises(
         InputError, match=r"inputs, outputs: found picture .*expected a picture \(1, 3, height, width\)"
     ):
         open_eyes("rgb", depth=str(SHIPPED))
     assert isinstance(open_eyes("rgb", depth=str(path)), RelativeDepthEyes)
+
+
+def test_the_network_for_real_pictures_is_not_for_painted_ones():
+    with pytest.raises(InputError, match=r"--perception: found rgb, for real pictures, expected painted"):
+        open_eyes("rgb", painted=True)
 
 
 NAMES = {"0": "background", "1": "oyster", "2": "rock", "3": "sand"}

@@ -7,7 +7,7 @@ from given_networks import given, one_hot
 from coral.errors import InputError
 from coral.reef.eyes.ground_plane import ground_depth
 from coral.reef.eyes.perception import CameraAttitude
-from coral.reef.eyes.reef_net import PaintedOrRealEyes, ReefNetEyes
+from coral.reef.eyes.reef_net import ReefNetEyes
 from coral.reef.vehicle.camera import CameraCfg
 from coral.reef.world.geometry import Label
 
@@ -74,16 +74,18 @@ def test_a_picture_of_another_shape_keeps_its_proportions():
     np.testing.assert_allclose(fed[3], np.clip(1.0 / ground_depth(wide), 0.0, 4.0), rtol=1e-6)
 
 
-def test_each_picture_goes_to_the_network_of_its_kind():
-    def eyes(label, **unlike):
-        return ReefNetEyes(given({**outputs(), "logits": one_hot([[label] * 4] * 2), **unlike}, channels=4))
+@pytest.mark.parametrize(
+    ("from_real", "from_painted", "unlike"),
+    [(0.7, 1.4, 0.7), (1.4, 2.0, 1.4), (0.8, 0.5, 1.6)],
+    ids=["like real ones", "like nothing", "nearer to what is painted"],
+)
+def test_a_picture_is_judged_if_it_is_like_real_ones(from_real, from_painted, unlike):
+    file = given({**outputs(), "unlike": np.array([[from_real, from_painted]], np.float32)}, channels=4)
 
-    def seen(unlike):
-        both = PaintedOrRealEyes(eyes(1, unlike=np.array([unlike], np.float32)), eyes(3))
-        return both.perceive(np.zeros((2, 4, 3), np.uint8), CameraCfg(width=4, height=2), CameraAttitude())
+    def seen(**how):
+        return ReefNetEyes(file, **how).perceive(
+            np.zeros((2, 4, 3), np.uint8), CameraCfg(width=4, height=2), CameraAttitude()
+        )
 
-    real, painted = seen((1.4, 2.0)), seen((2.0, 1.4))
-    assert (real.labels == 1).all()
-    assert (real.real, round(real.unlike, 3)) == (True, 1.4)
-    assert (painted.labels == 3).all()
-    assert (painted.real, painted.unlike) == (False, 0.0)
+    assert seen().unlike == pytest.approx(unlike)
+    assert seen(painted=True).unlike == 0.0

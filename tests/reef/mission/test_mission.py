@@ -238,7 +238,7 @@ def test_what_is_left_is_told_at_the_end(finished, pond, tmp_path):
 
 def test_with_eyes_nothing_but_what_they_see_reaches_the_pilot(pond, tmp_path):
     pytest.importorskip("onnxruntime")
-    cfg = dataclasses.replace(QUIET, perception="rgb", time_limit_s=0.2)
+    cfg = dataclasses.replace(QUIET, perception="painted", time_limit_s=0.2)
     mission = Mission(pond, cfg, RuleAdvisor(REEF_RULES), tmp_path / "run")
     mission.run()
     seen = mission.robot.seen.frame

@@ -123,6 +123,6 @@ def test_a_calibrated_share_is_what_it_has_meant():
 
 def test_what_a_calibrated_network_saw_without_doubt_counts_as_it_is(recording):
     plain, _ = measure_cover(recording, CoverCfg(subsets=1))
-    called_rgb, _ = measure_cover(replace(recording, seen_by="rgb"), CoverCfg(subsets=1))
+    called_rgb, _ = measure_cover(replace(recording, seen_by="painted"), CoverCfg(subsets=1))
     assert called_rgb.calibration is None
     np.testing.assert_array_equal(called_rgb.seen, plain.seen)

@@ -24,7 +24,7 @@ def test_an_area_errs_by_what_its_reef_shares_and_by_its_parts():
 
 
 def test_the_shipped_network_is_calibrated():
-    cover = np.array(find_calibration("rgb").cover).reshape(-1, 8)
+    cover = np.array(find_calibration("painted").cover).reshape(-1, 8)
     assert cover.shape == (15, 8)
     # It takes too much for oysters: even where all votes are for them, shells cover less.
     assert 0.3 < cover[-1, 0] < 0.95

@@ -81,7 +81,7 @@ def test_a_picture_that_is_missing_is_named(tmp_path):
 def test_colour_alone_needs_eyes(tmp_path):
     path = folder(tmp_path, "t,x,y,yaw,rgb\n0,1,2,0,a.jpg\n")
     (path / "a.jpg").write_bytes(encode_jpeg(np.zeros((3, 4, 3), np.uint8)))
-    with pytest.raises(InputError, match="found colour pictures only, expected --perception rgb"):
+    with pytest.raises(InputError, match="found colour pictures only, expected --perception rgb, painted"):
         list(read_folder(path, CAMERA).keyframes())
 
 

@@ -12,7 +12,7 @@ import pytest
 from coral.reef.map.mapping import MapCfg
 
 pytestmark = pytest.mark.ros2
-SAIL = ["-m", "coral", "reef", "sail", "s1", "--camera", "ros2:/rov/camera/image_raw", "--perception", "rgb"]
+SAIL = ["-m", "coral", "reef", "sail", "s1", "--camera", "ros2:/rov/camera/image_raw", "--perception", "painted"]
 
 
 @contextmanager

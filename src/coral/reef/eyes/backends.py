@@ -1,4 +1,4 @@
-"""Eyes by name: exact, rgb, or a file."""
+"""Eyes by name: exact, painted, rgb, or a file."""
 
 from __future__ import annotations
 
@@ -16,17 +16,21 @@ from coral.reef.eyes.network_notes import SUFFIX, read_notes
 from coral.reef.eyes.perception import CameraAttitude, RgbPerception
 from coral.reef.eyes.picture_input import PictureInput
 from coral.reef.eyes.pixel_check import CAMERA, check_pixels
-from coral.reef.eyes.reef_net import OUTPUTS, REAL, SHIPPED, PaintedOrRealEyes, ReefNetEyes
+from coral.reef.eyes.reef_net import OUTPUTS, REAL, SHIPPED, ReefNetEyes
 from coral.reef.eyes.relative_depth import DepthAnything, RelativeDepthEyes, is_depth
 from coral.reef.eyes.semantic_map import SemanticEyes
 from coral.reef.eyes.yolo_eyes import YoloEyes, is_yolo
 
-EXACT, RGB = "exact", "rgb"
+EXACT, PAINTED, RGB = "exact", "painted", "rgb"
+_NETWORKS = {PAINTED: SHIPPED, RGB: REAL}
 
 
-def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> RgbPerception | None:
-    """Return eyes by name: an entry point of the group `coral.eyes`, or an ONNX file whose layout says what it is.
+def open_eyes(
+    name: str, where: str = "--perception", *, depth: str = "", painted: bool = False
+) -> RgbPerception | None:
+    """Return eyes by name: exact, a network of the package, an entry point of the group `coral.eyes`, or an ONNX file.
 
+    `painted` says that this package paints the pictures: then no network that it trained finds them unlike real ones.
     `depth` is the ONNX file of a relative depth network, which replaces the depth of the eyes; "" for none. None for
     exact: the simulator's frames are used as they are.
 
@@ -34,25 +38,29 @@ def open_eyes(name: str, where: str = "--perception", *, depth: str = "") -> Rgb
         InputError: There is no such thing, or the file has a layout that is not known.
     """
     if depth:
-        eyes = open_eyes(name, where)
+        eyes = open_eyes(name, where, painted=painted)
         if eyes is None:
             raise InputError(
-                "--depth", "", f"{depth} beside {EXACT}", f"--perception {RGB} or FILE.onnx, for the classes"
+                "--depth", "", f"{depth} beside {EXACT}", f"--perception {PAINTED}, {RGB} or FILE.onnx, for the classes"
             )
         return RelativeDepthEyes(eyes, DepthAnything(open_picture_network(Path(depth), "--depth")))
     if name == EXACT:
         return None
-    if name != RGB and not name.endswith(".onnx") and has_plugin("coral.eyes", name):
+    if name == RGB and painted:
+        raise InputError(
+            where, "", f"{RGB}, for real pictures", f"{PAINTED}: a simulated camera's pictures are painted"
+        )
+    if name in _NETWORKS:
+        return ReefNetEyes(open_picture_network(_NETWORKS[name], where))
+    if not name.endswith(".onnx") and has_plugin("coral.eyes", name):
         made: RgbPerception = named_plugin("coral.eyes", name, where)()
         return made
-    if name != RGB and not name.endswith(".onnx"):
-        raise InputError(where, "", repr(name), f"exact, rgb or FILE.onnx{nearest(name, (EXACT, RGB))}")
-    if name == RGB:
-        real, painted = (ReefNetEyes(open_picture_network(path, where)) for path in (REAL, SHIPPED))
-        return PaintedOrRealEyes(real, painted)
+    if not name.endswith(".onnx"):
+        known = (EXACT, *_NETWORKS)
+        raise InputError(where, "", repr(name), f"{', '.join(known)} or FILE.onnx{nearest(name, known)}")
     file = open_picture_network(Path(name), where)
     if file.input_shape[1] == 4 and "depth_doubt" in file.outputs:
-        return ReefNetEyes(file)
+        return ReefNetEyes(file, painted=painted)
     if file.input_shape[1] not in (3, None):
         found = f"{file.input_shape[1]} channels"
         raise InputError(file.path, "inputs", found, f"3, a picture, or 4 with outputs {', '.join(OUTPUTS)}")

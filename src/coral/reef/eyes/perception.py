@@ -27,8 +27,6 @@ class SeenPicture:
     """Probability that the label is wrong, 0 to 1. Shape=(H, W)."""
     unlike: float = 0.0
     """How far the picture is from all that the network was trained on; at 1 or more nobody should judge by it."""
-    real: bool = False
-    """Whether the network takes it for a picture of a real sea, where errors on painted reefs say nothing."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +77,6 @@ def perceive_frame(frame: Frame, eyes: RgbPerception, camera: CameraCfg, attitud
         labels=np.where(unseen, np.uint8(Label.WATER), seen.labels).astype(np.uint8),
         instances=np.full(seen.labels.shape, -1, np.int32),
         doubt=doubt,
-        real=seen.real,
     )
 
 

@@ -20,7 +20,7 @@ from coral.reef.world.geometry import Label
 
 SHIPPED = Path(__file__).parent / "weights" / "reef_net.onnx"
 REAL = SHIPPED.with_name("real_net.onnx")
-"""The networks that come with the package: for painted reefs, and for real pictures."""
+"""The networks that come with the package: for the pictures that this package paints, and for real ones."""
 WEIGHTS = REAL.with_suffix(".pt")
 """Weights of the latter, from which a training can begin."""
 OUTPUTS = {"logits": 4, "depth": 1, "depth_doubt": 1}
@@ -40,17 +40,22 @@ class ReefNetEyes:
 
     about: tuple[str, ...] = ()
 
-    def __init__(self, file: OnnxFile, obstacle_from: float = OBSTACLE_FROM, oyster_from: float | None = None) -> None:
-        """Check the layout.
+    def __init__(
+        self,
+        file: OnnxFile,
+        obstacle_from: float = OBSTACLE_FROM,
+        oyster_from: float | None = None,
+        *,
+        painted: bool = False,
+    ) -> None:
+        """Check the layout. Painted pictures need not be like real ones.
 
         Raises:
             InputError: The file has another layout.
         """
-        self.file, self.obstacle_from, self.oyster_from = file, obstacle_from, oyster_from
+        self.file, self.obstacle_from, self.oyster_from, self._painted = file, obstacle_from, oyster_from, painted
         if oyster_from is None and file.metadata.get(OYSTER_FROM_KEY):
             self.oyster_from = _share(file)
-        self.painted = False
-        """Whether the last picture looked more like painted reefs than like real pictures."""
         for name, channels in OUTPUTS.items():
             found = file.outputs.get(name)
             if found is None or len(found) != 4 or found[1] != channels:
@@ -92,29 +97,15 @@ class ReefNetEyes:
             )
         far = (labels == Label.WATER) | (depth * np.float32(ray_lengths(camera)) > camera.range_m)
         depth = np.where(far, np.float32(np.inf), np.maximum(depth, np.float32(camera.near_m)))
-        apart = out["unlike"][0] if "unlike" in out else np.zeros(1, np.float32)
-        self.painted = len(apart) == 2 and bool(apart[1] < apart[0])
-        # Painted reefs are what a network was trained on most: only pictures that may be real are judged.
-        unlike = 0.0 if self.painted else float(apart[0])
-        real = "unlike" in out and not self.painted
-        return SeenPicture(labels, depth.astype(np.float32), doubt, unlike, real)
+        return SeenPicture(labels, depth.astype(np.float32), doubt, 0.0 if self._painted else _unlike(out))
 
 
-class PaintedOrRealEyes:
-    """Two networks. The first knows both kinds, and says which a picture is; a painted one goes to the second.
-
-    One small network that was trained on both for minutes sees painted reefs worse than one that saw nothing else.
-    """
-
-    about: tuple[str, ...] = ()
-
-    def __init__(self, real: ReefNetEyes, painted: ReefNetEyes) -> None:
-        self.real, self.painted = real, painted
-
-    def perceive(self, rgb: NDArray[np.uint8], camera: CameraCfg, attitude: CameraAttitude) -> SeenPicture:
-        """Find classes and depth."""
-        seen = self.real.perceive(rgb, camera, attitude)
-        return self.painted.perceive(rgb, camera, attitude) if self.real.painted else seen
+def _unlike(out: dict[str, NDArray[np.float32]]) -> float:
+    """Return 1 or more for a picture far from all real ones, or nearer to what is painted than to these."""
+    if "unlike" not in out:
+        return 0.0
+    real, painted = (float(apart) for apart in out["unlike"][0])
+    return max(real, real / max(painted, 1e-6))
 
 
 def network_size(camera: CameraCfg) -> tuple[int, int]:

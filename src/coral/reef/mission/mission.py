@@ -95,7 +95,7 @@ class Mission:
         of_sensors, of_driver, of_clock = (np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(3))
         advisor = decider_of(cfg, advisor, seed, world)
         self.world, self.cfg, self.seed, self.variant, self.advisor = world, cfg, seed, variant, advisor
-        eyes = self.eyes = open_eyes(cfg.perception, depth=cfg.depth)
+        eyes = self.eyes = open_eyes(cfg.perception, depth=cfg.depth, painted=True)
         self.preset = preset
         """Name of the water and sensors, for the record; `cfg` and `world` have their values."""
         if eyes is not None and not cfg.simulator.pictures:

@@ -33,8 +33,8 @@ class MissionCfg:
     tables of coverage do so. The robot does not know it and decides nothing by it; in real water nobody knows it. By
     default the robot continues until nothing is left."""
     perception: str = EXACT
-    """Where classes and depth come from: exact, by the simulator's ray caster, which a real camera lacks; rgb, from the
-    colour pictures by the network that comes with the package; or a network of your own, FILE.onnx."""
+    """Where classes and depth come from: exact, by the simulator's ray caster, which a real camera lacks; painted or
+    rgb, from colour pictures, by the networks of the package for painted and for real ones; or your own, FILE.onnx."""
     depth: str = ""
     """File of a relative depth network (Depth Anything V2), whose depth replaces that of `perception`; its scale and
     shift are fitted to the sea floor and the sonar's echoes."""

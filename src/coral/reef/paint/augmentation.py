@@ -73,8 +73,8 @@ def look_through(image: Tensor, window: PictureWindow, size: tuple[int, int], mo
     grid = functional.affine_grid(window.matrix, [len(image), image.shape[1], *size], align_corners=False)
     seen = functional.grid_sample(image, grid, mode, "reflection", align_corners=False)
     for level in (2, 4) if mode == "bilinear" else ():
-        shrinks = window.share * image.shape[3] / size[1] > 0.75 * level
-        if bool(shrinks.any()):
+        if 1.6 * image.shape[3] / size[1] > 0.75 * level:  # not asked of the pictures: a graphics card would wait
+            shrinks = window.share * image.shape[3] / size[1] > 0.75 * level
             small = functional.avg_pool2d(image, level)
             coarse = functional.grid_sample(small, grid, mode, "reflection", align_corners=False)
             seen = torch.where(shrinks[:, None, None, None], coarse, seen)
@@ -116,7 +116,9 @@ def _hazed(light: Tensor, depth: Tensor | None, chance: BatchRandom, strength: f
         away = depth.clamp(max=12.0) / 3.0
     through = torch.exp(-chance.often(0.5, n) * strength * chance.uniform(0.0, 1.2, n, 1, 1, 1) * away)
     veil = chance.uniform(0.0, 0.9, n, 3, 1, 1)
-    green = torch.tensor([0.5, 0.65, 0.25], device=light.device)[:, None, None] * chance.uniform(0.3, 1.3, n, 1, 1, 1)
+    green = torch.stack([torch.full((1, 1), v, device=light.device) for v in (0.5, 0.65, 0.25)]) * chance.uniform(
+        0.3, 1.3, n, 1, 1, 1
+    )
     veil = torch.where(chance.often(0.5, n) > 0, green, veil)
     return through * light + (1.0 - through) * veil
 

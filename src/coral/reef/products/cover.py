@@ -95,8 +95,8 @@ def measure_cover(recording: Recording, cfg: CoverCfg) -> tuple[Cover, list[Cove
     """
     calibration = find_calibration(recording.seen_by)
     first = next((one.frame for one in recording.keyframes()), None) if calibration is not None else None
-    if first is None or first.doubt is None or first.real:
-        calibration = None  # of painted reefs; or frames of an old run: the network's probabilities were not kept
+    if first is None or first.doubt is None:
+        calibration = None  # frames of an old run: the network's probabilities were not kept
     parts = collect_votes(recording, cfg, soft=calibration is not None)
     whole = sum_votes(parts)
     without = [Votes(whole.oyster - one.oyster, whole.floor - one.floor, whole.nearest_m) for one in parts]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coral.foreign_file import read_json
-from coral.reef.eyes.backends import RGB
+from coral.reef.eyes.backends import PAINTED
 from coral.reef.eyes.reef_net import SHIPPED
 
 SHARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98)
@@ -57,7 +57,7 @@ def find_calibration(perception: str) -> CoverCalibration | None:
 
     Only the shipped network for painted reefs has one: of others the true cover is not known.
     """
-    if perception != RGB:
+    if perception != PAINTED:
         return None
     values = read_json(SHIPPED.with_suffix(".cover.json"), "a calibration")
     return CoverCalibration(**{**values, "cover": tuple(values["cover"])})

@@ -41,7 +41,6 @@ class PicturePerception:
         self._eyes, self.name = eyes, name
         self._folder = tempfile.TemporaryDirectory(prefix="coral-seen-")
         self._seen: dict[str, int] = {}
-        self._real: dict[int, bool] = {}
 
     def frame(self, rgb: NDArray[np.uint8], camera: RecordedCamera, attitude: CameraAttitude, where: str) -> Frame:
         """Return a colour picture, Shape=(H, W, 3), sRGB, with classes, depth and doubt; `where` names it."""
@@ -50,7 +49,6 @@ class PicturePerception:
             seen = perceive_frame(Frame.of_colours(rgb), self._eyes, camera.view, attitude)
             number = self._seen[where] = len(self._seen)
             self._keep(number, seen, camera)
-            self._real[number] = seen.real
         labels, depth, doubt = (self._read(number, part) for part in _PARTS)
         metres = np.where(depth > 0, depth.astype(np.float32) / np.float32(1000.0), np.float32(np.inf))
         return Frame(
@@ -59,7 +57,6 @@ class PicturePerception:
             instances=NO_OBJECTS,
             rgb=rgb,
             doubt=unpack_doubt(doubt),
-            real=self._real[number],
         )
 
     def _keep(self, number: int, seen: Frame, camera: RecordedCamera) -> None:
@@ -105,6 +102,6 @@ def recorded_frame(
     if perception is None:
         raise InputError(
             where, "labels, depth", "colour pictures only",
-            "--perception rgb or FILE.onnx, or pictures of classes and depth beside them",
+            "--perception rgb, painted or FILE.onnx, or pictures of classes and depth beside them",
         )  # fmt: skip
     return perception.frame(rgb, camera, attitude, where)

@@ -46,8 +46,6 @@ class Frame:
     """Probability that the label of a pixel is wrong; None where labels are exact. Shape=(H, W), float32."""
     still: Callable[[], NDArray[np.uint8]] | None = None
     """Takes the colour picture in full size, Shape=(H, W, 3), when it is wanted; None where there is none."""
-    real: bool = False
-    """Whether a network that knows both took it for a real picture, not a painted one."""
 
     @classmethod
     def of_colours(cls, rgb: NDArray[np.uint8]) -> Frame:
