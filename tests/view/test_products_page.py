@@ -65,7 +65,7 @@ def test_the_page_says_that_a_network_found_the_oysters(products, tmp_path):
     recording = replace(products.recording, seen_by="painted")
     seen = replace(products, recording=recording, mosaic=replace(products.mosaic, colour=True))
     page = write_products_page(seen, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
-    assert "Oysters were recognized by a network (rgb)" in page
+    assert "Oysters were recognized by a network (painted)" in page
     assert "is <b>not</b> in the interval" in page
     calibrated = replace(seen, calibrated_reefs=15)
     page = write_products_page(calibrated, EarthPlacement(recording.start), tmp_path, [], CoverCfg()).read_text()
