@@ -165,9 +165,11 @@ def test_stages_are_told_as_they_change(run):
 def test_a_strategist_may_change_its_strategy(run):
     class Second(FixedStrategist):
         counts = StrategistCounts(advisor_calls=2, repairs=1, memory_hit=True)
+        reports = 0
 
         def on_plan(self, report):
-            return Strategy("other", (Stage("other", stay),)) if report.step == 4 else None
+            self.reports += 1
+            return Strategy("other", (Stage("other", stay),)) if self.reports == 3 else None
 
     result, folder, _ = run(Second(strategy()))
     assert [e["name"] for e in events(folder, "strategy")] == ["stay", "other"]
