@@ -85,8 +85,8 @@ def parsers() -> dict[str, Parser]:
     from coral.config import read_config
     from coral.contact.cost_program import CostError, LimitsCfg
     from coral.contact.cost_program.parse import parse as parse_cost
+    from coral.contact.episode.own_cost import read_cost_file
     from coral.contact.libero.problem import read_problem
-    from coral.contact.plan.cost_file import read_cost_file
     from coral.contact.plan.cost_plan import PlanAnswer
     from coral.contact.policy.wire import WireError, decode, encode
     from coral.contact.real_scenes.bop_records import read_cameras, read_shared_camera

@@ -29,7 +29,7 @@ def help_page(command: str, described: Described, width: int = 0) -> str:
     groups = {group.prefix: group for group in described.groups if configuration_at(group.place)}
     groups = {} if len(described.flags) <= FITS else groups
     rows: dict[str, str] = {}
-    for flag in described.flags:
+    for flag in sorted(described.flags, key=lambda flag: not flag.positional):
         group = groups.get(f"--{flag.field[0].replace('_', '-')}")
         if group is None:
             rows[_spelled(flag)] = summary(flag)

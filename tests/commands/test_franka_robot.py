@@ -21,7 +21,7 @@ from coral.contact.scene.observation import BodyState
 from coral.contact.worlds.franka_cfg import FrankaCfg
 from coral.errors import RunError
 
-ARM = RobotFlags(world="franka", robot="10.0.0.1", dry_run=False, yes=False, quiet=True)
+ARM = RobotFlags(world="franka", robot="10.0.0.1")
 BOX = BodyState(np.array([0.1, 0.0, 0.03]), np.array([1.0, 0, 0, 0]))
 REPORT = StreamReport(state=arm_state(7.0), objects={"box": BOX}, ages_s={"box": 0.01})
 

@@ -9,7 +9,7 @@ from coral.commands import franka_robot
 from coral.commands.robot_flags import RobotFlags, robot_names
 from coral.errors import InputError
 
-ARM = RobotFlags(world="franka", robot="10.0.0.1", dry_run=False, yes=False, quiet=True)
+ARM = RobotFlags(world="franka", robot="10.0.0.1")
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import Advisor, AdvisorUnavailable, Question, Rejection, Reply, Usage
-from coral.advisor.setting import Setting
+from coral.advisor.setting import Setting, read_probability
 from coral.errors import InputError
 
 A = TypeVar("A", bound=BaseModel)
@@ -150,10 +150,5 @@ def make_fallible(name: str, rest: str, setting: Setting) -> FallibleAdvisor:
     if not inner:
         found = repr(f"{name}:{rest}")
         raise InputError(setting.where, "", found, "fallible:P:INNER, such as fallible:0.3:heuristic")
-    try:
-        probability = float(rate)
-    except ValueError:
-        probability = -1.0
-    if not 0.0 <= probability <= 1.0:
-        raise InputError(setting.where, "P", repr(rate), "a probability from 0 to 1")
+    probability = read_probability(rate, "P", setting.where, "a probability from 0 to 1")
     return FallibleAdvisor(setting.inner(inner), probability, setting.rng)

@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor, Question, Rejection
+from coral.errors import InputError
 
 Answer = dict[str, Any]
 """An answer as JSON."""
@@ -69,3 +70,18 @@ class Setting:
     """Makes the inner advisor of a wrapper from its string."""
     mistakes: tuple[Mistake, ...] = ()
     """The application's plausible errors, for `sloppy`."""
+
+
+def read_probability(text: str, name: str, where: str, expected: str) -> float:
+    """Read a rate of errors.
+
+    Raises:
+        InputError: It is no probability.
+    """
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = -1.0
+    if not 0.0 <= rate <= 1.0:
+        raise InputError(where, name, repr(text), expected)
+    return rate

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from coral.advisor.parse import parse_answer
 from coral.advisor.question import Advisor, Question, Rejection, Reply
-from coral.advisor.setting import Earlier, Mistake, Setting
+from coral.advisor.setting import Earlier, Mistake, Setting, read_probability
 from coral.errors import InputError, nearest
 
 A = TypeVar("A", bound=BaseModel)
@@ -49,14 +49,14 @@ def parse_rates(text: str, mistakes: Sequence[Mistake], where: str = "--advisor"
     if not known:
         raise InputError(where, "sloppy", repr(text), "an application with plausible errors; this one has none")
     if "=" not in text:
-        return Rates(level=_probability(text, "P", where))
+        return Rates(level=read_probability(text, "P", where, FORM))
     each: dict[str, float] = {}
     for part in text.split("+"):
         name, _, rate = part.partition("=")
         if name not in known or name in each:
             found = repr(name) if name not in known else f"{name!r} twice"
             raise InputError(where, "sloppy", found, f"one of {', '.join(known)}{nearest(name, known)}")
-        each[name] = _probability(rate, name, where)
+        each[name] = read_probability(rate, name, where, FORM)
     for kind, part in sorted({(kind, mistake.part) for mistake in mistakes for kind in mistake.questions}):
         spoil = [name for name, mistake in known.items() if kind in mistake.questions and mistake.part == part]
         total = sum(rate for name, rate in each.items() if name in spoil)
@@ -148,13 +148,3 @@ def make_sloppy(name: str, rest: str, setting: Setting) -> SloppyAdvisor:
         raise InputError(setting.where, "", repr(f"{name}:{rest}"), FORM)
     rates = parse_rates(errors, setting.mistakes, setting.where)
     return SloppyAdvisor(setting.inner(inner), rates, setting.rng, setting.mistakes)
-
-
-def _probability(text: str, name: str, where: str) -> float:
-    try:
-        rate = float(text)
-    except ValueError:
-        rate = -1.0
-    if not 0.0 <= rate <= 1.0:
-        raise InputError(where, name, repr(text), FORM)
-    return rate

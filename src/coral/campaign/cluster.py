@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, perform
+from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, not_run, perform
 from coral.campaign.spec import Spec
 from coral.errors import InputError, RunError, first_line, install_extra
 
@@ -75,22 +75,12 @@ class RayExecutor:
                     try:
                         outcome, files = ray.get(reference)
                     except ray.exceptions.RayTaskError as error:  # raised by Ray's task, not by the episode
-                        yield EpisodeOutcome(
-                            task.spec,
-                            message=f"not run by Ray: {first_line(error.cause)}",
-                            detail=str(error),
-                            about={"attempts": attempt},
-                        )
+                        yield not_run(task, f"not run by Ray: {first_line(error.cause)}", attempt, error)
                     except ray.exceptions.RayError as error:
                         if attempt < ATTEMPTS:
                             queue.append((task, attempt + 1))
                         else:
-                            yield EpisodeOutcome(
-                                task.spec,
-                                message=f"lost {ATTEMPTS} times: {type(error).__name__}",
-                                detail=str(error),
-                                about={"attempts": attempt},
-                            )
+                            yield not_run(task, f"lost {ATTEMPTS} times: {type(error).__name__}", attempt, error)
                     else:
                         unpack(files, task.scratch)
                         yield dataclasses.replace(outcome, about={**outcome.about, "attempts": attempt})

@@ -46,6 +46,11 @@ class EpisodeOutcome:
     """Wall time (s), host, attempts and version of the code."""
 
 
+def not_run(task: EpisodeTask, message: str, attempts: int, error: BaseException | str = "") -> EpisodeOutcome:
+    """Return the outcome of a task that was never finished: lost, or refused by what should run it."""
+    return EpisodeOutcome(task.spec, message=message, detail=str(error), about={"attempts": attempts})
+
+
 class Executor(Protocol):
     """Runs episodes."""
 

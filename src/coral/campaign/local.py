@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from typing import Any, cast
 
-from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, perform
+from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, not_run, perform
 from coral.errors import RunError
 
 ATTEMPTS = 2
@@ -75,11 +75,8 @@ class LocalExecutor:
                             if deaths[key] < ATTEMPTS:
                                 queue.appendleft(worker.task)
                             else:
-                                yield EpisodeOutcome(
-                                    worker.task.spec,
-                                    message=f"its worker process died {ATTEMPTS} times ({_cause(code)})",
-                                    about={"attempts": ATTEMPTS},
-                                )
+                                died = f"its worker process died {ATTEMPTS} times ({_cause(code)})"
+                                yield not_run(worker.task, died, ATTEMPTS)
                         continue
                     if message == _READY:
                         worker.ready, stillborn = True, 0

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from coral.campaign.cluster import perform_on_node, unpack
-from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask
+from coral.campaign.episode import ONE_THREAD, Episode, EpisodeOutcome, EpisodeTask, not_run
 from coral.campaign.spec import Spec
 from coral.errors import InputError, RunError, install_extra
 
@@ -114,9 +114,7 @@ class SlurmExecutor:
                             if attempt < ATTEMPTS:
                                 waiting.append((task, attempt + 1))
                             else:
-                                yield EpisodeOutcome(
-                                    task.spec, message=f"lost {ATTEMPTS} times", about={"attempts": attempt}
-                                )
+                                yield not_run(task, f"lost {ATTEMPTS} times", attempt)
                 if not ended and running:
                     looks += 1
                     time.sleep(self._look_s)
@@ -136,12 +134,7 @@ class SlurmExecutor:
     def _outcome(self, job: Any, task: EpisodeTask, attempt: int) -> EpisodeOutcome:
         error = job.exception()
         if error is not None:  # raised around the episode, not by it: a time limit, a node that cannot import it
-            return EpisodeOutcome(
-                task.spec,
-                message=f"not run by Slurm: {_reason(error)}",
-                detail=str(error),
-                about={"attempts": attempt},
-            )
+            return not_run(task, f"not run by Slurm: {_reason(error)}", attempt, error)
         outcome: EpisodeOutcome
         outcome, files = job.result()
         unpack(files, task.scratch)

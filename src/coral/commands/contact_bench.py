@@ -11,11 +11,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
-
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
-from coral.advisor.registry import advisor_help, asks_person, make_advisor
+from coral.advisor.registry import advisor_help, asks_person
 from coral.campaign.campaign import Summary
 from coral.campaign.campaign_files import CampaignFiles
 from coral.campaign.contact_tables import contact_tables
@@ -33,13 +31,19 @@ from coral.commands.campaigns import (
 )
 from coral.commands.config_flag import config_words, configured
 from coral.commands.contact_run import TRACKER_HELP
-from coral.config import checked, to_mapping
+from coral.config import to_mapping
 from coral.contact.episode.campaign_episode import run_episode
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.resolution import DEFAULT_ADVISOR, resolve_episode
-from coral.contact.episode.variants import ALONE, VARIANTS, check_variant, contact_model, make_strategist
+from coral.contact.episode.variants import (
+    ALONE,
+    VARIANTS,
+    check_variant,
+    contact_advisor,
+    contact_model,
+    make_strategist,
+)
 from coral.contact.memory.memory import FORMAT, Memory
-from coral.contact.mistakes.plausible import CONTACT_MISTAKES
 from coral.contact.policy.address import Address, parse_address
 from coral.contact.policy.policy_campaign_episode import run_policy_episode
 from coral.contact.scene.task import Task
@@ -166,10 +170,7 @@ class ContactBench(CampaignFlags):
 
     def _advisor(self, name: str) -> Advisor:
         """Make the advisor of a row, as far as it can be checked here."""
-        model = checked(self.model, "--model")
-        return make_advisor(
-            name, rules={}, rng=np.random.default_rng(0), cfg=model, where="--advisors", mistakes=CONTACT_MISTAKES
-        )
+        return contact_advisor(name, self.model, where="--advisors")
 
     def _specs(self, tasks: Mapping[str, Task]) -> tuple[Spec, ...]:
         worlds = parse_names(self.worlds, "--worlds")

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import dataclasses
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
-
-import numpy as np
 
 from coral.advisor.attribution import RECORDED_MODEL, who_decided
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight
 from coral.advisor.recorded import is_recorded
-from coral.advisor.registry import advisor_help, innermost, make_advisor
+from coral.advisor.registry import advisor_help, innermost
 from coral.commands.config_flag import configured
 from coral.commands.live import LiveFlags, watching
 from coral.commands.operator_verdict import HINT, KeyboardVerdict
 from coral.commands.progress import EpisodeProgress
 from coral.commands.render import render
 from coral.commands.robot_flags import RobotFlags, robot_names
-from coral.config import checked
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.episode import Episode
@@ -30,24 +28,16 @@ from coral.contact.episode.own_cost import own_cost
 from coral.contact.episode.resolution import (
     DEFAULT_ADVISOR,
     DEFAULT_VARIANT,
-    OWN_COST,
+    assemble_episode,
     check_combination,
     resolve_episode,
 )
-from coral.contact.episode.variants import (
-    ALONE,
-    VARIANTS,
-    AdvisorSetup,
-    contact_model,
-    make_strategist,
-)
-from coral.contact.mistakes.plausible import CONTACT_MISTAKES
+from coral.contact.episode.variants import ALONE, VARIANTS, AdvisorSetup, contact_advisor, contact_model
 from coral.contact.perception.tracker_registry import tracker_help
 from coral.contact.scene.task_names import shipped_tasks
 from coral.contact.scene.trial import Trial, sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.fallback import StandIn
-from coral.contact.thinker.strategist import FixedStrategist
 from coral.contact.thinker.think_cfg import Told
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.world_model.given_beliefs import parse_beliefs
@@ -68,22 +58,7 @@ class ContactRun:
 
     task: Annotated[str, Argument(metavar="TASK", names=shipped_tasks)]
     """A shipped task (see coral contact tasks) or a task file, which also sets the time limit (`time_limit_s`)."""
-    world: str = "panda"
-    """World: panda, the robot in robosuite; hand, its hand alone, free-flying; franka, the arm of --robot."""
-    robot: Annotated[str | None, Option(metavar="ADDRESS|ros2:NAMESPACE|sim")] = None
-    """The arm of --world franka: its address; ros2: with a namespace or a file of ROS parameters; or sim, a simulated
-    arm that speaks the arm's own protocol."""
-    dry_run: bool = False
-    """Read the arm and show its commands without sending them."""
-    yes: bool = False
-    """Move the simulated arm without asking; a real arm always asks."""
-    camera: str | None = None
-    """Track the objects of --world franka by a camera: sim, for the simulated arm, or one that `coral contact poses`
-    takes."""
-    camera_pose: Path | None = None
-    """Where that camera stands: a file of coral contact calibrate."""
-    masks: str | None = None
-    """What segments its pictures, as `coral contact poses` takes it; colour by default."""
+    arm: Annotated[RobotFlags, Option(name="")] = field(default_factory=RobotFlags)
     advisor: Annotated[str, Option(help=advisor_help("The advisor, in variants with one"))] = DEFAULT_ADVISOR
     variant: Annotated[str, Option(names=VARIANTS)] = DEFAULT_VARIANT
     """Configuration of the pipeline: full asks the advisor; paper too, with the paper's prompt and 200 samples;
@@ -140,24 +115,20 @@ class ContactRun:
 
     def __call__(self) -> Mapping[str, Any]:
         """Run the episode."""
-        model = checked(self.model, "--model")
-        advisor = make_advisor(
-            self.advisor, rules={}, rng=np.random.default_rng(0), inbox=self.inbox, cfg=model, mistakes=CONTACT_MISTAKES
-        )
+        advisor = contact_advisor(self.advisor, self.model, self.inbox)
         check_combination(
             variant=self.variant,
             advisor=self.advisor,
             seed=self.seed,
             policy=self.policy,
-            cost=None if self.cost is None else str(self.cost),
+            cost=self.cost,
             believe=self.believe,
             memory=self.memory,
             tracker=self.tracker,
             prompt=self.prompt,
         )
-        flags = self._robot_flags
-        if not flags.check():
-            check_world(self.world, also=robot_names())
+        if not self.arm.check():
+            check_world(self.arm.world, also=robot_names())
         self.page.check()
         task = load_task(self.task)
         trial = sample_trial(task, self.seed, self.task)
@@ -173,9 +144,11 @@ class ContactRun:
         thinking_latency(cfg.think.latency, advisor, self.advisor)
         believe = {} if self.believe is None else parse_beliefs(self.believe, task)
         cfg = dataclasses.replace(cfg, record=dataclasses.replace(cfg.record, video=cfg.record.video or self.video))
-        if flags.given:
-            robot = flags.robot_of()
-            trial, cfg = robot.robot_trial(trial, flags), robot.robot_cfg(cfg, flags)
+        world: str | Callable[[], RobotWorld] = self.arm.world
+        if self.arm.given:
+            robot = self.arm.robot_of()
+            trial, cfg = robot.robot_trial(trial, self.arm), robot.robot_cfg(cfg, self.arm)
+            world = partial(robot.make_robot_world, trial, cfg, self.arm, self.quiet)
             if self.policy is not None:
                 raise InputError("--policy", "", self.policy, "another world: a policy is served in simulation only")
         if self.policy is not None:
@@ -184,43 +157,28 @@ class ContactRun:
                     "--live", "", f"with --policy {self.policy}", "a planner: a policy has no costs to show"
                 )
             return self._run_policy(self.policy, trial, cfg)
-        if self.cost is not None:
-            return self._run_cost(str(self.cost), trial, cfg)
-        unanswered = self._is_unanswered(task.name)
+        cost = None if self.cost is None else own_cost(self.cost, trial, cfg)
+        unanswered = cost is None and self._is_unanswered(task.name)
         if unanswered and self.memory is None:
             raise RunError(nobody_answered(task.name))
-        if self.preflight and self.variant not in ALONE:
+        if cost is None and self.preflight and self.variant not in ALONE:
             preflight(advisor, pictures=True, quiet=self.quiet)
         folder = self.out or new_run_folder(Path("runs"), task.name)
-        strategist = make_strategist(
-            self.variant,
-            task,
-            AdvisorSetup(
-                advisor=self.advisor,
-                seed=self.seed,
-                world=self.world,
-                memory=self.memory,
-                folder=folder,
-                inbox=self.inbox,
-                think=cfg.think,
-                believe=believe,
-                model=model,
-            ),
+        asking = AdvisorSetup(
+            advisor=self.advisor,
+            world=self.arm.world,
+            memory=self.memory,
+            inbox=self.inbox,
+            believe=believe,
+            model=self.model,
         )
-        who = "none" if self.variant in ALONE else self.advisor
-        episode = Episode(
-            trial,
-            self._make_world(trial, cfg),
-            strategist,
-            cfg,
-            folder,
-            variant=self.variant,
-            advisor=who,
-            operator_verdict=_operator(cfg),
+        episode = assemble_episode(
+            trial, world, cfg, folder, variant=self.variant, asking=asking, cost=cost, operator=partial(_operator, cfg)
         )
         episode.listeners.append(StandInNotice())
         result = self._attempt(episode, folder, cfg)
-        if result["end_reason"] == "no-strategy" and (unanswered or self.advisor == DEFAULT_ADVISOR):
+        no_answer = cost is None and (unanswered or self.advisor == DEFAULT_ADVISOR)
+        if result["end_reason"] == "no-strategy" and no_answer:
             raise RunError(nobody_answered(task.name))
         return result
 
@@ -228,40 +186,6 @@ class ContactRun:
         """Return whether a recording answers, corrupted or not, that has nothing for the task."""
         recorded = innermost(self.advisor)[1] == DEFAULT_ADVISOR and self.variant not in ALONE
         return recorded and not is_recorded(task)
-
-    @property
-    def _robot_flags(self) -> RobotFlags:
-        return RobotFlags(
-            self.world,
-            self.robot,
-            self.dry_run,
-            self.yes,
-            self.quiet,
-            self.camera,
-            self.camera_pose,
-            self.masks,
-        )
-
-    def _run_cost(self, cost: str, trial: Trial, cfg: EpisodeCfg) -> Mapping[str, Any]:
-        """Run an episode with a cost of the user's own."""
-        own = own_cost(cost, trial, cfg)
-        folder = self.out or new_run_folder(Path("runs"), trial.task.name)
-        episode = Episode(
-            trial,
-            self._make_world(trial, cfg),
-            FixedStrategist(own.strategy),
-            cfg,
-            folder,
-            variant=OWN_COST,
-            operator_verdict=_operator(cfg),
-        )
-        episode.writer.text(own.file, own.text)
-        return self._attempt(episode, folder, cfg)
-
-    def _make_world(self, trial: Trial, cfg: EpisodeCfg) -> str | RobotWorld:
-        """Return the name of a simulated world, or the arm, ready to move."""
-        flags = self._robot_flags
-        return flags.robot_of().make_robot_world(trial, cfg, flags) if flags.given else self.world
 
     def _attempt(self, episode: Episode, folder: Path, cfg: EpisodeCfg) -> Mapping[str, Any]:
         """Run an episode to its end, and make its pictures and report."""
@@ -280,7 +204,7 @@ class ContactRun:
         progress = EpisodeProgress(quiet=self.quiet)
         try:
             result, folder = our_part("policy", "served", "--policy")(
-                policy, trial, self.world, cfg, self.out, [progress], taken=VARIANTS
+                policy, trial, self.arm.world, cfg, self.out, [progress], taken=VARIANTS
             )
         finally:
             progress.close()

@@ -57,7 +57,7 @@ def robot_cfg(cfg: EpisodeCfg, flags: RobotFlags) -> EpisodeCfg:
     return cfg
 
 
-def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> FrankaWorld:
+def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, quiet: bool = False) -> FrankaWorld:
     """Connect with the arm, show the list, and wait for the operator's word.
 
     Raises:
@@ -70,7 +70,7 @@ def make_robot_world(trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> Franka
     double: Double | None = None
     stream: StreamProcess | None = None
     camera: CameraProcess | None = None
-    show = _tell if flags.dry_run and not flags.quiet else None
+    show = _tell if flags.dry_run and not quiet else None
     try:
         if flags.robot == SIMULATED:
             _tell("starting the simulated arm ...")

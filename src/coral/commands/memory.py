@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from coral.contact.memory.memory import Memory, Stored
-from coral.contact.memory.store_sqlite import SqliteStore
 from coral.errors import InputError
 from coral.file_writer import write_whole, writing
 from coral.flags import Argument
@@ -27,12 +26,7 @@ def _open_existing(file: str) -> Memory:
     """
     memory = Memory(file)
     if not memory.store.exists():
-        raise InputError(
-            file,
-            "",
-            "no such file" if isinstance(memory.store, SqliteStore) else "no such memory",
-            "what coral contact run --memory has made",
-        )
+        raise InputError(file, "", "no such file", "what coral contact run --memory has made")
     return memory
 
 
@@ -57,13 +51,18 @@ def _rate_text(row: Mapping[str, Any]) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemoryList:
-    """List the remembered experiences: origin, uses, and how many of these succeeded."""
+class MemoryFlags:
+    """The flags of all these commands."""
 
     file: str = FILE
-    """The memory, an SQLite file."""
+    """The memory, an SQLite file; an import creates it."""
     json: bool = False
     """Print one JSON object."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemoryList(MemoryFlags):
+    """List the remembered experiences: origin, uses, and how many of these succeeded."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Read the rows."""
@@ -80,15 +79,11 @@ class MemoryList:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemoryShow:
+class MemoryShow(MemoryFlags):
     """Show one experience: task, numbers, programs, regions, provenance."""
 
     id: Annotated[int, Argument()]
     """Number of the experience, from `coral memory list`."""
-    file: str = FILE
-    """The memory, an SQLite file."""
-    json: bool = False
-    """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Read the experience."""
@@ -106,15 +101,11 @@ class MemoryShow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemoryForget:
+class MemoryForget(MemoryFlags):
     """Delete one experience."""
 
     id: Annotated[int, Argument()]
     """Number of the experience, from `coral memory list`."""
-    file: str = FILE
-    """The memory, an SQLite file."""
-    json: bool = False
-    """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Delete the experience."""
@@ -127,15 +118,11 @@ class MemoryForget:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemoryExport:
+class MemoryExport(MemoryFlags):
     """Export all experiences into a JSON file."""
 
     to: Annotated[Path, Argument(metavar="FILE")]
     """The JSON file; it must not exist yet."""
-    file: str = FILE
-    """The memory, an SQLite file."""
-    json: bool = False
-    """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Write the file."""
@@ -150,15 +137,11 @@ class MemoryExport:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemoryImport:
+class MemoryImport(MemoryFlags):
     """Import exported experiences; known ones are skipped, and each is verified again before use."""
 
     source: Annotated[Path, Argument(metavar="FILE")]
     """The JSON file."""
-    file: str = FILE
-    """The memory, an SQLite file; created if it does not exist."""
-    json: bool = False
-    """Print one JSON object."""
 
     def __call__(self) -> Mapping[str, Any]:
         """Read the file."""

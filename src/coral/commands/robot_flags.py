@@ -4,30 +4,39 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Annotated, Protocol
 
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.scene.trial import Trial
 from coral.contact.worlds.robot_world import RobotWorld
 from coral.errors import InputError
+from coral.flags import Option
 from coral.plugins import find_plugins, has_plugin, named_plugin
 
 GROUP = "coral.robots"
 SIMULATED, SIMULATED_CAMERA = "sim", "sim"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RobotFlags:
-    """The flags of the command that concern an arm."""
+    """The flags of the command that concern the world, or an arm in its place."""
 
-    world: str
-    robot: str | None
-    dry_run: bool
-    yes: bool
-    quiet: bool
+    world: str = "panda"
+    """World: panda, the robot in robosuite; hand, its hand alone, free-flying; franka, the arm of --robot."""
+    robot: Annotated[str | None, Option(metavar="ADDRESS|ros2:NAMESPACE|sim")] = None
+    """The arm of --world franka: its address; ros2: with a namespace or a file of ROS parameters; or sim, a simulated
+    arm that speaks the arm's own protocol."""
+    dry_run: bool = False
+    """Read the arm and show its commands without sending them."""
+    yes: bool = False
+    """Move the simulated arm without asking; a real arm always asks."""
     camera: str | None = None
+    """Track the objects of --world franka by a camera: sim, for the simulated arm, or one that `coral contact poses`
+    takes."""
     camera_pose: Path | None = None
+    """Where that camera stands: a file of coral contact calibrate."""
     masks: str | None = None
+    """What segments its pictures, as `coral contact poses` takes it; colour by default."""
 
     def check(self) -> bool:
         """Return whether an arm is asked for.
@@ -96,8 +105,8 @@ class RobotKind(Protocol):
         """Return the configuration for the robot."""
         ...
 
-    def make_robot_world(self, trial: Trial, cfg: EpisodeCfg, flags: RobotFlags) -> RobotWorld:
-        """Connect with the robot, and return its world, ready to move."""
+    def make_robot_world(self, trial: Trial, cfg: EpisodeCfg, flags: RobotFlags, quiet: bool = False) -> RobotWorld:
+        """Connect with the robot, and return its world, ready to move; `quiet` shows no commands of a dry run."""
         ...
 
 

@@ -7,13 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.preflight import preflight as ask_first
 from coral.advisor.question import Advisor
-from coral.advisor.registry import check_advisor, make_advisor
-from coral.config import checked
+from coral.advisor.registry import check_advisor
 from coral.contact.control.hand_controllers import MakeHandController
 from coral.contact.cost.context import Context
 from coral.contact.cost.stages import CostFunction, Stage, Strategy
@@ -23,19 +20,17 @@ from coral.contact.episode.own_cost import own_cost
 from coral.contact.episode.resolution import (
     DEFAULT_ADVISOR,
     DEFAULT_VARIANT,
-    OWN_COST,
+    assemble_episode,
     check_combination,
     resolve_episode,
 )
-from coral.contact.episode.variants import ALONE, AdvisorSetup, contact_model, make_strategist
-from coral.contact.mistakes.plausible import CONTACT_MISTAKES
+from coral.contact.episode.variants import ALONE, AdvisorSetup, contact_advisor, contact_model
 from coral.contact.scene.condition import BaseCondition
 from coral.contact.scene.task import Task
 from coral.contact.scene.task_validation import check_task
 from coral.contact.scene.trial import sample_trial
 from coral.contact.tasks import load_task
 from coral.contact.thinker.fallback import StandIn
-from coral.contact.thinker.strategist import FixedStrategist, Strategist
 from coral.contact.thinker.thinking_clock import thinking_latency
 from coral.contact.world_model.given_beliefs import parse_beliefs
 from coral.contact.worlds.registry import check_world
@@ -126,14 +121,7 @@ def run_task(
     who: Advisor = (
         check_advisor(advisor)
         if advisor is not None and not isinstance(advisor, str)
-        else make_advisor(
-            spec,
-            rules={},
-            rng=np.random.default_rng(0),
-            inbox=folder.path / RunFiles.INBOX,
-            cfg=checked(model or contact_model(), "--model"),
-            mistakes=CONTACT_MISTAKES,
-        )
+        else contact_advisor(spec, model or contact_model(), folder.path / RunFiles.INBOX)
     )
     if cost is not None and advisor is not None:
         raise InputError("--cost", "", f"also --advisor {spec}", "one of the two: a cost of your own asks nobody")
@@ -166,31 +154,20 @@ def run_task(
     )
     settings = dataclasses.replace(settings, record=record)
     own = None if cost is None else own_cost(cost, trial, settings, "cost")
-    strategist: Strategist
-    if own is not None:
-        chosen, strategist = OWN_COST, FixedStrategist(own.strategy)
-    else:
-        if preflight and chosen not in ALONE:
-            ask_first(who, pictures=True, quiet=True)
-        setup = AdvisorSetup(
-            advisor=spec,
-            given=None if advisor is None or isinstance(advisor, str) else who,
-            seed=seed,
-            world=world,
-            memory=memory,
-            folder=folder.path,
-            inbox=folder.path / RunFiles.INBOX,
-            think=settings.think,
-            believe=beliefs,
-            model=checked(model or contact_model(), "--model"),
-        )
-        strategist = make_strategist(chosen, found, setup)
-    asked = "none" if own is not None or chosen in ALONE else spec
-    episode = Episode(
-        trial, world, strategist, settings, folder.path, variant=chosen, advisor=asked, controller=controller
+    if own is None and preflight and chosen not in ALONE:
+        ask_first(who, pictures=True, quiet=True)
+    asking = AdvisorSetup(
+        advisor=spec,
+        given=None if advisor is None or isinstance(advisor, str) else who,
+        world=world,
+        memory=memory,
+        inbox=folder.path / RunFiles.INBOX,
+        believe=beliefs,
+        model=model or contact_model(),
     )
-    if own is not None:
-        episode.writer.text(own.file, own.text)
+    episode = assemble_episode(
+        trial, world, settings, folder.path, variant=chosen, asking=asking, cost=own, controller=controller
+    )
     result = episode.run(observers)
     if record.report or record.video:
         our_part("rendering", "run", "report")(folder.path, report=record.report, video=record.video)

@@ -5,9 +5,9 @@ import pytest
 
 from coral.contact.perception.camera import RgbdCameraCfg
 from coral.contact.perception.model_tracker import ModelTracker
-from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
 from coral.contact.perception.object_model import from_trial
 from coral.contact.perception.tracked_cfg import TrackedCfg
+from coral.contact.perception.tracked_object import MotionFilter, MotionFilterCfg
 from coral.contact.real_scenes.posed_scene import PosedScene, scene_at_start
 from coral.contact.scene.geometry import rotation_about
 from coral.contact.scene.observation import BodyState

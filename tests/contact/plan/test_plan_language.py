@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from coral.advisor.prompt import FOLDER
 from coral.contact.control.quantities import task_schema_of
-from coral.contact.plan.cost_file import read_cost_file
+from coral.contact.episode.own_cost import read_cost_file
 from coral.contact.plan.cost_plan import PlanAnswer, compile_plan
 from coral.contact.plan.plan_language import MOST_STAGES, write_out
 from coral.contact.tasks import load_task

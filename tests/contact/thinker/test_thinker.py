@@ -24,7 +24,7 @@ from coral.contact.thinker import thinker as thinking
 from coral.contact.thinker.asker import Asker
 from coral.contact.thinker.fallback import NoDecision
 from coral.contact.thinker.progress_monitor import OuterCfg, ProgressMonitor
-from coral.contact.thinker.recall_run import RecallRun
+from coral.contact.thinker.recall import RecallRun
 from coral.contact.thinker.strategist import NoStrategy, PlanReport
 from coral.contact.thinker.think_cfg import ThinkCfg
 from coral.contact.thinker.thinker import Thinker

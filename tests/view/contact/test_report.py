@@ -40,8 +40,8 @@ def test_a_report_of_a_broken_condition_names_it(copy):
     end = json.dumps({**json.loads(events[-1]), "reason": "broken: peak-force of box", "detail": ""})
     (copy / "events.jsonl").write_text("\n".join([*events[:-1], end]) + "\n")
     page = write_contact_report(copy).read_text()
-    assert "because a condition was broken that can never hold again (peak-force of box)" in page
-    assert "failed: a condition was broken that can never hold again: peak-force of box" in page
+    assert "because a condition of success was broken that can never hold again (peak-force of box)" in page
+    assert "a condition of success was broken that can never hold again: peak-force of box" in page
     assert "of path. The recording decided" in page
     assert "<dt>wall time (s)</dt>" in page
 

@@ -1,6 +1,7 @@
 """Interpreter for the cost programs that a language model writes: a closed language over batches of states.
 
-The confined process imports this package: its master is in `worker`, so that it starts in half the time.
+Whatever cannot be evaluated raises `CostError`, with its line and what to write instead. The confined process imports
+this package: its master is in `worker`, so that it starts in half the time.
 """
 
 from coral.contact.cost_program.errors import CODES, CostError

@@ -41,11 +41,7 @@ def is_truth(value: Value) -> bool:
 
 
 def numeric(meter: Meter, value: Value) -> Number:
-    """Return a number or vector; truth values count as 0 and 1.
-
-    Raises:
-        CostError: The value is neither.
-    """
+    """Return a number or vector; truth values count as 0 and 1."""
     if isinstance(value, np.ndarray):
         return value.astype(np.float64) if value.dtype.kind == "b" else value
     if isinstance(value, int | float):
@@ -54,22 +50,14 @@ def numeric(meter: Meter, value: Value) -> Number:
 
 
 def no_truth(meter: Meter, value: Value) -> Number:
-    """Return a number or vector.
-
-    Raises:
-        CostError: It holds truth values, which NumPy's functions treat unlike 0 and 1, or is neither.
-    """
+    """Return a number or vector."""
     if is_truth(value):
         raise meter.fault("wrong_type", "NumPy treats a truth value unlike a number here; write float(...) around it")
     return numeric(meter, value)
 
 
 def truth(meter: Meter, value: Value) -> bool | Mask:
-    """Return whether the value is true, per state.
-
-    Raises:
-        CostError: The value is a vector or something else without a truth value.
-    """
+    """Return whether the value is true, per state."""
     if isinstance(value, np.ndarray) and value.ndim == 2:
         return value if is_truth(value) else np.not_equal(value, 0)
     if value is None or isinstance(value, int | float | str | list | tuple | dict):
@@ -92,11 +80,7 @@ def where(meter: Meter, condition: Mask, a: Value, b: Value) -> Array:
 
 
 def prepare(meter: Meter, *values: Value) -> None:
-    """Count the result of an operation on numbers and vectors before it is made.
-
-    Raises:
-        CostError: The lengths of the vectors do not match.
-    """
+    """Count the result of an operation on numbers and vectors before it is made."""
     count, of_states = 1, False
     for value in values:
         if isinstance(value, np.ndarray) and value.ndim:
@@ -110,11 +94,7 @@ def prepare(meter: Meter, *values: Value) -> None:
 
 
 def apply(meter: Meter, function: Callable[..., Any], *values: Value) -> Number:
-    """Apply a NumPy function to numbers and vectors; of constants it makes a constant.
-
-    Raises:
-        CostError: One of them is neither, or the lengths do not match.
-    """
+    """Apply a NumPy function to numbers and vectors; of constants it makes a constant."""
     given = [np.asarray(no_truth(meter, as_vector(meter, value)), dtype=np.float64) for value in values]
     prepare(meter, *given)
     found: Array = function(*given)
@@ -122,11 +102,7 @@ def apply(meter: Meter, function: Callable[..., Any], *values: Value) -> Number:
 
 
 def binary(meter: Meter, symbol: str, a: Value, b: Value) -> Value:
-    """Apply an arithmetic operator or comparison to numbers, vectors or lists.
-
-    Raises:
-        CostError: The operator does not apply to these values, or the result of constants does not exist.
-    """
+    """Apply an arithmetic operator or comparison to numbers, vectors or lists."""
     if not (isinstance(a, NUMERIC) and isinstance(b, NUMERIC)):
         if isinstance(a, str) and isinstance(b, str) and symbol in ("==", "!="):
             return (a == b) == (symbol == "==")
@@ -166,11 +142,7 @@ def _of_constants(meter: Meter, symbol: str, a: float, b: float) -> Number:
 
 
 def as_vector(meter: Meter, value: Value) -> Value:
-    """Convert a list or tuple to the vector that np.array would make; return anything else unchanged.
-
-    Raises:
-        CostError: It holds something else than numbers, or nothing.
-    """
+    """Convert a list or tuple to the vector that np.array would make; return anything else unchanged."""
     if not isinstance(value, list | tuple):
         return value
     if not value:
@@ -194,11 +166,7 @@ def stack(meter: Meter, items: list[Array]) -> Array:
 
 
 def components(meter: Meter, value: Value, what: str = "a vector") -> Array:
-    """Return a vector, or the one that a list makes, with truth values as 0 and 1.
-
-    Raises:
-        CostError: The value is neither.
-    """
+    """Return a vector, or the one that a list makes, with truth values as 0 and 1."""
     found = as_vector(meter, value)
     if is_vector(found):
         return np.asarray(numeric(meter, found))
@@ -212,11 +180,7 @@ def total(meter: Meter, vector: Array) -> Array:
 
 
 def dot(meter: Meter, a: Value, b: Value) -> Value:
-    """Compute the scalar product.
-
-    Raises:
-        CostError: The lengths do not match.
-    """
+    """Compute the scalar product."""
     x, y = components(meter, a), components(meter, b)
     if len(x) != len(y):
         raise meter.fault("wrong_size", f"a vector of {len(x)} and a vector of {len(y)} do not match")

@@ -30,11 +30,7 @@ Evaluate = Callable[[Machine, ast.expr], Value]
 
 
 def attribute(machine: Machine, base: Value, name: str) -> Value:
-    """Evaluate `base.name`.
-
-    Raises:
-        CostError: The value has no such attribute.
-    """
+    """Evaluate `base.name`."""
     if isinstance(base, State):
         return read_quantity(machine.meter, machine.schema, name)
     if isinstance(base, Module):
@@ -84,11 +80,7 @@ CHANGERS = ("append", "extend", "insert", "pop", "remove", "clear", "sort", "rev
 
 
 def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
-    """Evaluate a call.
-
-    Raises:
-        CostError: The callee is not a function, or does not accept these arguments.
-    """
+    """Evaluate a call."""
     if isinstance(node.func, ast.Attribute):
         base = evaluate(machine, node.func.value)
         machine.meter.line = node.lineno
@@ -106,11 +98,7 @@ def call(machine: Machine, node: ast.Call, evaluate: Evaluate) -> Value:
 
 
 def apply(machine: Machine, function: Value, args: list[Value], named: dict[str, Value], evaluate: Evaluate) -> Value:
-    """Apply a function to arguments.
-
-    Raises:
-        CostError: The value is not a function, or does not accept the arguments.
-    """
+    """Apply a function to arguments."""
     if isinstance(function, Function):
         return invoke(machine, function, args, named, evaluate)
     if isinstance(function, Builtin):
@@ -132,11 +120,7 @@ def _has_gaps(value: Value) -> bool:
 def invoke(
     machine: Machine, function: Function, args: list[Value], named: dict[str, Value], evaluate: Evaluate
 ) -> Value:
-    """Run a function of the program.
-
-    Raises:
-        CostError: The arguments do not fit, the calls are too deep, or some state gets no value.
-    """
+    """Run a function of the program."""
     if len(machine.stack) > machine.meter.cfg.calls + 1:
         raise machine.meter.fault(
             "calls", f"functions call one another more than {machine.meter.cfg.calls} deep; recursion is not available"
@@ -156,11 +140,7 @@ def invoke(
 
 
 def bind(machine: Machine, function: Function, args: list[Value], named: dict[str, Value]) -> dict[str, Value]:
-    """Bind arguments to parameter names.
-
-    Raises:
-        CostError: They do not fit.
-    """
+    """Bind arguments to parameter names."""
     wanted = function.arguments
     given = {**dict(zip(wanted, args, strict=False)), **named}
     doubled = [name for name in wanted[: len(args)] if name in named]
@@ -176,11 +156,7 @@ def leave(machine: Machine, value: Value) -> None:
 
 
 def outcome(machine: Machine, frame: Scope, name: str) -> Value:
-    """Return the result of a function: for every state the value of its first `return`.
-
-    Raises:
-        CostError: Some states return nothing, or another kind of value than the others.
-    """
+    """Return the result of a function: for every state the value of its first `return`."""
     if machine.left:
         raise machine.meter.fault("syntax", f"not Python: `{machine.left}` outside a loop")
     *earlier, (mask, value) = frame.exits

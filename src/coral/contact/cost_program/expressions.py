@@ -43,11 +43,7 @@ SYMBOLS: dict[type[ast.AST], str] = {
 
 
 def evaluate(machine: Machine, node: ast.expr) -> Value:
-    """Evaluate an expression.
-
-    Raises:
-        CostError: The expression cannot be evaluated.
-    """
+    """Evaluate an expression."""
     machine.meter.step(node.lineno)
     found = EVALUATORS[type(node)](machine, node)
     if machine.meter.trace is not None and isinstance(node, ast.BinOp | ast.Call):
@@ -100,11 +96,7 @@ def _binary(machine: Machine, node: Any) -> Value:
 
 
 def operate(machine: Machine, operator: ast.operator, left: Value, right: Value) -> Value:
-    """Apply a Python operator to two values.
-
-    Raises:
-        CostError: The operator does not apply to these values.
-    """
+    """Apply a Python operator to two values."""
     if isinstance(operator, ast.MatMult):
         if not is_vector(left) and not is_vector(right):
             raise machine.meter.fault("wrong_type", f"`@` does not apply to {kind(left)} and {kind(right)}; use np.dot")
@@ -200,22 +192,14 @@ def _dict(machine: Machine, node: Any) -> Value:
 
 
 def checked_key(machine: Machine, key: Value) -> Value:
-    """Return the key of a dict, checked.
-
-    Raises:
-        CostError: It is not a constant text or whole number.
-    """
+    """Return the key of a dict, checked."""
     if isinstance(key, str | int) and not isinstance(key, bool):
         return key
     raise machine.meter.fault("not_fixed", f"the keys of a dict are constant texts or whole numbers, not {kind(key)}")
 
 
 def unpack(machine: Machine, target: ast.expr, value: Value) -> None:
-    """Bind the name, or the names of a tuple, of an assignment or loop.
-
-    Raises:
-        CostError: The target is no name, or the lengths differ.
-    """
+    """Bind the name, or the names of a tuple, of an assignment or loop."""
     if isinstance(target, ast.Name):
         machine.frame.variables[target.id] = value
         return
@@ -243,11 +227,7 @@ def make_function(
 
 
 def _comprehension(machine: Machine, node: Any) -> Value:
-    """Evaluate the comprehension of a list or a generator.
-
-    Raises:
-        CostError: It cannot be evaluated, or which entries it has depends on the state.
-    """
+    """Evaluate the comprehension of a list or a generator."""
     names = frozenset(
         item.id for generator in node.generators for item in ast.walk(generator.target) if isinstance(item, ast.Name)
     )
@@ -283,11 +263,7 @@ def _subscript(machine: Machine, node: Any) -> Value:
 
 
 def subscript(machine: Machine, base: Value, node: ast.expr) -> Value:
-    """Evaluate `base[node]`: `v[0]`, `v[:2]`, `xs[-1]`, `weights["reach"]`.
-
-    Raises:
-        CostError: There is no such entry, or the index depends on the state.
-    """
+    """Evaluate `base[node]`: `v[0]`, `v[:2]`, `xs[-1]`, `weights["reach"]`."""
     fault = machine.meter.fault
     if isinstance(base, dict):
         key = checked_key(machine, evaluate(machine, node))

@@ -185,11 +185,7 @@ def reduction(name: str) -> Call:
 
 
 def array(meter: Meter, value: Value, dtype: Value = None) -> Value:
-    """Make a vector of a list, or return the array itself; `dtype=float` makes decimals.
-
-    Raises:
-        CostError: It holds no numbers, or another dtype is asked for.
-    """
+    """Make a vector of a list, or return the array itself; `dtype=float` makes decimals."""
     if dtype is None:
         return value
     if not (isinstance(dtype, Builtin) and dtype.name == "float"):

@@ -65,32 +65,20 @@ class Meter:
     """Records for the checks, if enabled."""
 
     def step(self, line: int) -> None:
-        """Count one node of the syntax tree.
-
-        Raises:
-            CostError: The limit of steps is reached.
-        """
+        """Count one node of the syntax tree."""
         self.line = line
         self.steps += 1
         if self.steps > self.cfg.steps:
             raise self.fault("steps", f"the cost takes more than {self.cfg.steps} steps; shorten its loops")
 
     def made(self, count: int = 1) -> None:
-        """Count arrays that are about to be created.
-
-        Raises:
-            CostError: The limit of arrays is exceeded.
-        """
+        """Count arrays that are about to be created."""
         self.arrays += count
         if self.arrays > self.cfg.arrays:
             raise self.fault("memory", f"the cost makes more than {self.cfg.arrays} arrays; shorten its loops")
 
     def spend(self, count: int = 1) -> None:
-        """Count operations on single numbers, which cost time whether or not they depend on the state.
-
-        Raises:
-            CostError: The limit of operations is exceeded.
-        """
+        """Count operations on single numbers, which cost time whether or not they depend on the state."""
         self.operations += count
         if self.operations > self.cfg.operations:
             raise self.fault("steps", f"the cost takes more than {self.cfg.operations} operations; shorten its loops")

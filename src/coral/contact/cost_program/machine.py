@@ -43,11 +43,7 @@ class Machine:
         return self.stack[-1]
 
     def lookup(self, name: str) -> Value:
-        """Return the value of a name.
-
-        Raises:
-            CostError: There is no such name, or it has no value in some state that reads it.
-        """
+        """Return the value of a name."""
         frame: Scope | None = self.frame
         while frame is not None:
             if name in frame.variables:
@@ -69,11 +65,7 @@ class Machine:
         )
 
     def usable(self, value: Value, name: str) -> Value:
-        """Check a value that is about to be read.
-
-        Raises:
-            CostError: It is unset in some state that reads it, or of two kinds.
-        """
+        """Check a value that is about to be read."""
         if isinstance(value, Partial):
             if self.meter.mask is None or bool(np.any(np.logical_and(self.meter.mask, ~value.mask))):
                 raise self.meter.fault("unset", f"{name!r} is set in some states only; give it a value before the `if`")

@@ -25,11 +25,7 @@ def objects_of(names: Collection[str]) -> list[str]:
 
 
 def read_quantity(meter: Meter, schema: Schema, name: str) -> Value:
-    """Return the value of `self.name`.
-
-    Raises:
-        CostError: There is no such name, or the batch does not hold it as the schema says.
-    """
+    """Return the value of `self.name`."""
     if name not in schema:
         sure = nearest(name, schema, likeness=0.8)
         listed = f"{nearest(name, schema)}; it has {', '.join(sorted(schema))}"

@@ -25,11 +25,7 @@ from coral.contact.cost_program.values import Module, Value, bounded, entries, i
 
 
 def run_block(machine: Machine, body: list[ast.stmt]) -> bool:
-    """Run statements; return whether some state reaches their end.
-
-    Raises:
-        CostError: One of them cannot be run.
-    """
+    """Run statements; return whether some state reaches their end."""
     for statement in body:
         machine.meter.step(statement.lineno)
         if not EXECUTORS[type(statement)](machine, statement):
@@ -52,11 +48,7 @@ def _assign(machine: Machine, node: Any) -> bool:
 
 
 def _assign_to(machine: Machine, target: ast.expr, value: Value) -> None:
-    """Assign a value to a target of an assignment or loop.
-
-    Raises:
-        CostError: The target is no variable, nor an entry of a dict of this function that has one name.
-    """
+    """Assign a value to a target of an assignment or loop."""
     if not isinstance(target, ast.Subscript):
         unpack(machine, target, value)
         return
@@ -83,11 +75,7 @@ def _holds(machine: Machine, value: Value, held: Value) -> bool:
 
 
 def _augment(machine: Machine, node: Any) -> bool:
-    """Run `x += value`, of a number or of the entry of a dict that is one.
-
-    Raises:
-        CostError: The variable is not set, or no number, which would change under all its names.
-    """
+    """Run `x += value`, of a number or of the entry of a dict that is one."""
     target, fault = node.target, machine.meter.fault
     if isinstance(target, ast.Name):
         if target.id not in machine.frame.variables:

@@ -119,11 +119,7 @@ def kind(value: Value) -> str:
 
 
 def entries(meter: Meter, value: Value) -> Sequence[Value]:
-    """Return the entries that a loop over the value visits.
-
-    Raises:
-        CostError: The value is not iterable.
-    """
+    """Return the entries that a loop over the value visits."""
     if isinstance(value, list | tuple | dict) or is_vector(value):
         return list(value)
     raise meter.fault("wrong_type", f"{kind(value)} cannot be looped over")
@@ -142,11 +138,7 @@ def weight(value: Value, cap: int) -> int:
 
 
 def bounded(meter: Meter, value: Value) -> Value:
-    """Return the container after checking its size.
-
-    Raises:
-        CostError: It holds more than the limit.
-    """
+    """Return the container after checking its size."""
     if not isinstance(value, list | tuple | dict) and not is_vector(value):
         return value
     found = weight(value, meter.cfg.items)

@@ -11,9 +11,8 @@ from typing import Any
 
 from coral.advisor.model_cfg import ModelCfg
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.episode import Episode
-from coral.contact.episode.resolution import of_variant
-from coral.contact.episode.variants import REMEMBERING, AdvisorSetup, contact_model, make_strategist
+from coral.contact.episode.resolution import assemble_episode, of_variant
+from coral.contact.episode.variants import REMEMBERING, AdvisorSetup, contact_model
 from coral.contact.memory.memory import Memory
 from coral.contact.scene.task import Task
 from coral.contact.scene.trial import sample_trial
@@ -52,20 +51,10 @@ def run_episode(
     with tempfile.TemporaryDirectory() as aside:
         own = Memory(Path(aside) / "memory.sqlite") if variant in REMEMBERING else None
         known = own.load(memory, "memory") if own is not None and memory is not None else 0
-        strategist = make_strategist(
-            variant,
-            task,
-            AdvisorSetup(
-                advisor=advisor,
-                seed=seed,
-                world=world,
-                folder=folder,
-                think=cfg.think,
-                memory=None if own is None else own.where,
-                model=model or contact_model(),
-            ),
+        asking = AdvisorSetup(
+            advisor=advisor, world=world, memory=None if own is None else own.where, model=model or contact_model()
         )
-        episode = Episode(sample_trial(task, seed), world, strategist, cfg, folder, variant=variant, advisor=advisor)
+        episode = assemble_episode(sample_trial(task, seed), world, cfg, folder, variant=variant, asking=asking)
         result = episode.run()
         if own is not None:
             _keep_new(own, known, folder)

@@ -27,5 +27,6 @@ END_REASONS = {
     "operator-failure": "the operator judges, and said that the task had failed",
     "stopped by the operator": "Ctrl-C or the stop button; of another signal its name: `stopped by SIGTERM`",
     "failed": "an error in the program",
+    "killed": "the program was killed, or still runs",
 }
 """Explanation of each end reason of an episode. A reason may be followed by a colon and what or why."""

@@ -16,7 +16,6 @@ from coral.config import checked, to_mapping, whole_steps
 from coral.contact.control.hand_controllers import HandController, MakeHandController, hand_controller_maker
 from coral.contact.control.hand_plan import HandPlan
 from coral.contact.control.measured_contacts import sunk_into, touched_by, with_measured_contacts
-from coral.contact.control.plan_latency import PlanLatency
 from coral.contact.control.planner_limits import PlannerLimits
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.prediction import state_after
@@ -26,9 +25,8 @@ from coral.contact.cost.context import Context
 from coral.contact.cost.stages import Progress, Strategy
 from coral.contact.cost_program.errors import CostError
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.meanwhile import Meanwhile
+from coral.contact.episode.late_plans import Meanwhile, PlanLatency, PlanUnderWay
 from coral.contact.episode.metrics import compute_metrics
-from coral.contact.episode.plan_under_way import PlanUnderWay
 from coral.contact.episode.recorder import EpisodeRecorder, columns, numbers
 from coral.contact.episode.referee import OperatorVerdict, make_referee
 from coral.contact.episode.trial_log import conditions_not_held, parameter_fields, start_fields, write_head
@@ -432,9 +430,8 @@ class Episode:
         self.step += 1
         self.t = self.now.time_s
         self._emit_track_changes()
-        self.recorder.row(self.step, self.now, truth, command, self.progress.index, self._pose_errors(truth))
-        self.recorder.state(self.step, self.t, self.world)
-        self.recorder.contacts(self.step, truth)
+        seen = self._pose_errors(truth)
+        self.recorder.record(self.step, self.world, self.now, truth, command, self.progress.index, seen)
         time_left = self._thinking or self.t - self._thought_s < self.time_limit_s - 1e-9
         self.end_reason = self.referee.end_reason(truth, time_left)
         if self.end_reason == "timeout":
@@ -443,7 +440,6 @@ class Episode:
 
     def _begin(self) -> None:
         cfg = self.cfg
-        self._write_head()
         self._emit_start()
         self.strategist.attach_log(self.emit)
         self.strategist.attach_camera(self.look, self.look_down)
@@ -469,18 +465,13 @@ class Episode:
             self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, cfg.planning.hand.stiffness_n_m
         )
         truth = self.referee.judged_state(self.now)
-        self.recorder.row(0, self.now, truth, first, 0, self._pose_errors(truth))
-        self.recorder.state(0, self.t, self.world)
-        self.recorder.contacts(0, truth)
+        self.recorder.record(0, self.world, self.now, truth, first, 0, self._pose_errors(truth))
         self._follow(self.strategist.begin(as_perceived(self.trial, self.now), self.now, self.planner))
         self._begun = True
 
-    def _write_head(self) -> None:
-        about = {"world": self.world.name, "advisor": self.advisor, "variant": self.variant, "seed": self.trial.seed}
-        write_head(self.writer, self.trial, about, to_mapping(self.cfg))
-
     def _emit_start(self) -> None:
         about = {"world": self.world.name, "variant": self.variant, "advisor": self.advisor, "seed": self.trial.seed}
+        write_head(self.writer, self.trial, about, to_mapping(self.cfg))
         poses: str = self.cfg.poses if self.guessed is None else "guessed"
         if not isinstance(self.world, EvaluationWorld):
             poses = "measured"

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from coral.contact.control.planning_world import PlanningWorld
 from coral.contact.control.quantities import task_schema_of
@@ -20,8 +21,7 @@ from coral.contact.cost_program.worker import CostWorker
 from coral.contact.episode.cfg import EpisodeCfg
 from coral.contact.plan.contact_regions import RegionsAnswer
 from coral.contact.plan.cost_check import verify_cost
-from coral.contact.plan.cost_file import ENDINGS, read_cost_file
-from coral.contact.plan.cost_plan import make_strategy
+from coral.contact.plan.cost_plan import PlanAnswer, make_strategy
 from coral.contact.plan.numpy_cost import NumpyCost
 from coral.contact.plan.plan_check import OF_THE_PLACE, judge_plan
 from coral.contact.plan.sampled_states import sample_states
@@ -31,6 +31,35 @@ from coral.contact.worlds.registry import make_world
 from coral.errors import InputError
 from coral.foreign_file import read_text
 from coral.plugins import named_plugin
+from coral.validation_errors import input_error
+from coral.yaml_file import load_mapping
+
+ENDINGS = (".py", ".yaml", ".yml", ".json")
+
+
+def read_cost_file(path: Path) -> PlanAnswer:
+    """Read a plan. Its programs are not run; `judge_plan` checks them.
+
+    Args:
+        path: A `.py` file with `def state_cost(self)`, or a YAML or JSON file with `code` or `stages`
+            (`PlanAnswer`), or the list of stages alone.
+
+    Raises:
+        InputError: The file cannot be read, or is no plan.
+    """
+    if path.suffix.lower() not in ENDINGS:
+        raise InputError(str(path), "", repr(path.suffix), f"a file that ends in {', '.join(ENDINGS)}")
+    text = read_text(path, "a readable file with a cost")
+    try:
+        if path.suffix.lower() == ".py":
+            return PlanAnswer(code=text)
+        # A model may say more than it was asked; what a person wrote and nobody reads is a mistake.
+        return PlanAnswer.model_validate(load_mapping(text, str(path), list_key="stages"), extra="forbid")
+    except ValidationError as error:
+        told = input_error(str(path), error, PlanAnswer)
+        if error.errors()[0]["type"] == "value_error":  # a sentence for whoever wrote the plan, a model or a person
+            raise InputError(told.where, told.field, told.expected, "") from None
+        raise told from None
 
 
 @dataclass(frozen=True)

@@ -76,16 +76,19 @@ class EpisodeRecorder:
         self._due = 0.0
         self._contacts = ContactLog()
 
-    def row(
+    def record(
         self,
         step: int,
+        world: RobotWorld,
         now: Observation,
         truth: Truth,
         command: HandTarget,
-        stage: int,
+        stage: int = 0,
         seen: Mapping[str, PoseDifference] | None = None,
     ) -> None:
-        """Record one control step."""
+        """Record one control step: its row, the world's state, and contacts that have begun or ended."""
+        self.state(step, now.time_s, world)
+        self._emit(step, self._contacts.update(truth))
         values: list[float | str] = [
             step,
             now.time_s,
@@ -119,17 +122,15 @@ class EpisodeRecorder:
             self._states.write(",".join(["step", "t", *(f"q{k}" for k in range(len(data.qpos)))]) + "\n")
         self._states.write(",".join([str(step), f"{t:.6g}", *(f"{value:.6g}" for value in data.qpos)]) + "\n")
 
-    def contacts(self, step: int, truth: Truth) -> None:
-        """Emit events for contacts that have begun or ended."""
-        for t, event, fields in self._contacts.update(truth):
-            self._writer.event(step, t, event, **fields)
-
     def close(self, step: int) -> None:
         """Close the remaining contacts and the file of states."""
-        for t, event, fields in self._contacts.finish():
-            self._writer.event(step, t, event, **fields)
+        self._emit(step, self._contacts.finish())
         if self._states is not None:
             self._states.close()
+
+    def _emit(self, step: int, told: list[tuple[float, str, dict[str, Any]]]) -> None:
+        for t, event, fields in told:
+            self._writer.event(step, t, event, **fields)
 
 
 @dataclass

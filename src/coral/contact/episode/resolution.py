@@ -1,16 +1,25 @@
-"""From what a user asks for to the configuration of an episode: what goes together, rollouts, poses, fallback."""
+"""From what a user asks for to the episode: what goes together, rollouts, poses, fallback; strategist and world."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
+from pathlib import Path
 from typing import Literal
 
 from coral.config import checked
+from coral.contact.control.hand_controllers import MakeHandController
 from coral.contact.episode.cfg import EpisodeCfg
-from coral.contact.episode.variants import ALONE, REMEMBERING, check_variant
+from coral.contact.episode.episode import Episode
+from coral.contact.episode.own_cost import OwnCost
+from coral.contact.episode.referee import OperatorVerdict
+from coral.contact.episode.variants import ALONE, REMEMBERING, AdvisorSetup, check_variant, make_strategist
 from coral.contact.perception.tracker_registry import choose_tracker
+from coral.contact.scene.trial import Trial
 from coral.contact.thinker.fallback import StandIn
+from coral.contact.thinker.strategist import FixedStrategist, Strategist
 from coral.contact.thinker.think_cfg import Told
+from coral.contact.worlds.robot_world import RobotWorld
 from coral.errors import InputError
 
 DEFAULT_ADVISOR, DEFAULT_VARIANT = "recorded", "full"
@@ -106,3 +115,53 @@ def of_variant(cfg: EpisodeCfg, variant: str) -> EpisodeCfg:
     outer = dataclasses.replace(cfg.think.outer, attempt_s=cfg.planning.step_s)
     think = dataclasses.replace(cfg.think, prompt="paper", outer=outer)
     return dataclasses.replace(cfg, controller=controller, replan_steps=1, think=think)
+
+
+def assemble_episode(
+    trial: Trial,
+    world: str | Callable[[], RobotWorld],
+    cfg: EpisodeCfg,
+    folder: Path,
+    *,
+    variant: str,
+    asking: AdvisorSetup,
+    cost: OwnCost | None = None,
+    controller: str | MakeHandController = "mppi",
+    operator: Callable[[], OperatorVerdict | None] = lambda: None,
+) -> Episode:
+    """Make an episode of a variant, or of a cost of the user's own, whose source goes into the run folder.
+
+    Args:
+        trial: The trial.
+        world: Name of a simulated world, or what connects a robot; it is called when all else is right.
+        cfg: Configuration of the episode.
+        folder: Run folder, new or empty.
+        variant: The variant, if there is no cost.
+        asking: The advisor; the trial's seed, the folder and the outer loop's configuration are added here.
+        cost: A checked cost, which is followed instead.
+        controller: The controller of the hand.
+        operator: Makes what asks the operator, once the robot is connected.
+
+    Raises:
+        InputError, RunError: As of `make_strategist` and `Episode`.
+    """
+    if cost is None:
+        asking = dataclasses.replace(asking, seed=trial.seed, folder=folder, think=cfg.think)
+        strategist: Strategist = make_strategist(variant, trial.task, asking)
+        advisor = "none" if variant in ALONE else asking.advisor
+    else:
+        strategist, variant, advisor = FixedStrategist(cost.strategy), OWN_COST, "none"
+    episode = Episode(
+        trial,
+        world if isinstance(world, str) else world(),
+        strategist,
+        cfg,
+        folder,
+        variant=variant,
+        advisor=advisor,
+        controller=controller,
+        operator_verdict=operator(),
+    )
+    if cost is not None:
+        episode.writer.text(cost.file, cost.text)
+    return episode

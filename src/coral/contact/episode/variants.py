@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from coral.advisor.log import AttemptRecorder
 from coral.advisor.model_cfg import ModelCfg
 from coral.advisor.question import Advisor
 from coral.advisor.registry import make_advisor
+from coral.config import checked
 from coral.contact.cost_program.worker import CostWorker
 from coral.contact.experts import expert
 from coral.contact.memory.memory import Memory
@@ -32,6 +33,25 @@ from coral.errors import InputError, nearest
 def contact_model() -> ModelCfg:
     """Return defaults for calling a real model: it writes programs, so it gets more time and tokens than in reef."""
     return ModelCfg(attempt_timeout_s=120.0, deadline_s=180.0, max_output_tokens=16_384)
+
+
+def contact_advisor(
+    spec: str, model: ModelCfg, inbox: Path | None = None, *, key: Sequence[int] = (0,), where: str = "--advisor"
+) -> Advisor:
+    """Make an advisor of tasks, for which there are no rules; `key` seeds an advisor with errors.
+
+    Raises:
+        InputError: What `make_advisor` raises.
+    """
+    return make_advisor(
+        spec,
+        rules={},
+        rng=np.random.default_rng(key),
+        inbox=inbox,
+        cfg=checked(model, "--model"),
+        where=where,
+        mistakes=CONTACT_MISTAKES,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,14 +91,7 @@ def _asking_variant(variant: str, **parts: Any) -> Make:
         memory = None if known is None else Memory(known, asking.think.memory)
         think = dataclasses.replace(asking.think, **parts)
         think = dataclasses.replace(think, regions=think.regions and think.strategy)
-        advisor = asking.given or make_advisor(
-            asking.advisor,
-            rules={},
-            rng=np.random.default_rng([asking.seed, 2]),
-            inbox=asking.inbox,
-            cfg=asking.model,
-            mistakes=CONTACT_MISTAKES,
-        )
+        advisor = asking.given or contact_advisor(asking.advisor, asking.model, asking.inbox, key=(asking.seed, 2))
         latency = thinking_latency(think.latency, advisor, asking.advisor)
         clock = ThinkingClock(latency, np.random.default_rng([asking.seed, 7]))
         worker = CostWorker()

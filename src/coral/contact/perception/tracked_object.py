@@ -1,13 +1,102 @@
-"""One tracked object: its tracker, and its motion in the world or in the hand that holds it."""
+"""One tracked object: its tracker, and its filtered motion in the world or in the hand that holds it."""
 
 from __future__ import annotations
 
+from collections import deque
+from dataclasses import dataclass
+
 import numpy as np
 
-from coral.contact.perception.motion_filter import MotionFilter, MotionFilterCfg
+from coral.config import Count, Fraction, NonNegative
 from coral.contact.perception.tracker import PoseTracker
+from coral.contact.scene.geometry import rotation_angle, rotation_from_vector, rotation_vector
 from coral.contact.scene.observation import Array
-from coral.contact.scene.rigid_transform import inverse_transform
+from coral.contact.scene.rigid_transform import inverse_transform, pose_matrix
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionFilterCfg:
+    """Gains and thresholds, chosen by measurement on the six tasks' episodes (docs/research/tracking.md)."""
+
+    pictures: Count = 5
+    """An object is at rest once this many successive pictures agree; its pose is then their mean."""
+    still_m: NonNegative = 0.002
+    still_rad: NonNegative = 0.035
+    """Pictures agree within this distance of their mean: the tracker's scatter with most of the object in view."""
+    position_gain: Fraction = 0.7
+    """alpha of the filter."""
+    velocity_gain: Fraction = 0.25
+    """beta of the filter; Kalata (1984): near alpha^2 / (2 - alpha)."""
+    longest_s: NonNegative = 0.12
+    """Longest extrapolation beyond the last picture; contacts change faster than that."""
+
+
+class MotionFilter:
+    """Estimates pose x and velocity v of one rigid body from noisy poses z: an alpha-beta filter with a state of rest.
+
+        x_pred = x + v dt,    x <- x_pred + alpha (z - x_pred),    v <- v + beta (z - x_pred) / dt
+
+    with rotations as rotation vectors. Once the last few z agree, the body is at rest: x <- their mean, v <- 0.
+
+    Args:
+        cfg: Gains and thresholds.
+        T: Shape=(4, 4), the first pose, in the frame of all later ones; the body starts at rest.
+        time_s: Time of its picture.
+    """
+
+    def __init__(self, cfg: MotionFilterCfg, T: Array, time_s: float) -> None:
+        self._cfg = cfg
+        self._T, self._time_s = T, time_s
+        self._recent: deque[Array] = deque([T], maxlen=cfg.pictures)
+        self.velocity, self.spin = np.zeros(3), np.zeros(3)
+
+    @property
+    def resting(self) -> bool:
+        """Return whether the body is estimated to be at rest."""
+        return not (self.velocity.any() or self.spin.any())
+
+    def update(self, T: Array, time_s: float) -> None:
+        """Update with a measured pose, Shape=(4, 4), and the time of its picture."""
+        cfg = self._cfg
+        self._recent.append(T)
+        mean = self._mean()
+        if len(self._recent) > 1 and all(
+            np.linalg.norm(each[:3, 3] - mean[:3, 3]) <= cfg.still_m
+            and rotation_angle(mean[:3, :3], each[:3, :3]) <= cfg.still_rad
+            for each in self._recent
+        ):
+            self._T, self._time_s = mean, time_s
+            self.stop()
+            return
+        step = time_s - self._time_s
+        ahead = self.predict(time_s)
+        shift, turn = T[:3, 3] - ahead[:3, 3], rotation_vector(T[:3, :3] @ ahead[:3, :3].T)
+        self._T = pose_matrix(
+            rotation_from_vector(cfg.position_gain * turn) @ ahead[:3, :3], ahead[:3, 3] + cfg.position_gain * shift
+        )
+        if step > 1e-6:  # a picture from before the motion contains no speed
+            self.velocity = self.velocity + cfg.velocity_gain * shift / step
+            self.spin = self.spin + cfg.velocity_gain * turn / step
+            self._time_s = time_s
+
+    def predict(self, time_s: float) -> Array:
+        """Predict the pose at a time, at the present velocity. Shape=(4, 4)."""
+        since = min(max(time_s - self._time_s, 0.0), self._cfg.longest_s)
+        return pose_matrix(
+            rotation_from_vector(since * self.spin) @ self._T[:3, :3], self._T[:3, 3] + since * self.velocity
+        )
+
+    def stop(self) -> None:
+        """Set the velocity to zero."""
+        self.velocity, self.spin = np.zeros(3), np.zeros(3)
+
+    def _mean(self) -> Array:
+        last = self._recent[-1]
+        turn = np.mean([rotation_vector(each[:3, :3] @ last[:3, :3].T) for each in self._recent], axis=0)
+        return pose_matrix(
+            rotation_from_vector(turn) @ last[:3, :3], np.mean([each[:3, 3] for each in self._recent], axis=0)
+        )
+
 
 _IN_HAND = MotionFilterCfg(position_gain=0.3, velocity_gain=0.0)
 """Squeezed between rubber pads an object moves with them; any other motion in the pictures is mostly noise."""

@@ -10,23 +10,17 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 
 from coral.contact.cost.context import Context, Cost, Schema
 from coral.contact.cost_program import CostError
+from coral.contact.cost_program.arithmetic import OPERATORS
+from coral.contact.cost_program.expressions import SYMBOLS
 from coral.contact.plan.cost_plan import Loader, PlanAnswer, flat, in_process
 
 Operator = Literal["<", "<=", ">", ">=", "==", "!=", "holds", "fails"]
-OPERATORS: Mapping[type[ast.cmpop], Operator] = {
-    ast.Lt: "<",
-    ast.LtE: "<=",
-    ast.Gt: ">",
-    ast.GtE: ">=",
-    ast.Eq: "==",
-    ast.NotEq: "!=",
-}
 CONTRARY: Mapping[Operator, Operator] = {
     "<": ">=",
     "<=": ">",
@@ -70,16 +64,8 @@ class PartReading:
     @property
     def holds(self) -> bool:
         """Return whether the comparison holds."""
-        return {
-            "<": self.left < self.right,
-            "<=": self.left <= self.right,
-            ">": self.left > self.right,
-            ">=": self.left >= self.right,
-            "==": self.left == self.right,
-            "!=": self.left != self.right,
-            "holds": self.left > self.right,
-            "fails": self.left <= self.right,
-        }[self.part.operator]
+        operator = {"holds": ">", "fails": "<="}.get(self.part.operator, self.part.operator)
+        return bool(OPERATORS[operator](self.left, self.right))
 
     @property
     def missing(self) -> float:
@@ -156,7 +142,7 @@ def _split(node: ast.expr, schema: Schema, negated: bool = False) -> Iterator[En
 
 def _comparison(left: ast.expr, op: ast.cmpop, right: ast.expr, schema: Schema, negated: bool) -> EndPart:
     written = ast.Compare(left, [op], [right])
-    operator = OPERATORS.get(type(op))
+    operator = cast(Operator | None, SYMBOLS.get(type(op)))
     if operator is None:  # `is`, `in`: whether it holds is all that is known
         return _single(written, schema, negated)
     text = ast.unparse(written)

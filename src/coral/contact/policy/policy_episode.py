@@ -146,9 +146,7 @@ class PolicyEpisode:
         truth = self.referee.judged_state(self.now)
         self.step += 1
         self.t = self.now.time_s
-        self.recorder.row(self.step, self.now, truth, command, 0)
-        self.recorder.state(self.step, self.t, self.world)
-        self.recorder.contacts(self.step, truth)
+        self.recorder.record(self.step, self.world, self.now, truth, command)
         self.end_reason = self.referee.end_reason(truth, self.t < self.time_limit_s - 1e-9)
         if self.end_reason == "timeout":
             self.detail = conditions_not_held(self.trial, self.referee.holding, truth)
@@ -156,10 +154,9 @@ class PolicyEpisode:
     def _begin(self) -> None:
         self.now = self.world.reset()
         self.t, self._opening = self.now.time_s, self.now.opening_m
-        about = {"world": self.world.name, "advisor": "none", "variant": self.address.name, "seed": self.trial.seed}
+        about = {"world": self.world.name, "variant": self.address.name, "advisor": "none", "seed": self.trial.seed}
         server = {"policy": self.address.url, "server": printable(repr(self.policy.metadata), 2000)}
         write_head(self.writer, self.trial, {**about, **server}, to_mapping(self.cfg))
-        about = {"world": self.world.name, "variant": self.address.name, "advisor": "none", "seed": self.trial.seed}
         self.emit("start", **start_fields(self.trial, **about, poses="pictures"))
         self.emit("strategy", name=self.address.name, stages=[self.stage], beliefs=[])
         self.emit("stage", before=None, stage=self.stage, index=0)
@@ -167,9 +164,7 @@ class PolicyEpisode:
         rest = HandTarget(
             self.now.tool.position, self.now.tool.quaternion, self.now.opening_m, self.cfg.policy.libero.stiffness_n_m
         )
-        self.recorder.row(0, self.now, truth, rest, 0)
-        self.recorder.state(0, self.t, self.world)
-        self.recorder.contacts(0, truth)
+        self.recorder.record(0, self.world, self.now, truth, rest)
 
     def _end(self) -> None:
         self.world.stop()

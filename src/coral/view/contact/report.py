@@ -9,6 +9,7 @@ from typing import Any
 from markupsafe import Markup
 
 from coral.advisor.attribution import who_decided
+from coral.contact.episode.end_reasons import END_REASONS
 from coral.contact.episode.metrics import DEFINITIONS, metrics_of
 from coral.contact.scene.trial import Trial
 from coral.drawing import png, webp_url
@@ -33,26 +34,6 @@ from coral.view.contact.replay import trial_of_run
 from coral.view.contact.thought import answers, counted, seen, thoughts
 from coral.view.page import metric_rows, origin, render_page, write_page
 from coral.view.run import Record, RunFolder
-
-ENDED = {
-    "success": "done",
-    "timeout": "not done in time",
-    "killed": "cut off",
-    "dropped": "failed: an object fell off the table",
-    "broken": "failed: a condition was broken that can never hold again",
-    "tunnelling": "void: an object went through something solid",
-    "diverged": "void: the simulation diverged",
-    "unreachable": "failed: the arm could not reach its commanded pose",
-    "camera-off": "failed: the camera gave no pictures",
-    "not-found": "failed: an object was not found",
-    "cost-error": "failed: the cost could not be evaluated",
-    "no-strategy": "failed: no answer of the advisor contained a usable plan",
-    "no-decision": "failed: the advisor did not decide",
-    "advisor failed": "ended: the advisor did not decide",
-    "no-plan": "failed: the planner found no usable motion",
-    "policy": "failed: the served policy gave no actions",
-    "failed": "ended by an error in the program",
-}
 
 
 def write_contact_report(run_folder: str | Path) -> Path:
@@ -124,9 +105,8 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     reason = str(metrics.get("end_reason", ""))
     detail = str((run.select("end") or [{}])[-1].get("detail", "")) or reason.partition(": ")[2]
     if not metrics.get("steps"):
-        if reason in ENDED and reason != "killed":
-            what = ENDED[reason].partition(": ")[2] or ENDED[reason]
-            return f"Ended at the start: {what}{f' ({detail})' if detail else ''}."
+        if reason in END_REASONS and reason != "killed":
+            return f"Ended at the start: {END_REASONS[reason]}{f' ({detail})' if detail else ''}."
         return "Nothing was recorded yet."
     seconds, plans = float(metrics.get("sim_time_s", 0.0)), int(metrics.get("plans", 0))
     how = f"{plans} plans, {float(metrics.get('path_length_m', 0.0)):.2f} m of path"
@@ -140,7 +120,7 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
         return f"Not done within {seconds:.0f} s of simulated time{unmet}, {strategy}; {last}"
     if not run.complete:
         return f"Cut off after {seconds:.1f} s of simulated time in stage “{stage}”, {strategy}: {how}."
-    what = ENDED.get(reason.partition(":")[0], reason).removeprefix("failed: ").removeprefix("void: ")
+    what = END_REASONS.get(reason.partition(":")[0], reason)
     return (
         f"Ended without success after {seconds:.1f} s of simulated time in stage “{stage}”, because {what}"
         f"{f' ({detail})' if detail else ''}: {how}."
@@ -182,7 +162,7 @@ def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, s
     return [
         (
             "yes" if success else "no",
-            ": ".join(filter(None, (ENDED.get(reason.partition(":")[0], reason), reason.partition(": ")[2])))
+            ": ".join(filter(None, (END_REASONS.get(reason.partition(":")[0], reason), reason.partition(": ")[2])))
             + _judged(metrics),
             "success",
             "good" if success else "bad",

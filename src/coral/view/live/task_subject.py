@@ -10,6 +10,7 @@ import mujoco
 
 from coral.contact.control.hand_model import HandCfg
 from coral.contact.control.planning_model import build_model
+from coral.contact.scene.geometry import quaternion_of
 from coral.contact.scene.trial import Trial
 from coral.view.contact.replay import trial_of_run
 from coral.view.live.stream import Moment
@@ -154,7 +155,7 @@ def _solids(trial: Trial) -> list[dict[str, Any]]:
         if body in moving:
             position, turn = model.geom_pos[geom], model.geom_quat[geom]
         else:
-            position, turn, body = data.geom_xpos[geom], _quaternion(data.geom_xmat[geom]), ""
+            position, turn, body = data.geom_xpos[geom], quaternion_of(data.geom_xmat[geom].reshape(3, 3)), ""
         # The wrist is no more than room that the real hand needs, and a wall may stand before what happens.
         opacity = 0.25 if name == "wrist" else 0.5 if not body else 1.0
         red, green, blue = (round(255 * float(value)) for value in model.geom_rgba[geom, :3])
@@ -185,12 +186,3 @@ def _shape(model: mujoco.MjModel, geom: int, size: list[float]) -> tuple[str, li
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
         return "box", [2 * float(v) for v in model.geom_aabb[geom, 3:]]
     return "", []
-
-
-def _quaternion(matrix: Any) -> Any:
-    """Convert a rotation matrix, Shape=(9,), to (w, x, y, z)."""
-    import numpy as np
-
-    found = np.zeros(4)
-    mujoco.mju_mat2Quat(found, matrix)
-    return found
