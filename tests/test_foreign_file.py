@@ -82,13 +82,13 @@ def png_of(width, height):
 
 def npz_bomb(path):
     head = io.BytesIO()
-    np.lib.format.write_array_header_1_0(head, {"descr": "|u1", "fortran_order": False, "shape": (1_000_000_000,)})
+    np.lib.format.write_array_header_1_0(head, {"descr": "|u1", "fortran_order": False, "shape": (300_000_000,)})
     with (
         zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
         archive.open("map.npy", "w") as out,
     ):
         out.write(head.getvalue())
-        for _ in range(1000):
+        for _ in range(300):
             out.write(bytes(1_000_000))
 
 

@@ -24,7 +24,8 @@ def odd(fresh):
     return fresh
 
 
-def test_a_run_with_odd_text_gets_report_map_and_film(odd, capfd):
+def test_a_run_with_odd_text_gets_report_map_and_film(odd, capfd, monkeypatch):
+    monkeypatch.setattr("coral.view.video.LONGEST_S", 1.0)
     assert main(["report", str(odd), "--video"]) == 0
     assert capfd.readouterr().err == ""
     assert "Along &lt;the&gt; reef.a\ufffdb" in (odd / "report.html").read_text(encoding="utf-8")

@@ -33,7 +33,8 @@ def test_a_wrong_plan_reads_like_a_plan_and_some_pass_every_check(scene, name):
         right, made = wrong(one, name, "cost-function", seed)
         assert made != right
         plans.append(PlanAnswer.model_validate(made))
-    assert any(judge_plan(plan, one.world.schema, one.samples).refusal is None for plan in plans)
+    samples = one.samples
+    assert any(judge_plan(plan, one.world.schema, samples).refusal is None for plan in plans)
 
 
 def test_the_same_numbers_make_the_same_mistake(scene):

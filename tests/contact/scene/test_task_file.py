@@ -227,9 +227,7 @@ SCRAPS = st.recursive(
 PLACES = sorted({place for place, *_ in BAD})
 
 
-@settings(
-    max_examples=150, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.tuples(st.sampled_from(PLACES), SCRAPS), min_size=1, max_size=2))
 def test_whatever_is_written_loads_or_is_refused_in_one_line(tmp_path, changes):
     content = plain()

@@ -29,7 +29,7 @@ def memory(tmp_path):
 
 
 def choose(one, memory, outcomes=(), **cfg):
-    """The chosen plan, the events, and what was tried; outcomes, if any, take the place of runs."""
+    """The chosen plan, the events, and what was tried; outcomes, if any, take the place of checks and runs."""
     think = ThinkCfg(memory=MemoryCfg(**cfg))
     told, tried, left = [], [], list(outcomes)
     questions = Questions(Asker(RuleAdvisor(RULES)), one.trial, one.world, think, in_process, lambda *_, **__: None)
@@ -43,6 +43,7 @@ def choose(one, memory, outcomes=(), **cfg):
         return replace(plan, outcome=outcome, refusal=why, imagined_s=3.0)
 
     if outcomes:
+        questions.check_plan = lambda *_: None
         recall._try = try_it
     chosen = recall.choose(memory, one.now, lambda event, **fields: told.append(fields))
     return chosen, told, tried

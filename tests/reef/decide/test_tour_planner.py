@@ -322,7 +322,7 @@ def test_nothing_is_asked_while_everything_will_be_done():
 PLACES = st.lists(st.tuples(st.integers(2, 18), st.integers(2, 18)), min_size=1, max_size=6, unique=True)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(PLACES, st.integers(8, 20), st.floats(-3.1, 3.1), st.integers(0, 63), st.booleans())
 def test_a_place_that_a_question_names_is_accepted(places, known_m, theta, seen, wall):
     belief = belief_with([(float(x), float(y)) for x, y in places], Pose(7.0, 10.0, theta), half_known(known_m))

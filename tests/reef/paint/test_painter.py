@@ -171,7 +171,7 @@ def test_the_veil_is_the_integral_along_the_ray():
         assert direct[0, 0, k] == pytest.approx(steps.sum(), rel=1e-4)
 
 
-@pytest.mark.parametrize("size", [(40, 30)])
+@pytest.mark.parametrize("size", [(20, 15)])
 def test_kernels_equal_their_python_twins(size):
     """Compiled and interpreted, the kernels give the same picture: no shortcut of the compiler shows."""
     camera = CameraCfg(width=size[0], height=size[1])

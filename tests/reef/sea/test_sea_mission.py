@@ -72,14 +72,14 @@ def test_time_of_answers_counts_from_the_surveys_beginning(tmp_path):
 
 
 def test_the_same_seed_gives_the_same_voyage(surveyed, tmp_path):
-    Voyage(tmp_path / "run", time_limit_s=8.0).run()
+    Voyage(tmp_path / "run", time_limit_s=5.0).run()
     again = (tmp_path / "run" / "trajectory.csv").read_bytes()
-    assert again.count(b"\n") > 70
+    assert again.count(b"\n") > 40
     assert (surveyed[0] / "trajectory.csv").read_bytes().startswith(again)
 
 
 def test_without_truth_the_vehicles_own_map_judges(tmp_path):
-    voyage = Voyage(tmp_path / "run", known=False, time_limit_s=15.0)
+    voyage = Voyage(tmp_path / "run", known=False, time_limit_s=8.0)
     result = voyage.run()
     assert result["judged_by"] == OWN_MAP
     near = [track for track in voyage.mission.belief.tracks if not track.far]
@@ -90,13 +90,30 @@ def test_without_truth_the_vehicles_own_map_judges(tmp_path):
         assert "est_x" not in next(csv.reader(lines))
 
 
-def test_the_operators_hold_stops_within_a_second_and_resume_goes_on(tmp_path):
-    voyage = Voyage(tmp_path / "run", time_limit_s=15.0)
+@pytest.fixture(scope="module")
+def interrupted(tmp_path_factory):
+    """A survey that is held by the operator from 6 s to 10 s, blind from 15 s to 19 s and cut off from 24 s to 27 s."""
+    folder = tmp_path_factory.mktemp("interrupted") / "run"
+    voyage = Voyage(folder, time_limit_s=31.0)
     voyage.on(60, lambda: voyage.words.say("hold", "page")).on(100, lambda: voyage.words.say("resume", "page"))
+    voyage.on(150, lambda: setattr(voyage.camera, "blind", True))
+    voyage.on(190, lambda: setattr(voyage.camera, "blind", False))
+    report = voyage.link.report
+    frozen = {}
+
+    def cut():
+        frozen["report"] = report()
+        voyage.link.report = lambda: frozen["report"]
+
+    voyage.on(240, cut).on(270, lambda: setattr(voyage.link, "report", report))
     voyage.run()
-    assert voyage.states[60] == "holding"
-    assert voyage.states[105] == "surveying"
-    rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
+    return folder, voyage.states
+
+
+def test_the_operators_hold_stops_within_a_second_and_resume_goes_on(interrupted):
+    folder, states = interrupted
+    assert (states[59], states[60], states[105]) == ("surveying", "holding", "surveying")
+    rows = list(read_rows(folder / "trajectory.csv"))
     assert all(abs(float(row["u"])) < 0.03 for row in rows[70:99])
     assert float(rows[115]["u"]) > 0.1
 
@@ -172,15 +189,16 @@ def test_a_baseline_decides_in_place_of_the_advisor(tmp_path):
 def test_the_localizer_corrects_a_drifting_position(tmp_path):
     """The same drift with and without it; the guard and the map get the corrected poses."""
 
-    def errors(known):
+    def errors(known, time_limit_s):
         drift = PoseDrift(SensorNoiseCfg(drift_xy=0.06, drift_theta=0.004), np.random.default_rng(5))
         folder = tmp_path / f"{known.drift_xy}"
-        result = Voyage(folder, time_limit_s=30.0, cfg=MissionCfg(localization=known), drift=drift).run()
+        result = Voyage(folder, time_limit_s=time_limit_s, cfg=MissionCfg(localization=known), drift=drift).run()
         return result["position_error_m"], result["odometry_error_m"]
 
-    left_alone = errors(LocalizationCfg())
+    left_alone = errors(LocalizationCfg(), 8.0)
     assert left_alone[0] == pytest.approx(left_alone[1], abs=0.01)
-    corrected = errors(LocalizationCfg(drift_xy=0.06, drift_theta=0.004))
+    corrected = errors(LocalizationCfg(drift_xy=0.06, drift_theta=0.004), 18.0)
+    print("RATIO", corrected)
     assert corrected[0] < 0.75 * corrected[1]
 
 
@@ -200,30 +218,15 @@ def test_a_stop_ends_the_survey_holding(tmp_path):
     assert voyage.link.report().mode == "POSHOLD"
 
 
-def test_a_blind_camera_stops_the_vehicle_within_a_second_and_it_recovers(tmp_path):
-    voyage = Voyage(tmp_path / "run", time_limit_s=15.0)
-    voyage.on(60, lambda: setattr(voyage.camera, "blind", True))
-    voyage.on(100, lambda: setattr(voyage.camera, "blind", False))
-    voyage.run()
-    assert voyage.states[59] == "surveying"
-    assert voyage.states[69] == "holding"
-    assert voyage.states[115] == "surveying"
+def test_a_blind_camera_stops_the_vehicle_within_a_second_and_it_recovers(interrupted):
+    _, states = interrupted
+    assert (states[149], states[159], states[205]) == ("surveying", "holding", "surveying")
 
 
-def test_a_lost_link_holds_and_the_survey_goes_on_when_it_is_back(tmp_path):
-    voyage = Voyage(tmp_path / "run", time_limit_s=15.0)
-    report = voyage.link.report
-    frozen = {}
-
-    def cut():
-        frozen["report"] = report()
-        voyage.link.report = lambda: frozen["report"]
-
-    voyage.on(60, cut).on(90, lambda: setattr(voyage.link, "report", report))
-    voyage.run()
-    assert voyage.states[69] == "holding"
-    assert voyage.states[125] == "surveying"
-    told = [event["ends_when"] for event in events(tmp_path / "run", "awaited") if event["state"] == "holding"]
+def test_a_lost_link_holds_and_the_survey_goes_on_when_it_is_back(interrupted):
+    folder, states = interrupted
+    assert (states[239], states[249], states[305]) == ("surveying", "holding", "surveying")
+    told = [event["ends_when"] for event in events(folder, "awaited") if event["state"] == "holding"]
     assert told[-1:] == ["continues when the cause has been gone for 2 s, or on your word"]
 
 
@@ -244,12 +247,12 @@ def test_a_twisted_tether_is_unwound_before_it_holds_the_vehicle(tmp_path, turns
 def test_the_way_home_leads_back_to_the_start(tmp_path):
     voyage = Voyage(tmp_path / "run", time_limit_s=60.0)
     report = voyage.link.report
-    voyage.on(120, lambda: setattr(voyage.link, "report", lambda: replace(report(), battery_fraction=0.1)))
+    voyage.on(70, lambda: setattr(voyage.link, "report", lambda: replace(report(), battery_fraction=0.1)))
     result = voyage.run()
     assert result["end_reason"] == "back at the start: battery at 10%"
     start, here = voyage.area.start, voyage.link.true_pose()
     assert np.hypot(here.x - start.x, here.y - start.y) < 1.2
-    assert all(event["t"] < 12.5 for event in events(tmp_path / "run", "question"))
+    assert all(event["t"] < 7.5 for event in events(tmp_path / "run", "question"))
 
 
 def test_the_vehicle_keeps_out_of_where_it_must_not_go(tmp_path):
@@ -258,7 +261,7 @@ def test_the_vehicle_keeps_out_of_where_it_must_not_go(tmp_path):
     wall = ((x, y - 1.5), (x + 1.0, y - 1.5), (x + 1.0, y + 1.5), (x, y + 1.5))
     border = SurveyArea.of_world(WORLD)
     area = SurveyArea("fenced", WORLD.size_m, Pose(start.x, start.y, start.theta), border.fence, (("wall", wall),))
-    voyage = Voyage(tmp_path / "run", area=area, time_limit_s=25.0)
+    voyage = Voyage(tmp_path / "run", area=area, time_limit_s=15.0)
     result = voyage.run()
     rows = list(read_rows(tmp_path / "run" / "trajectory.csv"))
     assert all(not area.breach(float(row["x"]), float(row["y"])) for row in rows)
@@ -267,18 +270,18 @@ def test_the_vehicle_keeps_out_of_where_it_must_not_go(tmp_path):
 
 
 def test_a_full_disk_stops_the_recording_and_not_the_vehicle(tmp_path):
-    voyage = Voyage(tmp_path / "run", time_limit_s=12.0)
+    voyage = Voyage(tmp_path / "run", time_limit_s=7.0)
 
     def full(*values, **fields):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "trajectory.csv")
 
-    voyage.on(50, lambda: setattr(voyage.mission.record.writer, "row", full))
+    voyage.on(30, lambda: setattr(voyage.mission.record.writer, "row", full))
     result = voyage.run()
     assert "No space left" in result["recording_failure"]
-    assert result["ticks"] > 100
-    assert voyage.states[100] == "surveying"
+    assert result["ticks"] > 60
+    assert voyage.states[60] == "surveying"
     rows = (tmp_path / "run" / "trajectory.csv").read_text().splitlines()
-    assert len(rows) == 51
+    assert len(rows) == 31
 
 
 def test_what_the_autopilot_says_is_recorded(surveyed):
@@ -310,7 +313,7 @@ def test_the_map_of_a_survey_that_is_killed_under_way_is_there(tmp_path):
     folder, cfg, areas = tmp_path / "run", MissionCfg(), []
     voyage = Voyage(folder, time_limit_s=30.0).on(40, lambda: areas.append((folder / "survey.npz").exists()))
     voyage.mission._finish = dict  # nothing is written any more
-    voyage.on(140, kill)
+    voyage.on(80, kill)
     with pytest.raises(Killed):
         voyage.run()
     saved, pose = load_survey(folder, WORLD.size_m, cfg.simulator.camera, cfg.map, cfg.belief)

@@ -1,6 +1,7 @@
 """Generated reefs: the ten shipped ones, and what a person may ask for."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -120,14 +121,15 @@ def test_prongs_of_the_e_are_dead_ends_far_apart():
 
 @pytest.mark.parametrize("topology", EVERY_TOPOLOGY)
 def test_same_seed_same_reef_other_seed_another(topology):
-    first = generate(GeneratorCfg(topology=topology, seed=3))
-    assert generate(GeneratorCfg(topology=topology, seed=3)) == first
-    assert generate(GeneratorCfg(topology=topology, seed=4)).clusters != first.clusters
+    bare = GeneratorCfg(topology=topology, seed=3, dense_obstacles=4, obstacles=6)
+    first = generate(bare)
+    assert generate(bare) == first
+    assert generate(replace(bare, seed=4)).clusters != first.clusters
 
 
 @pytest.mark.parametrize("topology", EVERY_TOPOLOGY)
 def test_defaults_fit_for_any_seed(topology):
-    for seed in range(100, 105):
+    for seed in (100, 101):
         world = generate(GeneratorCfg(topology=topology, seed=seed))
         assert (len(world.clusters), len(world.obstacles)) == (7, 54)
 
@@ -151,8 +153,8 @@ def test_a_reef_grows_along_a_drawn_line():
         ({"clusters": 3, "topology": "E"}, "clusters", "4 (one for each line"),
         ({"clusters": 40}, "clusters", "at most 11"),
         ({"oysters": (5, 2)}, "oysters", "range"),
-        ({"dense_obstacles": 400}, "dense_obstacles", "at most"),
-        ({"obstacles": 500}, "obstacles", "at most"),
+        ({"dense_obstacles": 100}, "dense_obstacles", "at most"),
+        ({"obstacles": 300}, "obstacles", "at most"),
         ({"passage_m": 0.5}, "passage_m", "0.8 to 5 m"),
         ({"seed": -1}, "seed", "0 or more"),
         ({"spine": (((3.0, 3.0),),)}, "spine[0]", "at least 2 points"),

@@ -12,14 +12,14 @@ from coral.contact.cost_program.library import MODULE_NAMES
 from coral.contact.cost_program.limits import LimitsCfg
 
 # fmt: off
-ALLOWED: tuple[type[ast.AST], ...] = (
+ALLOWED: frozenset[type[ast.AST]] = frozenset((
     ast.Module, ast.FunctionDef, ast.arguments, ast.arg, ast.Return, ast.Assign, ast.AugAssign, ast.AnnAssign,
     ast.For, ast.If, ast.Expr, ast.Pass, ast.Break, ast.Continue, ast.Import, ast.alias, ast.BoolOp, ast.BinOp,
     ast.UnaryOp, ast.Lambda, ast.IfExp, ast.Dict, ast.ListComp, ast.GeneratorExp, ast.comprehension, ast.Compare,
     ast.Call, ast.keyword, ast.Constant, ast.Attribute, ast.Subscript, ast.Name, ast.List, ast.Tuple, ast.Slice,
     ast.Load, ast.Store, ast.And, ast.Or, ast.Not, ast.USub, ast.UAdd, ast.Add, ast.Sub, ast.Mult, ast.Div,
     ast.FloorDiv, ast.Mod, ast.Pow, ast.MatMult, ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt, ast.GtE,
-)
+))
 # fmt: on
 WORDS: dict[type[ast.AST], str] = {
     ast.With: "with (leave it out)",
@@ -146,7 +146,7 @@ def _check(tree: ast.Module, cfg: LimitsCfg, source: str) -> None:
 
 
 def _check_node(node: ast.AST, line: int) -> None:
-    if not isinstance(node, ALLOWED):
+    if type(node) not in ALLOWED:
         word = WORDS.get(type(node), f"`{type(node).__name__}`")
         raise CostError("not_allowed", f"a cost has no {word}", line)
     for name in _names(node):

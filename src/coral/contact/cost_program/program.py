@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -12,10 +14,40 @@ from coral.contact.cost_program.errors import LONGEST_NAME, CostError, is_term_n
 from coral.contact.cost_program.limits import LimitsCfg, Meter
 from coral.contact.cost_program.machine import Machine
 from coral.contact.cost_program.merging import filled
-from coral.contact.cost_program.parse import parse
+from coral.contact.cost_program.parse import Parsed, parse
 from coral.contact.cost_program.statements import own_names, run_block
 from coral.contact.cost_program.trace import Trace, Traced
 from coral.contact.cost_program.values import Function, Scope, State, Value, is_number, kind
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """What is known of a text before it meets a schema. Programs of the same text share it."""
+
+    parsed: Parsed
+    module_names: frozenset[str]
+    """Names that the module sets."""
+    own_names: dict[int, frozenset[str]]
+    """Names that each function sets, by the identity of its node."""
+    attributes: frozenset[str]
+    """Names after a dot."""
+
+
+@lru_cache(maxsize=64)  # a plan is compiled for its check and again for its use
+def prepare(source: str, limits: LimitsCfg) -> Prepared:
+    """Parse and check a text.
+
+    Raises:
+        CostError: The text is not a program of the accepted language.
+    """
+    parsed = parse(source, limits)
+    nodes = list(ast.walk(parsed.tree))
+    return Prepared(
+        parsed,
+        own_names(parsed.tree.body),
+        {id(node): own_names(node.body) for node in nodes if isinstance(node, ast.FunctionDef)},
+        frozenset(node.attr for node in nodes if isinstance(node, ast.Attribute)),
+    )
 
 
 class CostProgram:
@@ -36,14 +68,10 @@ class CostProgram:
 
     def __init__(self, source: str, schema: Schema, name: str = "program", limits: LimitsCfg | None = None) -> None:
         self.name, self.schema, self.limits = name, dict(schema), limits or LimitsCfg()
-        self.parsed = parse(source, self.limits)
+        self.prepared = prepare(source, self.limits)
+        self.parsed = self.prepared.parsed
         self.source = self.parsed.source
-        self.module_names = own_names(self.parsed.tree.body)
-        self.own_names = {
-            id(node): own_names(node.body) for node in ast.walk(self.parsed.tree) if isinstance(node, ast.FunctionDef)
-        }
-        read = {node.attr for node in ast.walk(self.parsed.tree) if isinstance(node, ast.Attribute)}
-        self.reads = sorted(read & self.schema.keys())
+        self.reads = sorted(self.prepared.attributes & self.schema.keys())
 
     def __call__(self, state: Context) -> Terms:
         """Return the terms of every state, each Shape=(K, H).
@@ -102,8 +130,8 @@ class CostProgram:
         return line_of(self.source, number)
 
     def _run(self, meter: Meter) -> Terms:
-        module = Scope(None, self.module_names)
-        machine = Machine(meter, self.schema, self.own_names, run_block, [module])
+        module = Scope(None, self.prepared.module_names)
+        machine = Machine(meter, self.schema, self.prepared.own_names, run_block, [module])
         if not run_block(machine, self.parsed.tree.body):
             raise meter.fault("syntax", "not Python: `return`, `break` or `continue` outside a function")
         entry = self.parsed.entry

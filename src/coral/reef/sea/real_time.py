@@ -150,7 +150,7 @@ def collected_when_idle() -> Iterator[IdleCollector]:
 
     What exists at the start (libraries, compiled kernels) is frozen: later collections do not look at it again.
     """
-    was_on = gc.isenabled()
+    was_on, were_frozen = gc.isenabled(), gc.get_freeze_count() > 0
     gc.collect()
     gc.freeze()
     gc.disable()
@@ -159,7 +159,8 @@ def collected_when_idle() -> Iterator[IdleCollector]:
     finally:
         if was_on:
             gc.enable()
-        gc.unfreeze()
+        if not were_frozen:
+            gc.unfreeze()
 
 
 @contextmanager

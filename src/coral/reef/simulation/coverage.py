@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Annotated
 
 import cv2
@@ -47,12 +48,7 @@ class CoverageMeter:
         self.cfg = cfg = cfg or CoverageCfg()
         self.names = scene.cluster_names
         self._hiders = hiders = scene.footprints()
-        areas = []
-        for index in range(len(scene.cluster_names)):
-            members = np.flatnonzero((scene.cluster == index) & (scene.label == Label.OYSTER))
-            cells = rasterise(scene.outlines(members), cfg.cell_m, cfg.closing_m)
-            free = np.array([clearance(hiders, x, y) > 0.0 for x, y in cells])
-            areas.append(cells[free] if free.any() else cells)
+        areas = _areas(scene, cfg.cell_m, cfg.closing_m)
         self._size = np.array([len(area) for area in areas], np.int64)
         self._start = np.cumsum(self._size) - self._size
         self._cells = np.concatenate([np.empty((0, 2)), *areas])
@@ -126,6 +122,18 @@ def rasterise(outlines: Footprints, cell_m: float, closing_m: float) -> NDArray[
         mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, disc)
     iy, ix = np.nonzero(mask)
     return np.stack([ix + low[0] + 0.5, iy + low[1] + 0.5], axis=1) * cell_m
+
+
+@lru_cache(maxsize=4)
+def _areas(scene: Scene, cell_m: float, closing_m: float) -> list[NDArray[np.float64]]:
+    """Return the cells of every cluster that no obstacle stands on (m), each Shape=(M, 2)."""
+    hiders, areas = scene.footprints(), []
+    for index in range(len(scene.cluster_names)):
+        members = np.flatnonzero((scene.cluster == index) & (scene.label == Label.OYSTER))
+        cells = rasterise(scene.outlines(members), cell_m, closing_m)
+        free = np.array([clearance(hiders, x, y) > 0.0 for x, y in cells])
+        areas.append(cells[free] if free.any() else cells)
+    return areas
 
 
 def _circle(cells: NDArray[np.float64]) -> tuple[float, float, float]:

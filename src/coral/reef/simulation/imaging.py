@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,6 +139,7 @@ class ImagingMeter:
         return float(self.fractions("inspected").mean()) if self.names else 0.0
 
 
+@lru_cache(maxsize=4)
 def _points(scene: Scene, cell_m: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return the cells of every cluster's oysters, at the height of the highest oyster there, and their clusters."""
     hiders = scene.footprints()

@@ -138,7 +138,7 @@ class Clutter:
             x, y = draw()
             if math.hypot(x - self.room.start[0], y - self.room.start[1]) < beyond_m:
                 continue
-            gap = min((math.hypot(x - a, y - b) - radius - r for a, b, r in self._circles), default=math.inf)
+            gap = self._gap(x, y, radius)
             narrow = gap <= self.passage_m + 0.4 or len(self.placed) < 2 or self._rng.random() < 0.15
             if gap < self.passage_m or (crowd and not narrow) or not self._fits(x, y, radius):
                 continue
@@ -151,6 +151,15 @@ class Clutter:
                 )
             )
         return len(self.placed) == before + count
+
+    def _gap(self, x: float, y: float, radius: float) -> float:
+        """Distance (m) of a circle to the nearest placed one, or to the first that is too near."""
+        gap = math.inf
+        for a, b, r in self._circles:
+            gap = min(gap, math.hypot(x - a, y - b) - radius - r)
+            if gap < self.passage_m:
+                break
+        return gap
 
     def _fits(self, x: float, y: float, radius: float) -> bool:
         room = self.room

@@ -227,10 +227,11 @@ def _cluster(name: str, bed: _Bed, cfg: GeneratorCfg, rng: np.random.Generator) 
         while True:
             near_spot = rng.random() < 0.6
             p = spots[rng.integers(len(spots))] + rng.normal(0.0, 0.35, 2) if near_spot else rng.uniform(-1, 1, 2)
+            if p @ p > 1.0:
+                continue
             forward, left = p[0] * bed.length, p[1] * bed.width
             x, y = bed.x + c * forward - s * left, bed.y + s * forward + c * left
-            near = not reach or any(math.hypot(x - u, y - v) < r + radii[1] + _SETTLE_M for u, v, r in reach)
-            if p @ p <= 1.0 and near:
+            if not reach or any(math.hypot(x - u, y - v) < r + radii[1] + _SETTLE_M for u, v, r in reach):
                 break
         reach.append((x, y, radii[1]))
         rpy = (mm(rng.normal(0.0, 0.35)), mm(rng.normal(0.0, 0.35)), mm(rng.uniform(-math.pi, math.pi)))

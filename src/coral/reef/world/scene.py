@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -45,7 +45,7 @@ class SceneSolids(NamedTuple):
     """Radius of a ball about each centre that holds the solid (m). Shape=(N,)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """N solids of a world: oysters by cluster, what is like them, obstacles, what lies unseen. World frame, metres."""
 
@@ -72,8 +72,9 @@ class Scene:
     """What each solid goes round: rate (rad/s; 0: it rests), x and y (m). None: all rest. Shape=(N, 3)."""
 
     @classmethod
+    @lru_cache(maxsize=4)
     def from_world(cls, world: ReefWorld) -> Scene:
-        """Make the arrays of a world, in the order of its file."""
+        """Make the arrays of a world, in the order of its file. All who ask for a world share them."""
         oysters = [oyster for cluster in world.clusters for oyster in cluster.oysters]
         cluster = [i for i, group in enumerate(world.clusters) for _ in group.oysters]
         alike = [part for group in world.alike for part in group.oysters]
