@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ class SeaFloor:
     Shape=(NY, NX, 3)."""
 
     @classmethod
+    @lru_cache(maxsize=2)  # the camera's pictures and the stills are of one scene
     def of(cls, scene: Scene, sun: tuple[float, float, float], softness: float = 0.06) -> SeaFloor:
         """Rasterise a scene; `sun` is a unit vector towards the sun, under water.
 
