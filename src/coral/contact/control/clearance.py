@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -44,7 +45,7 @@ class Piece:
     round_axes: int = 0
     """2 for a cylinder along its z axis, 3 for a sphere."""
 
-    @property
+    @cached_property
     def corners(self) -> Array:
         """Return the points whose distance to another convex piece bounds its own, Shape=(n, 3), in its own axes."""
         if self.round_axes == 3:
@@ -53,7 +54,7 @@ class Piece:
             turns = np.arange(RIM) * 2.0 * np.pi / RIM
             rim = np.stack([np.cos(turns), np.sin(turns), np.ones(RIM)], axis=1) * self.half
             return np.concatenate([rim, rim * np.array([1.0, 1.0, -1.0])])
-        return np.array(np.meshgrid(*([-1.0, 1.0],) * 3)).reshape(3, -1).T * self.half
+        return np.ascontiguousarray(np.array(np.meshgrid(*([-1.0, 1.0],) * 3)).reshape(3, -1).T * self.half)
 
 
 def clearances(trial: Trial) -> dict[str, Derived]:
@@ -82,9 +83,13 @@ def clearance(first: Sequence[Piece], second: Sequence[Piece], state: Context) -
     ones, others = ([piece.place(state) for piece in thing] for thing in (first, second))
     shape = np.broadcast_shapes(*(part.shape[:2] for place in (*ones, *others) for part in place))
     best = np.full(shape, np.inf).ravel()
-    for one, at_one in zip(first, ones, strict=True):
-        for other, at_other in zip(second, others, strict=True):
-            shorten(best, *_flat(one, at_one, shape), *_flat(other, at_other, shape), PROJECTIONS)
+    these, those = (
+        [_flat(piece, at, shape) for piece, at in zip(thing, places, strict=True)]
+        for thing, places in ((first, ones), (second, others))
+    )
+    for one in these:
+        for other in those:
+            shorten(best, *one, *other, PROJECTIONS)
     return best.reshape(shape)
 
 
@@ -157,8 +162,11 @@ def _along(state: Context, local: Array) -> tuple[Array, Array]:
 
 def _flat(piece: Piece, at: tuple[Array, Array], shape: tuple[int, ...]) -> tuple[Array, Array, Array, int, Array]:
     """Return what the kernel takes of a piece: places in every state, Shape=(n, 3) and (n, 4), and its form."""
-    # Copies: one memory layout, so that the kernel is compiled once.
+    # One memory layout, so that the kernel is compiled once.
     position, turn = (
-        np.array(np.broadcast_to(part, (*shape, part.shape[-1])), order="C").reshape(-1, part.shape[-1]) for part in at
+        np.require(
+            part if part.shape[:2] == shape else np.broadcast_to(part, (*shape, part.shape[-1])), None, ["C", "W"]
+        ).reshape(-1, part.shape[-1])
+        for part in at
     )
-    return position, turn, piece.half, piece.round_axes, np.ascontiguousarray(piece.corners)
+    return position, turn, piece.half, piece.round_axes, piece.corners

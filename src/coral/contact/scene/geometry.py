@@ -12,7 +12,11 @@ Array = NDArray[np.float64]
 
 def rotation_of(quaternion: ArrayLike) -> Array:
     """Convert unit quaternions, Shape=(..., 4), to rotation matrices, Shape=(..., 3, 3)."""
-    return np.stack([column_of(quaternion, k) for k in range(3)], axis=-1)
+    columns = [column_of(quaternion, k) for k in range(3)]
+    rotation = np.empty((*columns[0].shape, 3))
+    for k, column in enumerate(columns):
+        rotation[..., k] = column
+    return rotation
 
 
 def column_of(quaternion: ArrayLike, k: int) -> Array:
@@ -46,17 +50,15 @@ def quaternion_of(rotation: ArrayLike) -> Array:
 def multiply(first: ArrayLike, second: ArrayLike) -> Array:
     """Multiply quaternions, Shape=(..., 4): `second` is applied first."""
     a, b = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
-    aw, ax, ay, az = np.moveaxis(a, -1, 0)
-    bw, bx, by, bz = np.moveaxis(b, -1, 0)
-    return np.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        axis=-1,
-    )
+    aw, ax, ay, az = (a[..., k] for k in range(4))
+    bw, bx, by, bz = (b[..., k] for k in range(4))
+    w = aw * bw - ax * bx - ay * by - az * bz
+    product = np.empty((*w.shape, 4))
+    product[..., 0] = w
+    product[..., 1] = aw * bx + ax * bw + ay * bz - az * by
+    product[..., 2] = aw * by - ax * bz + ay * bw + az * bx
+    product[..., 3] = aw * bz + ax * by - ay * bx + az * bw
+    return product
 
 
 def conjugate(quaternion: ArrayLike) -> Array:
@@ -76,7 +78,12 @@ def cross(a: Array, b: Array) -> Array:
     """Compute cross products, Shape=(..., 3); for single vectors NumPy's own takes several times as long."""
     ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
     bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+    x = ay * bz - az * by
+    product = np.empty((*x.shape, 3))
+    product[..., 0] = x
+    product[..., 1] = az * bx - ax * bz
+    product[..., 2] = ax * by - ay * bx
+    return product
 
 
 def from_rotvec(rotvec: ArrayLike) -> Array:
