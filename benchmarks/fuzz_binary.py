@@ -121,6 +121,8 @@ def an_archive() -> bytes:
 def a_survey() -> bytes:
     """Make a small saved survey."""
     from coral.reef.map.belief import Belief
+    from coral.reef.map.landmark_map import LandmarkMap
+    from coral.reef.map.landmarks import Sighting
     from coral.reef.map.mapping import OccupancyMap
     from coral.reef.sea.saved_survey import save_survey
     from coral.reef.vehicle.camera import CameraCfg
@@ -128,7 +130,8 @@ def a_survey() -> bytes:
     from coral.run_files import SurveyFiles
 
     with tempfile.TemporaryDirectory() as folder:
-        save_survey(Path(folder), Belief(OccupancyMap((3.0, 3.0), CameraCfg())), Pose(1.0, 1.0, 0.0))
+        seen = LandmarkMap().extended(Sighting(-0.1, 0.1, 1.0, 0.2), Pose(1.0, 1.0, 0.0), 1.0)
+        save_survey(Path(folder), Belief(OccupancyMap((3.0, 3.0), CameraCfg())), Pose(1.0, 1.0, 0.0), seen)
         return (Path(folder) / SurveyFiles.SAVED).read_bytes()
 
 

@@ -13,6 +13,11 @@ from coral.commands.sail_told import TOLD, survey_told, told
         ({"event": "limit", "reason": "leak", "action": "surface"}, "limit: leak; surface"),
         ({"event": "recording_stopped", "reason": "disk full"}, "the vehicle has not: disk full"),
         ({"event": "order_refused", "order": "hold", "reason": "busy"}, "refused hold: busy"),
+        (
+            {"event": "place", "landmarks": 9, "recognised": 4, "x": 0.3, "y": 0.4, "theta": 0.1},
+            "saved map: 4 of 9 landmarks recognised, odometry off by 0.50 m and 6 degrees",
+        ),
+        ({"event": "place", "landmarks": 9, "recognised": 0}, "none of 9 landmarks recognised"),
     ],
 )
 def test_each_event_has_its_words(event, said):

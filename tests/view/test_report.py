@@ -280,3 +280,15 @@ def test_a_reef_without_oysters_is_told_by_its_mission_alone(fresh):
     assert "1 of 1 conditions met" in html
     for words in ("oyster clusters over", "each mark is one", "0 of 0"):
         assert words not in html
+
+
+def test_where_a_resumed_survey_was_on_the_saved_map_is_told(fresh):
+    assert "Saved map" not in page(fresh)
+    for recognised, said in (
+        (0, "none of 9 landmarks recognised"),
+        (4, "4 of 9 landmarks recognised, odometry off by 0.50 m"),
+    ):
+        place = {"step": 9, "t": 0.9, "event": "place", "landmarks": 9, "recognised": recognised}
+        with open(fresh / "events.jsonl", "a") as events:
+            events.write(json.dumps({**place, "x": 0.3, "y": 0.4, "theta": 0.0}) + "\n")
+        assert f"Saved map: {said}" in page(fresh)

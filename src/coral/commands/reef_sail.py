@@ -30,6 +30,7 @@ from coral.exit_code import ExitCode
 from coral.file_writer import write_whole
 from coral.flags import Argument, Option
 from coral.plugins import our_part
+from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.mission.mission_cfg import MissionCfg
 from coral.reef.mission.resolution import (
     reef_advisor,
@@ -95,8 +96,8 @@ class ReefSail:
     response: Path | None = None
     """File of `coral reef identify`: how this vehicle follows its set-points; by default, like the simulated one."""
     resume: Path | None = None
-    """Run folder of an earlier survey of the same area, to continue with its map. The vehicle must be where `--start`
-    says, by default at the area's start again: the saved map is off by as much as it is."""
+    """Run folder of an earlier survey of the same area, to continue with its map. The vehicle must be about where
+    `--start` says, by default at the area's start again: it finds its place by the obstacles that it sees again."""
     camera_latency: float = 0.0
     """Time from exposure to the picture's arrival (s), as calibrated."""
     priority: Literal["high", "normal"] = "high"
@@ -156,9 +157,9 @@ class ReefSail:
         if self.lens is not None:
             camera = read_camera(self.lens, WIDEST_PX)
             cfg, fit = with_camera(cfg, camera.view), camera.picture
-        belief, sim = None, cfg.simulator
+        belief, landmarks, sim = None, LandmarkMap(), cfg.simulator
         if self.resume is not None:
-            belief, _ = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
+            belief, _, landmarks = load_survey(self.resume, area.size_m, sim.camera, cfg.map, cfg.belief, sim.sonar)
         parts = opened.enter_context(open_parts(self, area, world, cfg, depth, fit))
         for line in parts.camera.eyes.about if parts.camera.eyes else ():
             self._say(line)
@@ -196,7 +197,7 @@ class ReefSail:
             and text is not None
             and text.instruction.strip() == cfg.planner.instruction.text,
             heading_trusted=parts.trust_heading,
-            resumed="" if self.resume is None else str(self.resume),
+            resumed="" if self.resume is None else f"{self.resume}, {many(len(landmarks.centres), 'landmark')}",
         )
 
         def look() -> list[CheckLine]:
@@ -213,7 +214,7 @@ class ReefSail:
         self._print(lines)
         if wrong := blocking(lines):
             raise RunError(f"will not arm: {'; '.join(f'{line.subject}: {line.text}' for line in wrong)}")
-        mission = SeaMission(area, sail, crew, folder, belief=belief, seed=self.seed, about=about)
+        mission = SeaMission(area, sail, crew, folder, belief=belief, landmarks=landmarks, seed=self.seed, about=about)
         write_whole(folder / SurveyFiles.PREFLIGHT, "".join(f"{line}\n" for line in lines).encode())
         inbox = self.inbox or folder / SurveyFiles.INBOX
         asked = asks_person(self.advisor)

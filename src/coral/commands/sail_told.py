@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+from coral.reef.mission.events import place_told
 from coral.reef.sea.background import BackgroundWork
 from coral.reef.sea.sea_mission import SeaMission
 from coral.view.charts import clock
 
-TOLD = ("state", "awaited", "limit", "recording_stopped", "order_refused", "instruction")
+TOLD = ("state", "awaited", "limit", "recording_stopped", "order_refused", "instruction", "place")
 """Events that the operator is told of."""
 
 
@@ -48,6 +49,8 @@ def told(event: Mapping[str, Any]) -> str:
         return f"{at} {event['state']}: {reason}"
     if kind == "instruction":
         return f"{at} instruction, by {event['by']}: {event['text']}"
+    if kind == "place":
+        return f"{at} saved map: {place_told(event)}"
     if kind == "awaited":
         return f"{at}   {event['ends_when']}" if event["ends_when"] else ""
     if kind == "limit":

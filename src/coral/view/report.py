@@ -16,6 +16,7 @@ from coral.advisor.attribution import who_decided
 from coral.advisor.fallback import FOR_RUNS, Fallback
 from coral.foreign_file import read_text
 from coral.reef.decide.said import said_by
+from coral.reef.mission.events import place_told
 from coral.reef.mission.metrics import DEFINITIONS, OWN_MAP, metrics_of
 from coral.reef.mission.outcome import outcome_metrics
 from coral.run_files import SurveyFiles
@@ -128,7 +129,7 @@ def _headline(run: RunFolder, metrics: Mapping[str, Any]) -> str:
     deciding = who_decided(metrics, things="goals", fallback=_fallback(run), advisor="The advisor")
     return (
         f"The robot {verb} for {lasted} over {distance:.0f} m, {safe}, putting {asked} to its advisor."
-        f"{f' {deciding[0].upper()}{deciding[1:]}.' if deciding else ''}{_false_clusters(metrics)}"
+        f"{f' {deciding[0].upper()}{deciding[1:]}.' if deciding else ''}{_false_clusters(metrics)}{_saved_map(run)}"
     )
 
 
@@ -138,6 +139,12 @@ def _false_clusters(metrics: Mapping[str, Any]) -> str:
     if count > 1:
         return f" {count} of the clusters that it mapped are no oysters."
     return " One of the clusters that it mapped is no oysters." if count else ""
+
+
+def _saved_map(run: RunFolder) -> str:
+    """Return a sentence about the place of a resumed survey on the saved map; "" for another."""
+    told = run.select("place")
+    return f" Saved map: {place_told(told[-1])}." if told else ""
 
 
 def _fallback(run: RunFolder) -> Fallback:

@@ -102,3 +102,49 @@ def test_what_is_closed_off_stays_closed():
     grid.close_off(closed)
     grid.carry(Pose(5.0, 5.0, 0.0), Pose(6.0, 5.0, 0.0))
     assert grid.obstacle[at(6.02, 5.02)]
+
+
+def resumed():
+    """A map that goes on with an earlier survey's, in which an obstacle stands at (6.02, 5.02)."""
+    grid = mapped(occupied=[], clear=[])
+    grid.recall(mapped(occupied=[(6.02, 5.02)], clear=[(5.52, 5.02)]).memory())
+    return grid
+
+
+def seen(grid, occupied):
+    for x, y in occupied:
+        grid._obstacles[around(x, y)], grid.explored[around(x, y)] = 9, True
+    grid._classify((0, 240, 0, 240))
+
+
+def test_what_an_earlier_survey_knew_stays_and_what_this_one_saw_is_carried():
+    grid = resumed()
+    seen(grid, [(6.02, 6.02)])
+    grid.carry(Pose(5.0, 5.0, 0.0), Pose(5.5, 5.0, 0.0))
+    assert grid.obstacle[at(6.02, 5.02)]
+    assert not grid.obstacle[at(6.52, 5.02)]
+    assert not grid.obstacle[at(5.52, 5.02)]
+    assert grid.obstacle[at(6.52, 6.02)]
+
+
+def test_once_a_resumed_survey_is_found_the_saved_map_is_as_it_was_but_for_what_is_around_the_robot():
+    belief = Belief(resumed())
+    saved = belief.map.memory()
+    seen(belief.map, [(6.02, 6.02), (5.52, 5.02), (9.02, 9.02)])
+    belief.map._targets[at(4.02, 5.02)] = 9
+    belief.correct(Pose(5.0, 5.0, 0.0), Pose(5.5, 5.0, 0.0), found=True)
+    assert belief.map.obstacle[at(6.52, 6.02)]
+    assert not belief.map.obstacle[at(6.02, 6.02)]
+    now = belief.map.memory()
+    changed = np.argwhere((now["_obstacles"] != saved["_obstacles"]) | (now["_targets"] != saved["_targets"]))
+    assert np.abs((changed + 0.5) * CELL_M - (6.02, 6.52)).max() < 0.2
+
+
+def test_lines_of_sight_begin_anew_with_the_saved_obstacles():
+    grid = resumed()
+    grid.sight = grid._begin_sight()
+    grid.sight.obstacle[around(9.02, 9.02)] = grid.sight.odds[around(9.02, 9.02)] = True
+    grid._combine((0, 240, 0, 240))
+    assert grid.obstacle[at(9.02, 9.02)]
+    grid.carry(Pose(5.0, 5.0, 0.0), Pose(5.5, 5.0, 0.0), anew=True)
+    assert [bool(grid.obstacle[at(*place)]) for place in ((6.02, 5.02), (9.02, 9.02))] == [True, False]

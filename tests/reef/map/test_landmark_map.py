@@ -153,3 +153,50 @@ def test_the_covariance_of_landmarks_moves_with_the_error():
     twin = jacobian @ made._covariance @ jacobian.T
     made.propagate((0.4, 0.7), np.zeros((3, 3)))
     assert made._covariance == pytest.approx(twin)
+
+
+def test_saved_landmarks_are_known_again():
+    made = surveyed()
+    again = LandmarkMap.recalled(made.memory())
+    np.testing.assert_array_equal(again.centres, made.centres)
+    np.testing.assert_array_equal(again._radii, made._radii)
+    np.testing.assert_array_equal(again._covariance[3:, 3:], made._covariance[3:, 3:])
+    assert (again.error, again.sigma, list(again.last_s)) == ((0, 0, 0), (0, 0, 0), [-math.inf] * 3)
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        {"landmarks": np.ones((3, 3))},
+        {"landmarks": np.zeros((3, 4))},
+        {"landmark_covariance": np.eye(4)},
+        {"landmark_covariance": np.full((6, 6), np.nan)},
+    ],
+)
+def test_what_are_no_landmarks_is_refused(broken):
+    with pytest.raises(ValueError, match="landmarks"):
+        LandmarkMap.recalled(surveyed().memory() | broken)
+
+
+def test_a_new_start_is_the_robots_doubt_and_none_of_the_landmarks():
+    before = surveyed()
+    begun = before.begun_anew((1.0, 1.0, 0.2))
+    own = begun._covariance[3:, 3:]
+    assert begun.sigma == pytest.approx((1.0, 1.0, 0.2))
+    assert np.abs(begun._covariance[:3, 3:]).max() == 0.0
+    assert np.linalg.eigvalsh(own).min() > -1e-12
+    x, y = before.centres.T
+    for common in ([1.0, 0.0] * 3, [0.0, 1.0] * 3, np.stack([-y, x], axis=1).ravel()):
+        assert np.dot(common, own @ common) == pytest.approx(0.0, abs=1e-9)
+    apart = np.array([1.0, 0.0, -1.0, 0.0, 0.0, 0.0])  # how far two lie from each other is as doubtful as it was
+    assert apart @ own @ apart > 0.2 * (apart @ before._covariance[3:, 3:] @ apart)
+
+
+def test_landmarks_seen_again_move_the_robot_and_not_the_map():
+    before = surveyed()
+    after = before.begun_anew((1.0, 1.0, 0.2))
+    off = Pose(ODOMETRY.x + 0.8, ODOMETRY.y - 0.6, ODOMETRY.theta)  # where the robot is said to be
+    for k, (bearing, near) in enumerate(((-0.5, 1.5), (0.1, 2.0), (0.6, 2.5))):
+        after = after.corrected(k, whole(bearing, near=near), off, 1.0)
+    assert after.error == pytest.approx((0.8, -0.6, 0.0), abs=0.1)
+    assert np.abs(after.centres - before.centres).max() < 0.1

@@ -6,6 +6,7 @@ import pytest
 
 from coral.advisor.rules import RuleAdvisor
 from coral.reef.decide.heuristic import REEF_RULES
+from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.map.localization import LocalizationCfg, Localizer
 from coral.reef.mission.mission import Mission
 from coral.reef.mission.mission_cfg import MissionCfg
@@ -226,3 +227,50 @@ def test_a_covariance_may_be_ignored():
     localizer = Localizer(CAMERA, LocalizationCfg(use_covariance=False))
     assert localizer.update(camera().render(HERE), HERE, 0.1, told((0.5, 0.5, 0.05))) is HERE
     assert not localizer.active
+
+
+REEF = (7.0, 5.4), (6.6, 3.9), (7.3, 6.4), (8.2, 4.6), (6.4, 6.5), (8.6, 3.6)
+
+
+def resumed(saved, water, off, ticks=60):
+    """Localizer that goes on with saved landmarks, where its odometry is off; and its pose."""
+    localizer = Localizer(CAMERA, DRIFTS)
+    localizer.recall(saved)
+    for k in range(ticks):
+        pose = localizer.update(water.render(HERE), shifted(HERE, *off), 0.1 if k else 0.0)
+    return localizer, pose
+
+
+@pytest.mark.parametrize("off", [(0.5, -0.2, 0.08), (-0.7, 0.7, -0.17), (0.0, 0.0, 0.0)])
+def test_a_resumed_survey_finds_itself_by_saved_landmarks(off):
+    water = camera(*REEF)
+    localizer, pose = resumed(settled(water).hypotheses[0].map, water, off)
+    assert localizer.recognised == localizer.saved == 6
+    assert pose[:2] == pytest.approx(HERE[:2], abs=0.2)
+    assert abs(pose.theta) < 0.06
+
+
+def test_landmarks_of_another_reef_move_nothing():
+    saved = settled(camera(*REEF)).hypotheses[0].map
+    localizer, pose = resumed(saved, camera((6.2, 4.2), (8.5, 6.6), (7.6, 3.1)), (0.3, 0.1, 0.05))
+    assert localizer.recognised == 0
+    assert pose == pytest.approx(shifted(HERE, 0.3, 0.1, 0.05), abs=0.05)
+
+
+def test_exact_odometry_stays_exact_while_landmarks_are_kept_for_another_survey():
+    water = camera(*REEF)
+    localizer = Localizer(CAMERA)
+    localizer.recall(LandmarkMap())
+    for k in range(20):
+        assert localizer.update(water.render(HERE), HERE, 0.1 if k else 0.0) == pytest.approx(HERE)
+    np.testing.assert_allclose(sorted(map(tuple, localizer.landmarks)), sorted(REEF), atol=0.15)
+
+
+def test_a_start_with_a_wrong_heading_is_led_astray_as_it_drives():
+    localizer = Localizer(CAMERA, DRIFTS)
+    localizer.recall(settled(camera(*REEF)).hypotheses[0].map)
+    empty = camera()
+    for k in range(40):
+        localizer.update(empty.render(HERE), Pose(5.0 + 0.1 * k, 5.0, 0.0), 0.1)
+    x, y, _ = localizer.kept.sigma
+    assert y > 1.15 > 1.05 > x

@@ -91,9 +91,8 @@ def test_a_height_is_told_and_missed_where_its_loss_would_act():
 
 def test_a_resumed_survey_says_where_the_vehicle_must_be():
     assert "map" not in listed()[0]
-    assert (
-        "runs/a: it fits only if the vehicle is now at (" in listed(gear=replace(GEAR, resumed="runs/a"))[0]["map"].text
-    )
+    told = listed(gear=replace(GEAR, resumed="runs/a, 7 landmarks"))[0]["map"]
+    assert "runs/a, 7 landmarks: the vehicle must now be about (" in told.text
 
 
 @pytest.mark.parametrize(

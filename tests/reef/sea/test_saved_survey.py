@@ -3,6 +3,8 @@ import pytest
 
 from coral.errors import InputError
 from coral.reef.map.belief import Belief, BeliefCfg
+from coral.reef.map.landmark_map import LandmarkMap
+from coral.reef.map.landmarks import Sighting
 from coral.reef.map.mapping import MapCfg, OccupancyMap
 from coral.reef.sea.saved_survey import load_survey, save_survey
 from coral.reef.vehicle.camera import Camera, CameraCfg
@@ -29,8 +31,8 @@ def load(folder, size_m, cell_m=0.05):
 
 def test_a_saved_survey_is_known_again(known, tmp_path):
     world, belief, pose = known
-    save_survey(tmp_path, belief, pose)
-    again, last = load(tmp_path, world.size_m)
+    save_survey(tmp_path, belief, pose, LandmarkMap())
+    again, last, _ = load(tmp_path, world.size_m)
     assert last == pytest.approx(pose)
     assert np.array_equal(again.map.cells(), belief.map.cells())
     assert {t.index for t in again.tracks} == {t.index for t in belief.tracks}
@@ -39,8 +41,8 @@ def test_a_saved_survey_is_known_again(known, tmp_path):
 
 def test_clusters_keep_their_labels_and_what_is_done_when_the_survey_goes_on(known, tmp_path):
     world, belief, pose = known
-    save_survey(tmp_path, belief, pose)
-    again, _ = load(tmp_path, world.size_m)
+    save_survey(tmp_path, belief, pose, LandmarkMap())
+    again, _, _ = load(tmp_path, world.size_m)
     view = Camera(Scene.from_world(world), CameraCfg()).render(pose)
     for one in (belief, again):
         for _ in range(6):
@@ -62,7 +64,32 @@ def test_what_is_no_saved_survey_is_one_line(tmp_path, content):
 
 def test_another_area_or_cell_size_is_refused(known, tmp_path):
     world, belief, pose = known
-    save_survey(tmp_path, belief, pose)
+    save_survey(tmp_path, belief, pose, LandmarkMap())
     for size_m, cell_m in (((5.0, 5.0), 0.05), (world.size_m, 0.1)):
         with pytest.raises(InputError, match="size_m"):
             load(tmp_path, size_m, cell_m)
+
+
+def with_a_landmark(pose):
+    return LandmarkMap().extended(Sighting(-0.1, 0.1, 2.0, 0.2), pose, 1.0)
+
+
+def test_landmarks_are_known_again(known, tmp_path):
+    world, belief, pose = known
+    save_survey(tmp_path, belief, pose, with_a_landmark(pose))
+    *_, again = load(tmp_path, world.size_m)
+    assert np.array_equal(again.centres, with_a_landmark(pose).centres)
+
+
+def test_a_survey_of_before_landmarks_were_saved_has_none(known, tmp_path):
+    world, belief, pose = known
+    save_survey(tmp_path, belief, pose, with_a_landmark(pose))
+    arrays = dict(np.load(tmp_path / "survey.npz"))
+    for change, count in (({"landmarks": np.ones((2, 4))}, None), ({}, 0)):
+        kept = {name: array for name, array in (arrays | change).items() if change or "landmark" not in name}
+        np.savez(tmp_path / "survey.npz", **kept)
+        if count is None:
+            with pytest.raises(InputError, match="landmarks"):
+                load(tmp_path, world.size_m)
+        else:
+            assert len(load(tmp_path, world.size_m)[2].centres) == count

@@ -27,6 +27,7 @@ from coral.reef.sea.sonar_packets import SonarPing, encode_packet
 from coral.reef.sea.survey_file import SurveyArea
 from coral.reef.sea.udp_sonar import UdpSonar
 from coral.reef.vehicle.camera import Camera
+from coral.reef.world.geometry import Pose
 from coral.reef.world.scene import Scene
 from coral.reef.world.world import load_world
 
@@ -101,6 +102,8 @@ class Voyage:
         time_limit_s=20.0,
         sonar=False,
         belief=None,
+        landmarks=None,
+        off=(0.0, 0.0, 0.0),
         cfg=None,
         drift=None,
         world=WORLD,
@@ -114,7 +117,8 @@ class Voyage:
         small = dataclasses.replace(sim.sonar, width=96, height=32)
         mission = dataclasses.replace(mission, simulator=dataclasses.replace(sim, sonar=small))
         self.area = area or SurveyArea.of_world(world)
-        self.link = SimulatedLink(mission.simulator.vehicle, self.area.start, drift=drift, clock=self.clock)
+        begins = Pose(*(said + error for said, error in zip(self.area.start, off, strict=True)))
+        self.link = SimulatedLink(mission.simulator.vehicle, begins, drift=drift, clock=self.clock)
         self.camera = FakeCamera(self.link, self.clock, mission.simulator.camera, world)
         self.sonar = SentSonar(self.link, self.clock, small) if sonar else None
         crew = Crew(
@@ -136,7 +140,9 @@ class Voyage:
             decision_clock=SimulatedClock("fixed:1", np.random.default_rng(0)),
             threaded=False,
             belief=belief,
+            landmarks=landmarks,
         )
+        self.mission.align(trust_heading=False)
         self.at = {}
         self.states = []
         self.link.arm()

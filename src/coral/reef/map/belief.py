@@ -92,17 +92,25 @@ class Belief:
         self._still.clear()
         return True
 
-    def correct(self, before: Pose, after: Pose) -> None:
-        """Take in a correction of the pose: once it has moved far in all, what is around the robot moves along."""
+    def correct(self, before: Pose, after: Pose, *, found: bool = False) -> None:
+        """Take in a correction of the pose: once it has moved far in all, what is around the robot moves along.
+
+        If it has `found` itself on the map of an earlier survey, all else that it has seen was put elsewhere, and goes.
+        """
         drawn = before if self._drawn is None else moved(self._drawn[0], self._drawn[1], before)
-        if is_jump(drawn, after):
-            self.map.carry(drawn, after)
+        if found or is_jump(drawn, after):
+            self.map.carry(drawn, after, anew=found)
             drawn = after
+        if found:
+            self._see_all()
         self._drawn = drawn, after
 
     def look_again(self, first: int, end: int) -> None:
         """Take back what the robot saw from near in some pictures, see the map; clusters may no longer be visited."""
         self.map.look_again(first, end)
+        self._see_all()
+
+    def _see_all(self) -> None:
         height, width = self.map.target.shape
         self._seen = (0, height, 0, width)
 
@@ -162,8 +170,7 @@ class Belief:
         """Take over the clusters and the trajectory, Shape=(N, 2), of an earlier survey. The map recalls itself."""
         self.tracker.recall(tracks)
         self._trail = [(float(x), float(y)) for x, y in trail]
-        height, width = self.map.target.shape
-        self._seen = (0, height, 0, width)
+        self._see_all()
 
     def write_off(self, index: int) -> None:
         """Give up what is left to see of a cluster: it could not be seen from near.

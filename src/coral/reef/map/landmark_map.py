@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +80,45 @@ class LandmarkMap:
     def size(self) -> int:
         """Number of entries of the covariance."""
         return int(self._covariance.size)
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Return the arrays from which `recalled` makes the landmarks again, by name."""
+        about = np.column_stack([self.centres, self._radii, self._hits])
+        return {"landmarks": about, "landmark_covariance": self._covariance[3:, 3:]}
+
+    @classmethod
+    def recalled(cls, arrays: Mapping[str, NDArray[Any]]) -> LandmarkMap:
+        """Make the landmarks that `memory` returned, not yet seen again.
+
+        Raises:
+            ValueError: An array has another shape, or holds what cannot be.
+        """
+        about, covariance = (np.asarray(arrays[name], float) for name in ("landmarks", "landmark_covariance"))
+        n = len(about)
+        right = about.shape == (n, 4) and covariance.shape == (2 * n, 2 * n) and bool((about[:, 2:] > 0.0).all())
+        if not (right and np.isfinite(about).all() and np.isfinite(covariance).all()):
+            raise ValueError("landmarks that are no circles with a covariance")
+        made = cls()._with(np.append(np.zeros(3), about[:, :2]), np.pad(covariance, ((3, 0), (3, 0))))
+        made._radii, made._hits, made.last_s = about[:, 2], about[:, 3], np.full(n, -math.inf)
+        return made
+
+    def begun_anew(self, sigma: tuple[float, float, float]) -> LandmarkMap:
+        """Return the landmarks for a robot whose start is off from their frame: x, y (m), theta (rad).
+
+        They are the frame now. How they may all be shifted or turned together is the robot's doubt, not theirs: it is
+        projected out of their covariance, and what is left says how well they lie relative to each other.
+        """
+        x, y = self._state[3::2], self._state[4::2]
+        together = np.zeros((len(self._state) - 3, 3))
+        together[::2, 0] = together[1::2, 1] = 1.0
+        together[::2, 2], together[1::2, 2] = y.mean() - y, x - x.mean()
+        apart = np.eye(len(together)) - together @ np.linalg.pinv(together)
+        values, axes = np.linalg.eigh(apart @ self._covariance[3:, 3:] @ apart)
+        doubt = np.diag(np.square(np.append(sigma, np.zeros(len(together)))))
+        doubt[3:, 3:] = (axes * np.maximum(values, 0.0)) @ axes.T
+        after = self._with(np.append(np.zeros(3), self._state[3:]), doubt)
+        after._radii, after._hits, after.last_s = self._radii, self._hits, np.full(len(x), -math.inf)
+        return after
 
     def pose(self, odometry: Pose) -> Pose:
         """Return the pose of the robot whose odometry says `odometry`."""

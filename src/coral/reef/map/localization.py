@@ -33,6 +33,13 @@ RADIUS_SPAN_M = 0.6
 FRESH_S, APART_M, SAME_M = 60.0, 0.8, 0.4
 """A landmark seen within this time is known well: a new one is unlikely this near to it (generated reefs keep 1 m
 between obstacles by default), and none is started nearer than the last."""
+START_RAD = math.radians(10.0)
+"""Standard deviation of the heading at a resumed survey's start: a poor compass, or a vehicle aimed by eye."""
+OTHER_REEF = 8.0
+"""Saved landmarks are those of this place once that is more likely by this (a logarithm): by chance, two that lie right
+gain 2 to 3. From then on they are as long as it is more likely at all."""
+SURVEYED_M = 2.0
+"""This near to a saved landmark, a body that the earlier survey did not see is as unlikely as one near a fresh one."""
 MISTAKEN_M = 0.5
 """A picture was taken somewhere else than believed if the hypothesis that has prevailed puts it this far away (m)."""
 
@@ -64,6 +71,8 @@ class LocalizationCfg:
     """Largest squared Mahalanobis distance between a sighting and its landmark: 99.9 % of three normal variables."""
     beside: Positive = 0.2
     """Share by which unknown obstacles are rarer near landmarks that are known well."""
+    start_m: Positive = 1.0
+    """How far off a resumed survey may begin along each axis (m, one standard deviation): a boat at a buoy."""
     landmarks: LandmarkCfg = field(default_factory=LandmarkCfg)
 
 
@@ -76,6 +85,8 @@ class Hypothesis:
     """Logarithm of its likelihood, 0 for the best one."""
     past: tuple[Any, ...] = ()
     """While others differ: its last measurement's (picture, error along x, along y), and the `past` before that."""
+    saved: int = 0
+    """How many of the map's landmarks, the first ones, are those of an earlier survey."""
 
 
 class Localizer:
@@ -101,6 +112,8 @@ class Localizer:
         """The most likely one first."""
         self._last: tuple[Pose, NDArray[np.float64]] | None = None
         """The odometry of the last call, and its covariance."""
+        self._keeps, self.saved = False, 0
+        """Whether landmarks are kept even if the odometry is exact; how many an earlier survey had."""
         self._now_s = 0.0
         self._waited_s = math.inf
         self._picture = 0
@@ -113,7 +126,28 @@ class Localizer:
     @property
     def active(self) -> bool:
         """Whether the odometry drifts; if not, poses are returned as they are."""
-        return bool(self._walk.any()) or self._last is not None
+        return bool(self._walk.any()) or self._last is not None or self._keeps
+
+    @property
+    def recognised(self) -> int:
+        """How many landmarks of an earlier survey the best hypothesis has seen again."""
+        best = self.hypotheses[0]
+        return int(np.isfinite(best.map.last_s[: best.saved]).sum())
+
+    @property
+    def kept(self) -> LandmarkMap:
+        """Landmarks for a later survey, with those of an earlier one unless they have proved to be elsewhere."""
+        return next((one.map for one in self.hypotheses if one.saved), self.hypotheses[0].map)
+
+    def recall(self, landmarks: LandmarkMap) -> None:
+        """Begin with the landmarks of an earlier survey, in whose frame the start is known roughly; keep new ones, too.
+
+        That they are elsewhere is the first hypothesis: while it is the best, they do not move the pose.
+        """
+        self._keeps, self.saved = True, len(landmarks.centres)
+        if self.saved:
+            begun = landmarks.begun_anew((self.cfg.start_m, self.cfg.start_m, START_RAD))
+            self.hypotheses = [Hypothesis(LandmarkMap()), Hypothesis(begun, saved=self.saved)]
 
     @property
     def landmarks(self) -> NDArray[np.float64]:
@@ -137,10 +171,11 @@ class Localizer:
         Returns:
             The pose in the map's frame, in which the odometry was exact at the start.
         """
-        if covariance is not None and self.cfg.use_covariance:
-            self._follow(odometry, covariance)
-        elif not self.active:
+        told = covariance if self.cfg.use_covariance else None
+        if told is None and not self.active:
             return odometry
+        if told is not None or self.saved:
+            self._follow(odometry, told, dt)
         else:
             for hypothesis in self.hypotheses:
                 hypothesis.map.drift(self._walk * dt)
@@ -179,10 +214,12 @@ class Localizer:
         """Correct a pose by odometry with the error that was last known."""
         return self.hypotheses[0].map.pose(odometry) if self.active else odometry
 
-    def _follow(self, odometry: Pose, covariance: NDArray[np.float64]) -> None:
-        """Add to the error what the odometry says that it has lost since the last call."""
+    def _follow(self, odometry: Pose, covariance: NDArray[np.float64] | None, dt: float) -> None:
+        """Add to the error what the odometry has lost since the last call: by its own word, or by the random walk."""
         before, spread = self._last or (odometry, np.zeros((3, 3)))
         dx, dy = odometry.x - before.x, odometry.y - before.y
+        if covariance is None:
+            covariance = spread + np.diag(self._walk * dt)
         grow = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
         new = covariance - grow @ spread @ grow.T
         values, axes = np.linalg.eigh(0.5 * (new + new.T))
@@ -206,10 +243,12 @@ class Localizer:
         for score, k, choice in choices[:room]:
             if score < best - cfg.less_likely:
                 break
-            after = self._chosen(self.hypotheses[k].map, choice, sighting, odometry)
-            if not any(self._alike(after, other.map) for other in kept):
-                kept.append(Hypothesis(after, score - best, self.hypotheses[k].past))
-        self.hypotheses = kept
+            before = self.hypotheses[k]
+            after = replace(before, map=self._chosen(before.map, choice, sighting, odometry), score=score - best)
+            if not any(self._alike(after, other) for other in kept):
+                kept.append(after)
+        doubt = 0.0 if self.hypotheses[0].saved else OTHER_REEF
+        self.hypotheses = sorted(kept, key=lambda one: (doubt if one.saved else 0.0) - one.score)
 
     def _choices(self, hypothesis: Hypothesis, sighting: Sighting, odometry: Pose) -> list[tuple[float, int]]:
         """Return what a sighting may show, as the score that results and a landmark's number, NEW or UNUSED."""
@@ -222,8 +261,9 @@ class Localizer:
         choices = [(hypothesis.score + float(found.log_density[j]) + by_radius, int(j)) for j in free]
         recent = found.away_m[self._now_s - landmarks.last_s < FRESH_S]
         nearest = float(recent.min(initial=math.inf))
-        unknown = UNKNOWN_PER_M2 * (cfg.beside if nearest < APART_M else 1.0)
         new = sighting.whole and nearest >= SAME_M
+        surveyed = new and float(found.away_m[: hypothesis.saved].min(initial=math.inf)) < SURVEYED_M
+        unknown = UNKNOWN_PER_M2 * (cfg.beside if nearest < APART_M or surveyed else 1.0)
         return [*choices, (hypothesis.score + math.log(unknown), NEW if new else UNUSED)]
 
     def _chosen(self, before: LandmarkMap, choice: int, sighting: Sighting, odometry: Pose) -> LandmarkMap:
@@ -233,10 +273,10 @@ class Localizer:
             return before.extended(sighting, odometry, self._now_s)
         return before.corrected(choice, sighting, odometry, self._now_s)
 
-    def _alike(self, one: LandmarkMap, other: LandmarkMap) -> bool:
-        """Check whether two maps give the same pose."""
-        x, y, theta = (abs(a - b) for a, b in zip(one.error, other.error, strict=True))
-        return max(x, y) < ALIKE_M and theta < ALIKE_RAD
+    def _alike(self, one: Hypothesis, other: Hypothesis) -> bool:
+        """Check whether two hypotheses give the same pose, on the same map."""
+        x, y, theta = (abs(a - b) for a, b in zip(one.map.error, other.map.error, strict=True))
+        return max(x, y) < ALIKE_M and theta < ALIKE_RAD and one.saved == other.saved
 
 
 def _steps(past: tuple[Any, ...]) -> Iterator[tuple[int, float, float]]:

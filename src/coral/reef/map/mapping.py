@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -124,6 +125,8 @@ class OccupancyMap:
         """Obstacles of doubtful pictures; None before the first one, and with a sonar."""
         self._seen_obstacle = self.obstacle if self.layer is None else np.zeros(shape, np.bool_)
         self._closed = np.zeros(shape, np.bool_)
+        self._saved, self._recalled = dict[str, NDArray[Any]](), np.zeros(shape, np.bool_)
+        """What an earlier survey knew, and the cells that it knew."""
         self._estimated = False
         self.version = 0
         """Grows whenever an obstacle cell appears or goes."""
@@ -165,10 +168,7 @@ class OccupancyMap:
         self._estimated |= frame.doubt is not None
         doubted = frame.doubt is not None and self.layer is None
         if doubted:
-            if self.sight is None:
-                self.sight = SightLayer(self.obstacle & ~self._closed, cfg.cell_m, self.camera, cfg.sight)
-                self._obstacles[~self._closed] = 0
-                self._seen_obstacle = self._closed.copy()
+            self.sight = self.sight or self._begin_sight()
             changed = self.sight.integrate(frame, pose, (cfg.obstacle_range_m, cfg.range_m), self.explored, roll, pitch)
             obstacle_range_m, sharp_m = -1.0, self.sight.sharp_m if self.sight.counted else -1.0
         project(
@@ -204,6 +204,12 @@ class OccupancyMap:
             math.tan(self._hfov / 2),
             self._reach,
         )
+
+    def _begin_sight(self) -> SightLayer:
+        """Leave the obstacles that are known to lines of sight."""
+        self._obstacles[~self._closed] = 0
+        self._seen_obstacle = self._closed.copy()
+        return SightLayer(self.obstacle & ~self._closed, self.cfg.cell_m, self.camera, self.cfg.sight)
 
     def hear(self, image: RangeImage, pose: Pose, attitude: Attitude | None = None) -> None:
         """Fuse a range image of the sonar into the obstacle layer, apart from what the camera has seen.
@@ -266,23 +272,35 @@ class OccupancyMap:
         distance[y0:y1, x0:x1] = distance_to(~free | self.obstacle[y0:y1, x0:x1], cell)
         return distance
 
-    def carry(self, before: Pose, after: Pose) -> None:
+    def carry(self, before: Pose, after: Pose, *, anew: bool = False) -> None:
         """Take what is around the robot along when its estimated place jumps; oysters stay where they were mapped.
 
         What it saw last stands where it stood relative to the robot. Were it left behind, the robot would stand among
-        obstacles that are not there, and beside some that are no longer on the map.
+        obstacles that are not there, and beside some that are no longer on the map. What an earlier survey knew stays.
+        `anew`: all that was seen since `recall` was put elsewhere, and goes but for what is carried.
         """
         to, source = moved_cells(self.obstacle.shape, self.cfg.cell_m, before, after)
-        known = (self.explored | self.obstacle).flat[source]
+        known = (self.explored | self.obstacle).flat[source] & ~(self._recalled.flat[source] | self._recalled.flat[to])
         to, source = to[known], source[known]
-        layers = [layer.grids for layer in (self.layer, self.sight) if layer is not None]
-        for grid in (self._obstacles, self._ground, self.explored, *(grid for grids in layers for grid in grids)):
-            grid.flat[to] = grid.flat[source]
+        carried = [grid.flat[source] for grid in self._carried()]
+        if anew:
+            for grid in () if self.layer is None else self.layer.grids:
+                grid[...] = 0
+            sighted, self.sight = self.sight is not None, None
+            self._seen_obstacle = self.obstacle if self.layer is None else self._seen_obstacle
+            self.recall(self._saved)
+            self.sight = self._begin_sight() if sighted else None
+        for grid, values in zip(self._carried(), carried, strict=True):
+            grid.flat[to] = values
         self._obstacles[self._closed] = SATURATED
         window = self._window(after, AROUND_M)
         self._classify(window)
         self._combine(window)
         self.version += 1
+
+    def _carried(self) -> list[NDArray[Any]]:
+        layers = [layer.grids for layer in (self.layer, self.sight) if layer is not None]
+        return [self._obstacles, self._ground, self.explored, *itertools.chain.from_iterable(layers)]
 
     def look_again(self, first: int, end: int) -> None:
         """Take back from how near cells were seen in some pictures: they were taken from somewhere else."""
@@ -333,9 +351,11 @@ class OccupancyMap:
             if given is None or given.shape != mine.shape or given.dtype != mine.dtype:
                 raise ValueError(f"{name} is no array of {mine.shape} {mine.dtype}")
             mine[...] = given
+        self._obstacles[self._closed], self._neared[...] = SATURATED, 0
         ny, nx = self.target.shape
         self._classify((0, ny, 0, nx))
         self._combine((0, ny, 0, nx))
+        self._saved, self._recalled = {name: arrays[name] for name in _MEMORY}, self.explored | self.obstacle
         self.version += 1
 
     def agreement(self, cells: NDArray[np.intp]) -> float:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from typing import Any
+
 EVENTS = {
     "start": "`world`, `advisor`, `variant`, `preset`, `seed`, `clusters_total`; `own_parts`: parts exchanged in "
     "Python. At sea also `judged_by`, `vehicle`, `camera`, `sonar` and `resumed`.",
@@ -37,6 +41,8 @@ EVENTS = {
     "vehicle_text": "At sea, a message of the autopilot: `severity`, `text`.",
     "late_tick": "At sea, a tick ended late: by `behind_ms`, of which it began `woken_ms` late and computed for "
     "`control_ms`.",
+    "place": "At sea, whether a resumed survey has found itself on the saved map: its `landmarks`, those that were "
+    "`recognised`, and what the odometry is off by: `x`, `y` (m), `theta` (rad).",
     "recording_stopped": "At sea, nothing more is recorded, for instance because the disk is full: `reason`.",
     "order": "At sea, the vehicle was given an `order`.",
     "order_refused": "At sea, the vehicle refused an `order`: `reason`.",
@@ -47,3 +53,11 @@ EVENTS = {
     "end": "The last line: `reason`.",
 }
 """Every line also has `step` and `t` (simulated seconds)."""
+
+
+def place_told(event: Mapping[str, Any]) -> str:
+    """Return what the event `place` says, in words."""
+    if not event["recognised"]:
+        return f"none of {event['landmarks']} landmarks recognised - is this the place? The pose is not corrected by it"
+    off = f"{math.hypot(event['x'], event['y']):.2f} m and {abs(math.degrees(event['theta'])):.0f} degrees"
+    return f"{event['recognised']} of {event['landmarks']} landmarks recognised, odometry off by {off}"

@@ -87,11 +87,11 @@ class Robot:
         reading = self.pilot.sense(self.seen)
         self._unlocated_s += dt
         if reading.frame is not None and reading.frame_pose is not None:
-            before = self.localizer.locate(reading.frame_pose)
+            before, lost = self.localizer.locate(reading.frame_pose), not self.localizer.recognised
             after = self.localizer.update(reading.frame, reading.frame_pose, self._unlocated_s, reading.covariance)
             for first, end in self.localizer.mistaken:
                 self.belief.look_again(first, end)
-            self.belief.correct(before, after)
+            self.belief.correct(before, after, found=lost and self.localizer.recognised > 0)
             self._unlocated_s = 0.0
         if reading.frame_pose is not None:
             self.odometry = reading.frame_pose

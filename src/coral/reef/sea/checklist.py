@@ -75,7 +75,7 @@ class Equipment:
     heading_trusted: bool
     """Whether the vehicle's heading is taken as it is (compass), or the start's heading in its place."""
     resumed: str = ""
-    """Run folder of the survey whose map goes on; "" for a new one."""
+    """Run folder of the survey whose map goes on, and what is known of its landmarks; "" for a new one."""
 
 
 def preflight_list(
@@ -130,7 +130,7 @@ def _bad(wrong: bool) -> Level:
 def _resumed(equipment: Equipment, area: SurveyArea) -> CheckLine:
     x, y, theta = area.start
     place = f"({x:g}, {y:g}) m, heading {math.degrees(theta):.0f} degrees"
-    return CheckLine("map", f"that of {equipment.resumed}: it fits only if the vehicle is now at {place}")
+    return CheckLine("map", f"that of {equipment.resumed}: the vehicle must now be about {place}")
 
 
 def _instruction(equipment: Equipment) -> CheckLine:

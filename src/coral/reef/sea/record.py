@@ -13,6 +13,7 @@ from coral.advisor.consult import Attempt
 from coral.advisor.log import AttemptRecorder
 from coral.config import to_mapping
 from coral.reef.map.belief import Belief
+from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.mission.record import COLUMNS, FrameRecorder, RecordCfg
 from coral.reef.mission.reef_truth import ReefTruth
 from coral.reef.sea.background import BackgroundWork
@@ -133,7 +134,7 @@ class SeaRecord:
 
         self.work.offer(write)
 
-    def offer_survey(self, t: float, belief: Belief, *, last: bool = False) -> None:
+    def offer_survey(self, t: float, belief: Belief, landmarks: LandmarkMap, *, last: bool = False) -> None:
         """Save the map if it is due, or if this is the last time, so that a killed survey can be gone on with.
 
         The map may change while it is copied. Then it has half of a picture, whose cells are evidence by themselves.
@@ -145,7 +146,7 @@ class SeaRecord:
 
         def save() -> None:
             begun = time.monotonic()
-            save_survey(self.folder, belief, pose, tracks)
+            save_survey(self.folder, belief, pose, landmarks, tracks)
             self._save_due_s = t + max(SAVE_S, (time.monotonic() - begun) / SAVE_SHARE)
 
         if not self.work.offer(save):

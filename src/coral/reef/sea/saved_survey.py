@@ -15,6 +15,7 @@ from coral.file_writer import write_whole
 from coral.foreign_file import parse_json, read_arrays
 from coral.reef.map.belief import Belief, BeliefCfg
 from coral.reef.map.chain import Track
+from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.map.mapping import MapCfg, OccupancyMap
 from coral.reef.map.sonar_3d15 import SonarCfg
 from coral.reef.vehicle.camera import CameraCfg
@@ -24,13 +25,16 @@ from coral.run_files import SurveyFiles
 FORMAT = "coral-saved-survey/1"
 
 
-def save_survey(folder: Path, belief: Belief, pose: Pose, clusters: Sequence[Track] | None = None) -> None:
+def save_survey(
+    folder: Path, belief: Belief, pose: Pose, landmarks: LandmarkMap, clusters: Sequence[Track] | None = None
+) -> None:
     """Write `survey.npz` into a run folder: everything a later survey needs, atomically.
 
     Args:
         folder: Run folder.
         belief: What the vehicle knows.
         pose: Where it is, in the survey's frame.
+        landmarks: Those of its localizer.
         clusters: The clusters, where another thread may change them meanwhile; by default the belief's.
     """
     tracks = [
@@ -56,7 +60,7 @@ def save_survey(folder: Path, belief: Belief, pose: Pose, clusters: Sequence[Tra
         buffer,
         head=np.frombuffer(json.dumps(head).encode(), np.uint8),
         trail=belief.trajectory,
-        **belief.map.memory(),  # type: ignore[arg-type]
+        **landmarks.memory() | belief.map.memory(),  # type: ignore[arg-type]
     )
     write_whole(folder / SurveyFiles.SAVED, buffer.getvalue(), durable=True)
 
@@ -68,8 +72,10 @@ def load_survey(
     map_cfg: MapCfg,
     cfg: BeliefCfg,
     sonar: SonarCfg | None = None,
-) -> tuple[Belief, Pose]:
-    """Read the survey that a run folder has saved. Return what is known and the last pose.
+) -> tuple[Belief, Pose, LandmarkMap]:
+    """Read the survey that a run folder has saved. Return what is known, the last pose and the landmarks.
+
+    A file of version 0.2.0 or before has no landmarks.
 
     Raises:
         InputError: There is none, it is broken, or it is of another area or cell size.
@@ -86,6 +92,7 @@ def load_survey(
             raise ValueError(f"format {head['format']}")
         pose = Pose(*(float(v) for v in head["pose"]))
         old_size, old_cell = tuple(head["size_m"]), float(head["cell_m"])
+        landmarks = LandmarkMap.recalled(arrays) if "landmarks" in arrays else LandmarkMap()
         tracks = [Track(**{key: track[key] for key in _TRACK_KEYS}) for track in head["tracks"]]
     except Exception as error:  # zip, JSON and array formats raise all kinds
         raise InputError(str(path), "", first_line(error), expected) from None
@@ -101,7 +108,7 @@ def load_survey(
         raise InputError(str(path), "", first_line(error), expected) from None
     belief = Belief(cells, cfg)
     belief.recall(tracks, trail)
-    return belief, pose
+    return belief, pose, landmarks
 
 
 _TRACK_KEYS = ("index", "x", "y", "area_px", "length_m", "far")

@@ -20,6 +20,7 @@ from coral.advisor.thread import AdvisorThread
 from coral.reef.decide.planner import Draw
 from coral.reef.drive.delay_aware_driver import DelayAwareDriver
 from coral.reef.map.belief import Belief
+from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.map.mapping import OccupancyMap
 from coral.reef.mission.assembly import Deciding, decider_of, latency_in_real_time, make_robot, with_response
 from coral.reef.mission.loop import MissionLoop
@@ -47,6 +48,8 @@ from coral.run_loop import Observer, timing_of
 
 UNWIND = 0.8
 """At this share of the turns that the tether may have, the vehicle turns back on the spot, by all of them."""
+LOST_S = 60.0
+"""A resumed survey that has not found itself on the saved map by then says so."""
 ORDER_S = 6.0
 """Longest wait for the last order at the end."""
 
@@ -81,6 +84,7 @@ class SeaMission:
         *,
         frame: LocalFrame | None = None,
         belief: Belief | None = None,
+        landmarks: LandmarkMap | None = None,
         seed: int = 0,
         about: dict[str, Any] | None = None,
         clock: Callable[[], float] = time.monotonic,
@@ -89,6 +93,8 @@ class SeaMission:
         threaded: bool = True,
     ) -> None:
         """Set up a survey that has not begun; nothing is believed of the reef unless an earlier survey found it.
+
+        `landmarks` are those of that survey, by which the localizer finds its frame.
 
         `about` are further entries of config.yaml. Both clocks are real by default; that of the advisor's answers may
         be another one. Without `threaded`, for tests, orders and recording are done in the caller's thread.
@@ -125,6 +131,9 @@ class SeaMission:
         self.belief, self.pilot = self.robot.belief, self.robot.pilot
         self.states = self.pilot.safety.states
         """What the vehicle is doing, and why."""
+        self.robot.localizer.recall(landmarks or LandmarkMap())
+        self._placed: int | None = None
+        """The saved landmarks that were recognised when it was told last."""
         crew.camera.attitude = lambda: self.robot.camera_attitude(self.robot.seen)
         self.orders = VehicleOrders(crew.link, threaded=threaded)
         self.safety = SafetyMonitor(cfg.safety, area, mission.time_limit_s)
@@ -220,6 +229,9 @@ class SeaMission:
     def located(self) -> None:
         """Tell what the autopilot said, and note how old the picture is."""
         self._tell_texts(self.report)
+        localizer = self.robot.localizer
+        if bool(localizer.recognised) != bool(self._placed) or (self._placed is None and self.t >= LOST_S):
+            self._tell_place()
         if self.robot.reading.frame is not None and self.robot.seen.frame is not None:
             self.picture_age_ms.append(1e3 * (self.t - self.robot.seen.frame.t))
 
@@ -269,6 +281,14 @@ class SeaMission:
         for text in report.texts:
             self.emit("vehicle_text", severity=text.severity, text=text.text)
 
+    def _tell_place(self) -> None:
+        """Tell whether a resumed survey has found itself on the saved map."""
+        localizer = self.robot.localizer
+        self._placed = localizer.recognised
+        if localizer.saved:
+            x, y, theta = (round(value, 3) for value in localizer.hypotheses[0].map.error)
+            self.emit("place", landmarks=localizer.saved, recognised=self._placed, x=x, y=y, theta=theta)
+
     def _tell_awaited(self) -> None:
         guard = self.cfg.mission.pilot.guard
         found = self.supervisor.awaits(guard.recover_s, guard.surface_after_s)
@@ -294,7 +314,7 @@ class SeaMission:
         self.record.tick(self.step, self.t, belief.pose, odometry, self.crew.true_pose(), state, self._own())
         if robot.picture is not None:
             self.record.frames.offer(self.step, self.t, belief.map.cells, robot.picture, robot.taken_at)
-        self.record.offer_survey(self.t, belief)
+        self.record.offer_survey(self.t, belief, robot.localizer.kept)
         if self._recording and self.record.work.failure:
             self._recording = False
             self.emit("recording_stopped", reason=self.record.work.failure)
@@ -316,6 +336,7 @@ class SeaMission:
             self.emit("order_refused", order=result.order, reason=result.refusal)
         self.orders.close()
         self.clock.withdraw()
+        self._tell_place()
         self.emit("left", clusters=what_is_left(self.belief), centroids=chain_of(self.belief))
         record, tracks = self.record, self.belief.tracks
         near = sum(not track.far for track in tracks)
@@ -325,7 +346,7 @@ class SeaMission:
         else:
             self.emit("judged", tracks=near, **told_verdict(self.instruction, self.answer, None, self.collisions))
         self.emit("end", reason=self.end_reason)
-        record.offer_survey(self.t, self.belief, last=True)
+        record.offer_survey(self.t, self.belief, self.robot.localizer.kept, last=True)
         self.clock.close()
         if self._thread is not None:
             self._thread.close()
