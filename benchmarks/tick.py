@@ -1,6 +1,6 @@
 """Time of the pilot's tick on a map of 100 m, by part: its median, 99th and 99.9th percentile and maximum.
 
-Usage: nice -n -5 python benchmarks/tick.py [--edge 100] [--ticks 1500] [--repeats 3] [--perception rgb]
+Usage: nice -n -5 python benchmarks/tick.py [--edge 100] [--ticks 1500] [--repeats 3] [--perception painted]
            [--against OTHER/src] [--json]
 
 A mission of the full system, with pictures and recording, in a generated reef of which one half has been mapped
