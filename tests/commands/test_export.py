@@ -32,7 +32,7 @@ def test_a_run_becomes_one_file_beside_it_and_is_not_overwritten(survey_run, tol
 def test_it_is_told_in_a_line(survey_run, tmp_path, told):
     code, out, _ = told("export", survey_run, "--to", "bag", "--out", tmp_path / "b")
     assert code == 0
-    assert "messages on 9 topics" in out
+    assert "messages on 8 topics" in out
     assert (tmp_path / "b/metadata.yaml").is_file()
 
 

@@ -101,8 +101,9 @@ OF_THE_COMMAND = (
     *("decider", "record", "time_limit_s", "latency", "perception", "depth", "pilot.fallback"),
     *("simulator.pictures", "simulator.painter", "simulator.water", "simulator.water_depth_m", "simulator.contact"),
     *("simulator.sonar", "simulator.noise", "pilot.guard", "localization.use_covariance"),
+    "localization.start_m",
 )
-"""What `coral reef sail` reads before and after the survey, and when it opens the camera and the sonar."""
+"""What `coral reef sail` reads before and after the survey, when it opens the camera and the sonar, and to resume."""
 
 
 def test_a_survey_in_real_time_refuses_what_it_does_not_read(tmp_path, monkeypatch):

@@ -9,10 +9,13 @@ from collections.abc import Iterable
 
 from coral.errors import InputError
 
-_AT_SEA = dict.fromkeys(
-    ("localization.use_covariance", "pilot.guard.max_sigma_m"),
-    "nothing: only a vehicle at sea says how sure it is of its pose",
-)
+_AT_SEA = {
+    **dict.fromkeys(
+        ("localization.use_covariance", "pilot.guard.max_sigma_m"),
+        "nothing: only a vehicle at sea says how sure it is of its pose",
+    ),
+    "localization.start_m": "nothing: only a survey at sea is resumed",
+}
 UNREAD: dict[str, dict[str, str]] = {
     "reef run": _AT_SEA,
     "reef bench": {"record": "nothing: it keeps no pictures and no report", **_AT_SEA},

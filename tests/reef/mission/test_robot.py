@@ -98,10 +98,10 @@ def test_a_corrected_pose_takes_what_is_around_the_robot_along(robot, monkeypatc
     one, told = robot(), []
     corrected = Pose(3.5, 5.2, 0.1)
     monkeypatch.setattr(one.localizer, "update", lambda *_: corrected)
-    monkeypatch.setattr(one.belief, "correct", lambda before, after: told.append((before, after)))
+    monkeypatch.setattr(one.belief, "correct", lambda before, after, *, found: told.append((before, after, found)))
     one.sense(0.0)
     one.localize(0.0)
-    assert told == [(one.reading.frame_pose, corrected)]
+    assert told == [(one.reading.frame_pose, corrected, False)]
 
 
 def test_a_picture_is_kept_with_the_height_that_was_measured(robot):

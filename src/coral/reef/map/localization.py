@@ -171,7 +171,7 @@ class Localizer:
         Returns:
             The pose in the map's frame, in which the odometry was exact at the start.
         """
-        told = covariance if self.cfg.use_covariance else None
+        told = covariance if covariance is not None and self.cfg.use_covariance else None
         if told is None and not self.active:
             return odometry
         if told is not None or self.saved:
