@@ -143,16 +143,10 @@ def who_decided(
     advisor: str = "the advisor",
     recording: str = "the recording",
 ) -> str:
-    """Describe who decided, without a full stop; "" if the advisor made every decision.
+    """Describe who decided, without a full stop; "" if the advisor made every decision, or a run of an older version.
 
-    For example "the advisor decided 5 of 7 goals, the fallback's rules 2".
-
-    Args:
-        metrics: Metrics with the keys `decided_by` and `answers`; "" if a run of an older version lacks them.
-        things: The kind of decision, in the plural: "goals".
-        fallback: The chosen policy; rules decide under `rules` only.
-        advisor: Name of the advisor in the sentence.
-        recording: Name of a recording in the sentence.
+    For example "the advisor decided 5 of 7 goals, the fallback's rules 2". The metrics have the keys `decided_by` and
+    `answers`; `things` is the kind of decision, in the plural. Rules decide under the fallback `rules` only.
     """
     by, answers = metrics.get("decided_by") or {}, metrics.get("answers") or {}
     total, own = sum(by.values()), int(by.get("advisor", 0))

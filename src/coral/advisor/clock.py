@@ -71,14 +71,10 @@ class SimulatedClock:
         wall_timeout_s: float = 600.0,
         paced: bool = True,
     ) -> None:
-        """Start at time 0.
+        """Start at time 0; replies take as long as a distribution such as "fixed:10" says, whose draws are from `rng`.
 
-        Args:
-            latency: Distribution of reply times, such as "fixed:10".
-            rng: Draws one latency per question if it is random.
-            thread: Thread of the advisors; by default its own.
-            wall_timeout_s: Longest wall time for which simulated time may stop for one reply (s).
-            paced: Whether `advance` may sleep to keep a measured latency true; False if the caller keeps time.
+        `wall_timeout_s` is the longest wall time for which simulated time may stop for one reply (s). `paced`:
+        `advance` may sleep to keep a measured latency true; False if the caller keeps time.
         """
         self.latency = parse_latency(latency) if isinstance(latency, str) else latency
         self._rng = rng
@@ -157,10 +153,9 @@ class SimulatedClock:
     async def prepare(self, work: Callable[[], R], after_s: float | None) -> R:
         """Run `work` on a thread for preparations, one after the other, and return its result.
 
-        Args:
-            work: What to do; it may read only what this thread leaves as it is.
-            after_s: Simulated seconds until the result is delivered, however fast the machine is; if it is not there
-                then, simulated time stops until it is. 0: at once. None: as soon as it is there.
+        It may read only what this thread leaves as it is. The result is delivered after `after_s` simulated seconds,
+        however fast the machine is; if it is not there then, simulated time stops until it is. 0: at once. None: as
+        soon as it is there.
 
         Raises:
             Withdrawn: Everything pending was withdrawn meanwhile.
@@ -319,12 +314,7 @@ class WallClock(SimulatedClock):
     """
 
     def __init__(self, thread: AdvisorThread | None = None, latency: LatencyCfg | None = None) -> None:
-        """Start at time 0.
-
-        Args:
-            thread: Thread of the advisors; by default its own.
-            latency: An answer is given no earlier than this, and when it is there; by default when it is there.
-        """
+        """Start at time 0; answers are given when they are there, but no earlier than the latency, if any."""
         latency = latency or LatencyCfg(kind="measured")
         super().__init__(latency, np.random.default_rng(0), thread=thread, paced=False)
         self.restart()

@@ -37,11 +37,7 @@ def require_key(provider: str, where: str) -> None:
 def connect(provider: str, model: str, url: str, cfg: ModelCfg) -> tuple[Model, httpx2.AsyncClient]:
     """Make the client of one model; nothing is sent yet. Call it on the event loop that will use it.
 
-    Args:
-        provider: "openai", "anthropic", "google", or "local" (an OpenAI-compatible server).
-        model: Name of the model there.
-        url: Base URL of a local server; "" otherwise.
-        cfg: Time-outs and size limit.
+    The provider is "openai", "anthropic", "google", or "local" (an OpenAI-compatible server, which alone has a `url`).
     """
     from coral.advisor.wire import http_client
 

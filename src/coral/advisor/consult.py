@@ -100,15 +100,9 @@ async def consult(
 ) -> Outcome[A]:
     """Reach one verified decision, or a named failure (paper CORAL III-D.3, Alg. 2).
 
-    Args:
-        advisor: The advisor.
-        observe: Makes the question from the present world, given the reasons so far. None withdraws the question: the
-            world no longer needs an answer. It may take its time on the clock (an awaitable).
-        verify: Checks an answer against the world at the time of its arrival; None accepts it.
-        budget: Bounds on attempts and time.
-        clock: The clock of the world.
-        log: Receives every attempt.
-        decision: Number of this decision, for the log.
+    `observe` makes the question from the present world, given the reasons so far. None withdraws it: the world no
+    longer needs an answer. It may take its time on the clock (an awaitable). `verify` checks an answer against the
+    world at the time of its arrival; None accepts it. `log` receives every attempt, with the number of this decision.
     """
     rejections: list[Rejection] = []
     deadline_s = DEADLINE_S if budget.deadline_s is None else budget.deadline_s

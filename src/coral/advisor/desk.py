@@ -56,12 +56,10 @@ class DeskAdvisor:
     name = "desk"
 
     def __init__(self, inbox: Path, poll_s: float = 0.1) -> None:
-        """Open an inbox.
+        """Open an inbox, looked at for answers every `poll_s` (s, wall).
 
-        Args:
-            inbox: Folder of questions; created with the first one if it does not exist, so that it may lie in a run
-                folder that does not exist yet.
-            poll_s: Interval of looking for an answer (s, wall).
+        The folder is created with the first question if it does not exist, so that it may lie in a run folder that does
+        not exist yet.
 
         Raises:
             InputError: The folder cannot be written.

@@ -17,9 +17,5 @@ tenth, and one that never decides covers only what it sees from its first goal."
 
 
 def failed(failure: str) -> str:
-    """Return the end reason of a run under `fail`.
-
-    Args:
-        failure: Failure of the decision, as named by `consult`.
-    """
+    """Return the end reason of a run under `fail`, for a failure of the decision as named by `consult`."""
     return f"advisor failed: {failure}"

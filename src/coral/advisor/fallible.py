@@ -106,11 +106,8 @@ def spoil_number(
 ) -> dict[str, Any]:
     """Return an answer with one of its numbers spoilt; without any number, it loses a field.
 
-    Args:
-        error: "wrong_type", "out_of_range", or something else for one that leads back.
-        right: The right answer as JSON.
-        facts: Facts of the question, whose `centroids` tell which were visited.
-        rng: Chooses the number.
+    The error is "wrong_type", "out_of_range", or something else for one that leads back: the `centroids` of the facts
+    tell which were visited.
     """
     answer = copy.deepcopy(dict(right))
     places = list(_numbers(answer))

@@ -72,11 +72,7 @@ def default_latency(advisor: Any) -> LatencyCfg:
 
 
 def latency_for(advisor: Any, spec: str = "auto") -> LatencyCfg:
-    """Return the latency that a mission simulates for an advisor.
-
-    Args:
-        advisor: The advisor. A recording always keeps its recorded latencies.
-        spec: The configured latency; "auto" is the advisor's own.
+    """Return the latency that a mission simulates; "auto" is the advisor's own. A recording keeps the recorded ones.
 
     Raises:
         InputError: The spec has none of the known forms.

@@ -60,14 +60,7 @@ class ModelAdvisor:
     latency = "measured"
 
     def __init__(self, provider: str, model: str, cfg: ModelCfg, url: str = "") -> None:
-        """Describe a model; it connects at the first answer or at `warm_up`.
-
-        Args:
-            provider: "openai", "anthropic", "google" or "local".
-            model: Name of the model there.
-            cfg: Time-outs, retries, output mode, budget.
-            url: Base URL of a local server.
-        """
+        """Describe a model of "openai", "anthropic", "google" or "local", which connects at its first answer."""
         self.cfg = cfg
         self.ledger = Ledger(cfg.spend)
         self.name = f"local:{public_url(url)}#{model}" if provider == "local" else f"{provider}:{model}"

@@ -31,12 +31,7 @@ class SmallAnswer(BaseModel):
 
 
 def small_question(number: int, rgb: tuple[int, int, int] | None) -> Question[SmallAnswer]:
-    """Make a question that any model can answer.
-
-    Args:
-        number: The number to repeat.
-        rgb: Colour of the picture to name; None for a question without a picture.
-    """
+    """Make a question that any model can answer: repeat a number, and name the colour of a picture, if one is given."""
     color = "the color that fills the picture (red, green, blue, yellow, white or black)" if rgb else '"none"'
     return Question(
         kind="preflight",

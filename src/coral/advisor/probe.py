@@ -64,12 +64,9 @@ class ProbeReport:
 
 
 def probe(spec: str, cfg: ModelCfg | None = None, where: str = "MODEL") -> ProbeReport:
-    """Ask an endpoint a few small questions (at most seven requests, a few hundred tokens).
+    """Ask `PROVIDER:MODEL` or `local:URL#MODEL` a few small questions (at most seven requests, a few hundred tokens).
 
-    Args:
-        spec: `PROVIDER:MODEL` or `local:URL#MODEL`.
-        cfg: Time-outs; retries and repairs are off, because the first reply is tested.
-        where: Argument to name in an error message.
+    Retries and repairs are off, because the first reply is tested.
 
     Raises:
         InputError: The string names no real model, or the environment lacks its key.

@@ -82,12 +82,7 @@ def version(kind: str) -> str:
 
 
 def render(kind: str, context: Mapping[str, Any] | None = None, /, **more: Any) -> tuple[str, str]:
-    """Render the prompt of one kind of question.
-
-    Args:
-        kind: Name of a template, such as "reef-centroid".
-        context: Values of the template's placeholders.
-        more: Further values, by name.
+    """Render the template of one kind of question, such as "reef-centroid", with the values of its placeholders.
 
     Raises:
         InputError: There is no such kind, or a placeholder has no value.

@@ -125,11 +125,7 @@ def never_came(entry: Attempted) -> bool:
 
 
 def read_attempts(file: Path, where: str) -> list[Attempted]:
-    """Read all attempts for which an advisor was really asked.
-
-    Args:
-        file: As `find_recording` returns it.
-        where: What to name in an error message.
+    """Read all attempts, of a file that `find_recording` returns, for which an advisor was really asked.
 
     Raises:
         InputError: There is no such file, or a line is not an attempt.

@@ -175,16 +175,11 @@ def make_advisor(
     where: str = "--advisor",
     mistakes: Sequence[Mistake] = (),
 ) -> Advisor:
-    """Make the advisor that a string names.
+    """Make the advisor that a string, in one of the forms of `ENTRIES`, names; `where` is the flag, for errors.
 
-    Args:
-        spec: A string in one of the forms of `ENTRIES`.
-        rules: The application's own rules, for `heuristic`: kind of question to function of its facts.
-        rng: Random generator of advisors with errors.
-        inbox: Folder of `desk` for its questions.
-        cfg: Time-outs, budget and output mode of real models.
-        where: Flag to name in an error message.
-        mistakes: The application's plausible errors, for `sloppy`.
+    The `rules`, by kind of question functions of its facts, are the application's own, for `heuristic`; the `mistakes`
+    its plausible errors, for `sloppy`. `rng` is for advisors with errors, `inbox` the folder of `desk` for its
+    questions.
 
     Raises:
         InputError: The string names no advisor, a file is missing or unreadable, or the environment has no key.

@@ -38,13 +38,10 @@ class ReplayAdvisor:
     def __init__(
         self, recording: Path | str, where: str = "--advisor", *, in_order: bool = False, accepted: bool = False
     ) -> None:
-        """Read a recording.
+        """Read attempts.jsonl, a run folder that holds one, or a shipped recording by its name.
 
-        Args:
-            recording: attempts.jsonl, a run folder that holds one, or a shipped recording's name.
-            where: What to name in an error message.
-            in_order: Whether to answer questions of a kind in the order of the recording.
-            accepted: Whether to leave out answers that were refused then.
+        Questions of a kind may be answered in the order of the recording; with `accepted`, answers that were refused
+        then are left out.
 
         Raises:
             InputError: There is no such file, or a line is not an attempt.

@@ -32,10 +32,8 @@ class _Capped(httpx2.AsyncByteStream):
 def http_client(max_reply_bytes: int, timeout_s: float) -> httpx2.AsyncClient:
     """Make an HTTP client that closes the connection on a reply longer than `max_reply_bytes`.
 
-    Args:
-        max_reply_bytes: Limit on the body. A body that is compressed although this was not requested gets a twentieth
-            of it, so that it cannot unpack to much more.
-        timeout_s: Longest wait between two pieces of a reply (s); for a connection, `CONNECT_S` if that is less.
+    A body that is compressed although this was not requested gets a twentieth of it, so that it cannot unpack to much
+    more. `timeout_s` is the longest wait between two pieces of a reply (s); for a connection, `CONNECT_S` if less.
     """
 
     async def cap(response: httpx2.Response) -> None:

@@ -58,11 +58,7 @@ class Piece:
 
 
 def clearances(trial: Trial) -> dict[str, Derived]:
-    """Return the clearances that a cost may read, by name.
-
-    Args:
-        trial: The trial; its shapes and fixtures are known, poses are read from the state.
-    """
+    """Return the clearances that a cost may read, by name; shapes and fixtures are known, poses are the state's."""
     movable, fixed = object_pieces(trial), fixture_pieces(trial)
     hand = hand_pieces()
     found = {f"{name}_hand_clearance": _derived(each, hand) for name, each in {**movable, **fixed}.items()}
@@ -75,11 +71,7 @@ def clearances(trial: Trial) -> dict[str, Derived]:
 
 
 def clearance(first: Sequence[Piece], second: Sequence[Piece], state: Context) -> Array:
-    """Compute the shortest distance (m) between two things, 0 where they touch.
-
-    Returns:
-        Shape=(K, H), or one that broadcasts to it.
-    """
+    """Compute the shortest distance (m) between two things, 0 where they touch. Shape=(K, H), or broadcasts to it."""
     ones, others = ([piece.place(state) for piece in thing] for thing in (first, second))
     shape = np.broadcast_shapes(*(part.shape[:2] for place in (*ones, *others) for part in place))
     best = np.full(shape, np.inf).ravel()

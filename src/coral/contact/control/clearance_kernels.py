@@ -26,21 +26,11 @@ def shorten(
     other_corners: Array,
     projections: int,
 ) -> None:
-    """Lower `best` to the distance of two pieces in every state in which that is shorter.
+    """Lower `best`, Shape=(n,) m, to the distance of two pieces in every state in which that is shorter.
 
-    Args:
-        best: Shortest distance so far, Shape=(n,) m; changed in place.
-        one_at: Positions of one piece, Shape=(n, 3) m.
-        one_turn: Its orientations, Shape=(n, 4).
-        one_half: Half of its extents, Shape=(3,) m.
-        one_round: 0 for a box, 2 for a cylinder along z, 3 for a sphere.
-        one_corners: Its corners in its own axes, Shape=(m, 3) m; of a sphere its centre.
-        other_at: The same of the other piece.
-        other_turn: See `one_turn`.
-        other_half: See `one_half`.
-        other_round: See `one_round`.
-        other_corners: See `one_corners`.
-        projections: Maximum number of projections to and fro.
+    Of each piece: positions, Shape=(n, 3) m, and orientations, Shape=(n, 4); half of its extents (m); `round`: 0 for a
+    box, 2 for a cylinder along z, 3 for a sphere; its corners in its own axes, Shape=(m, 3) m, of a sphere its centre.
+    `projections` to and fro are made at most.
     """
     radii = (one_half[0] if one_round == 3 else 0.0) + (other_half[0] if other_round == 3 else 0.0)
     size = np.sqrt((one_half**2).sum()) + np.sqrt((other_half**2).sum())

@@ -38,13 +38,9 @@ class HandController(Protocol):
     ) -> HandPlan:
         """Plan the targets of the next control steps; the episode follows the first of them, and plans again.
 
-        Args:
-            now: The state from which to plan: measured, or predicted for the time when the plan will be ready.
-            stage: The active stage, whose cost is to be minimised.
-            step: Control steps since the episode began, at `now`.
-            since: The observation with which the stage began; None if it begins now.
-            target: The target that the hand follows at `now`; None for the one of the plan before.
-            executed: Control steps of the plan before that are executed at `now`.
+        `now` is measured, or predicted for the time when the plan will be ready, `step` control steps after the episode
+        began. The stage began with `since`; None if it begins now. The hand follows `target` at `now`; None for the one
+        of the plan before, of which so many control steps are `executed` then.
 
         Raises:
             CostError: The stage's cost cannot be evaluated.
@@ -57,11 +53,7 @@ HAND_CONTROLLERS: dict[str, MakeHandController] = {"mppi": Controller}
 
 
 def hand_controller_maker(controller: str | MakeHandController, where: str = "controller") -> MakeHandController:
-    """Return the function that makes an episode's controller.
-
-    Args:
-        controller: Name of ours or of an entry point of the group `coral.hand_controllers`, or the function itself.
-        where: Flag or argument, for the error.
+    """Return what makes an episode's controller: given itself, or by the name of ours or of an entry point.
 
     Raises:
         InputError: There is no controller of this name.

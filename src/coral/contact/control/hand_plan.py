@@ -66,14 +66,7 @@ class HandPlan:
 
 
 def keep_paths(context: Context, sane: NDArray[np.bool_], weights: Array, names: Sequence[str]) -> RolloutPaths:
-    """Copy the paths of the rollout with the largest weight, and the tool's in some others.
-
-    Args:
-        context: The states of the rollouts.
-        sane: Shape=(K,), which rollouts are valid.
-        weights: Shape=(K,), of the update.
-        names: The objects.
-    """
+    """Copy the paths of the valid (`sane`) rollout with the largest weight, and the tool's in some others."""
     best, valid = int(np.argmax(weights)), np.flatnonzero(sane)
     some = valid[:: max(1, len(valid) // DRAWN)]
     objects = {name: np.array(context[f"{name}_pos"][best]) for name in names}

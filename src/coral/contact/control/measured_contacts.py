@@ -28,13 +28,7 @@ PARTS = ("left", "right", "hand")
 
 
 def touched_by(world: PlanningWorld, now: Observation, commanded_opening_m: float) -> dict[str, tuple[str, ...]]:
-    """Return what each part of the hand touches: objects, fixtures, the table.
-
-    Args:
-        world: The planning world; only its shapes are used.
-        now: The measured state.
-        commanded_opening_m: The opening last commanded.
-    """
+    """Return what each part of the hand touches: objects, fixtures, the table. Only the world's shapes are used."""
     felt = float(np.linalg.norm(now.wrench[:3])) > FELT_N
     held = now.opening_m > max(commanded_opening_m, 0.0) + HELD_M
     if not felt and not held:
@@ -59,12 +53,7 @@ def touched_by(world: PlanningWorld, now: Observation, commanded_opening_m: floa
 
 
 def sunk_into(world: PlanningWorld, now: Observation) -> dict[str, float]:
-    """Return how deep (m) the hand is inside each object by the believed poses, which a true pose excludes.
-
-    Args:
-        world: The planning world; only its shapes are used.
-        now: The measured state.
-    """
+    """Return how deep (m) the hand is inside each object by the believed poses, which a true pose excludes."""
     model, data = world.placed(now)
     own = [geom for geoms in _geoms_of(model, PARTS).values() for geom in geoms]
     return {
@@ -83,13 +72,7 @@ def _gap(model: mujoco.MjModel, data: mujoco.MjData, first: list[int], second: l
 
 
 def with_measured_contacts(state: Context, now: Observation, touched: dict[str, tuple[str, ...]]) -> Context:
-    """Return a state with the measured contacts and forces of the hand in place of the predicted ones.
-
-    Args:
-        state: A batch of one.
-        now: The measured state.
-        touched: From `touched_by`.
-    """
+    """Return a state, a batch of one, with the hand's measured contacts and forces in place of the predicted ones."""
     values: dict[str, Value] = {
         "ee_force": now.wrench[None, None, :3],
         "ee_torque": now.wrench[None, None, 3:],

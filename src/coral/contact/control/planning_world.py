@@ -87,11 +87,8 @@ class ControlSequences:
 class PlanningWorld:
     """A simulation of the scene under believed parameters, in which control sequences are rolled out.
 
-    Args:
-        trial: The trial; its sizes and shapes are known, its masses and frictions are replaced by `beliefs`.
-        beliefs: One belief for each object, or several sets of them, to compare.
-        start: The first observation; costs read it as `_init_`.
-        cfg: Time steps and approximations.
+    The trial's sizes and shapes are known, its masses and frictions are replaced by `beliefs`: one for each object, or
+    several sets of them, to compare. Costs read `start`, the first observation, as `_init_`.
     """
 
     def __init__(
@@ -160,15 +157,9 @@ class PlanningWorld:
     ) -> tuple[Context, NDArray[np.bool_]]:
         """Roll out K sequences from the present state under each belief.
 
-        Args:
-            now: The measured state.
-            controls: Control sequences of the rollouts.
-            step: Control steps since the episode began.
-            since: The observation with which the active stage began; None if it begins now.
-
-        Returns:
-            The states after each control step, with K = beliefs x sequences in that order, and which rollouts are
-            valid, Shape=(K,): diverged ones are not, and their states repeat the last valid one.
+        The active stage began with `since`; None if it begins now. Returns the states after each control step, where K
+        is beliefs x sequences in that order, and which rollouts are valid, Shape=(K,): diverged ones are not, and their
+        states repeat the last valid one.
         """
         count, horizon = controls.opening.shape
         total = count * len(self.models)
@@ -197,11 +188,8 @@ class PlanningWorld:
     ) -> Context:
         """Return the measured state as a batch of one; contacts are the first belief's after one still step.
 
-        Args:
-            now: The measured state.
-            step: Control steps since the episode began.
-            opening_m: The commanded opening; by default the measured one.
-            since: The observation with which the active stage began; None if it begins now.
+        The active stage began with `since`; None if it begins now. By default the measured opening is the commanded
+        one.
         """
         still = ControlSequences(
             now.tool.position[None, None],

@@ -12,14 +12,7 @@ from coral.contact.scene.observation import BodyState, HandTarget, Observation
 
 
 def state_after(world: PlanningWorld, now: Observation, targets: Sequence[HandTarget], step: int) -> Observation:
-    """Return the state once the hand has followed some targets.
-
-    Args:
-        world: The planning world.
-        now: The measured state.
-        targets: One for each control step, all of one stiffness; none: the present state.
-        step: Control steps since the episode began.
-    """
+    """Return the state once the hand has followed targets of one stiffness, one a step; none: the present state."""
     states = states_under(world, now, targets, step) if targets else None
     return now if states is None else observation_of(states, now)
 
@@ -37,13 +30,7 @@ def states_under(world: PlanningWorld, now: Observation, targets: Sequence[HandT
 
 
 def observation_of(states: Context, like: Observation, index: int = -1) -> Observation:
-    """Return a state of the first sequence as an observation.
-
-    Args:
-        states: Rolled-out states.
-        like: An observation of the same objects.
-        index: Index of the state in the sequence; by default the last.
-    """
+    """Return a state of the first sequence, by default the last, as an observation of the same objects as in `like`."""
 
     def at(name: str) -> Array:
         value: Array = np.asarray(states[name])[0, index]

@@ -42,14 +42,7 @@ class ReactiveCfg:
 
 
 class Reactive:
-    """Applies feedback and limits to planned targets.
-
-    Args:
-        cfg: Gains and limits.
-        period_s: Control period.
-        low_m: Shape=(3,), lowest corner of the box that bounds the commands.
-        high_m: Shape=(3,), highest corner.
-    """
+    """Applies feedback and limits to planned targets; a box from `low_m` to `high_m`, Shape=(3,), bounds commands."""
 
     def __init__(self, cfg: ReactiveCfg, period_s: float, low_m: Array, high_m: Array) -> None:
         self.cfg, self._low, self._high = cfg, np.asarray(low_m, float), np.asarray(high_m, float)
@@ -62,13 +55,9 @@ class Reactive:
         self._before, self._since = np.zeros(3), np.zeros(3)
 
     def observe(self, expected_position: Array, expected_force: Array, now: Observation, k: int = 0) -> None:
-        """Compare the outcome of a control step with the prediction of its plan.
+        """Compare the outcome of a control step with the prediction: the tool's position (m), force on the hand (N).
 
-        Args:
-            expected_position: Shape=(3,) m, predicted position of the tool.
-            expected_force: Shape=(3,) N, predicted force on the hand.
-            now: Observation after the step.
-            k: Index of the step in its plan: a plan's error grows from its start, and is summed over plans.
+        `k` is the index of the step in its plan: a plan's error grows from its start, and is summed over plans.
         """
         if k == 0:
             self._before = self._before + self._since

@@ -95,11 +95,7 @@ Mend = Callable[[Array, Array], NDArray[np.bool_]]
 
 
 class Rollouts:
-    """A pool of threads for batches of rollouts.
-
-    Args:
-        threads: Number of threads; 0 uses every core.
-    """
+    """A pool of threads for batches of rollouts; 0 uses every core."""
 
     can_sleep = bool(SLEEP)
     """Whether resting objects may sleep."""
@@ -116,14 +112,11 @@ class Rollouts:
         self._rollout.close()
 
     def run(self, starts: Sequence[RolloutStart], control: Array, spec: int, every: int, mend: Mend) -> Rolled:
-        """Roll out every start under its share of the controls.
+        """Roll out every start, of models that differ only in numbers, under its share of the controls.
 
-        Args:
-            starts: Starts of models that differ only in numbers.
-            control: Shape=(len(starts) * K, T * every, C): the first K for the first start, and so on.
-            spec: Contents of a row, as MuJoCo's `mjtState` bits.
-            every: Keep the last of this many steps.
-            mend: Checks a part of the rollouts as soon as it is complete.
+        These have Shape=(len(starts) * K, T * every, C): the first K for the first start, and so on. Of `every` so many
+        steps the last is kept, as a row of MuJoCo's `mjtState` bits in `spec`. `mend` checks a part of the rollouts as
+        soon as it is complete.
         """
         total, steps = control.shape[:2]
         each = [start for start in starts for _ in range(total // len(starts))]

@@ -41,9 +41,8 @@ class _OnDevice:
 class WarpRollouts:
     """Rollouts on a device, with the interface of `Rollouts`.
 
-    Args:
-        device: A device of Warp, such as cuda:0 or cpu; "" takes the first GPU, or the CPU if there is none.
-        threads: Threads for single rollouts under several beliefs; 0 uses every core.
+    The device is one of Warp's, such as cuda:0 or cpu; "" takes the first GPU, or the CPU if there is none. The threads
+    are for single rollouts under several beliefs; 0 uses every core.
 
     Raises:
         InputError: MuJoCo Warp is not installed, or there is no such device.

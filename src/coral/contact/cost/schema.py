@@ -35,14 +35,9 @@ def object_quantities(
     others: Iterable[str] = (),
     joint: Literal["", "hinge", "slide"] = "",
 ) -> dict[str, Quantity]:
-    """Describe the quantities of one movable object.
+    """Describe the quantities of one movable object, with named points such as `handle` on a board.
 
-    Args:
-        name: Name of the object in the task.
-        points: Named points on it, such as `handle` on a board.
-        fixtures: Fixed things that it may touch, such as `table` and `wall`.
-        others: Other movable objects that it may touch.
-        joint: What holds it, if anything.
+    It may touch the fixtures, such as `table` and `wall`, and the others; a joint may hold it.
     """
     found = {
         f"{name}_pos": Quantity(3, "m", f"origin of the {name}'s frame: its middle, unless its parts lie elsewhere"),

@@ -60,11 +60,8 @@ def is_term_name(name: object) -> bool:
 class CostError(RuntimeError):
     """A cost that cannot be used, with the reason that is sent back to its author.
 
-    Args:
-        code: One of CODES.
-        text: The fault, and the accepted form.
-        line: Line of the program, from 1; 0 if the fault is in no single line.
-        shown: Text of that line.
+    The code is one of CODES; the text names the fault, and the accepted form; the line, `shown`, counts from 1: it is 0
+    if the fault is in no single line.
     """
 
     def __init__(self, code: str, text: str, line: int = 0, shown: str = "") -> None:

@@ -17,9 +17,8 @@ WRAPPED = "def state_cost(self):\n"
 def extract(text: str) -> str:
     """Return the program in a model's reply, dedented, without fences and explanation.
 
-    Args:
-        text: The reply: bare code, code in a fence, an indented block, code and an explanation separated by `---`,
-            or the body of the function alone.
+    The reply is bare code, code in a fence, an indented block, code and an explanation separated by `---`, or the body
+    of the function alone.
     """
     text = text.replace("\r\n", "\n").replace("\r", "\n").expandtabs(4)
     code = _fenced_code(text)

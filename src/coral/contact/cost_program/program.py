@@ -54,13 +54,8 @@ class CostProgram:
     """A cost program that is checked and ready to be evaluated in this process.
 
     It satisfies `coral.contact.cost.context.Cost`. Code for one state is run for all states at once: a number is an
-    array over the batch, a vector has one more axis, and an `if` on the state runs both branches and joins them.
-
-    Args:
-        source: A model's reply that contains `def state_cost(self)`.
-        schema: The quantities of the state.
-        name: Name for reports.
-        limits: Bounds on its size and work.
+    array over the batch, a vector has one more axis, and an `if` on the state runs both branches and joins them. The
+    source may be a model's reply that contains `def state_cost(self)`.
 
     Raises:
         CostError: The text is not a program of the accepted language.

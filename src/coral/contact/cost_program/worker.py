@@ -140,12 +140,7 @@ class CostWorker:
         return self._ask(Ran, {**run, "traced": traced}), offset
 
     def run(self, cost: WorkerCost, state: Context, traced: bool = False) -> Traced:
-        """Evaluate a program.
-
-        Args:
-            cost: The program.
-            state: The batch.
-            traced: Whether to record the distances; the terms need not be finite then.
+        """Evaluate a program; `traced` records the distances, and the terms need not be finite then.
 
         Raises:
             CostError: The program cannot be evaluated, is not finite, or killed its process.

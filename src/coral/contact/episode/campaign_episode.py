@@ -39,9 +39,8 @@ def run_episode(
     own copy, so that trials do not depend on each other or on their order; new experiences are written to
     `remembered.json` in the run folder.
 
-    Returns:
-        Metrics and timing, with `evaluation_world`, `fallback` (the policy), and `memory_known`, the number of
-        experiences at the start.
+    Returns metrics and timing, with `evaluation_world`, `fallback` (the policy), and `memory_known`, the number of
+    experiences at the start.
 
     Raises:
         RunError: The episode was interrupted, or its tracker failed: no result of the variant.

@@ -56,16 +56,9 @@ PATIENCE_PLANS = 25
 class Episode:
     """Couples an evaluation world with the planner and records what happens.
 
-    Args:
-        trial: The trial.
-        world: Name of the evaluation world, or a world of your own, such as a robot.
-        strategist: Chooses the strategies.
-        cfg: Configuration of the episode.
-        folder: Run folder, new or empty.
-        variant: For the record.
-        advisor: For the record.
-        controller: The controller of the hand: a name, or the function that makes it.
-        operator_verdict: Asks the operator, who may judge the episode; None if there is none.
+    The world is the name of an evaluation world, or one of your own, such as a robot; the controller a name, or the
+    function that makes it. `variant` and `advisor` are for the record. `operator_verdict` asks the operator, who may
+    judge the episode.
 
     Raises:
         InputError: A value is out of range, a name is unknown, or the folder is not empty.

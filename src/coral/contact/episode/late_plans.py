@@ -22,14 +22,10 @@ REMEMBERED = 25
 
 
 class PlanLatency:
-    """Counts a plan's duration in control steps, before it is computed and after.
+    """Counts a plan's duration in control steps of `step_s` (s), before it is computed and after.
 
-    Args:
-        spec: `0`: the world stands still while a plan is computed. `fixed:SECONDS`: every plan takes so long, whatever
-            the machine. `measured`: as long as it takes here.
-        step_s: Control period (s).
-        least: Fewest control steps between plans.
-        most: Control steps of a plan.
+    `0`: the world stands still while a plan is computed. `fixed:SECONDS`: every plan takes so long, whatever the
+    machine. `measured`: as long as it takes here. A plan has `most` control steps, and `least` lie between two.
 
     Raises:
         InputError: The text is none of these, or no part of a plan would be left when it is ready.
@@ -125,9 +121,7 @@ class Meanwhile:
     """Takes steps in a thread for as long as a `with` block lasts, or until a step returns False.
 
     A block of planning spends its time in MuJoCo, which lets other threads run; a step spends it waiting for the robot.
-
-    Attributes:
-        steps: Steps taken in the last block.
+    `steps` counts those taken in the last block.
     """
 
     def __init__(self, step: Callable[[], bool]) -> None:

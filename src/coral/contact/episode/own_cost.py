@@ -40,9 +40,8 @@ ENDINGS = (".py", ".yaml", ".yml", ".json")
 def read_cost_file(path: Path) -> PlanAnswer:
     """Read a plan. Its programs are not run; `judge_plan` checks them.
 
-    Args:
-        path: A `.py` file with `def state_cost(self)`, or a YAML or JSON file with `code` or `stages`
-            (`PlanAnswer`), or the list of stages alone.
+    It is a `.py` file with `def state_cost(self)`, or a YAML or JSON file with `code` or `stages` (`PlanAnswer`), or
+    the list of stages alone.
 
     Raises:
         InputError: The file cannot be read, or is no plan.
@@ -79,12 +78,8 @@ def own_cost(given: Any, trial: Trial, cfg: EpisodeCfg, where: str = "--cost") -
 
     The checks are those of a model's costs. Programs in files run in the confined process; functions run here.
 
-    Args:
-        given: A file (`read_cost_file`), a function of a `Context`, a `Stage`, several stages, a `Strategy`, or the
-            name of an entry point of the group `coral.costs`, a function of the task that returns one of these.
-        trial: The trial.
-        cfg: Configuration of the episode.
-        where: Flag or argument, for errors.
+    `given` is a file (`read_cost_file`), a function of a `Context`, a `Stage`, several stages, a `Strategy`, or the
+    name of an entry point of the group `coral.costs`, a function of the task that returns one of these.
 
     Raises:
         InputError: It is no cost, or a check refuses it, with the reason.

@@ -22,11 +22,8 @@ OperatorVerdict = Callable[[], Literal["success", "failure", ""]]
 class Referee:
     """Judges an episode, one call of each method at every control step.
 
-    Args:
-        name: Name for records.
-        judge: Judges by the conditions of the task; None leaves the verdict to the operator.
-        truth: Returns the true state; None judges by the measured poses, with their errors.
-        operator_verdict: Asks the operator.
+    The `judge` judges by the conditions of the task; None leaves the verdict to the operator. Without the `truth` it
+    judges by the measured poses, with their errors.
     """
 
     def __init__(

@@ -131,16 +131,9 @@ def assemble_episode(
 ) -> Episode:
     """Make an episode of a variant, or of a cost of the user's own, whose source goes into the run folder.
 
-    Args:
-        trial: The trial.
-        world: Name of a simulated world, or what connects a robot; it is called when all else is right.
-        cfg: Configuration of the episode.
-        folder: Run folder, new or empty.
-        variant: The variant, if there is no cost.
-        asking: The advisor; the trial's seed, the folder and the outer loop's configuration are added here.
-        cost: A checked cost, which is followed instead.
-        controller: The controller of the hand.
-        operator: Makes what asks the operator, once the robot is connected.
+    The world is simulated, by name, or what connects a robot; it is called when all else is right, and `operator`,
+    which makes what asks the operator, once the robot is connected. To `asking` the trial's seed, the folder and the
+    outer loop's configuration are added. A checked `cost` is followed in place of the variant.
 
     Raises:
         InputError, RunError: As of `make_strategist` and `Episode`.

@@ -36,14 +36,9 @@ def palm_down(ahead: Array) -> Array:
 
 
 def reach_terms(state: Context, name: str, target: Array, squareness: Array, above_m: float) -> Terms:
-    """Compute the cost of coming down behind a face without touching the object.
+    """Compute the cost of coming down from `above_m` behind a face without touching the object.
 
-    Args:
-        state: The batch.
-        name: Name of the object.
-        target: Shape=(..., 3) m, target of the tool.
-        squareness: Shape=(...), misalignment of the fingers with the face.
-        above_m: Height from which the hand comes down.
+    The target of the tool has Shape=(..., 3) m, `squareness`, the fingers' misalignment with the face, Shape=(...).
     """
     off = state.ee_pos - target
     over = np.clip(norm(off[..., :2]) - 0.015, 0, 0.05) / 0.05

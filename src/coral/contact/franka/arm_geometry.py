@@ -53,14 +53,7 @@ _PAIRS = np.array(
 
 
 def link_frames(joints: Array) -> Array:
-    """Compute the frames of base and links by forward kinematics.
-
-    Args:
-        joints: Shape=(7,) rad.
-
-    Returns:
-        Shape=(8, 4, 4); the first is the base.
-    """
+    """Compute the frames of base and links, Shape=(8, 4, 4), by forward kinematics of the joints, Shape=(7,) rad."""
     frames = [np.eye(4)]
     for (a, d, alpha), theta in zip(_DH, joints, strict=True):
         ct, st, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
@@ -77,11 +70,7 @@ def link_frames(joints: Array) -> Array:
 
 
 def self_distance(joints: Array) -> float:
-    """Compute the smallest distance between links that are not neighbours (m); negative where they overlap.
-
-    Args:
-        joints: Shape=(7,) rad.
-    """
+    """Compute the smallest distance between links that are not neighbours (m); negative where they overlap."""
     frames = link_frames(joints)[_FRAMES]
     first = np.einsum("nij,nj->ni", frames[:, :3, :3], _FIRST) + frames[:, :3, 3]
     second = np.einsum("nij,nj->ni", frames[:, :3, :3], _SECOND) + frames[:, :3, 3]

@@ -61,10 +61,6 @@ class CameraJob:
 class CameraProcess:
     """Starts the camera, and tracks until it is closed.
 
-    Args:
-        job: What to do.
-        make_process: Makes the process; a thread in tests.
-
     Raises:
         InputError, RunError: The camera or the masks cannot be used.
     """

@@ -17,13 +17,10 @@ _END_S = 3.0
 
 
 class ChildProcess:
-    """Starts a process and waits until it is ready.
+    """Starts a process and waits until it is ready; `what` it is, errors say.
 
-    Args:
-        what: What it is, in errors.
-        body: Runs in it, with `args` and its end of the pipe; it says by `get_ready` that it is ready.
-        args: Arguments that can be pickled.
-        make_process: Makes the process; a thread in tests.
+    `body` runs in it, with `args`, which can be pickled, and its end of the pipe; it says by `get_ready` that it is
+    ready. In tests a thread is made instead.
 
     Raises:
         InputError, RunError: It cannot become ready.

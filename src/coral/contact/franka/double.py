@@ -56,13 +56,10 @@ POSES_NOISE_M, POSES_NOISE_RAD = 0.001, 0.01
 
 
 def cfg_for_double(cfg: FrankaCfg, silence_s: float = 2.0) -> FrankaCfg:
-    """Return the configuration for the simulated arm: its friction, and patience.
+    """Return an arm's configuration for the simulated one: its friction, and patience.
 
-    A simulated arm and the program slow down on a busy machine, so their silence is awaited for longer.
-
-    Args:
-        cfg: The configuration, as for an arm.
-        silence_s: Least time-out of link and watchdog.
+    A simulated arm and the program slow down on a busy machine, so their silence is awaited for longer: link and
+    watchdog time out after `silence_s` at the earliest.
     """
     friction = cfg.joint_friction_n_m
     if not any(friction):
@@ -78,12 +75,8 @@ def cfg_for_double(cfg: FrankaCfg, silence_s: float = 2.0) -> FrankaCfg:
 class Double:
     """Starts the simulated arm and stops it.
 
-    Args:
-        trial: The trial.
-        arm: Configuration of the arm.
-        speed: Seconds of the arm's clock in a second of the machine's: below 1, plans of a busy machine are not later
-            by the arm's clock than those of a quiet one.
-        make_process: Makes the process; a thread in tests.
+    `speed` is the seconds of the arm's clock in a second of the machine's: below 1, plans of a busy machine are not
+    later by the arm's clock than those of a quiet one.
 
     Raises:
         InputError: franky-sim is not installed.

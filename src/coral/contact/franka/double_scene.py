@@ -52,12 +52,7 @@ def part_of(model: mujoco.MjModel, geom: int) -> str:
 
 
 class DoubleScene:
-    """Reads contacts and poses of the simulation.
-
-    Args:
-        model, data: The simulation.
-        trial: The trial.
-    """
+    """Reads contacts and poses of the simulation."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, trial: Trial) -> None:
         self._model, self._data = model, data
@@ -72,10 +67,9 @@ class DoubleScene:
         self._steps = 0
 
     def measure(self) -> Array:
-        """Take in the contacts of a physics step.
+        """Take in the contacts of a physics step: the wrench of the surroundings on hand and fingers.
 
-        Returns:
-            Shape=(6,), force and torque of the surroundings on hand and fingers about the tool, world axes.
+        Shape=(6,), force and torque about the tool, world axes.
         """
         data, wrench = self._data, np.zeros(6)
         on: dict[str, Array] = {}

@@ -41,10 +41,6 @@ def franky() -> Any:
 class FrankyArm:
     """Drives a Panda or FR3 by Cartesian impedance.
 
-    Args:
-        address: Address of the arm's control.
-        cfg: Configuration.
-
     Raises:
         InputError: The package is missing, or nothing answers at the address.
         RunError: The arm speaks another version of the protocol, or has no gripper.

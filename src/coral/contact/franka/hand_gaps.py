@@ -40,10 +40,7 @@ class Gap:
 class HandGaps:
     """Finds the gaps from the poses of hand and objects, and from the task's shapes.
 
-    Only the hand is considered, not the other links of the arm.
-
-    Args:
-        trial: The trial, of which only shapes and fixtures are used.
+    Only the hand is considered, not the other links of the arm, and of the trial only shapes and fixtures.
     """
 
     def __init__(self, trial: Trial) -> None:
@@ -71,13 +68,7 @@ class HandGaps:
         """Return the gaps narrower than `within_m`.
 
         Those of the hand, and those of every object that it touches to the table, the fixtures and the other objects.
-        What both fingers touch moves with them and is no obstacle to them.
-
-        Args:
-            tool: The tool in the world.
-            opening_m: Opening of the fingers.
-            objects: The objects in the world; one that is missing is not considered.
-            within_m: Width of the widest gap.
+        What both fingers touch moves with them and is no obstacle to them. An object that is missing is not considered.
         """
         self._put(self._parts["hand"], tool)
         for part, side in zip(_FINGERS, (0.5, -0.5), strict=True):

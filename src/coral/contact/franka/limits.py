@@ -26,11 +26,7 @@ _PROJECTIONS = 5
 
 
 class Limits:
-    """Checks states and bounds targets.
-
-    Args:
-        arm: The arm, with its limits.
-    """
+    """Checks states and bounds targets."""
 
     def __init__(self, arm: FrankaCfg) -> None:
         self.cfg, self._arm = arm.limits, arm
@@ -40,9 +36,7 @@ class Limits:
     def violation(self, state: ArmState, wrench: Array) -> str:
         """Return which limit a state violates, in words with numbers; "" if it violates none.
 
-        Args:
-            state: The state, in the arm's base frame.
-            wrench: Shape=(6,), the contact wrench without its bias.
+        The state is in the arm's base frame; `wrench`, Shape=(6,), is the contact wrench without its bias.
         """
         cfg = self.cfg
         if not np.isfinite([*state.joints, *state.joint_speeds, *state.position, *state.twist, *wrench]).all():
@@ -86,12 +80,9 @@ class Limits:
 
         Against a measured force F above `push_n` the pull's component into the contact is scaled by push_n / F.
 
-        Args:
-            target: The target in the arm's base frame. Its additional force is converted to a displacement.
-            state: The present state.
-            wrench: Shape=(6,), the contact wrench without its bias.
-            gaps: The gaps around the hand.
-            pressing: Shape=(3,), the contact force without its blows: smoothed. By default that of `wrench`.
+        The target is in the arm's base frame; its additional force is converted to a displacement. `wrench`,
+        Shape=(6,), is the contact wrench without its bias; `pressing`, Shape=(3,), the contact force without its blows:
+        smoothed. By default it is that of `wrench`.
         """
         most = self.cfg.push_n / target.stiffness
         lead = np.clip(target.position, self._low, self._high) + target.force / target.stiffness - state.position

@@ -31,12 +31,8 @@ class ObjectPoses:
 
     A datagram is `{"objects": {"NAME": {"position": [x, y, z], "quaternion": [w, x, y, z]}}}`, in metres and the world
     frame, or with `"in": "tool"` in the tool's: such an object moves with the hand until the next datagram. It may name
-    some of the objects only. A datagram that is anything else is counted and otherwise ignored.
-
-    Args:
-        names: The objects of the task.
-        host: Interface to listen on.
-        port: UDP port; 0 takes a free one.
+    some of the objects only. A datagram that is anything else is counted and otherwise ignored. Port 0 takes a free
+    one.
 
     Raises:
         InputError: The port cannot be used.
@@ -58,12 +54,7 @@ class ObjectPoses:
         self._seen: dict[str, float] = {}
 
     def update(self, now_s: float, tool: BodyState | None = None) -> None:
-        """Take in all datagrams that have arrived; never waits.
-
-        Args:
-            now_s: The arm's clock.
-            tool: The tool in the world, which carries what is held.
-        """
+        """Take in all datagrams that have arrived; never waits. The tool, in the world, carries what is held."""
         self._receive(now_s)
         if tool is not None:
             self._poses |= {name: _carried(pose, tool) for name, pose in self._held.items()}

@@ -30,13 +30,7 @@ class PreflightCheck:
 
 
 def preflight_arm(report: StreamReport, cfg: FrankaCfg, objects: Sequence[str]) -> tuple[PreflightCheck, ...]:
-    """Check what the arm and the poses say while nothing moves.
-
-    Args:
-        report: The stream's report.
-        cfg: Configuration.
-        objects: The objects of the task.
-    """
+    """Check what the arm and the poses say while nothing moves."""
     state = report.state
     if state is None:
         return (PreflightCheck("the arm sends its state", False, "none has come"),)

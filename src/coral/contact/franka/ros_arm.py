@@ -60,11 +60,8 @@ class RosArm:
 
     A target of another stiffness is moved towards the tool so far that the controller pulls with the same force.
 
-    Args:
-        address: `ros2:` with a namespace or a file of ROS parameters.
-        cfg: Configuration; the objects' poses go to its `poses_host` and `poses_port`.
-        objects: Objects whose poses are heard.
-        node: Of this program; by default a new one.
+    The address is `ros2:` with a namespace or a file of ROS parameters; the objects' poses go to the `poses_host` and
+    `poses_port` of the configuration.
 
     Raises:
         InputError: There is no ROS 2, no state comes, or nobody listens.

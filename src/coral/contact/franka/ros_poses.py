@@ -23,11 +23,7 @@ class RosPoses:
     A pose is in the frame `world`, in the arm's base (a frame whose name ends with `link0` or `base`) or in the tool's
     (`tcp`); of another frame it is ignored, and so is one whose stamp is not newer than the last.
 
-    Args:
-        ros: The node.
-        names: The objects of the task.
-        base_m: Shape=(3,), the arm's foot in the world frame.
-        address: Host and UDP port for the datagrams.
+    The arm's foot, `base_m`, is in the world frame. Datagrams are heard at `address`.
 
     Raises:
         InputError: A type of message is missing.

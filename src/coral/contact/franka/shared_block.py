@@ -20,11 +20,7 @@ _BYTES = 65_536
 
 
 class SharedBlock(Generic[T]):
-    """One writer, one reader. The object can be passed to a process that is spawned.
-
-    Args:
-        first: What is read before the first write.
-    """
+    """One writer, one reader. The object can be passed to a process that is spawned."""
 
     def __init__(self, first: T) -> None:
         self._head: Any = RawArray("q", 2)

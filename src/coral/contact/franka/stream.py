@@ -89,15 +89,7 @@ class StreamReport:
 
 
 class Stream:
-    """Runs one arm, one `tick` at a time; it never waits.
-
-    Args:
-        arm: The arm.
-        poses: The objects' poses.
-        cfg: Configuration.
-        clock: Returns the machine's time (s).
-        hand_gaps: What the hand may run into; None if that is not known.
-    """
+    """Runs one arm, one `tick` at a time; it never waits. `clock` returns the machine's time (s)."""
 
     def __init__(
         self,

@@ -32,14 +32,7 @@ PRIORITY = 10
 
 
 class StreamProcess:
-    """Starts the stream and speaks with it.
-
-    Args:
-        make_arm: Makes the arm in the new process.
-        address: The arm's address.
-        cfg: Configuration.
-        trial: The trial: its objects, and the shapes that the hand may run into.
-        make_process: Makes the process; a thread in tests.
+    """Starts the stream, whose arm is made in the new process, and speaks with it.
 
     Raises:
         InputError, RunError: The arm cannot be used.

@@ -43,16 +43,8 @@ _SILENCE_S = 5.0
 class FrankaWorld:
     """An arm, real or simulated, as its sensors show it. Its time passes between steps.
 
-    Args:
-        stream: The stream to the arm.
-        cfg: Configuration of the arm.
-        control_period_s: Duration of one step, by the arm's clock.
-        objects: The objects of the task.
-        double: The simulated arm; it ends with the stream.
-        camera: Tracks the objects, if it is ours; it is told where the hand is, and ends with the stream.
-        dry_run: Commands are shown and not sent; the arm is only read.
-        show: Receives a line for the command that is not sent, five times a second.
-        sleep: Waits for a number of seconds; for tests.
+    The simulated arm (`double`) and a camera of ours, which is told where the hand is, end with the stream. In a dry
+    run the arm is only read: commands are not sent, and `show` receives a line for them five times a second.
     """
 
     name = "franka"

@@ -88,11 +88,7 @@ def default_folder() -> Path:
 
 
 def find_package(where: str, suite: str = "object") -> Package:
-    """Find the installed package.
-
-    Args:
-        where: The text that requires it, for the error.
-        suite: One of `SUITES`.
+    """Find the installed package with one of `SUITES`; `where` is the text that requires it, for the error.
 
     Raises:
         InputError: The package is not installed.

@@ -59,9 +59,8 @@ COLORS = (
 def load_libero(text: str) -> Task:
     """Load the task `libero:SUITE/TASK/STATE`, or `libero:pick/TASK/STATE`, which requires only lifting the object.
 
-    Args:
-        text: SUITE is one of `SUITES`, TASK the index of the task in it, STATE that of the initial state, both from 0;
-            STATE is optional.
+    SUITE is one of `SUITES`, TASK the index of the task in it, STATE that of the initial state, both from 0; STATE is
+    optional.
 
     Raises:
         InputError: There is no such task, or the package is not installed or not as expected.
@@ -99,13 +98,7 @@ def lifting(task: Task) -> Task:
 
 
 def libero_task(package: Package, task: str, name: str, state: int) -> Task:
-    """Make a task of the package in an initial state.
-
-    Args:
-        package: The package.
-        task: Name of the task there.
-        name: Name of the task here.
-        state: Index of the initial state.
+    """Make a task of the package, whose name is `task` there and `name` here, in an initial state.
 
     Raises:
         InputError: A file is missing or not as expected.

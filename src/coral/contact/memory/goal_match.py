@@ -46,14 +46,8 @@ def match_goals(
 ) -> GoalMatch | None:
     """Match the goals of two tasks by kind, direction and manner, whatever their names, order and magnitudes.
 
-    Args:
-        remembered: Goals of the task that succeeded.
-        asked: Goals of the present task.
-        then: Positions of the joints when the remembered trial began, by object, degrees or metres.
-        now: The same of the present trial.
-
-    Returns:
-        The correspondence; None if the tasks ask for different things.
+    `then` and `now` are the positions of the joints when the remembered and the present trial began, by object, degrees
+    or metres. None if the tasks ask for different things.
     """
     before, after = _flatten(remembered), _flatten(asked)
     defining = [[one for one in goals if one["kind"] not in MANNER | STRICT] for goals in (before, after)]

@@ -125,13 +125,7 @@ class MemoryCfg:
 
 
 class Memory:
-    """Stores experiences and retrieves them.
-
-    Args:
-        where: The SQLite file; created at the first success.
-        cfg: Names the embedder.
-        embedder: Embeds texts; by default the one that `cfg` names.
-    """
+    """Stores experiences and retrieves them from an SQLite file, created at the first success."""
 
     def __init__(self, where: str | Path, cfg: MemoryCfg | None = None, embedder: Embedder | None = None) -> None:
         self.store = SqliteStore(Path(where))

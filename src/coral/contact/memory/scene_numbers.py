@@ -36,10 +36,9 @@ PLACE_M = 0.5
 def scene_numbers(facts: SceneFacts) -> dict[str, float]:
     """Return the numbers of a scene by name; things are numbered in the order in which the goals name them.
 
-    Returns:
-        For thing k: `objectk.size.0` to `.2` (m), `.up` (its axis nearest to vertical), `.z` (m), `.mass_kg`,
-        `.friction`, `.joint`; `place.NAME.0` to `.2` (m) of places and fixtures, and `place.NAME.low.0` and `.high.0`
-        for the faces of a fixture that is not turned; `goal.KIND.objectk.FIELD`; `number.NAME` of the task.
+    For thing k: `objectk.size.0` to `.2` (m), `.up` (its axis nearest to vertical), `.z` (m), `.mass_kg`, `.friction`,
+    `.joint`; `place.NAME.0` to `.2` (m) of places and fixtures, and `place.NAME.low.0` and `.high.0` for the faces of a
+    fixture that is not turned; `goal.KIND.objectk.FIELD`; `number.NAME` of the task.
     """
     found: dict[str, float] = {}
     order = {name: f"object{index}" for index, name in enumerate(roles(facts["goals"]))}
@@ -102,11 +101,7 @@ def translate_numbers(
 ) -> dict[str, float]:
     """Return the numbers of a remembered scene under the names that their counterparts have in this scene.
 
-    Args:
-        numbers: The remembered scene's.
-        before: Its goals.
-        after: The goals here.
-        names: Things there and their counterparts here.
+    `before` are its goals, `after` those here; `names` are things there and their counterparts here.
     """
     here = {name: f"object{index}" for index, name in enumerate(roles(after))}
     keys = {f"object{index}": here[names[name]] for index, name in enumerate(roles(before)) if names.get(name) in here}
@@ -124,10 +119,7 @@ def translate_numbers(
 def scene_distance(one: Mapping[str, float], other: Mapping[str, float], places: frozenset[str]) -> float:
     """Compute the largest difference between two scenes, relative to its limit; infinite if it cannot be overcome.
 
-    Args:
-        one: Numbers of the remembered scene, under this scene's names.
-        other: Numbers of this scene.
-        places: Names of the places and fixtures that the goals name; the others do not matter.
+    Both have this scene's names. Only the places and fixtures that the goals name, `places`, matter.
     """
     worst = 0.0
     for key in set(one) & set(other):

@@ -51,12 +51,10 @@ class Row:
 
 
 class SqliteStore:
-    """Keeps rows. Several processes may write at once; an acknowledged write survives a kill.
+    """Keeps rows in a file, created at the first row.
 
-    Every call raises `InputError`, which names the file, if it cannot be read or written.
-
-    Args:
-        path: The file; created at the first row.
+    Several processes may write at once; an acknowledged write survives a kill. Every call raises `InputError`, which
+    names the file, if it cannot be read or written.
     """
 
     def __init__(self, path: Path) -> None:

@@ -39,13 +39,8 @@ def make_advisor_camera(
 ) -> Look:
     """Make the advisor's camera. It is built for the first picture: many episodes take none.
 
-    Args:
-        world: The world; without a simulation there are no pictures.
-        trial: The trial.
-        tracked: Viewpoint and depth noise.
-        cfg: Size of the pictures.
-        rng: Random numbers of the depth noise; separate, so that taking pictures changes nothing else.
-        above: Whether it stands above the table instead, x up in the picture.
+    A world without a simulation has no pictures. `rng` draws the depth noise only, so that taking pictures changes
+    nothing else. `above`: the camera stands above the table instead, x up in the picture.
     """
     simulation = simulation_of(world)
     camera: list[RayCamera] = []

@@ -21,19 +21,13 @@ ROUNDS = 2
 def count_agreement(
     T_camera_object: NDArray[np.float64], solids: Solids, patch: ImagePatch, margin: float
 ) -> NDArray[np.float64]:
-    """Count the pixels that the object at a pose explains, and those that it does not.
+    """Count the pixels that the object at T_camera_object, Shape=(4, 4), explains, and those that it does not.
 
-    Args:
-        T_camera_object: Shape=(4, 4).
-        solids: Solids of the object, in its own frame.
-        patch: The measurement.
-        margin: Measured and drawn surface agree within this distance (m) along the normal, and within four times this
-            distance along the optical axis: depth is noisier on slanted surfaces.
-
-    Returns:
-        Shape=(7,): pixels where depths agree, where they do not, where the drawing does not cover the mask, where it
-        covers free space, where something nearer occludes it, where it is drawn; and the sum of |difference| / margin
-        over the pixels that agree. Pixels next to an outline count as neither uncovered nor free.
+    Measured and drawn surface agree within `margin` (m) along the normal, and within four times this distance along the
+    optical axis: depth is noisier on slanted surfaces. Returns Shape=(7,): pixels where depths agree, where they do
+    not, where the drawing does not cover the mask, where it covers free space, where something nearer occludes it,
+    where it is drawn; and the sum of |difference| / margin over the pixels that agree. Pixels next to an outline count
+    as neither uncovered nor free.
     """
     measured, mask, field, occlusion, lens = patch.depth, patch.mask, patch.mask_distance, patch.occlusion, patch.lens
     height, width = measured.shape
@@ -80,14 +74,7 @@ def count_agreement(
 def shift_onto_mask(
     T_camera_object: NDArray[np.float64], solids: Solids, patch: ImagePatch, rounds: int
 ) -> NDArray[np.float64]:
-    """Return the pose, Shape=(4, 4), shifted until the object's drawing has the centre and mean depth of the mask.
-
-    Args:
-        T_camera_object: Shape=(4, 4).
-        solids: Solids of the object, in its own frame.
-        patch: The measurement.
-        rounds: Number of drawings.
-    """
+    """Return the pose, Shape=(4, 4), shifted until the object's drawing has the centre and mean depth of the mask."""
     measured, mask, lens = patch.depth, patch.mask, patch.lens
     height, width = measured.shape
     depth = np.empty((height, width))

@@ -38,18 +38,11 @@ def align(
     outline: float,
     hold: float,
 ) -> NDArray[np.float64]:
-    """Improve a pose by Gauss-Newton steps; return it, Shape=(4, 4).
+    """Improve a pose, Shape=(4, 4), by `iterations` Gauss-Newton steps at most that rotate the object about `pivot`.
 
-    Args:
-        T_camera_object: Shape=(4, 4).
-        pivot: Shape=(3,) m, the point of the object about which steps rotate it.
-        solids: Solids of the object, in its own frame.
-        patch: The measurement.
-        iterations: Maximum number of steps.
-        wide: Depth residuals larger than this (m) are ignored in the first step.
-        tight: Depth residuals larger than this (m) are ignored in the last step.
-        outline: Weight of an outline residual relative to a depth residual.
-        hold: Weight of the first guess, in depth residuals, along every direction.
+    Depth residuals larger than `wide` (m) are ignored in the first step, those larger than `tight` (m) in the last one.
+    `outline` is the weight of an outline residual relative to a depth residual; `hold`, in depth residuals, that of the
+    first guess along every direction. The pivot is a point of the object (m).
     """
     height, width = patch.depth.shape
     depth = np.empty((height, width))

@@ -79,12 +79,7 @@ class RgbdFrame:
 
 
 def look_at(eye: Iterable[float], target: Iterable[float]) -> Array:
-    """Compute T_world_camera of an upright camera. Shape=(4, 4).
-
-    Args:
-        eye: Shape=(3,) m, position of the camera.
-        target: Shape=(3,) m, a point on its optical axis; not straight above or below the camera.
-    """
+    """Compute T_world_camera, Shape=(4, 4), of an upright camera; the target (m) is not straight above or below it."""
     position = np.array([*eye], float)
     forward = np.array([*target], float) - position
     forward /= np.linalg.norm(forward)
@@ -98,15 +93,8 @@ def look_at(eye: Iterable[float], target: Iterable[float]) -> Array:
 class RayCamera:
     """Takes pictures of one MuJoCo model, with one exact ray per pixel.
 
-    Args:
-        model: The scene.
-        cfg: The camera.
-        T_world_camera: Shape=(4, 4), camera optical frame to world; `look_at` makes one.
-        instances: Name of the thing by geom id; other geoms are drawn without a name.
-        groups: Geom groups to draw (MuJoCo draws 0 to 2 by default).
-        noise: Noise of depth and outlines; None for perfect pictures.
-        colours: Whether pictures have colours, shaded by the rays.
-        hidden: Geoms that rays ignore.
+    `instances` names the things by geom id; other geoms are drawn without a name, those of other `groups` (MuJoCo draws
+    0 to 2 by default) and the `hidden` ones not at all. Colours are shaded by the rays.
 
     Raises:
         InputError: Rays cannot draw a geom of the scene.
@@ -142,12 +130,7 @@ class RayCamera:
         self._depth, self._solid, self._face = np.empty(shape), np.empty(shape, np.int64), np.empty(shape, np.int64)
 
     def take(self, data: mujoco.MjData, rng: np.random.Generator | None = None) -> RgbdFrame:
-        """Take a picture of the present state; MuJoCo's kinematics must be up to date.
-
-        Args:
-            data: The scene's state.
-            rng: Random numbers of the noise; may be None only without noise.
-        """
+        """Take a picture of the present state; MuJoCo's kinematics must be up to date. With noise, `rng` is needed."""
         cfg, lens = self.cfg, self.cfg.lens
         turn, eye = np.ascontiguousarray(self.T_world_camera[:3, :3]), self.T_world_camera[:3, 3].copy()
         solids = self._solids._replace(

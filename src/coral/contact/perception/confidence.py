@@ -68,13 +68,9 @@ def patch_around(
 
 
 def assess_pose(model: ObjectModel, patch: ImagePatch, pose: Array, following: bool) -> PoseAssessment:
-    """Assess how well a pose explains the picture.
+    """Assess how well a pose, T_camera_object, Shape=(4, 4), explains the picture.
 
-    Args:
-        model: The object.
-        patch: The part of the picture around the object.
-        pose: T_camera_object, Shape=(4, 4).
-        following: Whether the object was tracked up to now; a newly found pose must meet higher thresholds.
+    A newly found pose, of an object that was not tracked up to now (`following`), must meet higher thresholds.
     """
     needed = LOST_BELOW if following else FOUND_ABOVE
     tally = kernels.count_agreement(pose, model.solids, patch, MARGIN_M)
@@ -90,12 +86,7 @@ def assess_pose(model: ObjectModel, patch: ImagePatch, pose: Array, following: b
 
 
 class PoseBelief:
-    """What a tracker believes of an object's pose, and whether it has lost it.
-
-    Args:
-        model: The object.
-        expected: T_world_object, Shape=(4, 4), as in `ModelTracker`.
-    """
+    """What a tracker believes of an object's pose, and whether it has lost it; `expected` is as in `ModelTracker`."""
 
     def __init__(self, model: ObjectModel, expected: Array | None) -> None:
         self._model = model

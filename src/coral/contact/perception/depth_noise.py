@@ -80,14 +80,9 @@ class DepthNoise:
         lens: Array,
         rng: np.random.Generator,
     ) -> tuple[Array, NDArray[np.uint8]]:
-        """Add noise to depth (m, inf without a measurement) and instances.
+        """Add noise to depth and instances, Shape=(H, W); depth is in metres, inf without a surface or measurement.
 
-        Args:
-            depth: Shape=(H, W) m, inf without a surface.
-            normal: Shape=(H, W, 3), unit normals in the camera frame.
-            instance: Shape=(H, W).
-            lens: Shape=(4,): fx, fy, cx, cy in pixels.
-            rng: Random numbers of the noise.
+        The unit normals, Shape=(H, W, 3), are in the camera frame, the lens is fx, fy, cx, cy in pixels.
         """
         cfg = self.cfg
         height, width = depth.shape

@@ -47,10 +47,7 @@ class OutOfReach(TrackerFailed):
 class FoundationPoseTracker:
     """Tracks one object through a server; it assesses the poses itself, because the server gives no confidence.
 
-    Args:
-        model: The object; its triangles are sent to the server.
-        cfg: Server and steps.
-        expected: T_world_object, Shape=(4, 4), as in `ModelTracker`.
+    The object's triangles are sent to the server; `expected` is as in `ModelTracker`.
 
     Raises:
         TrackerFailed: The server does not answer, or refuses the object.
@@ -139,13 +136,10 @@ class FoundationPoseTracker:
 
 
 def exchange(url: str, verb: str, question: bytes, timeout_s: float) -> Arrays:
-    """Send one request to a server and return its answer; see `foundationpose_server`.
+    """Send one request, its arrays as npz, to a server and return its answer; see `foundationpose_server`.
 
-    Args:
-        url: Address of the server.
-        verb: "init", "register", "track" or "close"; "" only asks whether there is a server, which has no answer.
-        question: The request's arrays, as npz.
-        timeout_s: Time for the answer, to its last byte.
+    The verb is "init", "register", "track" or "close"; "" only asks whether there is a server, which has no answer. The
+    time-out counts to the answer's last byte.
 
     Raises:
         OutOfReach: The server does not answer in time.

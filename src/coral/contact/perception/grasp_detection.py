@@ -18,14 +18,9 @@ _PAD_X, _PAD_LOW, _PAD_HIGH = 0.01, -0.044, 0.008
 
 
 def is_grasped(shape: ObjectModel, T_tool_object: Array, opening_m: float, wanted_m: float, before: bool) -> bool:
-    """Decide whether the fingers, commanded to close further than they can, hold the object.
+    """Decide whether the fingers, commanded to close further than they can, hold the object, as they may have `before`.
 
-    Args:
-        shape: Model of the object.
-        T_tool_object: Shape=(4, 4), estimated pose.
-        opening_m: Measured distance between the pads.
-        wanted_m: Commanded distance.
-        before: Whether the grasp was detected before.
+    T_tool_object, Shape=(4, 4), is estimated; the openings are the measured and the commanded distance of the pads.
     """
     ease = KEEP if before else 1.0
     if opening_m - wanted_m < SQUEEZE_M / ease:

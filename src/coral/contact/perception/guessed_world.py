@@ -14,11 +14,9 @@ from coral.errors import InputError
 
 
 class GuessedWorld:
-    """Wraps a world and leaves out the tracker (paper, Table 1, last row).
+    """Wraps a world with a simulation, for the picture, and leaves out the tracker (paper, Table 1, last row).
 
-    Args:
-        world: The world; it must have a simulation, for the picture.
-        trial: Its shapes and symmetries are used to compare with the truth.
+    The trial's shapes and symmetries are used to compare with the truth.
 
     Raises:
         InputError: The world has no pictures.

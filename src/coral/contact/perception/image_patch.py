@@ -47,15 +47,10 @@ def crop_patch(
     box: tuple[int, int, int, int],
     pixels: int,
 ) -> ImagePatch:
-    """Crop a picture to `box` (left, right, top, bottom; ends excluded), keeping every n-th row and column.
+    """Crop a picture to `box` (left, right, top, bottom; ends excluded), and keep at most so many `pixels`.
 
-    Args:
-        depth: Shape=(H, W) m, 0 where nothing was measured.
-        mask: Shape=(H, W), mask of the object.
-        robot: Shape=(H, W), mask of the robot.
-        lens: Shape=(4,): fx, fy, cx, cy in pixels.
-        box: The part to keep.
-        pixels: Maximum number of pixels in the patch.
+    Every n-th row and column is kept. Depth is in metres, 0 where nothing was measured; the masks, Shape=(H, W) too,
+    are those of the object and of the robot; the lens is fx, fy, cx, cy in pixels.
     """
     left, right, top, bottom = box
     step = 1
@@ -84,12 +79,9 @@ def crop_patch(
 
 
 def box_of(mask: NDArray[np.bool_], margin: int, points: Array | None = None) -> tuple[int, int, int, int]:
-    """Return the bounding box (left, right, top, bottom) of a mask and of points, with a margin, inside the picture.
+    """Return the bounding box (left, right, top, bottom) of a mask, not empty, and of points, inside the picture.
 
-    Args:
-        mask: Shape=(H, W), not empty.
-        margin: Margin in pixels.
-        points: Shape=(n, 2), further pixels to enclose.
+    The margin and the points, Shape=(n, 2), are in pixels.
     """
     columns, rows = np.flatnonzero(mask.any(0)), np.flatnonzero(mask.any(1))
     low, high = np.array([columns[0], rows[0]]), np.array([columns[-1], rows[-1]])
@@ -106,11 +98,6 @@ def box_of(mask: NDArray[np.bool_], margin: int, points: Array | None = None) ->
 
 
 def project(points: Array, lens: Array) -> Array:
-    """Project points into the picture, without those behind the camera. Shape=(m, 2) pixels.
-
-    Args:
-        points: Shape=(n, 3) m in the camera frame.
-        lens: Shape=(4,).
-    """
+    """Project points, Shape=(n, 3) m in the camera frame, without those behind it. Shape=(m, 2) pixels."""
     ahead = points[points[:, 2] > 0.02]
     return lens[2:] + lens[:2] * ahead[:, :2] / ahead[:, 2:]

@@ -26,21 +26,10 @@ def draw_mesh(
 ) -> None:
     """Draw a mesh in homogeneous form (Olano & Greer 1997): a ray hits where all edge products have the same sign.
 
-    The test needs no projection of corners, so triangles that reach behind the camera are exact.
-
-    Args:
-        i: Value to write into `solid`.
-        o: Shape=(3,) m, the camera in the mesh's frame.
-        m: Shape=(3, 3), camera optical frame to the mesh's frame.
-        lens: As in `raycast_kernels.render`, like all other arguments.
-        near: Smallest visible depth, m.
-        far: Largest visible depth, m.
-        first: Index of the mesh's first triangle.
-        count: Number of its triangles.
-        triangles: Shape=(M, 3, 3).
-        depth: Shape=(H, W), changed where the mesh is nearer.
-        solid: Shape=(H, W), changed there too.
-        face: Shape=(H, W), changed there too.
+    The test needs no projection of corners, so triangles that reach behind the camera are exact. Writes `i` into
+    `solid`, and changes `depth` and `face`, where the mesh is nearer. `o`, Shape=(3,) m, is the camera in the mesh's
+    frame, `m` turns its optical frame to the mesh's. The mesh has `count` triangles from `first` on, of Shape=(M, 3,
+    3). All other arguments are as in `raycast_kernels.render`.
     """
     height, width = depth.shape
     c = np.empty((3, 3))

@@ -45,10 +45,8 @@ class ModelTracker:
     Each picture is aligned from the best of several guesses: the last pose, the extrapolated one, and a hint. If the
     fit is poor, nearby poses are tried; if it stays poor, the object is registered anew.
 
-    Args:
-        model: The object.
-        expected: T_world_object, Shape=(4, 4): of the poses that its symmetry makes equal, the first report uses the
-            one nearest to this; by default the object's axes along the world's.
+    Of the poses that the object's symmetry makes equal, the first report uses the one nearest to `expected`,
+    T_world_object, Shape=(4, 4); by default the object's axes along the world's.
     """
 
     def __init__(self, model: ObjectModel, expected: Array | None = None) -> None:
@@ -58,12 +56,7 @@ class ModelTracker:
         self._before: Array | None = None
 
     def register(self, frame: RgbdFrame, mask: NDArray[np.bool_]) -> PoseEstimate:
-        """Find the object without a previous pose.
-
-        Args:
-            frame: The picture.
-            mask: Shape=(H, W), mask of the object.
-        """
+        """Find the object, whose mask has Shape=(H, W), without a previous pose."""
         if is_unseen(frame, mask):
             return self._lose()
         pose = register(self.model, self._turns, frame, mask)

@@ -24,23 +24,13 @@ def disturb(
     measured: NDArray[np.float64],
     labels: NDArray[np.uint8],
 ) -> None:
-    """Disturb a picture.
+    """Disturb a picture, Shape=(H, W): write what is `measured` (m; inf: nothing), and the instances (`labels`).
 
-    Args:
-        depth: Shape=(H, W) m, inf without a surface.
-        normal: Shape=(H, W, 3), unit normals in the camera frame.
-        instance: Shape=(H, W).
-        lens: Shape=(4,): fx, fy, cx, cy in pixels.
-        lateral: Shape=(2, H, W), unit normal, independent.
-        wavy: Shape=(2, H, W), unit normal, shared by neighbours.
-        axial: Shape=(H, W), unit normal, independent.
-        uneven: Shape=(H, W), unit normal, shared by neighbours.
-        chance: Shape=(H, W), uniform from 0 to 1.
-        amounts: Shape=(10,): lateral (pixels), wavy (pixels), axial (m) and its growth (1/m), uneven (m), disparity
-            constant (m: depth times steps of disparity; 0 for no steps), least cosine to the ray, share of holes at
-            edges and elsewhere, jump (m).
-        measured: Shape=(H, W) m, written; inf without a measurement.
-        labels: Shape=(H, W), written: instances.
+    Depth is in metres, inf without a surface; unit normals are in the camera frame; the lens is fx, fy, cx, cy in
+    pixels. The randomness is unit normal, independent (`lateral`, Shape=(2, H, W), and `axial`) or shared by neighbours
+    (`wavy`, Shape=(2, H, W), and `uneven`), or uniform from 0 to 1 (`chance`). `amounts`, Shape=(10,): lateral
+    (pixels), wavy (pixels), axial (m) and its growth (1/m), uneven (m), disparity constant (m: depth times steps of
+    disparity; 0 for no steps), least cosine to the ray, share of holes at edges and elsewhere, jump (m).
     """
     height, width = depth.shape
     jump = amounts[9]

@@ -24,15 +24,7 @@ def normals(
 ) -> None:
     """Compute the unit normals of a picture drawn by `render`, towards the camera, in the camera frame.
 
-    Args:
-        turn: As in `render`, like all arguments but the last.
-        eye: Shape=(3,).
-        lens: Shape=(4,).
-        solids: The drawn solids.
-        depth: Shape=(H, W).
-        solid: Shape=(H, W).
-        face: Shape=(H, W).
-        normal: Shape=(H, W, 3), written; 0 without a surface.
+    All arguments are as in `render` but `normal`, Shape=(H, W, 3), which is written: 0 without a surface.
     """
     height, width = depth.shape
     kind, rotation, size, triangles = solids.kind, solids.rotation, solids.size, solids.triangles

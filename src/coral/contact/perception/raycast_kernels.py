@@ -32,18 +32,11 @@ def render(
     solid: NDArray[np.int64],
     face: NDArray[np.int64],
 ) -> None:
-    """Draw every solid.
+    """Draw every solid: write depth (m), inf without a hit, index of the solid and of its triangle, -1 without one.
 
-    Args:
-        turn: Shape=(3, 3), camera optical frame (x right, y down, z forward) to the frame of the solids.
-        eye: Shape=(3,) m, the camera in the frame of the solids.
-        lens: Shape=(4,), fx, fy, cx, cy in pixels.
-        near: Smallest visible depth (m).
-        far: Largest visible depth (m).
-        solids: The solids to draw, in any frame.
-        depth: Shape=(H, W) m, written; inf without a hit.
-        solid: Shape=(H, W), written: index of the solid, -1 without a hit.
-        face: Shape=(H, W), written: index of the triangle, -1 without a mesh.
+    `turn`, Shape=(3, 3), turns the camera's optical frame (x right, y down, z forward) to the frame of the solids, in
+    which `eye`, Shape=(3,) m, is the camera; the lens is fx, fy, cx, cy in pixels. Depths from `near` to `far` (m) are
+    visible.
     """
     height, width = depth.shape
     for v in range(height):

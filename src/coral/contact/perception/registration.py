@@ -73,13 +73,9 @@ def start_orientations(model: ObjectModel) -> Array:
 
 
 def register(model: ObjectModel, turns: Array, frame: RgbdFrame, mask: NDArray[np.bool_]) -> Array:
-    """Estimate T_camera_object, Shape=(4, 4), by the best fit.
+    """Estimate T_camera_object, Shape=(4, 4), by the best fit to a mask, not empty, with some depth.
 
-    Args:
-        model: The object.
-        turns: Shape=(n, 3, 3), orientations in the world to try, from `start_orientations`.
-        frame: The picture.
-        mask: Shape=(H, W), mask of the object; not empty, with some depth.
+    `turns`, Shape=(n, 3, 3), are orientations in the world to try, from `start_orientations`.
     """
     depth, lens, robot = frame.depth, frame.lens, robot_mask(frame)
     size = box_of(mask, 0)

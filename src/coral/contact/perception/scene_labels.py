@@ -91,9 +91,7 @@ def label_picture(frame: RgbdFrame, labels: PictureLabels, name: str = "scene", 
 def zoomed(frame: RgbdFrame, points: Sequence[Array]) -> RgbdFrame:
     """Cut a frame to some points with a margin, and enlarge it to its size again; its lens changes with it.
 
-    Args:
-        frame: The frame.
-        points: Positions in the world, m; those that it does not show do not count.
+    Points (m, world) that it does not show do not count.
     """
     height, width = frame.depth.shape
     seen = [
@@ -131,13 +129,7 @@ def zoomed(frame: RgbdFrame, points: Sequence[Array]) -> RgbdFrame:
 def place_names(names: Sequence[tuple[tuple[int, int], tuple[int, int]]], width: int, height: int) -> list[Box]:
     """Find room for names beside the points that they name, so that none covers another or a named point.
 
-    Args:
-        names: Size (width, height) of each name and the pixel of its point.
-        width: Width of the picture.
-        height: Height of the picture.
-
-    Returns:
-        The box of each: left, top, right, bottom.
+    Of each name its size (width, height) is given, and the pixel of its point. Returns boxes: left, top, right, bottom.
     """
     taken: list[Box] = [(x - POINT, y - POINT, x + POINT, y + POINT) for _, (x, y) in names]
     found: list[Box] = []

@@ -14,11 +14,8 @@ _SKY = np.array([191, 209, 230], np.uint8)
 def shade(normal: Array, solid: NDArray[np.int64], colour: Array, lens: Array) -> NDArray[np.uint8]:
     """Shade a picture and return RGB, Shape=(H, W, 3).
 
-    Args:
-        normal: Shape=(H, W, 3), unit normals in the camera frame; 0 without a surface.
-        solid: Shape=(H, W), index into `colour`; -1 without a surface.
-        colour: Shape=(N, 3), from 0 to 1.
-        lens: Shape=(4,): fx, fy, cx, cy in pixels.
+    The unit normals, Shape=(H, W, 3), are in the camera frame, 0 without a surface; `solid` is the index into `colour`,
+    Shape=(N, 3), from 0 to 1, -1 without a surface; the lens is fx, fy, cx, cy in pixels.
     """
     height, width = solid.shape
     rows, columns = np.nonzero(solid >= 0)

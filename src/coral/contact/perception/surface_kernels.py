@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 
 @njit(cache=True, error_model="numpy")
 def distance(points: NDArray[np.float64], triangles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute each point's distance (m) to the nearest triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+    """Compute distances (m) of points, Shape=(n, 3), to the nearest of triangles, Shape=(m, 3, 3).
 
-    Args:
-        points: Shape=(n, 3) m.
-        triangles: Shape=(m, 3, 3) m.
+    Source: Ericson, Real-Time Collision Detection, 5.1.5.
     """
     found = np.empty(len(points))
     for i in range(len(points)):

@@ -44,12 +44,7 @@ class Symmetry:
         return transforms
 
     def nearest(self, pose: Array, reference: Array) -> Array:
-        """Choose, among equal poses, the one whose orientation is nearest to that of `reference`. Shape=(4, 4).
-
-        Args:
-            pose: Shape=(4, 4), object to any frame.
-            reference: Shape=(4, 4), object to the same frame.
-        """
+        """Choose, among equal poses, the one whose orientation is nearest to that of `reference`, in the same frame."""
         if self.sphere:
             best = pose[:3, :3].T @ reference[:3, :3]
         else:
@@ -97,13 +92,10 @@ def compare_poses(symmetry: Symmetry, believed: BodyState, true: BodyState, lost
 
 
 def of_kind(kind: str, extents: Array, center: Array | None = None) -> Symmetry:
-    """Make a declared symmetry along an object's own axes.
+    """Make a declared symmetry along an object's own axes, about `center` (m), by default the origin.
 
-    Args:
-        kind: "none", "box" (half turns about all axes), "square-box" (quarter turns about the odd one), "cube",
-            "cylinder" (about z, and end over end) or "sphere".
-        extents: Shape=(3,) m; the odd axis of a square box is the one whose extent differs most.
-        center: Shape=(3,) m, the fixed point; the origin by default.
+    It is "none", "box" (half turns about all axes), "square-box" (quarter turns about the odd one, whose extent differs
+    most), "cube", "cylinder" (about z, and end over end) or "sphere".
     """
     middle = np.zeros(3) if center is None else np.asarray(center, float)
     axes = np.eye(3)
@@ -139,10 +131,7 @@ def _generate_group(by: list[Array]) -> Array:
 def of_shape(points: Array, distance: Callable[[Array], Array], tolerance_m: float = 0.001) -> Symmetry:
     """Find the symmetry of a shape about the centre of its bounding box, among those along its own axes.
 
-    Args:
-        points: Shape=(n, 3) m, on the surface.
-        distance: Distance (m) of points, Shape=(n, 3), to the surface.
-        tolerance_m: Maximum distance of a rotated surface point from the surface.
+    A rotated point of the surface, Shape=(n, 3) m, has at most the tolerated `distance` to it.
     """
     center = (points.max(0) + points.min(0)) / 2
 

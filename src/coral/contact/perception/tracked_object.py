@@ -38,10 +38,7 @@ class MotionFilter:
 
     with rotations as rotation vectors. Once the last few z agree, the body is at rest: x <- their mean, v <- 0.
 
-    Args:
-        cfg: Gains and thresholds.
-        T: Shape=(4, 4), the first pose, in the frame of all later ones; the body starts at rest.
-        time_s: Time of its picture.
+    `T`, Shape=(4, 4), is the first pose, in the frame of all later ones; the body starts at rest.
     """
 
     def __init__(self, cfg: MotionFilterCfg, T: Array, time_s: float) -> None:
@@ -103,11 +100,7 @@ _IN_HAND = MotionFilterCfg(position_gain=0.3, velocity_gain=0.0)
 
 
 class TrackedObject:
-    """Tracks one object in the frame in which it rests: the world's, or the hand's while the fingers hold it.
-
-    Args:
-        tracker: Estimates its pose in pictures.
-    """
+    """Tracks one object in the frame in which it rests: the world's, or the hand's while the fingers hold it."""
 
     def __init__(self, tracker: PoseTracker) -> None:
         self.tracker = tracker
@@ -116,13 +109,7 @@ class TrackedObject:
         self.motion: MotionFilter | None = None
 
     def hold(self, held: bool, tool: Array, time_s: float) -> None:
-        """Change to the hand's frame (`held`) or back to the world's.
-
-        Args:
-            held: Whether the object now moves with the hand.
-            tool: T_world_tool, Shape=(4, 4).
-            time_s: Present time.
-        """
+        """Change to the hand's frame, T_world_tool, Shape=(4, 4), if it is now `held`, or back to the world's."""
         if held != self.held:
             before, after = (np.eye(4), inverse_transform(tool)) if held else (tool, np.eye(4))
             T = after @ before @ self.known.predict(time_s)

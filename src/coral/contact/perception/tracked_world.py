@@ -25,13 +25,9 @@ from coral.errors import InputError
 
 
 class TrackedWorld:
-    """Wraps a world: object poses come from a tracker, the robot's own measurements stay unchanged.
+    """Wraps a world with a simulation: object poses come from a tracker, the robot's own measurements stay unchanged.
 
-    Args:
-        world: The world; it must have a simulation, for the camera.
-        trial: Used for prior knowledge: shapes, symmetries and the task's ranges.
-        cfg: Camera, tracker and filter.
-        rng: Random numbers of the noise.
+    Of the trial, prior knowledge is used: shapes, symmetries and the task's ranges.
 
     Raises:
         InputError: The world has no pictures.

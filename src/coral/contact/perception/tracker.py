@@ -42,11 +42,8 @@ class PoseTracker(Protocol):
     def track(self, frame: RgbdFrame, mask: NDArray[np.bool_], guess: Array | None = None) -> PoseEstimate:
         """Track the object into the next picture, or find it if it is not tracked.
 
-        Args:
-            frame: The picture.
-            mask: Shape=(H, W), mask of the object.
-            guess: T_world_object, Shape=(4, 4), a possible pose, for example because the hand carries the object. A
-                tracker may ignore this hint.
+        `guess` is a possible pose, T_world_object, Shape=(4, 4), for example because the hand carries the object. A
+        tracker may ignore this hint.
 
         Raises:
             TrackerFailed: The tracker failed.

@@ -47,13 +47,7 @@ def tracker_help() -> str:
 def choose_tracker(
     word: str, server: FoundationPoseCfg | None = None, where: str = "--tracker", field: str = ""
 ) -> TrackerChoice:
-    """Choose a tracker by its name.
-
-    Args:
-        word: NAME, or NAME:ADDRESS for a tracker on a server; NAME alone if the configuration has the address.
-        server: Configuration of `foundationpose`.
-        where: Source of the word, for errors.
-        field: Field of the word, for errors.
+    """Choose a tracker by its NAME, or NAME:ADDRESS for one on a server unless its configuration has the address.
 
     Raises:
         InputError: There is no such tracker.

@@ -77,8 +77,7 @@ def descend(
 ) -> tuple[Array, Array, Array]:
     """Move the hand of one state downhill from several places, Shape=(n, 3) m.
 
-    Returns:
-        Last positions, Shape=(n, 3) m, and the cost at the first and at the last ones, Shape=(n,).
+    Returns the last positions, Shape=(n, 3) m, and the cost at the first and at the last ones, Shape=(n,).
     """
     hand = starts.copy()
     begun = reached = cost_at(cost, values, hand)

@@ -131,10 +131,7 @@ def touch_barriers(cost: Cost, pool: Context, attraction: Attraction) -> list[Co
 
     A constant penalty on the touch is none: a stage may forbid it.
 
-    Args:
-        cost: The cost.
-        pool: Various states, Shape=(n, 1).
-        attraction: Where the cost leads the hand in the state in which the stage begins.
+    `pool` holds various states, Shape=(n, 1); `attraction` is where the cost leads the hand as the stage begins.
     """
     faults = []
     values: dict[str, Any] = {name: pool.source(name) for name in pool.names()}

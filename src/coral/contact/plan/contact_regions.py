@@ -144,14 +144,9 @@ def tangents(normal: Array) -> tuple[Array, Array]:
 
 
 def tool_at(surface: Array, normal: Array, size: Array, out: Array, approach: Approach) -> Array:
-    """Compute the tool positions, Shape=(n, 3) m in the world, that touch points of a surface.
+    """Compute the tool positions, Shape=(n, 3) m in the world, that touch points of a surface, of the same shape.
 
-    Args:
-        surface: Shape=(n, 3) m, in the world.
-        normal: Normal of the region, in the object's frame.
-        size: Shape=(3,), the object's full extents, m.
-        out: The normal in the world.
-        approach: How the hand touches the surface.
+    The region's normal is in the object's frame, `out` the same in the world; `size`, Shape=(3,), is the object's (m).
     """
     if approach == "pinch":
         return np.asarray(surface - out * min(0.025, float(size[int(np.argmax(np.abs(normal)))]) / 2))
@@ -166,11 +161,8 @@ def guide(
 ) -> Guide:
     """Make tool poses for a region, wherever the object is: at the candidates, and at a standoff from them.
 
-    Args:
-        name: Name of the object.
-        region: The region.
-        size: Shape=(3,), full extents of the object, m.
-        local: Shape=(n, 3) m, the touchable candidates in the object's frame; by default the flat disc.
+    `size`, Shape=(3,), is the full extents of the object (m), `local`, Shape=(n, 3) m, the touchable candidates in its
+    frame; by default the flat disc.
     """
     local, normal = candidates(region) if local is None else local, np.asarray(region.normal, dtype=float)
     closing = closing_axis(normal, size) if region.closing is None else region.closing

@@ -34,9 +34,8 @@ class Solid:
     def leave(self, points: Array, direction: Array) -> tuple[Array, Array]:
         """Compute where straight lines through points, Shape=(n, 3) m, leave the solid; the direction has length 1.
 
-        Returns:
-            Distance along the direction from each point, Shape=(n,) m, negative behind it, nan if the line misses; and
-            the outward normals there, Shape=(n, 3).
+        Returns the distance along the direction from each point, Shape=(n,) m, negative behind it, nan if the line
+        misses; and the outward normals there, Shape=(n, 3).
         """
         local, way = (points - self.position) @ self.rotation, direction @ self.rotation
         enter, leave = np.full(len(local), -np.inf), np.full(len(local), np.inf)

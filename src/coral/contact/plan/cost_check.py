@@ -26,10 +26,8 @@ STATES = 200
 def verify_cost(cost: Cost, samples: Sequence[Context]) -> list[CostFault]:
     """Return the faults of a cost; it may be used if none of them is fatal.
 
-    Args:
-        cost: The cost.
-        samples: Batches of rolled-out states, varied enough to contain both good and bad rollouts; their first state is
-            the one in which the stage begins.
+    The samples are batches of rolled-out states, varied enough to contain both good and bad rollouts; their first state
+    is the one in which the stage begins.
     """
     evaluated: list[tuple[Context, Terms]] = []
     for sample in samples:

@@ -218,17 +218,11 @@ def make_strategy(
     load: Loader = in_process,
     candidates: Sequence[Array] | None = None,
 ) -> Strategy:
-    """Make the strategy that the planner follows.
+    """Make the strategy that the planner follows, from a verified plan.
 
-    Args:
-        name: For logs.
-        answer: A verified plan.
-        regions: Verified contact regions; None leaves the sampling unguided (`unguided`, `no-regions`).
-        schema: The quantities of the state.
-        sizes: Full extents of the objects, m.
-        load: Loads programs.
-        candidates: For each region, in order, its touchable points, Shape=(n, 3) m in the object's frame; None takes
-            the regions' flat discs.
+    Without verified regions the sampling is unguided (`unguided`, `no-regions`). `sizes` are full extents of the
+    objects (m); `candidates` the touchable points of each region, in order, Shape=(n, 3) m in the object's frame, by
+    default the regions' flat discs.
 
     Raises:
         CostError: A program is not of the accepted language.

@@ -34,10 +34,7 @@ class ImaginedJudge:
     """Judges an imagined run while it lasts, by the conditions of the task file.
 
     It sees what the planning world imagines from the perceived scene under believed masses and frictions: nothing true.
-
-    Args:
-        trial: The trial as the robot perceives it.
-        names: The plan's stages in order.
+    `names` are the plan's stages in order.
     """
 
     def __init__(self, trial: Trial, names: Sequence[str]) -> None:

@@ -74,10 +74,9 @@ def imagine(
 def stage_beginnings(
     world: PlanningWorld, strategy: Strategy, now: Observation, wanted: Sequence[str]
 ) -> dict[str, Observation]:
-    """Return the states in which stages begin when the plan is followed until all that are wanted have begun.
+    """Return the states in which stages first begin when the plan is followed until all that are wanted have begun.
 
-    Returns:
-        By name, the state in which a stage first begins; stages that are not reached are missing.
+    Stages that are not reached are missing.
     """
     found = {strategy.begin or strategy.stages[0].name: now}
     for moment in imagine(world, strategy, now, MOST_S, CONTROLLER):

@@ -18,10 +18,8 @@ Function = Callable[[Context], Any]
 class NumpyCost:
     """A function of batched states. It satisfies `coral.contact.cost.context.Cost`.
 
-    Args:
-        function: Takes a `Context`, whose quantities have Shape=(K, H) or (K, H, n), and returns the cost of every
-            state: one array that broadcasts to Shape=(K, H), or a mapping of named terms, which are added up.
-        name: Name for logs; by default the function's.
+    The function takes a `Context`, whose quantities have Shape=(K, H) or (K, H, n), and returns the cost of every
+    state: one array that broadcasts to Shape=(K, H), or a mapping of named terms, which are added up.
     """
 
     def __init__(self, function: Function, name: str = "") -> None:

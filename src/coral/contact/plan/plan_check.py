@@ -46,15 +46,10 @@ def judge_plan(
     load: Loader = in_process,
     beginnings: Beginnings | None = None,
 ) -> PlanVerdict:
-    """Judge a plan: its stages, its programs, and their values on rolled-out states.
+    """Judge a plan: its stages, its programs, and their values on rolled-out states, of which the first is the present.
 
-    Args:
-        answer: The plan.
-        schema: The quantities of the state.
-        samples: Rolled-out batches, the first state of which is the present one.
-        load: Loads programs.
-        beginnings: Finds the states in which later stages begin; asked only if a later stage looks wrong in the present
-            state. Without it, later stages are judged by what holds in every state.
+    `beginnings` finds the states in which later stages begin; it is asked only if a later stage looks wrong in the
+    present state. Without it, later stages are judged by what holds in every state.
     """
     structure = structure_faults(answer)
     compiled, broken = _compile_each(answer, schema, load)

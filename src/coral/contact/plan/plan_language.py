@@ -24,9 +24,8 @@ USED = re.compile(r"\{([A-Za-z_]\w*)\}")
 def write_out(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return a plan with plain stages: without `let`, and with each `for` repeated.
 
-    Args:
-        given: The plan as JSON: `let` gives expressions names, of which a later one may use earlier ones; an entry
-            `{"for": [{name: text}, ...], "stages": [...]}` of its stages stands for these stages once for each.
+    `let` gives expressions names, of which a later one may use earlier ones; an entry `{"for": [{name: text}, ...],
+    "stages": [...]}` of the stages stands for these stages once for each.
 
     Raises:
         ValueError: It is none, uses a name that is not given, or grows beyond the limits.

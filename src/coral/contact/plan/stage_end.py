@@ -74,11 +74,9 @@ class PartReading:
 
 
 class StageEnd:
-    """The condition that ends a stage, part by part.
+    """The condition that ends a stage, part by part; all parts must hold.
 
-    Args:
-        parts: Its comparisons, which must all hold.
-        program: Computes their sides as the terms `left 0`, `right 0` and so on.
+    `program` computes their sides as the terms `left 0`, `right 0` and so on.
     """
 
     def __init__(self, parts: tuple[EndPart, ...], program: Cost) -> None:
@@ -109,13 +107,9 @@ def stage_ends(plan: PlanAnswer, schema: Schema, load: Loader = in_process) -> d
 
 
 def parts_of(condition: str, schema: Schema) -> tuple[EndPart, ...]:
-    """Take a condition apart at its outermost `and`; () if there is none, or it cannot be parsed.
+    """Take a condition as `StageAnswer.done` apart at its outermost `and`; () if there is none, or it cannot be parsed.
 
     A part of another form, such as an `or`, is a single truth value of an unknown unit.
-
-    Args:
-        condition: An expression, as `StageAnswer.done`.
-        schema: The quantities of the state, with their units.
     """
     try:
         tree = ast.parse(flat(condition), mode="eval")

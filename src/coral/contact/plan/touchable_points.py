@@ -62,13 +62,7 @@ def project(points: Array, normal: Array, solids: Sequence[Solid], center: Array
     """Project points of a disc along its normal to the surface, Shape=(n, 3) m; nan where they miss the face.
 
     A point moves no farther than a surface with a slope of 45 degrees requires; where the surface turns away from the
-    normal, it counts as another face.
-
-    Args:
-        points: Shape=(n, 3) m, of the disc.
-        normal: Shape=(3,), of length 1.
-        solids: Convex pieces of the object, in the points' frame.
-        center: Shape=(3,) m, of the disc.
+    normal, of length 1, it counts as another face. The solids are convex, in the points' frame.
     """
     projected = np.full(points.shape, np.nan)
     least = OFF_SURFACE_M + np.linalg.norm(points - center, axis=1) + 1e-9

@@ -17,11 +17,7 @@ Image = NDArray[np.uint8]
 
 
 class PolicyCameras:
-    """Takes both pictures of a simulated world.
-
-    Args:
-        model: The world's model; not changed.
-        cfg: The cameras.
+    """Takes both pictures of a simulated world, whose model is not changed.
 
     Raises:
         InputError: The camera looks straight down, or the scene cannot be drawn.
@@ -43,9 +39,7 @@ class PolicyCameras:
     def look(self, data: mujoco.MjData, tool: BodyState) -> tuple[Image, Image]:
         """Take the pictures from across the table and from the wrist, each Shape=(H, W, 3), RGB.
 
-        Args:
-            data: The world's state, its kinematics up to date.
-            tool: The tool frame.
+        The state's kinematics are up to date.
         """
         self._wrist.T_world_camera = wrist_pose(tool, np.asarray(self._cfg.wrist_m))
         return self._take(self._outside, data), self._take(self._wrist, data)
@@ -57,12 +51,7 @@ class PolicyCameras:
 
 
 def wrist_pose(tool: BodyState, place_m: Array) -> Array:
-    """Compute T_world_camera of the wrist's camera (x right, y down, z forward), Shape=(4, 4).
-
-    Args:
-        tool: The tool frame.
-        place_m: Shape=(3,), position of the camera in it.
-    """
+    """Return T_world_camera, Shape=(4, 4), of a wrist's camera (x right, y down, z forward) at a place of the tool."""
     turn, pose = rotation_of(tool.quaternion), np.eye(4)
     pose[:3, :3] = turn @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     pose[:3, 3] = tool.position + turn @ place_m

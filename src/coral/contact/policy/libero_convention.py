@@ -70,12 +70,9 @@ def actions_of(answer: Mapping[Any, Any]) -> Array:
 
 
 def target(now: Observation, action: Array, cfg: LiberoCfg) -> HandTarget:
-    """Convert an action to a target of the hand, relative to its measured pose.
+    """Convert an action, Shape=(7,), clipped to -1 and 1, to a target of the hand, relative to its measured pose.
 
-    Args:
-        now: Observation at the start of the action; the target keeps its opening.
-        action: Shape=(7,); clipped to -1 and 1.
-        cfg: Scales.
+    `now` is observed at the start of the action; the target keeps its opening.
     """
     step = np.clip(action, -1.0, 1.0)
     return HandTarget(

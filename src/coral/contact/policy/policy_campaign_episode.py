@@ -67,14 +67,8 @@ def run_served_policy(
 ) -> tuple[dict[str, Any], Path]:
     """Run an episode with the policy at `[NAME=]ws://HOST:PORT`.
 
-    Args:
-        policy: Its address.
-        trial: The trial.
-        world: Name of the evaluation world.
-        cfg: Configuration of the episode.
-        out: Run folder; None for the next free runs/TASK-NNN, which is made once the server has answered.
-        observers: Watch the episode.
-        taken: Names that the policy may not have.
+    Without `out`, the run folder is the next free runs/TASK-NNN, made once the server has answered. The policy may not
+    have a `taken` name.
 
     Raises:
         InputError: The address is none.

@@ -36,15 +36,8 @@ from coral.runs import RunWriter
 class PolicyEpisode:
     """Couples an evaluation world with a policy and records what happens.
 
-    The world is paused while the policy computes, as in LIBERO.
-
-    Args:
-        trial: The trial.
-        world: Name of the evaluation world.
-        policy: The policy.
-        cfg: Configuration of the episode; of the planner only the workspace is used.
-        folder: Run folder, new or empty.
-        address: For the record.
+    The world is paused while the policy computes, as in LIBERO. Of the planner's configuration only the workspace is
+    used.
 
     Raises:
         InputError: The world has no pictures, or the folder is not empty.

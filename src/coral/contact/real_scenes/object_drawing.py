@@ -13,13 +13,7 @@ Array = NDArray[np.float64]
 
 
 def draw_depth(solids: Solids, T_camera_object: Array, frame: RgbdFrame) -> Array:
-    """Draw an object alone, as a camera's picture would show it. Shape=(H, W) m, inf where it is not.
-
-    Args:
-        solids: The object, in its own frame.
-        T_camera_object: Shape=(4, 4).
-        frame: A picture of that camera.
-    """
+    """Draw an object, in its own frame, alone, as a frame's camera would: Shape=(H, W) m, inf where it is not."""
     shape, turn, eye = frame.depth.shape, np.empty((3, 3)), np.empty(3)
     depth, solid, face = np.empty(shape), np.empty(shape, np.int64), np.empty(shape, np.int64)
     invert(T_camera_object, turn, eye)

@@ -26,13 +26,7 @@ Array = NDArray[np.float64]
 
 
 class ObjectTracking:
-    """Estimates the poses of several objects, picture by picture. Nothing in it knows where they truly are.
-
-    Args:
-        models: The objects.
-        make: Makes the tracker of an object, by its name.
-        masks: Segments the pictures.
-    """
+    """Estimates the poses of several objects, picture by picture. Nothing in it knows where they truly are."""
 
     def __init__(
         self, models: Mapping[str, ObjectModel], make: Callable[[str], PoseTracker], masks: MaskSource
@@ -49,11 +43,7 @@ class ObjectTracking:
         return self._in_hand
 
     def update(self, frame: RgbdFrame, hand: HandReading | None = None) -> dict[str, PoseEstimate]:
-        """Estimate the pose of every object in the next picture.
-
-        Args:
-            frame: The picture.
-            hand: The hand at that time, if an arm tells; it covers objects, and carries what its fingers hold.
+        """Estimate the poses of all objects in the next picture; the hand covers objects, and carries what it holds.
 
         Raises:
             InputError: The picture cannot be segmented.

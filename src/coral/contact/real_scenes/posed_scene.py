@@ -15,12 +15,7 @@ from coral.contact.scene.trial import Trial
 
 
 class PosedScene:
-    """A scene whose poses are set, not simulated.
-
-    Args:
-        trial: The trial.
-        cfg: The camera's size, place and noise.
-    """
+    """A scene whose poses are set, not simulated."""
 
     def __init__(self, trial: Trial, cfg: TrackedCfg) -> None:
         self._trial = trial

@@ -132,11 +132,6 @@ def goals_of(conditions: Sequence[Condition]) -> list[Goal]:
 
 
 def on_table(table: TableFacts, point: NDArray[np.float64]) -> bool:
-    """Check whether a point lies over the table.
-
-    Args:
-        table: The table.
-        point: Shape=(2,) or (3,) m, in the world.
-    """
+    """Check whether a point, Shape=(2,) or (3,) m in the world, lies over the table."""
     (left, right), (near, far) = table["x"], table["y"]
     return bool(left <= point[0] <= right and near <= point[1] <= far)

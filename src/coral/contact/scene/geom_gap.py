@@ -21,12 +21,8 @@ def geom_gap(
     Up to MuJoCo 3.10 `mj_geomDistance` answers 0 for one pair of separate boxes in 25 (measured; issue 3383 of MuJoCo).
     Its points contradict it then, and with one geom turned by 0.0001 rad it finds the distance.
 
-    Args:
-        model: The scene's model.
-        data: Its data, of which the geoms' poses are read.
-        one: The first geom.
-        other: The second.
-        within_m: Largest distance of interest. It is returned, with meaningless points, if the geoms are farther apart.
+    The geoms' poses are read from `data`. If they are farther apart than `within_m`, it is returned, with meaningless
+    points.
     """
     ends, before = np.zeros(6), data.geom_xmat[one].copy()
     for turn in (None, *_TURNS):

@@ -45,12 +45,8 @@ def add_scene(spec: mujoco.MjSpec, trial: Trial, condim: int = 4) -> None:
     """Add the table, fixtures and objects of a trial.
 
     The table's geom is "table", a fixture's has its name. An object's body has its name, its free joint is "NAME_free"
-    and its geoms are "NAME/0", "NAME/1", ...
-
-    Args:
-        spec: The model to add to.
-        trial: The trial.
-        condim: Contact dimension of objects: 3 slides only, 4 also resists twisting.
+    and its geoms are "NAME/0", "NAME/1", ... Their contact dimension is 3, which slides only, or 4, which also resists
+    twisting.
     """
     task = trial.task
     table = task.table

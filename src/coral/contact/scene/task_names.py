@@ -21,12 +21,9 @@ def shipped_tasks() -> tuple[str, ...]:
 
 
 def suite_tasks(suite: str, half: str = "") -> tuple[str, ...]:
-    """Return the names of a suite of tasks, in alphabetical order.
+    """Return the names of one of `SUITES`, in alphabetical order, by default both halves.
 
-    Args:
-        suite: One of `SUITES`.
-        half: "development", to be looked at while the method is built, or "test", kept for its measurement; both by
-            default.
+    These are "development", to be looked at while the method is built, and "test", kept for its measurement.
 
     Raises:
         InputError: There is no such half.

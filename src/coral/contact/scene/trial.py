@@ -119,12 +119,7 @@ def corners(item: Movable, scale: Array) -> Array:
 
 
 def sample_trial(task: Task, seed: int, where: str = "") -> Trial:
-    """Sample a trial; the same task and seed give the same trial on every machine.
-
-    Args:
-        task: The task.
-        seed: Seed of the sampling.
-        where: The task's file, for errors.
+    """Sample a trial; the same task and seed give the same trial on every machine. `where` is for errors.
 
     Raises:
         InputError: No placement without overlap in a hundred attempts, or an object begins inside the table.

@@ -29,15 +29,9 @@ class EpisodeOver(RuntimeError):
 class Asker:
     """Asks one advisor, on one event loop, and counts its questions.
 
-    Args:
-        advisor: The advisor.
-        budget: Attempts and wall time for each decision.
-        log: Receives every attempt.
-        pictures: Takes pictures with the robot's camera, for advisors that read them.
-        clock: Clock of the decisions: the episode's, if it continues while the advisor answers; by default time stops.
-
-    Attributes:
-        emit: Event sink; every attempt is reported as the event `verdict`.
+    `log` receives every attempt, which is also reported to `emit` as the event `verdict`. `pictures` are taken with the
+    robot's camera, for advisors that read them. The clock is the episode's, if it continues while the advisor answers;
+    by default time stops.
     """
 
     def __init__(
@@ -75,15 +69,9 @@ class Asker:
     ) -> Outcome[A]:
         """Ask, verify the answer, and ask again with the reasons of its refusal.
 
-        Args:
-            kind: Kind of question; names the prompt's template.
-            answer_type: Type that the answer must validate against.
-            facts: For advisors that read no pictures.
-            prompt: Values of the template's placeholders.
-            verify: Returns why an answer is refused, or None.
-            with_picture: Whether to add a picture taken now.
-            pictures: Pictures taken before, to add as well.
-            labels: What to write into the picture taken now; None leaves it as the camera sees it.
+        `kind` names the prompt's template, `prompt` has the values of its placeholders; `facts` are for advisors that
+        read no pictures. `with_picture` adds one that is taken now, with `labels` written into it, to `pictures` taken
+        before.
 
         Raises:
             EpisodeOver: The episode ended while the advisor was answering.

@@ -50,10 +50,9 @@ def correct_beliefs(
     rng: np.random.Generator,
     emit: Callable[..., None],
 ) -> bool:
-    """Correct the believed mass and friction of an object, if there is enough to replay.
+    """Correct the believed mass and friction of an object, if there is enough to replay; an advisor may keep them.
 
-    Returns:
-        Whether the beliefs were corrected; an advisor may also keep them.
+    Returns whether they were corrected.
     """
     # A rollout that begins inside the table throws the object out: replay only windows that begin at a possible pose.
     stretches = windows(

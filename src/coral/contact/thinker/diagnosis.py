@@ -93,14 +93,10 @@ SUNK_PLANS = 0.05
 def diagnose(
     steps: Sequence[Transition], name: str, returns: int, surprise_m: float, evidence: Evidence | None = None
 ) -> Diagnosis:
-    """Diagnose the last part of an episode.
+    """Diagnose the last part of an episode, in which the plan fell back so many times (`returns`) to an earlier stage.
 
-    Args:
-        steps: The control steps to diagnose.
-        name: The object concerned.
-        returns: Number of times that the plan fell back to an earlier stage.
-        surprise_m: Distance between the object and its predicted position after one step, summed over a second.
-        evidence: What the record says besides; None judges by the steps alone.
+    `surprise_m` is the distance between the object and its predicted position after one step, summed over a second.
+    Without evidence, what the record says besides, the steps alone are judged.
     """
     if not steps:
         return "slipped" if returns >= 2 else "no-progress"

@@ -43,14 +43,10 @@ Emit = Callable[..., None]
 class Questions:
     """Asks about one scene and verifies the answers; without one, what is believed and followed already stands.
 
-    Attributes:
-        load: Loads the cost programs of later answers.
-        facts: The scene as last observed.
-        sizes: Sizes of the objects, m.
-        scenery: Their true shapes.
-        diagnoses: Diagnoses so far; questions about the plan include them.
-        stood_in: Which current decisions are not the advisor's: parameters, plan, regions.
-        advice: What the last check of a plan noted without refusing it.
+    `load` is for the cost programs of later answers; `facts` is the scene as last observed, `sizes` those of the
+    objects (m), `scenery` their true shapes. Questions about the plan include the diagnoses so far. `stood_in` tells
+    which current decisions are not the advisor's: parameters, plan, regions; `advice` what the last check of a plan
+    noted without refusing it.
     """
 
     def __init__(

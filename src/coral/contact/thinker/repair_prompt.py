@@ -31,19 +31,11 @@ def repair_values(
     error: str = "",
     bare: bool = False,
 ) -> dict[str, Any]:
-    """Return the placeholders that tell of a plan that failed.
+    """Return the placeholders that tell of a plan that failed; the last of the diagnoses is of this plan.
 
-    Args:
-        plan: The plan.
-        regions: Where it touches; None if regions are disabled.
-        monitor: What happened while it was followed.
-        name: The object concerned.
-        diagnoses: Diagnoses so far, of this plan the last.
-        evidence: The record in sentences.
-        corrected: Corrections of masses and frictions.
-        advice: What its check noted without refusing it.
-        error: Why it could not be evaluated.
-        bare: Whether to tell only the last five steps and what they cost, as the paper does (A.9): its model diagnoses.
+    `evidence` is the record in sentences, `corrected` tells of masses and frictions, `advice` is what the plan's check
+    noted without refusing it, `error` why it could not be evaluated. `bare` tells only the last five steps and what
+    they cost, as the paper does (A.9): its model diagnoses.
     """
     rows = recent(monitor.steps, monitor.costs, name, 5 if bare else REPAIR_ROWS, monitor.notes)
     if bare:

@@ -73,9 +73,7 @@ class Strategist(Protocol):
     def guess_poses(self, trial: Trial, first: Observation) -> Mapping[str, BodyState]:
         """Estimate the objects' poses from a picture; called before `begin` if `guesses_poses`.
 
-        Args:
-            trial: The trial; its poses must not be read.
-            first: The first observation, without any object.
+        The trial's poses must not be read, and `first` is without any object.
         """
         ...
 

@@ -50,15 +50,9 @@ class Thinker:
     It begins with a remembered plan that fits, or asks for one. When the cost stops falling, it fits masses and
     frictions to the history and asks for another plan.
 
-    Args:
-        asker: The advisor.
-        cfg: Which parts are enabled.
-        rng: Draws samples for checks and fits.
-        memory: Memory of successful plans, if any.
-        load: Loads cost programs: in this process, or in the confined one.
-        worker: The confined process, which runs all remembered programs; closed at the end of the episode.
-        provenance: Stored with an experience: world, seed, variant, advisor.
-        given: Beliefs that take precedence over the advisor's estimates at the start.
+    `load` loads cost programs in this process, or in the confined one, `worker`, which runs all remembered programs and
+    is closed at the end of the episode. `provenance` (world, seed, variant, advisor) is stored with an experience.
+    `given` beliefs take precedence over the advisor's estimates at the start.
     """
 
     def __init__(

@@ -66,13 +66,7 @@ class ThinkingClock:
     It waits for the advisor first, then advances simulated time by the latency. The run does not depend on the machine
     unless the latency is measured.
 
-    Args:
-        latency: Latency of the replies; None for the paper's.
-        rng: Draws random latencies.
-        thinking: The episode.
-
-    Attributes:
-        fault: An exception of the episode while an advisor was answering.
+    Without a latency, the paper's applies. An exception of the episode, while an advisor was answering, is its `fault`.
     """
 
     fault: Exception | None = None
@@ -141,11 +135,8 @@ class ThinkingClock:
 def thinking_latency(spec: str, advisor: Any, name: str) -> LatencyCfg | None:
     """Determine the latency of an advisor in simulated seconds; None for the paper's times by kind of question.
 
-    Args:
-        spec: As configured. "auto" is no time for rules, the measured time for models, the recorded time for
-            recordings; for a person, simulated time stops.
-        advisor: The advisor.
-        name: Its name, as on the command line.
+    "auto" is no time for rules, the measured time for models, the recorded time for recordings; for a person, simulated
+    time stops. `name` is the advisor's, as on the command line.
 
     Raises:
         InputError: The latency has none of the known forms.

@@ -120,11 +120,8 @@ def finger_clearance(trial: Trial, step: Transition) -> float:
 def solve_balance(found: Balance, bounds: Array) -> tuple[PhysicalParameters, Array]:
     """Compute the most likely mass and friction, and the covariance of their logarithms, Shape=(2, 2).
 
-    Errors follow a Cauchy distribution: contacts with other things are measured too, and are large.
-
-    Args:
-        found: The windows.
-        bounds: Shape=(2, 2), bounds of log mass and log friction.
+    Errors follow a Cauchy distribution: contacts with other things are measured too, and are large. Log mass and log
+    friction have `bounds`, Shape=(2, 2).
     """
     axes = [np.linspace(low, high, 160) for low, high in bounds]
     theta = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)

@@ -57,11 +57,8 @@ class HistoryReplay:
     def score(self, parts: Array, floor: Array) -> Array:
         """Compute the mean squared error of each belief in each window, Shape=(beliefs, windows).
 
-        Args:
-            parts: Errors from `parts`.
-            floor: Shape=(windows, kinds), the error that no belief explains. A kind of error with a high floor, from
-                the coarse rollout or the arm's dynamics, has less weight. A window that diverges under every belief
-                is ignored.
+        `floor`, Shape=(windows, kinds), is the error that no belief explains. A kind of error with a high floor, from
+        the coarse rollout or the arm's dynamics, has less weight. A window that diverges under every belief is ignored.
         """
         share = np.full(parts.shape, np.inf)
         np.divide(parts, 1.0 + floor, out=share, where=np.broadcast_to(np.isfinite(floor), parts.shape))

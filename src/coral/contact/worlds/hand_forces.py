@@ -15,13 +15,7 @@ _PREFIX = "hand-force/"
 
 
 def add_hand_force_sensors(spec: mujoco.MjSpec, hand: str, trial: Trial) -> None:
-    """Add a contact sensor for each object: the net force of a body and of all that it carries on the object.
-
-    Args:
-        spec: The model, with hand and objects.
-        hand: Name of the hand's body.
-        trial: The trial.
-    """
+    """Add a contact sensor for each object: the net force of the hand's body and of all that it carries on it."""
     body = mujoco.mjtObj.mjOBJ_XBODY
     for name in trial.objects:
         sensor = spec.add_sensor(

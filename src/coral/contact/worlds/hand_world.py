@@ -28,12 +28,7 @@ DOWN = np.array([0.0, 1.0, 0.0, 0.0])
 
 
 class HandWorld:
-    """Simulates a trial with the free-flying hand.
-
-    Args:
-        trial: The trial.
-        period_s: Duration of each target (s).
-    """
+    """Simulates a trial with the free-flying hand; each target lasts `period_s` (s)."""
 
     name = "hand"
 

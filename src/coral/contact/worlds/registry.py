@@ -11,12 +11,7 @@ GROUP = "coral.worlds"
 
 
 def make_world(name: str, trial: Trial, period_s: float) -> EvaluationWorld:
-    """Make an evaluation world.
-
-    Args:
-        name: "panda": the robot in robosuite; "hand": the free-flying hand; or an entry point of the group.
-        trial: The trial.
-        period_s: Control period.
+    """Make an evaluation world: "panda", the robot in robosuite; "hand", the free-flying hand; or an entry point.
 
     Raises:
         InputError: No world has this name.
@@ -28,12 +23,7 @@ def make_world(name: str, trial: Trial, period_s: float) -> EvaluationWorld:
 
 
 def check_world(name: str, where: str = "--world", also: tuple[str, ...] = ()) -> None:
-    """Check that a world of this name exists.
-
-    Args:
-        name: The name.
-        where: Where it was given.
-        also: Further names to suggest; they are no evaluation worlds.
+    """Check that a world of this name exists; `also` are further names to suggest, which are no evaluation worlds.
 
     Raises:
         InputError: There is none.

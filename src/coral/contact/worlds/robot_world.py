@@ -8,12 +8,10 @@ from coral.contact.scene.observation import HandTarget, Observation
 
 
 class WorldError(RuntimeError):
-    """The world cannot be stepped any further.
+    """The world cannot be stepped any further; the text is for people.
 
-    Args:
-        code: Reason: "diverged", "unreachable", "camera-off", "not-found", "tracker-failed";
-            of an arm "limit", "poses-lost", "link-lost", "watchdog", "arm-fault", "stopped by the operator".
-        text: Message for people.
+    The code is "diverged", "unreachable", "camera-off", "not-found", "tracker-failed"; of an arm "limit", "poses-lost",
+    "link-lost", "watchdog", "arm-fault", "stopped by the operator".
     """
 
     def __init__(self, code: str, text: str) -> None:
@@ -25,11 +23,7 @@ class RobotWorld(Protocol):
     """A robot and its surroundings, real or simulated, as far as sensors tell.
 
     Observations carry the time of their measurement and are as noisy as the sensors. There is no true state:
-    `EvaluationWorld` adds it for simulations.
-
-    Attributes:
-        name: Name for records.
-        control_period_s: Duration of one `step`.
+    `EvaluationWorld` adds it for simulations. One `step` lasts `control_period_s`.
     """
 
     name: str

@@ -38,12 +38,7 @@ def locate_board(board: SeenBoard, lens: Array) -> Array:
 def calibrate_by_placed_board(
     boards: Sequence[SeenBoard], frames: Sequence[RgbdFrame], T_world_board: Array
 ) -> CameraCalibration:
-    """Compute where the camera stands from pictures of a board at one known place.
-
-    Args:
-        boards: The corners in each picture.
-        frames: The pictures.
-        T_world_board: Shape=(4, 4).
+    """Compute where the camera stands from pictures of a board at one known place, T_world_board, Shape=(4, 4).
 
     Raises:
         InputError: The corners do not fit one board within `LIMIT_PX`, or not the measured depth.
@@ -66,13 +61,8 @@ def calibrate_by_held_board(
 ) -> CameraCalibration:
     """Compute where the camera stands from pictures of a board in the hand; how it is held is found too.
 
-    Solves T_world_tool(i) T_tool_board = T_world_camera T_camera_board(i) (Shah, 2013).
-
-    Args:
-        boards: The corners in each picture.
-        frames: The pictures.
-        tools: T_world_tool, Shape=(4, 4), of each picture.
-        where: The file of these poses, for errors.
+    Solves T_world_tool(i) T_tool_board = T_world_camera T_camera_board(i) (Shah, 2013) for the `tools`, T_world_tool,
+    Shape=(4, 4), of each picture. `where` is the file of these poses, for errors.
 
     Raises:
         InputError: There are too few pictures, the hand hardly turned, or poses and pictures do not agree.

@@ -33,9 +33,6 @@ class SeenBoard:
 class CharucoBoard:
     """A board of squares with markers. Its origin is a corner, x along its columns, y along its rows, z away from it.
 
-    Args:
-        word: `FORM`.
-
     Raises:
         InputError: The word describes no board.
     """

@@ -44,12 +44,7 @@ class TouchesFile(BaseModel, frozen=True, extra="forbid"):
 
 
 def align_points(source: Array, target: Array) -> Array:
-    """Compute the rigid transform, Shape=(4, 4), that moves points onto others with least squares (Kabsch, 1976).
-
-    Args:
-        source: Shape=(N, 3) m.
-        target: Shape=(N, 3) m.
-    """
+    """Compute the rigid transform, Shape=(4, 4), that moves points, Shape=(N, 3) m, best onto others (Kabsch, 1976)."""
     a, b = source.mean(axis=0), target.mean(axis=0)
     u, _, vt = np.linalg.svd((source - a).T @ (target - b))
     turn = vt.T @ np.diag([1.0, 1.0, np.sign(np.linalg.det(vt.T @ u.T))]) @ u.T
@@ -57,12 +52,7 @@ def align_points(source: Array, target: Array) -> Array:
 
 
 def calibrate_by_touch(frame: RgbdFrame, touches: Sequence[Touch], where: str) -> CameraCalibration:
-    """Compute where the camera stands.
-
-    Args:
-        frame: The picture that was clicked; its pose is not read.
-        touches: The points.
-        where: Their file, for errors.
+    """Compute where the camera stands from the picture that was clicked, whose pose is not read; `where` is for errors.
 
     Raises:
         InputError: A pixel has no depth, the points lie on a line, or they do not agree within `LIMIT_M`.

@@ -10,15 +10,9 @@ from coral.errors import InputError
 def check_fit(
     residual: Callable[[Sequence[int]], float], count: int, limit: float, unit: str, least: int, place: tuple[str, str]
 ) -> None:
-    """Check what a fit leaves.
+    """Check what a fit of `count` entries leaves, as `residual` returns it when it fits some of them, `least` or more.
 
-    Args:
-        residual: Fits some of the entries, and returns what the fit leaves.
-        count: Number of entries.
-        limit: Largest residual of a good fit.
-        unit: Unit of both.
-        least: Number of entries that a fit needs.
-        place: File and field of the entries, for errors.
+    `place` is the file and field of the entries, for errors.
 
     Raises:
         InputError: It is more than the limit. If all is well without a certain one, it is named.

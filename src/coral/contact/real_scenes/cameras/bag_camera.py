@@ -31,11 +31,8 @@ class BagRgbdCamera:
     """Plays the pictures of a bag, one for each picture of depth.
 
     Topics are found by type and name: images with "depth" in their name, aligned ones first; other images with "color"
-    or "rgb"; the CameraInfo beside the depth. `#depth=/TOPIC,color=/TOPIC,info=/TOPIC` names them instead.
-
-    Args:
-        rest: FILE, or FILE#ROLE=TOPIC,...
-        T_world_camera: Shape=(4, 4); by default the camera's frame is the world's.
+    or "rgb"; the CameraInfo beside the depth. `#depth=/TOPIC,color=/TOPIC,info=/TOPIC` names them instead. By default
+    the camera's frame is the world's.
 
     Raises:
         InputError: It is no bag, or a topic is missing.

@@ -16,15 +16,7 @@ Array = NDArray[np.float64]
 def bare_frame(
     depth: NDArray[np.float32], rgb: NDArray[np.uint8] | None, lens: Array, placed: Array, time_s: float
 ) -> RgbdFrame:
-    """Make a picture in which nothing has a name.
-
-    Args:
-        depth: Shape=(H, W) m, 0 or not finite where nothing was measured.
-        rgb: Shape=(H, W, 3), or None.
-        lens: Shape=(4,): fx, fy, cx, cy in pixels.
-        placed: T_world_camera, Shape=(4, 4).
-        time_s: Time of the picture.
-    """
+    """Make a picture in which nothing has a name, of depth in metres, 0 or not finite where nothing was measured."""
     measured = np.where(np.isfinite(depth) & (depth > 0), depth, 0.0).astype(np.float32)
     return RgbdFrame(measured, np.zeros(measured.shape, np.uint8), (), lens, placed, time_s, rgb)
 
@@ -34,13 +26,9 @@ class Undistortion:
 
     The nearest pixel is taken, since an average of two depths is the depth of nothing.
 
-    Args:
-        lens: Shape=(4,): fx, fy, cx, cy in pixels.
-        coefficients: k1, k2, p1, p2, k3 ..., as OpenCV orders them.
-        size: Height and width.
-        inverse: Whether the coefficients map distorted to undistorted places (librealsense's
-            `inverse_brown_conrady`) instead of the reverse.
-        fisheye: Whether they are k1 to k4 of an equidistant lens, which bends even where they are 0.
+    The coefficients are k1, k2, p1, p2, k3 ..., as OpenCV orders them; with `fisheye` k1 to k4 of an equidistant lens,
+    which bends even where they are 0. `inverse`: they map distorted to undistorted places (librealsense's
+    `inverse_brown_conrady`) instead of the reverse.
     """
 
     def __init__(

@@ -34,11 +34,7 @@ def camera_help() -> str:
 
 
 def make_camera_by_name(word: str, T_world_camera: Array | None = None) -> RgbdCamera:
-    """Make the camera that a word names; it is not started yet.
-
-    Args:
-        word: NAME or NAME:REST.
-        T_world_camera: Shape=(4, 4), where the camera stands; None if it is not known.
+    """Make the camera that NAME or NAME:REST names; it is not started yet. T_world_camera is None if it is not known.
 
     Raises:
         InputError: There is no such camera.

@@ -26,13 +26,8 @@ class DrawnRgbdCamera:
 
     The hand is drawn, the arm's other links are not.
 
-    Args:
-        trial: The trial, for the shapes and colours.
-        cfg: The camera's size, place and noise.
-        state: Returns the newest state; None if there is none.
-        T_world_camera: Shape=(4, 4), where the camera is believed to stand, as a calibration says; by default where it
-            does stand.
-        live: Whether states come by the clock; otherwise the pictures end with them.
+    `T_world_camera`, Shape=(4, 4), is where the camera is believed to stand, as a calibration says; by default where it
+    does stand. `live`: states come by the clock; otherwise the pictures end with them.
     """
 
     def __init__(

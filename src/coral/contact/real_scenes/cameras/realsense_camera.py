@@ -18,11 +18,7 @@ WIDTH, HEIGHT, RATE_HZ = 640, 480, 30
 
 
 class RealSenseCamera:
-    """Streams from the first camera found, or from the one with a serial number.
-
-    Args:
-        serial: Serial number; None for any camera.
-        T_world_camera: Shape=(4, 4); by default the camera's frame is the world's.
+    """Streams from the first camera found, or from the one with a serial number; by default its frame is the world's.
 
     Raises:
         InputError: The extra `realsense` is missing.

@@ -21,11 +21,9 @@ SUFFIXES = (".png", ".jpg", ".tif")
 
 
 class RecordedRgbdCamera:
-    """Plays a scene in the format of BOP. Masks and true poses are not read.
+    """Plays a scene in the format of BOP, a folder with `depth`, `rgb`, and `scene_camera.json` or `camera.json`.
 
-    Args:
-        folder: The folder, with `depth`, `rgb`, and `scene_camera.json` or `camera.json`.
-        T_world_camera: Shape=(4, 4); by default what the recording says.
+    Masks and true poses are not read. By default the camera stands where the recording says.
 
     Raises:
         InputError: A file is missing or broken.

@@ -58,11 +58,6 @@ def stream_frames(
 ) -> Iterator[RgbdFrame]:
     """Return the pictures of a camera that has started: those of a recording to its end, live ones as they come.
 
-    Args:
-        camera: The camera.
-        silence_s: Longest wait for a live picture.
-        sleep: Waits for a number of seconds; for tests.
-
     Raises:
         CameraFailed: A live camera is silent.
     """

@@ -57,16 +57,12 @@ class _Followed:
 
 
 class ClickMasks:
-    """Follows objects from a click in the first picture.
+    """Follows objects from a click, column and row, in the first picture.
 
     In the first picture a mask is what is connected with the click in depth and colour, above the table, and no larger
     than the object. Afterwards it is what lies near the last drawing of the object and fits it in depth and colour. The
-    tracker says where that drawing is. A lost object that has left its place is searched for by its colour in the
-    whole picture; without colours, it is not found again if it has moved far.
-
-    Args:
-        clicks: Column and row of each object in the first picture.
-        models: The objects.
+    tracker says where that drawing is. A lost object that has left its place is searched for by its colour in the whole
+    picture; without colours, it is not found again if it has moved far.
     """
 
     def __init__(self, clicks: Mapping[str, Pixel], models: Mapping[str, ObjectModel]) -> None:

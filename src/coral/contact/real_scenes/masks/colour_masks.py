@@ -55,9 +55,6 @@ class ColourMasks:
     """Takes the pixels of an object's colour; of several patches the largest.
 
     For simple objects and for tests: two objects of one colour, or a hand of an object's colour, are not distinguished.
-
-    Args:
-        regions: The region of each object.
     """
 
     def __init__(self, regions: Mapping[str, ColourRegion]) -> None:
@@ -70,11 +67,7 @@ class ColourMasks:
 
 
 def paint_regions(paint: Mapping[str, tuple[float, float, float]], where: str = "--masks") -> dict[str, ColourRegion]:
-    """Return the regions of objects whose paint is known.
-
-    Args:
-        paint: Red, green and blue, 0 to 1, of each object.
-        where: Source of the paint, for errors.
+    """Return the regions of objects whose paint is known: red, green, blue, 0 to 1; `where` is its source, for errors.
 
     Raises:
         InputError: Two objects have the same colour.

@@ -22,14 +22,10 @@ class MaskSource(Protocol):
     """Finds the pixels of known objects in one picture after the other."""
 
     def segment(self, frame: RgbdFrame, poses: Mapping[str, Array]) -> Mapping[str, Mask]:
-        """Segment a picture.
+        """Return the masks in a picture by name, Shape=(H, W) each; masks that it may hold itself are not read.
 
-        Args:
-            frame: The picture; masks that it may hold are not read.
-            poses: The last T_world_object, Shape=(4, 4), of each object that is tracked; lost ones are missing.
-
-        Returns:
-            The masks by name, Shape=(H, W) each; objects that were not found may be missing.
+        `poses` holds the last T_world_object, Shape=(4, 4), of each object that is tracked; lost ones are missing, and
+        so may be the masks of objects that were not found.
 
         Raises:
             InputError: The picture lacks colours that are needed.

@@ -69,12 +69,8 @@ def make_environment(
 ) -> Any:
     """Make a robosuite environment with the Panda and our scene.
 
-    Args:
-        add_scene: Adds table, fixtures and objects to a model in world coordinates.
-        cfg: The robot.
-        control_period_s: A whole number of physics steps.
-        before_physics_step: Called with the action at every physics step once positions and velocities are known
-            (`mj_step1`); writes `data.ctrl`.
+    `add_scene` adds table, fixtures and objects to a model in world coordinates. `before_physics_step` is called with
+    the action at every physics step once positions and velocities are known (`mj_step1`); it writes `data.ctrl`.
 
     Raises:
         InputError: The control period is not a whole number of physics steps.

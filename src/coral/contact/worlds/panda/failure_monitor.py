@@ -30,12 +30,7 @@ class FailureMonitor:
         self._place = np.zeros(3)
 
     def check(self, data: mujoco.MjData, error: Array, target: HandTarget) -> None:
-        """Check the state after a control period.
-
-        Args:
-            data: The state, positions up to date.
-            error: Shape=(6,) from the tool to the target.
-            target: The target of that period.
+        """Check the state, positions up to date, after a control period; `error`, Shape=(6,), is from tool to target.
 
         Raises:
             WorldError: "diverged" or "unreachable".

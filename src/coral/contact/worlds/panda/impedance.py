@@ -44,12 +44,8 @@ class Impedance:
     """Computes torques that make the tool obey Lambda a = K e - D v + f + f_ext, and moves the fingers.
 
     Lambda is the arm's effective mass at the hand, e the error to the target, f the commanded force and f_ext the
-    contact force. `aim` sets K and D for a control period, `act` writes the torques at every physics step.
-
-    Args:
-        model, data: The simulation; `data.ctrl` is written.
-        cfg: Gains.
-        posture: Shape=(7,) rad, the posture to which the nullspace is pulled.
+    contact force. `aim` sets K and D for a control period, `act` writes the torques at every physics step. The
+    nullspace is pulled to `posture`, Shape=(7,) rad.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, cfg: ImpedanceCfg, posture: Array) -> None:

@@ -33,11 +33,7 @@ SETTLE_S, SETTLE_STIFFNESS_N_M = 0.1, 600.0
 
 
 class PandaWorld:
-    """Simulates a trial with the Panda.
-
-    Args:
-        trial: The trial.
-        period_s: Duration of each target (s).
+    """Simulates a trial with the Panda; each target lasts `period_s` (s).
 
     Raises:
         RunError: robosuite is not installed.

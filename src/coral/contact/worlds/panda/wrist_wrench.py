@@ -14,11 +14,7 @@ from coral.contact.worlds.panda.names import FORCE_SENSOR, HAND_BODY, SITE, TORQ
 
 
 class WristWrench:
-    """Averages the contact wrench over each control period.
-
-    Args:
-        model, data: The simulation; the hand's mass, centre and inertia are read from the state at construction.
-    """
+    """Averages the contact wrench over each control period; the hand's inertia is read at construction."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         self._model, self._data = model, data
