@@ -54,12 +54,8 @@ class Access:
         """Return a refusal or a redirection; None if the request may continue.
 
         The printed address contains the token. Opening it sets a cookie and redirects to the page itself, so that the
-        token disappears from the address bar and from screenshots.
-
-        Args:
-            method: Method of the HTTP request; a WebSocket is opened by GET.
-            target: Path and query as requested.
-            headers: Headers of the request, looked up as "Host", "Origin", "Cookie", "Authorization".
+        token disappears from the address bar and from screenshots. The target is path and query as requested; headers
+        are looked up as "Host", "Origin", "Cookie", "Authorization".
         """
         if not self.is_own_host(headers.get("Host")):
             return AccessResponse(HTTPStatus.MISDIRECTED_REQUEST, "This server does not answer to this name.")

@@ -17,11 +17,9 @@ Array = NDArray[Any]
 
 
 class BagWriter:
-    """Makes messages of ROS 2 and writes them, in order of time.
+    """Makes messages of ROS 2 and writes them, in order of time, with an open `Writer` of rosbags.
 
-    Args:
-        writer: An open `Writer` of rosbags.
-        topics: Type of the messages on each topic, and what they are.
+    `topics` has the type of the messages on each topic, and what they are.
     """
 
     def __init__(self, writer: Any, topics: Mapping[str, tuple[str, str]]) -> None:
@@ -83,12 +81,7 @@ class BagWriter:
 
 @contextmanager
 def open_bag(path: Path, topics: Mapping[str, tuple[str, str]], *, single_file: bool) -> Iterator[BagWriter]:
-    """Open a new bag; it stands at its place when it is whole.
-
-    Args:
-        path: The bag's folder, or the MCAP file; it must not exist.
-        topics: Type of the messages on each topic, and what they are.
-        single_file: Whether to write one MCAP file and no folder.
+    """Open a new bag, a folder or a single MCAP file; it stands at its place when it is whole.
 
     Raises:
         InputError: The path exists, or rosbags is not installed.

@@ -50,11 +50,9 @@ def completion_script(shell: str) -> str:
 
 
 def completions(words: Sequence[str], commands: Mapping[str, tuple[str, str]]) -> list[str]:
-    """Return what may stand in place of the last word.
+    """Return what may stand in place of the last of the words after `coral`, which is unfinished or "".
 
-    Args:
-        words: The words after `coral`, the last one unfinished or "".
-        commands: `module:class` and description of each command by its words, as in `coral.cli`.
+    `commands` has `module:class` and description of each command by its words, as in `coral.cli`.
     """
     *before, last = words or [""]
     name = next((" ".join(before[:n]) for n in (2, 1) if " ".join(before[:n]) in commands), None)

@@ -19,12 +19,9 @@ PACKAGE = Path(__file__).parent
 
 
 def recall(name: str, key: str, make: Callable[[], Any]) -> Any:
-    """Return the value kept under a name for this key, or make and keep it.
+    """Return the value kept under a name for this key, or make and keep it: plain values, as JSON has them.
 
-    Args:
-        name: Name of the file; a value replaces the one of another key.
-        key: Everything that the value depends on.
-        make: Makes it: plain values, as JSON has them.
+    The key is everything that the value depends on; a value replaces the one of another key.
     """
     installed = hashlib.sha256(str(PACKAGE).encode()).hexdigest()[:12]
     root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"

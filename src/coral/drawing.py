@@ -32,11 +32,9 @@ def png(rgb: Image) -> bytes:
 
 
 def palette_png(classes: Image, palette: NDArray[np.uint8]) -> bytes:
-    """Encode an indexed PNG, a few kilobytes for a whole map.
+    """Encode indices into a palette, row 0 on top, as an indexed PNG, a few kilobytes for a whole map.
 
-    Args:
-        classes: Shape=(H, W) uint8, indices into the palette; row 0 is the top of the picture.
-        palette: Shape=(C, 3) RGB, C <= 256.
+    Shape=(H, W) uint8; the palette has Shape=(C, 3) RGB, C <= 256.
     """
     import PIL.Image
 
@@ -100,18 +98,11 @@ def draw_text(
     halo: int = 0,
     anchor: str = "lm",
 ) -> None:
-    """Write text in place, moved if necessary so that it stays inside the picture.
+    """Write one line in place, Shape=(H, W, 3) RGB, moved if necessary so that it stays inside the picture.
 
-    Args:
-        image: Shape=(H, W, 3) RGB.
-        text: One line; characters that cannot be shown, and those beyond the maximum, are replaced.
-        x: Anchor column (px).
-        y: Anchor row (px).
-        size: Letter height (px).
-        color: Colour of the letters; the halo is white.
-        weight: 400 regular to 800 bold.
-        halo: Width of the white edge (px), so that the text reads on any ground.
-        anchor: First letter l/m/r: text starts at, is centred on, ends at x; second t/m/b likewise for y.
+    Characters that cannot be shown, and those beyond the maximum, are replaced. `anchor`: first letter l/m/r: text
+    starts at, is centred on, ends at x; second t/m/b likewise for y. Letters have a height `size` (px) and a weight
+    from 400, regular, to 800, bold; the white `halo` around them (px) makes them read on any ground.
     """
     letters, spread = _sprite(printable(text, LONGEST), size, weight, halo)
     h, w = letters.shape

@@ -21,11 +21,8 @@ LONGEST = 60
 class InputError(ValueError):
     """Bad input from the user. The command line prints it as one line and exits with `ExitCode.BAD_INPUT`.
 
-    Args:
-        where: File, folder or flag with the bad value.
-        field: Dotted path of the value in it, or "" if all of it is bad.
-        found: The bad value.
-        expected: What would have been accepted; "" where `found` is a sentence that says it all.
+    `where` is the file, folder or flag with the bad value, `field` its dotted path in it, or "" if all of it is bad.
+    Without what was expected, `found` is a sentence that says it all.
     """
 
     def __init__(self, where: str, field: str, found: object, expected: str) -> None:

@@ -24,13 +24,9 @@ _NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | get
 
 
 def write_whole(path: Path, content: bytes | str, *, durable: bool = False, replace: bool = True) -> None:
-    """Write a file atomically, and its folder if that is missing.
+    """Write a file atomically, and its folder if that is missing; text becomes UTF-8.
 
-    Args:
-        path: Path of the file.
-        content: The complete content; text becomes UTF-8.
-        durable: Whether to write atomically even if the machine loses power, which takes milliseconds more.
-        replace: Whether an existing file is replaced.
+    A durable file is whole even if the machine loses power, which takes milliseconds more.
 
     Raises:
         FileExistsError: It exists and is not to be replaced.
@@ -73,10 +69,6 @@ def scratch_for(path: Path) -> Iterator[Path]:
 
 def open_log(path: Path, *, new: bool = True) -> IO[str]:
     """Open a file to which lines are appended, each flushed.
-
-    Args:
-        path: Path of the file.
-        new: Whether it must not exist yet.
 
     Raises:
         OSError: It exists and must not, is a link, or cannot be written.

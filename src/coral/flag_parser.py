@@ -15,12 +15,7 @@ Given = dict[tuple[str, ...], list[str]]
 
 
 def scan(words: Sequence[str], described: Described, command: str) -> Given:
-    """Assign words to flags and arguments; nothing is converted.
-
-    Args:
-        words: The words after the command's name.
-        described: The command's flags.
-        command: The command's name, such as "reef run", for errors.
+    """Assign the words after a command's name, such as "reef run", to its flags and arguments; nothing is converted.
 
     Raises:
         InputError: A flag is unknown, its value is missing, or a word is too many.
@@ -65,14 +60,7 @@ def scan(words: Sequence[str], described: Described, command: str) -> Given:
 
 
 def build(kind: type, given: Given, described: Described, command: str, default: Any = None) -> Any:
-    """Make a command's dataclass of the words given for it.
-
-    Args:
-        kind: The dataclass.
-        given: What `scan` returned.
-        described: The command's flags.
-        command: The command's name, for errors.
-        default: Values of what is not given; None for those of the class.
+    """Make a command's dataclass of what `scan` returned; `default` has the values of what is not given.
 
     Raises:
         InputError: A value is not of the flag's type, or the dataclass refuses it.

@@ -69,13 +69,9 @@ def regular_bytes(path: Path, most_bytes: int) -> bytes:
 
 
 def read_bytes(path: Path, expected: str, most_bytes: int, field: str = "") -> bytes:
-    """Read a regular file.
+    """Read a regular file of at most `most_bytes`; links are followed.
 
-    Args:
-        path: Path of the file; links are followed.
-        expected: Kind of file, for the message.
-        most_bytes: Maximum size.
-        field: What names the file, for the message.
+    `expected` is the kind of file and `field` what names it, for the message.
 
     Raises:
         InputError: It is missing, a folder, not a regular file, unreadable, or too large.
@@ -131,9 +127,7 @@ def read_text(path: Path, expected: str, most_bytes: int = limits.YAML_BYTES, fi
 def parse_json(text: str | bytes, constant: Callable[[str], Any] | None = None) -> Any:
     """Parse JSON that is not nested deeper than Python's functions can follow.
 
-    Args:
-        text: The text.
-        constant: What NaN and infinities become, which JSON has not; by default floats.
+    `constant` makes something of NaN and infinities, which JSON has not; by default they are floats.
 
     Raises:
         ValueError: It is not JSON, or nested too deeply.
@@ -218,8 +212,7 @@ def picture_size(content: bytes) -> tuple[int, int] | None:
 def read_taken(content: bytes) -> tuple[str, str, str]:
     """Return when a picture was taken by its Exif tags: DateTimeOriginal, SubSecTimeOriginal, OffsetTimeOriginal.
 
-    Args:
-        content: The file, or its beginning. Tags that it has not are "".
+    The beginning of the file is enough. Tags that it has not are "".
     """
     from PIL import Image
 
@@ -235,11 +228,7 @@ def read_taken(content: bytes) -> tuple[str, str, str]:
 
 
 def decode_picture(content: bytes, mode: int | None = None) -> NDArray[Any] | None:
-    """Decode a PNG, JPEG, WebP, TIFF or BMP picture as OpenCV does; None if it is none.
-
-    Args:
-        content: The file.
-        mode: OpenCV's, by default as stored.
+    """Decode a PNG, JPEG, WebP, TIFF or BMP picture in one of OpenCV's modes, by default as stored; None if it is none.
 
     Raises:
         ValueError: It has more pixels than any camera's.
@@ -263,10 +252,7 @@ def decode_picture(content: bytes, mode: int | None = None) -> NDArray[Any] | No
 def read_picture_file(path: Path, mode: int | None = None, *, channels: int | None = None) -> NDArray[Any] | None:
     """Read a picture file; None if it is missing, or no picture that may be decoded. See `decode_picture`.
 
-    Args:
-        path: The file.
-        mode: OpenCV's, by default as stored.
-        channels: A picture with another number of values a pixel counts as none: a map with colours has no classes.
+    A picture with another number of `channels` counts as none: a map with colours has no classes.
     """
     try:
         content = regular_bytes(path, limits.PICTURE_BYTES)

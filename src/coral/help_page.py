@@ -18,13 +18,7 @@ _SENTENCE_END = re.compile(r"(?<=\.)(?<!Eq\.)(?<!Fig\.)(?<!Sec\.)(?<!Tab\.)(?<!e
 
 
 def help_page(command: str, described: Described, width: int = 0) -> str:
-    """Return the help of a command.
-
-    Args:
-        command: The command's name, such as "reef run".
-        described: Its flags.
-        width: Longest line; by default the terminal's, or 120.
-    """
+    """Return the help of a command such as "reef run", in lines of a width, by default the terminal's, or 120."""
     width = width or shutil.get_terminal_size((WIDTH, 24)).columns
     groups = {group.prefix: group for group in described.groups if configuration_at(group.place)}
     groups = {} if len(described.flags) <= FITS else groups

@@ -123,11 +123,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def wait_for_interrupt(told: str = "") -> None:
-    """Wait until Ctrl-C or SIGTERM: a server that is told to stop has done its work.
-
-    Args:
-        told: Printed on standard error once they are awaited.
-    """
+    """Wait until Ctrl-C or SIGTERM, as told on standard error: a server that is told to stop has done its work."""
     before = signal.signal(signal.SIGTERM, _interrupt)
     try:
         if told:

@@ -28,9 +28,7 @@ def encodable_values(value: Any) -> Any:
 def printable(text: str, longest: int | None = None) -> str:
     """Convert text to one line for a terminal or a picture: whitespace becomes spaces, control characters are removed.
 
-    Args:
-        text: Any text.
-        longest: Maximum number of characters; shortened text ends in "…".
+    Text of more than `longest` characters is shortened, and ends in "…".
     """
     if longest is not None and len(text) > longest:
         text = text[: longest - 1] + "…"

@@ -70,13 +70,7 @@ TIMING = {
 
 
 def timing_of(wall_s: float, sim_s: float, **samples_ms: Sequence[float]) -> dict[str, float]:
-    """Compute the content of timing.json.
-
-    Args:
-        wall_s: Wall time of the run.
-        sim_s: Simulated time of the run.
-        **samples_ms: Durations by name, such as `plan_ms`; each gives a median and a 99th percentile.
-    """
+    """Compute the content of timing.json; durations, such as `plan_ms`, each give a median and a 99th percentile."""
     found = {"wall_time_s": round(wall_s, 3), "realtime_factor": round(sim_s / wall_s, 3) if wall_s else 0.0}
     for name, samples in samples_ms.items():
         values = np.array(samples) if samples else np.zeros(1)

@@ -13,13 +13,7 @@ from coral.words import many
 
 
 def input_error(where: str, error: ValidationError, model: type[BaseModel]) -> InputError:
-    """Convert the first validation error to one line: dotted field, found, expected.
-
-    Args:
-        where: The file.
-        error: The validation error.
-        model: The model used for validation; it gives the valid keys of each place in the file.
-    """
+    """Convert the first error in a file to one line: dotted field, found, expected; the model knows the valid keys."""
     faults = error.errors(include_url=False)
     fault = faults[0]
     if fault["type"] == "missing":  # an unknown key beside a missing one is that key, misspelt

@@ -48,15 +48,10 @@ class WebServer:
         token: str = "",
         flag: str = "--port",
     ) -> None:
-        """Bind to an address.
+        """Bind to an address; port 0 chooses a free one, and `flag` is its name on the command line.
 
-        Args:
-            routes: Starlette routes.
-            page: HTML that is served at /; it runs no other script and style than its own.
-            host: Address to listen on.
-            port: Port; 0 chooses a free one.
-            token: Required in `?token=` (once; a cookie follows) or in `Authorization: Bearer`; made if none is given.
-            flag: Flag of the port on the command line.
+        The `page` is HTML that is served at /, and runs no other script and style than its own. The token is required
+        in `?token=` (once; a cookie follows) or in `Authorization: Bearer`; one is made if none is given.
 
         Raises:
             InputError: The port is in use, the address is not one of this machine's, or the token is unsuitable.

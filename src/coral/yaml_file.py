@@ -81,12 +81,7 @@ class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[mi
 
 
 def to_yaml(content: Any, **style: Any) -> str:
-    """Write plain values as YAML that `load_mapping` and readers of YAML 1.1 read alike.
-
-    Args:
-        content: Plain values.
-        style: Arguments of `yaml.dump`, such as `default_flow_style`.
-    """
+    """Write plain values as YAML that `load_mapping` and readers of YAML 1.1 read alike; `style` is `yaml.dump`'s."""
     return str(yaml.dump(content, Dumper=_Dumper, **{"sort_keys": False, "allow_unicode": True, **style}))
 
 
@@ -97,14 +92,10 @@ def load_mapping(
     expected: str = "a mapping of keys to values",
     list_key: str = "",
 ) -> dict[str, Any]:
-    """Return the mapping in a YAML text; {} for an empty one.
+    """Return the mapping in a YAML text; {} for an empty one. `where` and `expected` are for messages.
 
-    Args:
-        text: Text of the file.
-        where: The file, for messages.
-        most_values: Maximum number of values, including expanded aliases.
-        expected: Expected content, for the message.
-        list_key: Key under which a list that stands alone is returned; "" refuses it.
+    At most `most_values` are read, expanded aliases included. A list that stands alone is returned under `list_key`;
+    "" refuses it.
 
     Raises:
         InputError: It is not YAML, not a mapping, or nested or expanded without end.

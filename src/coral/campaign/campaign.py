@@ -43,14 +43,8 @@ def run_campaign(
 ) -> Summary:
     """Run the episodes that are not recorded yet. The store must be locked and opened.
 
-    Args:
-        store: Store of the results.
-        specs: The requested episodes.
-        episode: Runs one.
-        executor: Runs many episodes.
-        retry_failed: Whether to repeat episodes with a recorded failure.
-        mix: Whether to accept results of workers with another version of the code.
-        progress: Receives every outcome.
+    With `retry_failed`, episodes with a recorded failure are repeated; with `mix`, results of workers with another
+    version of the code are accepted.
 
     Raises:
         RunError: A worker runs another version of the code than this process, or its disk is full, or workers do not

@@ -81,12 +81,9 @@ def paper() -> dict[str, Any]:
 
 
 def contact_tables(rows: Sequence[Row], about: Mapping[str, Any], command: str) -> list[Table]:
-    """Make all tables, one set for each evaluation world and each advisor among the rows.
+    """Make all tables, one set for each evaluation world and each advisor among the rows, whose `world` is the task.
 
-    Args:
-        rows: Rows of the data set; `world` is the task, `evaluation_world` its world.
-        about: Conditions of the campaign: commit, machine.
-        command: The command that makes the tables.
+    `about` are the conditions of the campaign: commit, machine.
     """
     advisors = list(dict.fromkeys(row["advisor"] for row in rows if row["advisor"] != NO_ADVISOR)) or [NO_ADVISOR]
     tables: list[Table] = []
@@ -139,16 +136,9 @@ def _table_1(
     theirs: Callable[[Sequence[int | None]], str],
     source: tuple[str, ...],
 ) -> Table:
-    """Make a part of Table 1: a line for each method, ours and the paper's cell for each task.
+    """Make a part of Table 1: a line for each method, ours and the paper's cell for each task, with its unit.
 
-    Args:
-        rows: Trials.
-        what: What the part shows.
-        unit: Its unit, after the name of a task.
-        caption: Caption of the table.
-        cell: Returns our cell of a method's trials of a task.
-        theirs: Returns the paper's, from its successes and seconds.
-        source: Notes on where the rows come from.
+    `cell` returns ours of a method's trials of a task, `theirs` the paper's from its successes and seconds.
     """
     tasks, by_variant = list(paper()["tasks"]), group_by(rows, lambda row: row["variant"])
     groups = []

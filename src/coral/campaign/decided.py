@@ -29,13 +29,9 @@ def share(source: Source) -> Measure:
 
 
 def decided_table(groups: Sequence[Group], caption: str, notes: Sequence[str], *, runs: str) -> Table:
-    """Make a line for each group of episodes: who decided, the fate of the answers, tokens, cost and thinking time.
+    """Make a line for each group of finished episodes: who decided, the fate of the answers, tokens, cost and time.
 
-    Args:
-        groups: Finished episodes.
-        caption: Caption of the table.
-        notes: Notes after the explanation of the columns; with `mark_notes`.
-        runs: The word for episodes, in the plural.
+    The notes, with `mark_notes`, follow the explanation of the columns; `runs` is the word for episodes, in the plural.
     """
     everything = [row for group in groups for row in group.rows]
     sources = [s for s in SOURCES if s in ("advisor", "fallback") or any(_by(s, row) for row in everything)]

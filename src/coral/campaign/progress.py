@@ -38,13 +38,7 @@ class CampaignProgress:
         self._begun = self._told = 0.0
 
     def begin(self, total: int, found: int, jobs: int) -> None:
-        """Start counting.
-
-        Args:
-            total: Number of episodes of the grid.
-            found: Number of episodes recorded before.
-            jobs: Number of simultaneous episodes.
-        """
+        """Start counting the episodes of a grid, of which some were found recorded, with so many jobs at once."""
         self._total, self._found, self._jobs = total, found, jobs
         self._begun = self._told = self._clock()
         self._bar.start()

@@ -41,13 +41,10 @@ class SlurmCfg:
 
 
 class SlurmExecutor:
-    """Submits each episode as a Slurm job; the driver alone writes results.
+    """Submits each episode as a Slurm job, at most `jobs` at once; the driver alone writes results.
 
-    Args:
-        folder: Folder for scripts, results and logs of the jobs, on a disk that all nodes share.
-        jobs: Maximum number of simultaneous episodes.
-        cfg: Requirements of a job.
-        look_s: Interval of looking for results, and three times that, at the queue (s).
+    Scripts, results and logs of the jobs go into a folder on a disk that all nodes share. Results are looked for every
+    `look_s` (s), and the queue is looked at every third time.
 
     Raises:
         InputError: submitit or Slurm is not installed here, or a requirement is out of range.

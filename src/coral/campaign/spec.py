@@ -79,14 +79,8 @@ def grid(
 ) -> tuple[Spec, ...]:
     """Return every combination once, worlds innermost so that an early look at the results sees all of them.
 
-    Args:
-        system: Name of the system.
-        variants: Configurations of the pipeline.
-        worlds: Names or paths.
-        seeds: Numbers from 0.
-        advisors: As on the command line.
-        alone: Variants without an advisor; they run once, not once for each advisor.
-        overrides: Sweep: each mapping of configuration keys to values is a further dimension.
+    Variants `alone` have no advisor; they run once, not once for each advisor. Each of the overrides, configuration
+    keys and values, repeats the whole.
 
     Raises:
         InputError: A dimension is empty, or the grid is too large.

@@ -38,11 +38,7 @@ def bootstrap_mean(values: Sequence[float], groups: Sequence[Hashable]) -> Estim
     """Compute mean and 95 % interval of the cluster bootstrap (Efron and Tibshirani 1993; Field and Welsh 2007).
 
     Whole groups are drawn with replacement: missions in the same world resemble each other, so drawing single missions
-    would make the interval too narrow. With only one group, its values are drawn instead.
-
-    Args:
-        values: Shape=(N,).
-        groups: Group of each value, Shape=(N,).
+    would make the interval too narrow. With only one group, its values are drawn instead. Shape=(N,) of both.
     """
     data = np.asarray(values, np.float64)
     if len(data) == 0:
@@ -61,13 +57,7 @@ def bootstrap_mean(values: Sequence[float], groups: Sequence[Hashable]) -> Estim
 
 
 def paired_difference(ours: Mapping[K, float], reference: Mapping[K, float], group: Mapping[K, Hashable]) -> Estimate:
-    """Compute the mean of `ours - reference` over the pairs that both have.
-
-    Args:
-        ours: Values of a variant by pair.
-        reference: Values of the reference by pair.
-        group: Group of each pair, such as its world.
-    """
+    """Compute the mean of `ours - reference` over the pairs that both have; a pair's group is such as its world."""
     keys = [key for key in ours if key in reference]
     return bootstrap_mean([ours[key] - reference[key] for key in keys], [group[key] for key in keys])
 

@@ -90,13 +90,8 @@ class Store:
     ) -> None:
         """Open the campaign with this grid: begin, continue or extend it.
 
-        Args:
-            specs: Requested episodes; they join those requested before.
-            conditions: Conditions that must be equal for compared results: name to value. Names that only one side has
-                are no conflict.
-            command: The requesting command.
-            mix: Whether to accept results under other conditions in the same folder.
-            about: Further facts for the tables (commit, machine, date).
+        The conditions, by name, must be equal for compared results unless `mix` is set; names that only one side has
+        are no conflict. `about` has further facts for the tables: commit, machine, date.
 
         Raises:
             InputError: A condition has changed and `mix` is not set.

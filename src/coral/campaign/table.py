@@ -58,10 +58,7 @@ def to_markdown(table: Table) -> str:
 def overview(tables: Sequence[Table], first: Sequence[str], at_most: int = 2) -> str:
     """Render what a terminal shows of a campaign: the tables that matter, and their common notes once.
 
-    Args:
-        tables: All tables.
-        first: Beginnings of their names, by importance; tables that share one are shown together.
-        at_most: Number of names that are shown.
+    `first` has beginnings of names by importance, of which `at_most` are shown, each with all tables that share it.
     """
     names = [name for name in first if any(table.name.startswith(name) for table in tables)][:at_most]
     shown = [table for name in names for table in tables if table.name.startswith(name)]
@@ -88,13 +85,7 @@ def gather_notes(tables: Sequence[Table]) -> tuple[list[Table], list[str]]:
 
 
 def document(tables: Sequence[Table], form: str, title: str) -> str:
-    """Render all tables as one file.
-
-    Args:
-        tables: Tables in order.
-        form: `md` or `html`.
-        title: Title of the page.
-    """
+    """Render all tables in order as one file of the form `md` or `html`."""
     tables, shared = gather_notes(tables)
     if form == "md":
         last = ["## Notes", "", *(f"- {note}" for note in shared), ""] if shared else []

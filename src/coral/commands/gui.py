@@ -81,11 +81,7 @@ def choices() -> dict[str, Any]:
 
 
 def command(wanted: Mapping[str, Any], root: Path) -> tuple[list[str], Path]:
-    """Make the words of a command and its run folder.
-
-    Args:
-        wanted: `system`, `name` of a reef or task or a file, and `settings` by flag.
-        root: Folder of the runs.
+    """Make the words of a command and its folder among the runs, from `system`, `name` and `settings` by flag.
 
     Raises:
         InputError: There is no such system, reef, task or setting.

@@ -12,11 +12,7 @@ HINT = "Judge the episode: s and Enter for success, f and Enter for failure."
 
 
 class KeyboardVerdict:
-    """Reads the verdict without waiting for it: a line that is `s` or `f`.
-
-    Args:
-        stream: Where lines come from, by default standard input; it must have a file descriptor.
-    """
+    """Reads the verdict without waiting for it: a line that is `s` or `f` from a file, by default standard input."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._file: int | None = (stream or sys.stdin).fileno()

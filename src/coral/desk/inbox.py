@@ -77,11 +77,7 @@ class Inbox:
     """Reads and answers the questions in one folder. Safe to use from several threads and beside other programs."""
 
     def __init__(self, folder: Path) -> None:
-        """Open an inbox.
-
-        Args:
-            folder: Folder of questions; created if it does not exist, so that the desk may be opened before the
-                mission.
+        """Open a folder of questions; it is created if it does not exist: the desk may be opened before the mission.
 
         Raises:
             InputError: It is not a folder, or cannot be made, read or written.
@@ -127,11 +123,6 @@ class Inbox:
 
     def instruct(self, mission_id: str, instruction: str, operator: str = "") -> None:
         """Give a mission in words another instruction, which it takes in a moment; the last one counts.
-
-        Args:
-            mission_id: As listed in `missions`.
-            instruction: The new words.
-            operator: Name of the person.
 
         Raises:
             NoSuchQuestion: There is no such mission.
@@ -179,14 +170,9 @@ class Inbox:
         return content
 
     def answer(self, question_id: str, answer: Any, operator: str = "") -> None:
-        """Answer a question, unless it is already answered.
+        """Answer a question with a value as `json.loads` returns it, unless it is already answered.
 
         The answer is published atomically, and only one of several simultaneous answers is.
-
-        Args:
-            question_id: Id of the question.
-            answer: A value as returned by `json.loads`.
-            operator: Name of the person.
 
         Raises:
             NoSuchQuestion: There is none with this name.

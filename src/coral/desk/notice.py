@@ -80,12 +80,7 @@ def mission_notice(inbox: Path, instruct: Instruct | None = None, **about: Any) 
     """Keep a `mission-HOST-PID.json` in an inbox while a mission runs, and leave it there with its outcome.
 
     A mission that ends without telling its outcome has failed. The notice is optional: an inbox that cannot be written
-    does not stop the mission.
-
-    Args:
-        inbox: Folder of questions; created if it does not exist.
-        instruct: Changes the instruction of a mission in words; None without one.
-        about: Description of the mission, such as its world and its run folder; JSON values.
+    does not stop the mission. `about` describes the mission, such as its world and its run folder, in JSON values.
     """
     host, pid = socket.gethostname(), os.getpid()
     content = {

@@ -33,11 +33,9 @@ class SchemaFault:
 
 
 def faults(value: Any, schema: Mapping[str, Any]) -> list[SchemaFault]:
-    """Return the mismatches between a value and a schema, at most `MAX_FAULTS`; [] if it fits.
+    """Return the mismatches between a value, as `json.loads` returns it, and a JSON schema (draft 2020-12).
 
-    Args:
-        value: A value as returned by `json.loads`.
-        schema: A JSON schema (draft 2020-12). References to elsewhere are not followed.
+    They are at most `MAX_FAULTS`. References to elsewhere are not followed.
     """
     try:
         json.dumps(value, allow_nan=False)

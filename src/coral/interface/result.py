@@ -41,12 +41,7 @@ def demand_inbox(advisor: str, out: object) -> None:
 
 
 class RunResult:
-    """What a finished run left.
-
-    Args:
-        folder: The run folder.
-        metrics: Metrics and timing together, as `--json` prints them.
-    """
+    """What a finished run left."""
 
     def __init__(self, folder: ResultFolder, metrics: Mapping[str, Any]) -> None:
         self._folder = folder

@@ -16,10 +16,7 @@ C = TypeVar("C")
 def resolve_settings(given: Any, default: C, where: str = "cfg") -> tuple[C, frozenset[str]]:
     """Return a configuration, and the dotted keys that were set.
 
-    Args:
-        given: A configuration, a mapping of keys (nested, or dotted as on the command line), a YAML file, or None.
-        default: The default configuration.
-        where: Argument, for errors.
+    Given is a configuration, a mapping of keys (nested, or dotted as on the command line), a YAML file, or None.
 
     Raises:
         InputError: A key is unknown, a value is wrong, or the file cannot be read.

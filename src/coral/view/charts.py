@@ -83,15 +83,9 @@ def path(xs: Sequence[float] | Floats, ys: Sequence[float] | Floats, style: str,
 
 
 def chart(height: float, body: Sequence[str], axis: Span, *, label: str, top: float, bottom: float) -> str:
-    """Wrap drawn parts into an SVG with a time axis and the cursor that follows the time slider.
+    """Wrap drawn parts into an SVG with a time axis from `time_axis` and the cursor that follows the time slider.
 
-    Args:
-        height: Height of the picture (px of its own coordinates).
-        body: Parts from the functions above.
-        axis: Time axis from `time_axis`.
-        label: Label for screen readers.
-        top: Upper edge of the plot area (px).
-        bottom: Lower edge of the plot area (px).
+    Its height, and the edges of the plot area, are in px of its own coordinates. The label is for screen readers.
     """
     grid = [line(axis(t), top, axis(t), bottom, "grid") for t in time_ticks(axis)]
     times = [text(axis(t), bottom + 18, clock(t), "tick") for t in time_ticks(axis)]
@@ -136,22 +130,12 @@ def curves_chart(
     dots: Sequence[tuple[float, float, str]] = (),
     steps: bool = False,
 ) -> str:
-    """Draw curves on one scale, with a legend above.
+    """Draw curves over `t` (s), both Shape=(N,), on one scale, with a legend above. Screen readers read the label.
 
-    Args:
-        duration_s: Length of the time axis (s).
-        t: Shape=(N,) s.
-        curves: Name to values, Shape=(N,).
-        label: Label of the vertical axis, also for screen readers.
-        height: Height of the plot (px).
-        floor: A value that the scale must include.
-        ceiling: Upper end of the scale; None: the largest value.
-        ticks: Values that are labelled; None: round ones.
-        bands: Lower and upper value and class of what is shaded.
-        limits: Values of lines across, with their classes.
-        marks: Times (s) of vertical lines, such as the beginnings of stages.
-        dots: Time (s), value and text of marked points.
-        steps: Whether each value holds until the next.
+    The scale includes `floor` and ends at `ceiling`, by default the largest value; `ticks` are labelled in place of
+    round values. `bands` are shaded from a lower to an upper value, `limits` are lines across; each has a class.
+    `marks` are times (s) of vertical lines, `dots` have time (s), value and text. `steps` holds each value until the
+    next.
     """
     axis = time_axis(duration_s)
     legend, rows = _legend(list(curves))
@@ -224,14 +208,7 @@ class Bar:
 
 
 def lanes_chart(duration_s: float, lanes: Sequence[str], bars: Sequence[Bar], label: str) -> str:
-    """Draw bars in lanes, one below the other.
-
-    Args:
-        duration_s: Length of the time axis (s).
-        lanes: Names from top to bottom.
-        bars: In the order in which they are drawn.
-        label: Label for screen readers.
-    """
+    """Draw bars, in their order, in lanes from top to bottom. The label is for screen readers."""
     axis = time_axis(duration_s)
     top, pitch = 12.0, 28.0
     bottom = top + pitch * len(lanes)

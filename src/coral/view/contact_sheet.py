@@ -13,12 +13,7 @@ _INK, _PAPER = (30, 34, 42), 250
 
 
 def contact_sheet(pictures: Sequence[tuple[str, Image]], columns: int) -> Image:
-    """Lay pictures of one size out in rows, each below its title. Shape=(H, W, 3) RGB.
-
-    Args:
-        pictures: Title and picture, Shape=(h, w, 3) RGB each.
-        columns: Pictures in a row.
-    """
+    """Lay pictures of one size, Shape=(h, w, 3) RGB each, out in rows, below their titles. Shape=(H, W, 3)."""
     height, width = pictures[0][1].shape[:2]
     rows = -(-len(pictures) // columns)
     across, down = width + _GAP_PX, height + _TITLE_PX + _GAP_PX

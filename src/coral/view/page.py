@@ -27,11 +27,9 @@ SHARES = ("coverage", "imaged", "inspected")
 
 
 def render_page(template: str, **values: Any) -> str:
-    """Render a page that loads nothing from elsewhere; every text is escaped unless it is `Markup`.
+    """Render a template that extends `page.html.j2`, and loads nothing from elsewhere; a missing value is an error.
 
-    Args:
-        template: Name of a template that extends `page.html.j2`.
-        **values: What it shows; a missing one is an error.
+    Every text is escaped unless it is `Markup`.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
@@ -95,12 +93,9 @@ def metric_text(key: str, value: object) -> str:
 
 
 def origin(run: RunFolder, names: Sequence[str], timing: Sequence[str]) -> dict[str, Any]:
-    """Return what the last section of a run's page says: provenance, configuration, notes on the record.
+    """Return what the last section of a run's page says: provenance and configuration.
 
-    Args:
-        run: The run.
-        names: What the run's first event or its configuration says of it.
-        timing: Its times.
+    `names` are facts of the run's first event or its configuration, `timing` some of its times.
     """
     start: Record = (run.select("start") or [{}])[0]
     machine = run.config.get("provenance")

@@ -32,10 +32,7 @@ def write_map(run: RunFolder) -> Path:
 def scene_at(run: RunFolder, t: float, cells: NDArray[np.uint8] | None = None) -> MapScene:
     """Return the robot's map and state at time `t` (s), as far as recorded.
 
-    Args:
-        run: The run.
-        t: Simulated time (s).
-        cells: Map classes, Shape=(H, W); None takes the last snapshot that is no later than `t`.
+    `cells` are the map's classes, Shape=(H, W), by default of the last snapshot that is no later than `t`.
     """
     pose, track, goal = _state_at(run, t)
     offered = chain_at(run, t)

@@ -16,12 +16,7 @@ _WATCH = re.compile(r"at (http://127\.0\.0\.1:\d+/\S+)")
 
 
 class Job:
-    """One command, writing a run folder.
-
-    Args:
-        words: The command without `coral`.
-        folder: Its run folder.
-    """
+    """One command, given without `coral`, writing a run folder."""
 
     def __init__(self, words: Sequence[str], folder: Path) -> None:
         self.words, self.folder = tuple(words), folder
@@ -55,12 +50,9 @@ class Job:
         return "\n".join(self._told)
 
     def stop(self, patience_s: float = 0.0) -> None:
-        """Tell it to end, so that its folder is complete; after the patience it is killed.
+        """Tell it to end, so that its folder is complete; after the patience (s), if there is any, it is killed.
 
         By SIGTERM: what a shell starts in the background hands down that Ctrl-C is ignored.
-
-        Args:
-            patience_s: How long to wait for its end (s); 0 does not wait.
         """
         if self.running:
             self._process.terminate()

@@ -31,13 +31,9 @@ Start = Callable[[Mapping[str, Any]], tuple[list[str], Path]]
 
 
 class FrontServer(WebServer):
-    """Serves the front page, and on ports of their own the pages that it opens.
+    """Serves the front page of a folder of runs, and on ports of their own the pages that it opens.
 
-    Args:
-        root: Folder of the runs.
-        choices: What the page offers: by system, the names of its reefs or tasks and its settings.
-        start: Makes a command of what was chosen.
-        port: Port; 0 chooses a free one.
+    `choices` are what the page offers: by system, the names of its reefs or tasks and its settings.
 
     Raises:
         InputError: The port is in use or invalid.

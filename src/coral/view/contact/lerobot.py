@@ -78,18 +78,10 @@ class _Dataset:
 
 
 def write_lerobot(runs: Sequence[Path], out: Path, cfg: LerobotCfg | None = None) -> dict[str, Any]:
-    """Write finished contact runs as one data set; each run is an episode.
+    """Write finished contact runs as one data set into a new or empty folder; each run is an episode.
 
     Nothing in it comes from the true state of the objects but `next.reward` and `next.done`: 1 and true at the last
-    frame of a success, as the judge said.
-
-    Args:
-        runs: Run folders.
-        out: Folder of the data set, new or empty.
-        cfg: What it holds.
-
-    Returns:
-        Number of `episodes`, `frames`, `successes`, and the folder `dataset`.
+    frame of a success, as the judge said. Return the number of `episodes`, `frames`, `successes`, and the `dataset`.
 
     Raises:
         InputError: A folder is no finished contact run with states, or the rate does not fit its control step.

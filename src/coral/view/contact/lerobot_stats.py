@@ -13,11 +13,7 @@ QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 
 
 def column_stats(values: Sequence[Any]) -> dict[str, list[float]]:
-    """Compute the statistics of a column, one value for each of its numbers.
-
-    Args:
-        values: Rows, Shape=(N,) or (N, D).
-    """
+    """Compute the statistics of a column, Shape=(N,) or (N, D), one value for each of its numbers."""
     rows = np.asarray(values, np.float64).reshape(len(values), -1)
     found = {"min": rows.min(axis=0), "max": rows.max(axis=0), "mean": rows.mean(axis=0), "std": rows.std(axis=0)}
     found |= {name: np.quantile(rows, share, axis=0) for name, share in QUANTILES.items()}

@@ -30,11 +30,7 @@ VFOV_DEG = 38.0
 
 
 class ReplayedScene:
-    """The simulated world of a run folder, set to its recorded states.
-
-    Args:
-        run: The run.
-        size: Width and height of the pictures (px).
+    """The simulated world of a run folder, set to its recorded states; pictures have width and height `size` (px).
 
     Raises:
         InputError: The run has no recorded states, or those of another world.
@@ -106,14 +102,9 @@ def _extent(run: RunFolder, trial: Trial) -> tuple[Array, float]:
 def scene_camera(
     model: mujoco.MjModel, trial: Trial, placed: Array, size: tuple[int, int], names: bool = False
 ) -> RayCamera:
-    """Make a camera of a simulated scene.
+    """Make a camera of a simulated scene at `placed`, T_world_camera, Shape=(4, 4), for pictures of a size (px).
 
-    Args:
-        model: The world's model.
-        trial: Its trial.
-        placed: T_world_camera, Shape=(4, 4).
-        size: Width and height (px).
-        names: Whether pictures hold which thing each pixel shows instead of colours.
+    With `names`, pictures hold which thing each pixel shows instead of colours.
     """
     return RayCamera(
         model,

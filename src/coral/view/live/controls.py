@@ -32,14 +32,10 @@ class Controls(Protocol):
 
 
 class RunControls:
-    """Pause, stop and speed of what runs; with `weights`, a factor on each term of the cost from the next plan on.
+    """Pause, stop and speed of a mission or a task.
 
-    Args:
-        pace: The viewer's requests.
-        what: What is stopped: mission or task.
-        weights: Takes the factors; None for a run without such a cost.
-        stop_now: Called by the stop button besides, at once and from its own thread: it stops an arm.
-        instruct: Changes the instruction; None for a run without one.
+    `weights` takes a factor on each term of a cost, from the next plan on. The stop button calls `stop_now` besides, at
+    once and from its own thread: it stops an arm. `instruct` changes the instruction. Each is None for a run without.
     """
 
     def __init__(
@@ -112,12 +108,7 @@ BUTTONS: tuple[tuple[Word, str, str, str], ...] = (
 
 
 class SurveyControls:
-    """The operator's words to a vehicle at sea.
-
-    Args:
-        words: Takes them.
-        instruct: Changes the instruction; None for a survey without one.
-    """
+    """The operator's words to a vehicle at sea; `instruct` changes the instruction, None for a survey without one."""
 
     def __init__(self, words: OperatorWords, instruct: Instruct | None = None) -> None:
         self._words, self._instruct = words, instruct

@@ -19,12 +19,9 @@ class Pace:
         clock: Callable[[], float] = time.monotonic,
         wait: Callable[[float], object] | None = None,
     ) -> None:
-        """Start running.
+        """Start running at most at a speed, in simulated seconds per wall second; 0 for no limit.
 
-        Args:
-            speed: Maximum simulated seconds per wall second; 0 for no limit.
-            clock: Wall clock (s).
-            wait: Waits for at most this many seconds, less if a setting changes.
+        `wait` waits for at most so many seconds, less if a setting changes.
         """
         self._changed = threading.Event()
         self._clock = clock

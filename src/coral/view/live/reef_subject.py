@@ -39,11 +39,7 @@ HULL_Z_M = 0.5
 
 
 class ReefSubject:
-    """What is shown of one survey.
-
-    Args:
-        run: The folder, with its world.
-    """
+    """What is shown of one survey."""
 
     def __init__(self, run: RunFolder) -> None:
         config, size = run.config, run.world.get("size_m") or (20.0, 20.0)

@@ -58,11 +58,9 @@ class Tail:
 
 
 class RunStream:
-    """What a viewer is told of a run folder so far. Every method may be called from any thread.
+    """What a viewer is told of a run folder so far, which may still be empty. Methods may be called from any thread.
 
-    Args:
-        folder: The run folder; it may still be empty.
-        subject: Makes the subject once the run has written what it is about; None as long as it has not.
+    `subject` makes the subject once the run has written what it is about, and returns None as long as it has not.
     """
 
     def __init__(self, folder: Path, subject: Callable[[], Subject | None]) -> None:
@@ -83,12 +81,7 @@ class RunStream:
             return self._subject
 
     def news(self, moments: int, rows: int) -> dict[str, Any]:
-        """Return what is new to a page.
-
-        Args:
-            moments: Number of moments that the page has.
-            rows: Number of rows that it has.
-        """
+        """Return what is new to a page that has so many moments and rows."""
         subject = self.subject
         if subject is None:
             return {"moments": [], "rows": [], "complete": False}

@@ -33,9 +33,6 @@ RED, BLUE, GREEN = "#d6342c", "#195ae6", "#0a7d4f"
 class TaskSubject:
     """What is shown of one episode.
 
-    Args:
-        run: The folder, with its task and configuration.
-
     Raises:
         InputError: The folder has no task, or no seed.
     """

@@ -77,14 +77,9 @@ class Viewer(WebServer):
     def __init__(
         self, folder: Path, controls: Controls | None = None, *, rate: float = 10.0, port: int = 0, flag: str = "--port"
     ) -> None:
-        """Open the page on this machine.
+        """Open the page on this machine, of a run folder that is written or being written; port 0 chooses a free one.
 
-        Args:
-            folder: The run folder, written or being written.
-            controls: The operator's buttons; None for a recorded run.
-            rate: Speed of playing at first, in multiples of real time.
-            port: Port; 0 chooses a free one.
-            flag: Flag of the port on the command line.
+        A recorded run has no controls, the operator's buttons; it is played at a `rate`, in multiples of real time.
 
         Raises:
             InputError: The port is in use or invalid.

@@ -21,13 +21,9 @@ ROLLOUTS = 48
 
 
 class WatchedRun:
-    """Applies pause, speed and stop between two steps, and passes on the plan while somebody looks.
+    """Applies pause, speed and stop between two steps, and passes on the plan, as sketched, while somebody looks.
 
-    Args:
-        viewer: The page.
-        pace: The viewer's requests; None where nothing may wait.
-        sketch: Draws the plan of the run.
-        real_time: Whether the run keeps its own time.
+    Without a pace nothing waits. A run in real time keeps its own.
     """
 
     def __init__(self, viewer: Viewer, pace: Pace | None, sketch: Sketch, *, real_time: bool = False) -> None:
@@ -68,14 +64,10 @@ class WatchedRun:
 def watching_run(
     run: Any, system: Literal["reef", "contact"], *, port: int, speed: float, wait: bool
 ) -> Iterator[list[WatchedRun]]:
-    """Show a mission or an episode in a browser, from before its first step until Ctrl-C after its end.
+    """Show a mission or an episode in a browser, from before its first step until its end.
 
-    Args:
-        run: The run.
-        system: Which of the two it is.
-        port: Port of the page; 0 chooses one.
-        speed: Speed limit, in multiples of real time; 0 for none.
-        wait: Whether the run waits for the first viewer, and the page stays after its end.
+    Port 0 chooses one. The speed limit is in multiples of real time; 0 for none. With `wait`, the run waits for the
+    first viewer, and the page stays after its end until Ctrl-C.
     """
     pace = Pace(speed)
     sketch: Sketch = reef_sketch if system == "reef" else task_sketch
