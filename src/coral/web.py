@@ -12,16 +12,18 @@ import socket
 import threading
 from collections.abc import Awaitable, Callable, MutableMapping, Sequence
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, JSONResponse, Response
+from starlette.routing import BaseRoute, Route
 
 from coral.access import Access, choose_token
 from coral.errors import InputError
 from coral.foreign_file import parse_json
-
-if TYPE_CHECKING:
-    from starlette.requests import Request
-    from starlette.responses import Response
-    from starlette.routing import BaseRoute
 
 HOST = "127.0.0.1"
 HEADER = "X-Coral"
@@ -68,8 +70,6 @@ class WebServer:
         return self.access.url
 
     def __enter__(self) -> Self:
-        import uvicorn
-
         config = uvicorn.Config(
             self._app,
             log_config=None,
@@ -129,10 +129,6 @@ def check_free(port: int, flag: str) -> None:
 
 def application(routes: Sequence[BaseRoute], page: str = "") -> App:
     """Return an application of routes that answers errors as JSON, and serves a page at /."""
-    from starlette.applications import Starlette
-    from starlette.exceptions import HTTPException
-    from starlette.responses import HTMLResponse, JSONResponse
-    from starlette.routing import Route
 
     async def fail(_: Request, error: Exception) -> Response:
         assert isinstance(error, HTTPException)
@@ -192,31 +188,26 @@ async def read_json(request: Request, limit: int = BODY_LIMIT) -> dict[str, Any]
         HTTPException: It comes without the header of our own pages, is too long, or is no JSON object.
     """
     if request.headers.get(HEADER) != "1":
-        raise refusal(HTTPStatus.FORBIDDEN, f"Sent without the header {HEADER}: 1, as a page of another site would.")
+        raise HTTPException(
+            HTTPStatus.FORBIDDEN, f"Sent without the header {HEADER}: 1, as a page of another site would."
+        )
     if request.headers.get("Content-Type", "").partition(";")[0].strip().lower() != "application/json":
-        raise refusal(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "Send it as application/json.")
+        raise HTTPException(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "Send it as application/json.")
     body = b""
     length = request.headers.get("Content-Length", "0")
     if not (length.isdigit() and len(length) < 13 and int(length) <= limit):
-        raise refusal(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"At most {limit} bytes are read.")
+        raise HTTPException(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"At most {limit} bytes are read.")
     async for chunk in request.stream():
         body += chunk
         if len(body) > limit:
-            raise refusal(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"At most {limit} bytes are read.")
+            raise HTTPException(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"At most {limit} bytes are read.")
     try:
         content = parse_json(body, _no_constant)
     except ValueError as error:
-        raise refusal(HTTPStatus.BAD_REQUEST, f"The request is not valid JSON: {error}") from None
+        raise HTTPException(HTTPStatus.BAD_REQUEST, f"The request is not valid JSON: {error}") from None
     if not isinstance(content, dict):
-        raise refusal(HTTPStatus.BAD_REQUEST, "The request must be a JSON object.")
+        raise HTTPException(HTTPStatus.BAD_REQUEST, "The request must be a JSON object.")
     return content
-
-
-def refusal(status: HTTPStatus, reason: str) -> Exception:
-    """Return the exception that ends a request with a reason."""
-    from starlette.exceptions import HTTPException
-
-    return HTTPException(int(status), reason)
 
 
 def content_policy(page: str) -> str:

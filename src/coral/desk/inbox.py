@@ -8,7 +8,7 @@ import os
 import re
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -247,19 +247,16 @@ class Inbox:
             answer=_answer_for_history(folder / "answer.json") if answered else None,
         )
         key = json.dumps(asker, sort_keys=True)
-        # The operator is recorded shortly after the answer; after that the question never changes.
-        if closed is not None and (by or state == "withdrawn" or time.time() - _modified(folder / "closed.json") > 5.0):
-            self._settled[question_id] = (entry, key)
+        if closed is not None:
+            # The operator is recorded shortly after the answer; after that the question never changes.
+            with contextlib.suppress(OSError):
+                if by or state == "withdrawn" or time.time() - (folder / "closed.json").stat().st_mtime > 5.0:
+                    self._settled[question_id] = (entry, key)
         return entry, key
 
     def _last_refusal(self, question_id: str) -> str:
         rejections = self.question(question_id)["rejections"]
         return str(rejections[-1].get("reason", "")) if isinstance(rejections[-1], dict) else str(rejections[-1])
-
-
-def entry_json(entry: InboxEntry) -> dict[str, Any]:
-    """Convert an entry to JSON."""
-    return asdict(entry)
 
 
 def _taken_text(folder: Path) -> str:
@@ -269,8 +266,7 @@ def _taken_text(folder: Path) -> str:
 
 def _asker_lives(asker: Mapping[str, Any]) -> bool:
     host, pid = asker.get("host"), asker.get("pid")
-    known = isinstance(host, str) and isinstance(pid, int) and pid > 0
-    return is_alive(str(host), int(pid)) if known and pid is not None else True
+    return is_alive(host, pid) if isinstance(host, str) and isinstance(pid, int) and pid > 0 else True
 
 
 def _read_bytes(path: Path, limit: int) -> bytes | None:
@@ -287,14 +283,6 @@ def _answer_for_history(path: Path) -> Any:
     text = (_read_bytes(path, QUESTION_LIMIT) or b"").decode("utf-8", "replace")
     simple = len(text) <= MAX_CHARS and text.count("[") + text.count("{") <= MAX_BRACKETS
     return _read_any(path) if simple else text[:400]
-
-
-def _modified(path: Path) -> float:
-    """Return the Unix time (s) of a file's last change; now if the file is gone."""
-    try:
-        return path.stat().st_mtime
-    except OSError:
-        return time.time()
 
 
 def _read_any(path: Path) -> Any:

@@ -126,7 +126,7 @@ def is_alive(host: str, pid: int) -> bool:
     except ProcessLookupError:
         return False
     except (PermissionError, OverflowError):
-        return True
+        pass
     return True
 
 

@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import BaseRoute, Route
 
 from coral.desk.front.jobs import MOST, Job
 from coral.desk.inbox import Inbox
@@ -15,12 +20,7 @@ from coral.foreign_file import read_text
 from coral.run_files import RunFiles
 from coral.run_list import run_card, run_folders
 from coral.view.live.viewer import Viewer
-from coral.web import WebServer, read_json, refusal
-
-if TYPE_CHECKING:
-    from starlette.requests import Request
-    from starlette.responses import Response
-    from starlette.routing import BaseRoute
+from coral.web import WebServer, read_json
 
 PAGE = read_text(Path(__file__).parent / "page.html", "a file of this package")
 MOST_PAGES = 20
@@ -56,8 +56,6 @@ class FrontServer(WebServer):
         super().close()
 
     def _routes(self) -> Sequence[BaseRoute]:
-        from starlette.routing import Route
-
         return [
             Route("/api/choices", self._offer),
             Route("/api/state", self._state),
@@ -67,7 +65,7 @@ class FrontServer(WebServer):
         ]
 
     def _offer(self, _: Request) -> Response:
-        return _json(self._choices)
+        return JSONResponse(self._choices)
 
     def _state(self, _: Request) -> Response:
         going = {job.folder: job for job in self.jobs if job.running}
@@ -85,25 +83,25 @@ class FrontServer(WebServer):
             }
             for number, job in enumerate(self.jobs)
         ]
-        return _json({"runs": runs, "jobs": jobs[::-1]})
+        return JSONResponse({"runs": runs, "jobs": jobs[::-1]})
 
     async def _begin(self, request: Request) -> Response:
         wanted = await read_json(request)
         if sum(job.running for job in self.jobs) >= MOST:
-            raise refusal(HTTPStatus.CONFLICT, f"{MOST} runs are going on; stop one, or wait.")
+            raise HTTPException(HTTPStatus.CONFLICT, f"{MOST} runs are going on; stop one, or wait.")
         try:
             words, folder = self._start(wanted)
         except InputError as error:
-            raise refusal(HTTPStatus.BAD_REQUEST, str(error)) from None
+            raise HTTPException(HTTPStatus.BAD_REQUEST, str(error)) from None
         self.jobs.append(Job(words, folder))
-        return _json({"number": len(self.jobs) - 1})
+        return JSONResponse({"number": len(self.jobs) - 1})
 
     async def _end(self, request: Request) -> Response:
         number = (await read_json(request)).get("number")
         if not isinstance(number, int) or not 0 <= number < len(self.jobs):
-            raise refusal(HTTPStatus.NOT_FOUND, "There is no such run.")
+            raise HTTPException(HTTPStatus.NOT_FOUND, "There is no such run.")
         self.jobs[number].stop()
-        return _json({})
+        return JSONResponse({})
 
     async def _open(self, request: Request) -> Response:
         """Open a page of a run: `watch` it, read its `report`, or `answer` its questions. Send the address."""
@@ -112,16 +110,16 @@ class FrontServer(WebServer):
         folders = {path.relative_to(self.root).as_posix(): path for path in run_folders(self.root)}
         folders |= {job.folder.relative_to(self.root).as_posix(): job.folder for job in self.jobs}
         if not isinstance(name, str) or name not in folders or what not in ("watch", "report", "answer"):
-            raise refusal(HTTPStatus.NOT_FOUND, "There is no such run.")
+            raise HTTPException(HTTPStatus.NOT_FOUND, "There is no such run.")
         going = next((job for job in self.jobs if job.running and job.folder == folders[name]), None)
         if what == "watch" and going is not None:
             if not going.url:
-                raise refusal(HTTPStatus.CONFLICT, "It has not opened its page yet.")
-            return _json({"url": going.url})
+                raise HTTPException(HTTPStatus.CONFLICT, "It has not opened its page yet.")
+            return JSONResponse({"url": going.url})
         try:
-            return _json({"url": self._page(folders[name], what).url})
+            return JSONResponse({"url": self._page(folders[name], what).url})
         except InputError as error:
-            raise refusal(HTTPStatus.BAD_REQUEST, str(error)) from None
+            raise HTTPException(HTTPStatus.BAD_REQUEST, str(error)) from None
 
     def _page(self, folder: Path, what: str) -> WebServer:
         key = (str(folder), what)
@@ -138,9 +136,3 @@ class FrontServer(WebServer):
                 self._pages.pop(next(iter(self._pages))).close()
             self._pages[key] = page.__enter__()
         return self._pages[key]
-
-
-def _json(content: Any) -> Response:
-    from starlette.responses import JSONResponse
-
-    return JSONResponse(content)

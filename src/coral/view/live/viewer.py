@@ -10,9 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from http import HTTPStatus
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.routing import BaseRoute, Route
 
 from coral.drawing import Image, png
 from coral.foreign_file import read_text
@@ -23,12 +27,7 @@ from coral.run_files import RunFiles, SurveyFiles, TaskFiles
 from coral.view.live.controls import Controls
 from coral.view.live.stream import RunStream, Subject
 from coral.view.run import RunFolder, read_camera_frame, read_frame
-from coral.web import WebServer, read_json, refusal
-
-if TYPE_CHECKING:
-    from starlette.requests import Request
-    from starlette.responses import Response
-    from starlette.routing import BaseRoute
+from coral.web import WebServer, read_json
 
 PAGE = read_text(Path(__file__).parent / "page.html", "a file of this package")
 PICTURE = (320, 240)
@@ -116,8 +115,6 @@ class Viewer(WebServer):
         self.stream.close()
 
     def _routes(self) -> Sequence[BaseRoute]:
-        from starlette.routing import Route
-
         return [
             Route("/api/head", self._head),
             Route("/api/news", self._news),
@@ -127,22 +124,18 @@ class Viewer(WebServer):
         ]
 
     def _head(self, _: Request) -> Response:
-        from starlette.responses import JSONResponse
-
         subject = self.stream.subject
         told = subject.head if subject is not None else {}
         return JSONResponse({"live": self.controls is not None, "rate": self._rate, **told})
 
     def _news(self, request: Request) -> Response:
-        from starlette.responses import JSONResponse
-
         self._asked = time.monotonic()
         self._visited.set()
         have = request.query_params
         try:
             moments, rows = int(have.get("moments", "0")), int(have.get("rows", "0"))
         except ValueError:
-            raise refusal(HTTPStatus.BAD_REQUEST, "The request must count what the page has.") from None
+            raise HTTPException(HTTPStatus.BAD_REQUEST, "The request must count what the page has.") from None
         news = self.stream.news(max(moments, 0), max(rows, 0))
         return JSONResponse({**news, **self._pictures(), "now": self._now()})
 
@@ -169,29 +162,23 @@ class Viewer(WebServer):
         return {"maps": found.maps, "eyes": found.eyes, "colour": found.colour}
 
     def _frame(self, request: Request) -> Response:
-        from starlette.responses import Response
-
         picture = frame_picture(self.folder, request.path_params["step"], request.path_params["kind"])
         if picture is None:
-            raise refusal(HTTPStatus.NOT_FOUND, "There is no such picture.")
+            raise HTTPException(HTTPStatus.NOT_FOUND, "There is no such picture.")
         return Response(png(picture), media_type="image/png")
 
     def _picture(self, request: Request) -> Response:
-        from starlette.responses import FileResponse
-
         digest = request.path_params["digest"]
         path = self.folder / RunFiles.PICTURES / f"{digest}.png"
         if not re.fullmatch(r"\w{1,128}", digest) or path.is_symlink() or not path.is_file():
-            raise refusal(HTTPStatus.NOT_FOUND, "There is no such picture.")
+            raise HTTPException(HTTPStatus.NOT_FOUND, "There is no such picture.")
         return FileResponse(path, media_type="image/png")
 
     async def _press(self, request: Request) -> Response:
-        from starlette.responses import JSONResponse
-
         content = await read_json(request)
         name = content.get("name")
         if self.controls is None or not isinstance(name, str) or not self.controls.press(name, content.get("value")):
-            raise refusal(HTTPStatus.BAD_REQUEST, "There is no such button.")
+            raise HTTPException(HTTPStatus.BAD_REQUEST, "There is no such button.")
         return JSONResponse({"ok": True})
 
 
