@@ -43,10 +43,7 @@ class RayExecutor:
             import ray
         except ImportError:
             raise InputError(
-                "--executor",
-                "",
-                "ray, which is not installed",
-                f"local, or {install_extra('ray')}",
+                "--executor", "", "ray, which is not installed", f"local, or {install_extra('ray')}"
             ) from None
         self._ray = ray
         _check_listening(address)

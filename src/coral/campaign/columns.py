@@ -59,8 +59,7 @@ class Measure:
     def difference(self) -> Column:
         """Return the column of paired differences from the reference."""
         return Column(
-            f"Δ {self.label}",
-            lambda group: difference_text(difference(group.rows, group.reference, self), self.digits),
+            f"Δ {self.label}", lambda group: difference_text(difference(group.rows, group.reference, self), self.digits)
         )
 
     def median(self) -> Column:
@@ -131,12 +130,7 @@ def successes(rows: Sequence[Row]) -> list[Row]:
 
 
 def tabulate(
-    name: str,
-    caption: str,
-    by: str,
-    groups: Sequence[Group],
-    columns: Sequence[Column],
-    notes: Sequence[str],
+    name: str, caption: str, by: str, groups: Sequence[Group], columns: Sequence[Column], notes: Sequence[str]
 ) -> Table:
     """Make a table with a line for each group; `by` says what a group is, such as "variant".
 

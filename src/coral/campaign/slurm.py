@@ -54,12 +54,7 @@ class SlurmExecutor:
         try:
             import submitit
         except ImportError:
-            raise InputError(
-                "--executor",
-                "",
-                "no package submitit",
-                f"local, or {install_extra('slurm')}",
-            ) from None
+            raise InputError("--executor", "", "no package submitit", f"local, or {install_extra('slurm')}") from None
         for flag, number in (("minutes", cfg.minutes), ("memory-gb", cfg.memory_gb)):
             if not number > 0:
                 raise InputError(f"--slurm.{flag}", "", number, "a number above 0")

@@ -45,12 +45,7 @@ class Desk:
         print(f"the desk is open at {server.url}", file=sys.stderr, flush=True)
         with server:
             wait_for_interrupt(f"it shows the questions in {self.inbox}; Ctrl-C closes it")
-        return {
-            "inbox": str(self.inbox),
-            "host": self.host,
-            "port": server.access.port,
-            "answered": server.answered,
-        }
+        return {"inbox": str(self.inbox), "host": self.host, "port": server.access.port, "answered": server.answered}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Report the number of accepted answers."""

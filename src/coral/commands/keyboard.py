@@ -12,13 +12,7 @@ from typing import IO
 from coral.errors import InputError
 from coral.reef.sea.operator import WORDS, OperatorWords, Word
 
-KEYS: dict[str, Word] = {
-    " ": "hold",
-    "h": "hold",
-    "r": "resume",
-    "q": "stop",
-    "s": "surface",
-}
+KEYS: dict[str, Word] = {" ": "hold", "h": "hold", "r": "resume", "q": "stop", "s": "surface"}
 """Keys while the survey runs. Disarming has no key: it has to be written."""
 HELP = "space: hold  r: resume  s: surface  q: stop"
 HELP_INSTRUCT = "i: another instruction"
@@ -29,10 +23,7 @@ class Keyboard:
     """Reads standard input without ever blocking for longer than `WAIT_S`."""
 
     def __init__(
-        self,
-        words: OperatorWords,
-        source: IO[str] | None = None,
-        instruct: Callable[[str, str], bool] | None = None,
+        self, words: OperatorWords, source: IO[str] | None = None, instruct: Callable[[str, str], bool] | None = None
     ) -> None:
         """Listen, by default on standard input; instruct(words, by) changes the instruction of a mission in words."""
         self._words, self._source, self._instruct = words, source or sys.stdin, instruct

@@ -162,12 +162,7 @@ class ReefRun:
             finally:
                 progress.close()
             decided = who_decided(result, things="goals", fallback=cfg.pilot.fallback)
-            return {
-                **result,
-                "decided": decided,
-                "run": str(folder),
-                **render(folder, cfg.record),
-            }
+            return {**result, "decided": decided, "run": str(folder), **render(folder, cfg.record)}
 
     def _tell_compiling(self) -> None:
         if not self.quiet and not is_compiled():

@@ -32,13 +32,7 @@ from coral.flags import Argument, Option
 from coral.plugins import our_part
 from coral.reef.map.landmark_map import LandmarkMap
 from coral.reef.mission.mission_cfg import MissionCfg
-from coral.reef.mission.resolution import (
-    reef_advisor,
-    with_camera,
-    with_camera_latency,
-    with_deadline,
-    with_sonar,
-)
+from coral.reef.mission.resolution import reef_advisor, with_camera, with_camera_latency, with_deadline, with_sonar
 from coral.reef.mission.word_judge import instructed, with_instruction
 from coral.reef.pictures.questions import question_pictures
 from coral.reef.sea.checklist import CheckLine, Equipment, blocking

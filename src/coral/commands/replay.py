@@ -40,12 +40,7 @@ class Replay:
             for note in found.notes:
                 print(f"note: {note}", file=sys.stderr, flush=True)
             wait_for_interrupt()
-            return {
-                "run": str(self.run),
-                "url": page.url,
-                "duration_s": found.duration_s,
-                "complete": found.complete,
-            }
+            return {"run": str(self.run), "url": page.url, "duration_s": found.duration_s, "complete": found.complete}
 
     def describe(self, result: Mapping[str, Any]) -> str:
         """Describe what was shown."""

@@ -92,13 +92,7 @@ def run_mission(
     asks_people = asks_person(named)
     demand_inbox(named, out)
     resolved, found = resolve_mission(
-        given,
-        found,
-        variant=variant,
-        preset=preset,
-        fallback=fallback,
-        keep=keep,
-        asks_people=asks_people,
+        given, found, variant=variant, preset=preset, fallback=fallback, keep=keep, asks_people=asks_people
     )
     folder = ResultFolder(out)
     kept = out is not None or video

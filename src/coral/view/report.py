@@ -22,14 +22,7 @@ from coral.reef.mission.outcome import outcome_metrics
 from coral.run_files import SurveyFiles
 from coral.view.charts import clock
 from coral.view.decisions import Decision, decisions
-from coral.view.figures import (
-    HELD,
-    clearance_chart,
-    coverage_chart,
-    event_chart,
-    imaging_chart,
-    speed_chart,
-)
+from coral.view.figures import HELD, clearance_chart, coverage_chart, event_chart, imaging_chart, speed_chart
 from coral.view.mapsvg import MapSvg, cluster_fate
 from coral.view.page import TEMPLATES, metric_rows, origin, render_page, write_page
 from coral.view.run import Record, RunFolder
@@ -188,12 +181,7 @@ def _tiles(metrics: Mapping[str, Any], mission: Mapping[str, Any]) -> list[tuple
             "advisor calls",
             "",
         ),
-        (
-            str(metrics.get("deviations", 0)),
-            "beyond the paper's fixed angles",
-            "deviations",
-            "",
-        ),
+        (str(metrics.get("deviations", 0)), "beyond the paper's fixed angles", "deviations", ""),
         *(_inspection_tiles(metrics) if total or not mission else ()),
         *_position_tiles(metrics),
     ]

@@ -175,12 +175,7 @@ def _tiles(run: RunFolder, metrics: Mapping[str, Any]) -> list[tuple[str, str, s
         ),
         (str(metrics.get("plans", 0)), f"{median:.0f} ms each (median)" if median else "", "plans", ""),
         (str(metrics.get("stages", 0)), str(metrics.get("strategy", "")), "changes of stage", ""),
-        (
-            "unknown" if peak is None else f"{float(peak):.0f} N",
-            _force_remark(peak, mean),
-            "largest force",
-            "",
-        ),
+        ("unknown" if peak is None else f"{float(peak):.0f} N", _force_remark(peak, mean), "largest force", ""),
         (str(metrics.get("advisor_calls", 0)), f"{metrics.get('repairs', 0)} repairs", "advisor calls", ""),
     ]
 

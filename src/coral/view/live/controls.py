@@ -117,13 +117,7 @@ class SurveyControls:
         """Return the buttons; disabled are those without meaning now: arming once under way, all after the end."""
         ended, waiting = status.startswith("ended"), status.startswith("preflight")
         made = [
-            {
-                "name": word,
-                "label": label,
-                "tone": tone,
-                "hint": hint,
-                "disabled": ended or (word == "arm") != waiting,
-            }
+            {"name": word, "label": label, "tone": tone, "hint": hint, "disabled": ended or (word == "arm") != waiting}
             for word, label, tone, hint in BUTTONS
         ]
         made += [] if self._instruct is None else [_instruction_button(ended)]
